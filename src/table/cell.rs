@@ -138,6 +138,13 @@ impl Cell {
             && (behind.is_empty() || behind.starts_with(['°', '±', 'e', 'E']) || Unit::from_symbol(behind).is_some())
     }
 
+    /// Whether it is a number with decimals, and no date: `25,060`, and not `12.03.`.
+    pub(crate) fn has_decimals(&self) -> bool {
+        let text = self.text();
+        let decimals = text.split_once(['.', ',']).map_or("", |(_, decimals)| decimals);
+        self.is_measure() && decimals.starts_with(|c: char| c.is_ascii_digit()) && !text.contains([':', '/'])
+    }
+
     /// Whether it is a number.
     pub(crate) fn is_number(&self) -> bool {
         self.marks() != Marks::None

@@ -127,7 +127,7 @@ fn by_line(text: &str, separator: Separator) -> Vec<Record> {
         let cells = match separator {
             Separator::Lines => vec![unquoted(line)],
             Separator::AlignedBlanks => aligned(text, &line.span),
-            _ => joined(text, tokens(text, &line.span)),
+            _ => joined(text, &tokens(text, &line.span)),
         };
         records.push(Record { cells, line: index as u64 + 1, start: line_start });
     }
@@ -193,16 +193,17 @@ pub(crate) fn bare_unit(text: &str) -> &str {
 }
 
 /// Tokens put together again: a sign and its number, a number and its unit, groups of thousands, words of a label.
-fn joined(text: &str, tokens: Vec<Cell>) -> Vec<Cell> {
+fn joined(text: &str, tokens: &[Cell]) -> Vec<Cell> {
     let is_sign = |text: &str| matches!(text, "+" | "-" | "\u{2212}" | "\u{2013}");
     let mut cells: Vec<Cell> = Vec::new();
     let has_number = tokens.iter().any(Cell::is_number);
-    for token in tokens {
+    for (at, token) in tokens.iter().enumerate() {
         let next = token.text();
         let join = cells.last().is_some_and(|last| {
             let before = last.text();
             let signed = is_sign(&before) && token.is_number();
-            let united = is_unit(&next) && (marks(&before) != Marks::None || next.starts_with(['[', '(']));
+            let is_word = next == "um" && (is_date(&before) || is_time(&tokens[at + 1..]));
+            let united = is_unit(&next) && !is_word && (marks(&before) != Marks::None || next.starts_with(['[', '(']));
             let worded = has_number
                 && marks(&before) == Marks::None
                 && marks(&next) == Marks::None
@@ -212,10 +213,22 @@ fn joined(text: &str, tokens: Vec<Cell>) -> Vec<Cell> {
         });
         match cells.last_mut() {
             Some(last) if join => *last = trimmed(text, last.span.start..token.span.end),
-            _ => cells.push(token),
+            _ => cells.push(token.clone()),
         }
     }
     cells
+}
+
+/// Whether a word is a day, behind which `um` is a word: `11.03.2026 um`.
+pub(crate) fn is_date(word: &str) -> bool {
+    word.split('.').count() == 3 && word.split('.').all(|part| part.parse::<u16>().is_ok())
+}
+
+/// Whether tokens begin with a time of day: `9:12`, `9 Uhr`.
+fn is_time(tokens: &[Cell]) -> bool {
+    let is_hour = |first: &Cell| first.text().starts_with(|c: char| c.is_ascii_digit());
+    tokens.first().is_some_and(is_hour)
+        && (tokens[0].text().contains(':') || tokens.get(1).is_some_and(|unit| unit.text().starts_with("Uhr")))
 }
 
 /// The unit behind a number.

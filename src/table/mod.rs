@@ -133,7 +133,7 @@ impl Table {
         let found = |kind: &DeviationKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
         let missing: Vec<_> = want.expected.iter().copied().filter(|kind| !found(kind)).collect();
         let is_complete = !want.expected.is_empty() && missing.is_empty();
-        let mut sorted = strangers::sort(name, shape, &understood.columns, want, is_complete);
+        let mut sorted = strangers::sort(name, shape, understood, want, is_complete);
         let mut reading = Reading {
             file: name.to_owned(),
             format,

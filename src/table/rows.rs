@@ -451,7 +451,7 @@ impl Rows {
     fn holds_value(&self, record: &Record) -> bool {
         let aside = AsideReading { line: record.line, text: record.in_words() };
         value_in(&aside, self.setup.titles.len(), &self.setup.columns, None)
-            .is_some_and(|unknown| !self.setup.want.ignores(&unknown.title))
+            .is_some_and(|unknown| !unknown.is_ignored(&self.setup.want))
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.

@@ -3,12 +3,13 @@
 
 use serde::Serialize;
 
-use super::cell::Cell;
+use super::cell::{Cell, Record};
 use super::column::{Column, Nominal};
 use super::grid::{Separator, records};
 use super::names::{Field, Role, is_context, is_statistic, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
-use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
+use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
+use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationKind;
@@ -30,6 +31,9 @@ pub struct Stranger {
     pub unit: Option<String>,
     /// The nearest names that are known.
     pub near: Vec<&'static str>,
+    /// What leaves it out, as `--ignore` takes it.
+    #[serde(skip)]
+    pub(crate) pattern: String,
 }
 
 /// What became of what is not understood.
@@ -40,15 +44,17 @@ pub(crate) struct Sorted {
     pub(crate) asides: Vec<AsideReading>,
 }
 
-/// Sorts what a table has besides its measurements. `complete` tells that every error of the spec is found.
-pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, complete: bool) -> Sorted {
+/// Sorts what a table, or another sheet of its workbook, has besides the measurements that are understood. `complete` tells that
+/// every error of the spec is found.
+pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Want, complete: bool) -> Sorted {
     let mut sorted = Sorted::default();
+    let columns = &understood.columns;
     // a number above the names that no column can hold, or a whole one behind a word that is no part's name, is none of a row
-    let names = shape.part_names();
+    let names = understood.shape.part_names();
     let is_title = |unknown: &Unknown| {
         let is_name = names.may_have(&unknown.title) || Cell::of_text(&unknown.title, 0..0).is_number();
         let is_value =
-            |cell: &Cell| (is_name || has_decimals(cell)) && columns.iter().any(|column| column.may_hold(cell));
+            |cell: &Cell| (is_name || cell.has_decimals()) && columns.iter().any(|column| column.may_hold(cell));
         unknown.column.is_none()
             && shape.orientation == Orientation::Rows
             && !columns.is_empty()
@@ -60,7 +66,8 @@ pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, c
         if is_title(unknown) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
-            sorted.take(file, unknown, want, complete);
+            let is_measurement = unknown.is_measurement || understood.is_repeated_by(unknown);
+            sorted.take(file, &unknown.clone().measured(is_measurement), want, complete);
         }
     }
     for aside in &shape.asides {
@@ -74,10 +81,32 @@ pub(crate) fn sort(file: &str, shape: &Shape, columns: &[Column], want: &Want, c
     sorted
 }
 
-/// The same of a single one.
-pub(crate) fn sort_one(file: &str, unknown: &Unknown, want: &Want, complete: bool) -> Vec<Stranger> {
-    let mut sorted = Sorted::default();
-    sorted.take(file, unknown, want, complete);
+/// What of another sheet may be a measurement: columns, or else the first line that would be one beside the table that is read.
+/// A number below a name for context is none.
+pub(crate) fn of_sheet(
+    file: &str,
+    records: &[Record],
+    understood: &Understood,
+    want: &Want,
+    complete: bool,
+) -> Vec<Stranger> {
+    let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, complete));
+    let mut sorted = columns.unwrap_or_default();
+    let names = LineNames { of_parts: &understood.shape.part_names(), is_above: false };
+    let heading =
+        |place: usize| records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
+    let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
+    let is_other = |place: usize| heading(place).is_some_and(|cell| is_context(&cell.text()));
+    for record in records {
+        if !sorted.strangers.is_empty() {
+            break;
+        }
+        let cells = record.cells.iter().enumerate().filter(|(place, cell)| !cell.is_number() || !is_other(*place));
+        let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
+        if let Some(unknown) = value_in(&line, 0, &understood.columns, Some(&names)) {
+            sorted.take(file, &unknown, want, complete);
+        }
+    }
     sorted.strangers
 }
 
@@ -86,7 +115,7 @@ impl Sorted {
         let title = &unknown.title;
         let not_used =
             |why| NotUsed { title: if title.is_empty() { unknown.place.clone() } else { title.clone() }, why };
-        if want.ignores(title) {
+        if unknown.is_ignored(want) {
             self.not_used.push(not_used("ignored by the user"));
         } else if role(title) == Some(Role::Uncertainty)
             && want.by_uncertainty
@@ -137,7 +166,7 @@ pub(crate) fn value_in(
     let is_above = names.is_some_and(|names| names.is_above);
     let is_value = |cell: &Cell| {
         let may_be_of = |column: &Column| is_name || !is_above && matches!(column.nominal, Nominal::Fixed(_));
-        has_decimals(cell) && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
+        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
     };
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
@@ -152,13 +181,6 @@ fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
     };
     let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
     (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
-}
-
-/// Whether a cell is a number with decimals, and no date: `25,060`, and not `12.03.`.
-fn has_decimals(cell: &Cell) -> bool {
-    let text = cell.text();
-    let decimals = text.split_once(['.', ',']).map_or("", |(_, decimals)| decimals);
-    cell.is_measure() && decimals.starts_with(|c: char| c.is_ascii_digit()) && !text.contains([':', '/'])
 }
 
 /// The first name in a line that is more than context, and the values behind it.
@@ -178,7 +200,7 @@ fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
     // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
     let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
     // an order, a page, a date: the word before the number says what it is
-    let is_named = is_known && values.first().is_some_and(has_decimals);
+    let is_named = is_known && values.first().is_some_and(Cell::has_decimals);
     if !is_named && is_context(text.split_whitespace().next_back()?) {
         let rest = values.get(1..)?;
         // Part 2: 25.2 mm
@@ -207,6 +229,7 @@ fn stranger(file: &str, unknown: &Unknown) -> Stranger {
         values: values.collect(),
         unit,
         near: names,
+        pattern: unknown.pattern(),
     }
 }
 
@@ -219,13 +242,9 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     let listed = strangers.iter().take(SHOWN).map(|stranger| {
         let near =
             if stranger.near.is_empty() { String::new() } else { format!("; near {}", stranger.near.join(", ")) };
-        format!(
-            "\n  {}, {}: `{}`: {}{near}",
-            stranger.file,
-            stranger.place,
-            shown(&stranger.title),
-            stranger.values.join(", ")
-        )
+        let title = Some(&stranger.title).filter(|title| !title.is_empty());
+        let title = title.map_or_else(String::new, |title| format!("`{}`: ", shown(title)));
+        format!("\n  {}, {}: {title}{}{near}", stranger.file, stranger.place, stranger.values.join(", "))
     });
     let more = strangers.len().saturating_sub(SHOWN);
     let more = if more == 0 { String::new() } else { format!("\n  and {more} more") };
@@ -238,27 +257,26 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
         },
         listed.collect::<String>()
     );
-    let mut named: Vec<&Stranger> = strangers.iter().filter(|stranger| !stranger.name().is_empty()).collect();
-    named.dedup_by_key(|stranger| stranger.name());
-    named.truncate(SHOWN);
-    let each =
-        |of: &dyn Fn(&&Stranger) -> String, between: &str| named.iter().map(of).collect::<Vec<_>>().join(between);
-    let mut help = if named.is_empty() {
-        "give it a name, or leave it out of the table".to_owned()
+    let mut patterns: Vec<&str> = strangers.iter().map(|stranger| stranger.pattern.as_str()).collect();
+    patterns.dedup();
+    patterns.truncate(SHOWN);
+    let mut mappings: Vec<String> = strangers.iter().filter_map(Stranger::mapping).collect();
+    mappings.dedup();
+    mappings.truncate(SHOWN);
+    let ignored =
+        patterns.iter().map(|pattern| format!("--ignore {}", shell_quoted(pattern))).collect::<Vec<_>>().join(" ");
+    let quoted = patterns.iter().map(|pattern| quoted(pattern)).collect::<Vec<_>>().join(", ");
+    let said = format!("[batch] ignore = [{quoted}], or on the command line {ignored}");
+    let mut help = if strangers.iter().all(|stranger| stranger.place.ends_with(UNCERTAINTY)) {
+        format!("uncertainties stand in the spec, as u beside each of [errors]; leave them out of the table: {ignored}")
+    } else if strangers.iter().all(|stranger| stranger.pattern.starts_with(SHEET)) {
+        format!("name the sheet that is meant with --sheet; or leave the other out: {said}")
+    } else if mappings.is_empty() {
+        format!("give it a name, or leave it out: {said}")
     } else {
-        format!(
-            "say in the spec what it is, under [batch.columns]: {}; or leave it out: [batch] ignore = [{}], or on the command line {}",
-            each(&|stranger| stranger.mapping(), "; "),
-            each(&|stranger| quoted(&stranger.name()), ", "),
-            each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " "),
-        )
+        format!("say in the spec what it is, under [batch.columns]: {}; or leave it out: {said}", mappings.join("; "))
     };
-    if named.iter().all(|stranger| stranger.place.ends_with(UNCERTAINTY)) && !named.is_empty() {
-        help = format!(
-            "uncertainties stand in the spec, as u beside each of [errors]; leave them out of the table: {}",
-            each(&|stranger| format!("--ignore {}", shell_quoted(&stranger.name())), " ")
-        );
-    } else if named.iter().any(|stranger| stranger.near.is_empty()) {
+    if mappings.iter().any(|mapping| mapping.starts_with(KEY)) {
         help += &format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
     }
     if !still_missing.is_empty() {
@@ -269,21 +287,20 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
 }
 
+/// Stands before the name of a sheet in the pattern that leaves it out.
+pub(crate) const SHEET: &str = "sheet ";
+
 /// Stands in a remedy for the error that a column may be.
 const KEY: &str = "KEY";
 
 impl Stranger {
-    /// What it is called, without its unit.
-    fn name(&self) -> String {
-        split_unit(&self.title).0.trim().to_owned()
-    }
-
-    /// The line of the spec that says what it is, if that is the nearest name.
-    fn mapping(&self) -> String {
+    /// The line of the spec that says what it is, if that is the nearest name; `None` for what the spec cannot name.
+    fn mapping(&self) -> Option<String> {
+        let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(|name| *name == self.pattern)?;
         // nothing tells which error it is, if it is one
         let key = self.near.first().copied().unwrap_or(KEY);
         let unit = self.unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-        format!("{key} = {{ name = {}{unit} }}", quoted(&self.name()))
+        Some(format!("{key} = {{ name = {}{unit} }}", quoted(&name)))
     }
 }
 

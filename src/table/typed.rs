@@ -4,17 +4,16 @@
 use super::Table;
 use super::cell::{Cell, Content, Record};
 use super::column::SMALLEST_DIGIT;
-use super::grid::Separator;
-use super::names::{Field, ValueKind, heading, is_context, is_statistic, is_value_heading, role};
+use super::names::{Field, ValueKind, heading, is_context, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
 use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
 use super::rows::stored_record;
-use super::shape::{is_part_name, shape};
+use super::shape::has_digit;
 use super::stored::Stored;
-use super::strangers;
+use super::strangers::{self, SHEET, Stranger};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -29,6 +28,8 @@ const HEAD: usize = 400;
 /// A sheet of a workbook, and its first records.
 struct Sheet {
     name: String,
+    /// As messages call it.
+    called: String,
     head: Vec<Record>,
 }
 
@@ -39,7 +40,7 @@ struct Sheets {
 }
 
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
-    let Sheets { read: Sheet { name: sheet, head }, others } = sheets(&mut book, want)?;
+    let Sheets { read: Sheet { name: sheet, head, .. }, others } = sheets(&mut book, want)?;
     let records = book.records(&sheet, want.range);
     let name = records.name.clone();
     let mut rest = records.records;
@@ -64,7 +65,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for other in &others {
-        table.take_other(other, want);
+        table.take_other(other, &understood, want);
     }
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
         table.reading.notes.push(format!(
@@ -87,12 +88,13 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
     let mut found: Option<Sheet> = None;
     let (mut all, mut others) = (Vec::new(), Vec::new());
     for name in &names {
-        let sheet = Sheet { name: name.clone(), head: book.head(name, want.range, HEAD)? };
+        let head = book.head(name, want.range, HEAD)?;
+        let sheet = Sheet { name: name.clone(), called: book.called(name), head };
         if !sheet.head.iter().any(is_known) && (names.len() > 1 || sheet.head.is_empty()) {
             others.push(sheet);
             continue;
         }
-        if found.is_none() || sheet.has_numbers() {
+        if found.is_none() || sheet.head.iter().any(|record| record.numbers() > 0) {
             all.push(name.clone());
         }
         found.get_or_insert(sheet);
@@ -109,48 +111,17 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
     Ok(Sheets { read, others })
 }
 
-impl Sheet {
-    fn has_numbers(&self) -> bool {
-        self.head.iter().any(|record| record.numbers() > 0)
-    }
-
-    /// The first of its numbers that neither the name of its line nor that of its column says to be something else.
-    fn numbers(&self) -> Option<Unknown> {
-        let is_other = |cell: Option<&Cell>| {
-            cell.is_some_and(|cell| {
-                is_context(&cell.text()) || is_statistic(&cell.text()) || is_part_name(&cell.text())
-            })
-        };
-        let heading =
-            |place: usize| self.head.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
-        self.head.iter().filter(|record| !is_other(record.cells.first())).find_map(|record| {
-            let mut cells = record.cells.iter().enumerate();
-            let (place, cell) = cells.find(|(place, cell)| cell.is_measure() && !is_other(heading(*place)))?;
-            let title = heading(place).filter(|heading| !heading.is_number()).map(|cell| cell.text().into_owned());
-            Some(Unknown::line(&title.unwrap_or_default(), record.line, vec![cell.clone()]).measured(true))
-        })
-    }
-}
-
 impl Table {
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
-    fn take_other(&mut self, sheet: &Sheet, want: &Want) {
-        if !sheet.has_numbers() {
+    fn take_other(&mut self, sheet: &Sheet, understood: &Understood, want: &Want) {
+        if !sheet.head.iter().flat_map(|record| &record.cells).any(|cell| has_digit(&cell.text())) {
             return;
         }
-        let title = format!("sheet {}", sheet.name);
+        let title = format!("{SHEET}{}", sheet.name);
         if !want.ignores(&sheet.name) && !want.ignores(&title) {
-            let file = format!("{}, {title}", self.name);
             let complete = self.still_missing.is_empty();
-            let sorted = shape(&sheet.head, Separator::TAB, want)
-                .map(|shape| strangers::sort(&file, &shape, &[], want, complete).strangers)
-                .unwrap_or_default();
-            // numbers under no name are those of another table
-            let numbers = || sheet.numbers().filter(|numbers| !want.ignores(&numbers.title));
-            self.strangers.extend(match numbers() {
-                Some(numbers) if sorted.is_empty() => strangers::sort_one(&file, &numbers, want, complete),
-                _ => sorted,
-            });
+            let found = strangers::of_sheet(&sheet.called, &sheet.head, understood, want, complete);
+            self.strangers.extend(found.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
         }
         self.reading.not_used.push(NotUsed { title, why: "another sheet is read" });
     }

@@ -10,9 +10,10 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, is_statistic, lies_within};
+use super::names::{Field, Role, is_statistic, lies_within, role};
 use super::number::{DecimalMark, Marks};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
+use super::unknown::Unknown;
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -217,6 +218,10 @@ fn readings(
     if several {
         candidates.iter_mut().for_each(Understood::examine);
         settle_mark(&mut candidates);
+        // a line beside the table tells the mark where no value does
+        if candidates.len() > 1 && candidates.iter().any(|candidate| candidate.settled_by.is_some()) {
+            candidates.retain(|candidate| candidate.settled_by.is_some());
+        }
     }
     match failure {
         Some(failure) if candidates.is_empty() => Err(failure),
@@ -281,7 +286,8 @@ fn choices(
     let mut evidence = Evidence::of(shape.number_cells());
     if evidence.is_open && evidence.point.is_none() && evidence.comma.is_none() {
         // what is no measurement tells the mark as well
-        let others = Evidence::of(shape.unknown.iter().flat_map(|unknown| &unknown.cells));
+        let columns = shape.unknown.iter().filter(|unknown| unknown.column.is_some());
+        let others = Evidence::of(columns.flat_map(|unknown| &unknown.cells));
         if others.point.is_none() || others.comma.is_none() {
             (evidence.point, evidence.comma) = (others.point, others.comma);
         }
@@ -303,7 +309,16 @@ fn choices(
         (None, None, None) if separator == Some(Separator::COMMA) && !evidence.has_open_comma => {
             one(DecimalMark::Point, Some("commas separate".to_owned()))
         }
-        (None, None, None) => Ok(DecimalMark::ALL.map(|mark| Choice { mark, settled_by: None }).into()),
+        (None, None, None) => {
+            let lines = shape.unknown.iter().filter(|unknown| unknown.column.is_none());
+            let lines = Evidence::of(lines.flat_map(|unknown| &unknown.cells).filter(|cell| cell.has_decimals()));
+            let choice = |mark, cell: Option<&Cell>, other: Option<&Cell>| Choice {
+                mark,
+                settled_by: cell.filter(|_| other.is_none()).map(by),
+            };
+            let (point, comma) = (lines.point, lines.comma);
+            Ok(vec![choice(DecimalMark::Point, point, comma), choice(DecimalMark::Comma, comma, point)])
+        }
     }
 }
 
@@ -443,6 +458,22 @@ impl Understood {
             }
         }
         None
+    }
+
+    /// Whether a column, or a line where others are, may hold the values of a known one once more. The nominal value of all parts,
+    /// a tolerance and a spread are none.
+    pub(crate) fn is_repeated_by(&self, unknown: &Unknown) -> bool {
+        let title = &unknown.title;
+        let is_fixed = || unknown.cells.windows(2).all(|pair| pair[0].text() == pair[1].text());
+        let is_other =
+            is_statistic(title) && !lies_within(title) || role(title).is_some_and(Role::is_beside_value) && is_fixed();
+        let of = |(measurement, column): (&Measurement, &Column)| {
+            column.may_be_repeated(&measurement.value.cells, &unknown.cells)
+        };
+        // a column beside columns of parts is a statistic of them
+        unknown.column.is_some() == (self.shape.orientation == Orientation::Rows)
+            && !is_other
+            && self.shape.measurements.iter().zip(&self.columns).any(of)
     }
 
     /// Whether each row below a header is a part, a space or a tooth.

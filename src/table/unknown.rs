@@ -2,8 +2,9 @@
 //! decides nothing.
 
 use super::cell::Cell;
-use super::grid::{only_units, unit_in};
+use super::grid::{is_date, only_units, unit_in};
 use super::names::{Role, is_context, is_evaluation_length, is_gear_size, near, role, split_unit};
+use super::want::Want;
 use crate::quantity::Unit;
 
 /// Stands behind the place of what says how uncertain values are.
@@ -49,6 +50,17 @@ impl Unknown {
 
     pub(crate) fn measured(self, is_measurement: bool) -> Self {
         Self { is_measurement, ..self }
+    }
+
+    /// What the user may call it: its name without a unit, or its place if it has none.
+    pub(crate) fn pattern(&self) -> String {
+        let (name, _) = split_unit(&self.title);
+        Some(name.trim()).filter(|name| !name.is_empty()).unwrap_or(&self.place).to_owned()
+    }
+
+    /// Whether the user leaves it out.
+    pub(crate) fn is_ignored(&self, want: &Want) -> bool {
+        want.ignores(&self.title) || want.ignores(&self.pattern())
     }
 
     /// The first of its cells, if it is a column of nothing but units of length or angle.
@@ -104,11 +116,10 @@ impl Unknown {
     }
 }
 
-/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`.
+/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`, `2. Messung`.
 fn repeats_value(title: &str) -> bool {
     let (name, _) = split_unit(title);
-    role(name.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_')))
-        == Some(Role::Measured)
+    role(name.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'))) == Some(Role::Measured)
 }
 
 /// Whether a remark speaks of a value: `corrected: 25,060 mm`, `dp = 80`.
@@ -118,17 +129,20 @@ pub(crate) fn speaks_of_value(text: &str) -> bool {
 
 /// Whether a unit of length or angle stands behind the number in a text.
 fn unit_of(text: &str) -> bool {
-    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' ']))) && !is_german_time(text)
+    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' '])))
+        && !is_turn(text)
+        && !is_before_time(text)
 }
 
-/// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um 09:12`.
-fn is_german_time(text: &str) -> bool {
-    let words: Vec<_> = text.split_whitespace().collect();
-    let is_date = |word: &str| {
-        let parts: Vec<_> = word.split('.').collect();
-        parts.len() == 3 && parts.iter().all(|part| part.parse::<u16>().is_ok())
-    };
-    words.windows(2).any(|pair| is_date(pair[0]) && pair[1] == "um")
+/// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um`.
+fn is_before_time(text: &str) -> bool {
+    text.strip_suffix(" um").and_then(|text| text.split_whitespace().next_back()).is_some_and(is_date)
+}
+
+/// Whether a text ends with a right angle or a multiple of one, by which parts are turned: `gedreht um 180°`.
+fn is_turn(text: &str) -> bool {
+    let number = text.trim().strip_suffix('°').and_then(|text| text.split_whitespace().next_back()?.parse().ok());
+    number.is_some_and(|degrees: u32| degrees > 0 && degrees.is_multiple_of(90))
 }
 
 /// Whether a unit is one of lengths or angles.
@@ -153,10 +167,11 @@ fn has_unit(title: &str) -> bool {
 }
 
 /// Units of what is neither a length nor an angle.
-const FOREIGN_UNITS: [&str; 50] = [
+const FOREIGN_UNITS: [&str; 54] = [
     "-", "1", "pcs", "stk", "°c", "c", "°f", "k", "n", "kn", "mn", "nm", "nmm", "ncm", "kg", "g", "s", "ms", "sec",
     "h", "%", "‰", "bar", "mbar", "mpa", "hpa", "pa", "hrc", "hv", "hb", "rpm", "1/min", "min-1", "hz", "v", "a",
-    "n/mm", "n/mm²", "k/h", "ppm/k", "u/min", "eur", "€", "usd", "$", "uhr", "am", "pm", "km", "mb",
+    "n/mm", "n/mm²", "k/h", "ppm/k", "u/min", "eur", "€", "usd", "$", "uhr", "am", "pm", "km", "mb", "mm/s", "mm/min",
+    "m/s", "m/min",
 ];
 
 /// Whether a unit measures neither lengths nor angles.

@@ -31,6 +31,8 @@ struct Case {
     cells: Option<Vec<Vec<toml::Value>>>,
     format: Option<String>,
     #[serde(default)]
+    sheets: BTreeMap<String, Vec<Vec<toml::Value>>>,
+    #[serde(default)]
     types: Vec<String>,
     #[serde(default)]
     hidden_rows: Vec<u32>,
@@ -86,7 +88,7 @@ fn table(case: &Case, number: usize) -> String {
             let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
             let path = path.join(format!("table-{number}.{}", case.format.as_deref().unwrap()));
             match case.format.as_deref() {
-                Some("xlsx") => workbook(&path, cells, &case.hidden_rows),
+                Some("xlsx") => workbook(&path, cells, case),
                 _ => parquet(&path, cells, &case.types),
             }
             path.display().to_string()
@@ -99,9 +101,20 @@ fn table(case: &Case, number: usize) -> String {
     }
 }
 
-fn workbook(path: &Path, cells: &[Vec<toml::Value>], hidden: &[u32]) {
+fn workbook(path: &Path, cells: &[Vec<toml::Value>], case: &Case) {
     let mut book = rust_xlsxwriter::Workbook::new();
     let sheet = book.add_worksheet();
+    write_sheet(sheet, cells);
+    for row in &case.hidden_rows {
+        sheet.set_row_hidden(row - 1).unwrap();
+    }
+    for (name, cells) in &case.sheets {
+        write_sheet(book.add_worksheet().set_name(name).unwrap(), cells);
+    }
+    book.save(path).unwrap();
+}
+
+fn write_sheet(sheet: &mut rust_xlsxwriter::Worksheet, cells: &[Vec<toml::Value>]) {
     for (row, cells) in (0..).zip(cells) {
         for (column, cell) in (0..).zip(cells) {
             match cell {
@@ -118,10 +131,6 @@ fn workbook(path: &Path, cells: &[Vec<toml::Value>], hidden: &[u32]) {
             };
         }
     }
-    for row in hidden {
-        sheet.set_row_hidden(row - 1).unwrap();
-    }
-    book.save(path).unwrap();
 }
 
 /// Precision and scale of `decimal(9,4)`.

@@ -325,10 +325,10 @@ pub(crate) fn names_value(text: &str, own: &[(String, Field)]) -> bool {
     heading(text, own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
 }
 
-/// Whether a heading names measured values. `own` are names that the spec gives to its columns.
+/// Whether a heading names measured values, and not only places. `own` are names that the spec gives to its columns.
 pub(crate) fn is_value_heading(text: &str, own: &[(String, Field)]) -> bool {
-    let names_value =
-        |heading: &Heading| heading.aspect == Role::Measured && heading.fields.iter().any(|field| !field.is_index());
+    let is_value = |field: &Field| !field.is_index() && *field != Field::Position;
+    let names_value = |heading: &Heading| heading.aspect == Role::Measured && heading.fields.iter().any(is_value);
     heading(text, own).is_some_and(|heading| names_value(&heading))
 }
 

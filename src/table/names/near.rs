@@ -30,7 +30,9 @@ pub(crate) fn near(text: &str) -> Vec<Field> {
 /// as its module or the diameter of the roller.
 pub(crate) fn is_context(text: &str) -> bool {
     let Some(known) = Words::of(&name_of(text)).known() else { return false };
-    let says_it = |word: &&Entry| word.senses.iter().any(|sense| is_of_context(*sense));
+    // `Maß` is written like a mass, and says nothing
+    let is_open = |word: &Entry| word.senses.contains(&Sense::Context) && word.senses.contains(&Sense::Filling);
+    let says_it = |word: &&Entry| !is_open(word) && word.senses.iter().any(|sense| is_of_context(*sense));
     let silent = |word: &&Entry| word.senses.iter().any(|sense| is_silent(*sense) && *sense != Sense::Other);
     known.iter().any(says_it) && known.iter().all(|word| says_it(word) || silent(word))
 }

@@ -63,44 +63,17 @@ fn role_sense(senses: &[Sense]) -> Option<Sense> {
 
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    let plain = name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase();
-    VOCABULARY.statistics.contains(&plain.as_str())
+    VOCABULARY.statistics.contains(&plain(name).as_str()) || lies_within(name)
 }
 
 /// Whether it is that of a mean or an extreme, which lies among the values that it is made of.
 pub(crate) fn lies_within(name: &str) -> bool {
-    const NAMES: [&str; 24] = [
-        "max",
-        "min",
-        "mittel",
-        "mean",
-        "average",
-        "avg",
-        "moyenne",
-        "平均",
-        "最大",
-        "最小",
-        "ø",
-        "mw",
-        "median",
-        "durchschn",
-        "größt",
-        "kleinst",
-        "xq",
-        "x-q",
-        "x q",
-        "x-b",
-        "x̄",
-        "xm",
-        "x m",
-        "x-m",
-    ];
-    let plain = name.trim().to_lowercase();
-    is_statistic(name)
-        && NAMES.iter().any(|start| plain.starts_with(start))
-        && !plain.contains(['+', '/'])
-        && !plain.contains("- ")
-        && plain != "max-min"
+    VOCABULARY.means.contains(&plain(name).as_str())
+}
+
+/// The name of a row without a mark behind it, in small letters.
+fn plain(name: &str) -> String {
+    name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase()
 }
 
 /// Whether a unit that is stated for a whole table may be that of this word, in lower case: `Maße`, `values`.

@@ -236,7 +236,7 @@ impl Shape {
         let would_be = |unknown: &&Unknown| {
             let with_number = Unknown { cells: vec![Cell::of_text("0", 0..0)], ..(*unknown).clone() };
             let has_numbers = unknown.cells.iter().any(Cell::is_number);
-            !has_numbers && !want.ignores(&unknown.title) && with_number.could_be_measured()
+            !has_numbers && !unknown.is_ignored(want) && with_number.could_be_measured()
         };
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }

@@ -85,6 +85,11 @@ impl Workbook {
         }
     }
 
+    /// What messages call a sheet.
+    pub(crate) fn called(&self, sheet: &str) -> String {
+        named(&self.name, sheet)
+    }
+
     /// The first rows of a sheet that are not empty, `most` of them.
     ///
     /// # Errors
