@@ -6,6 +6,7 @@ mod stored;
 
 pub(crate) use stored::stored_record;
 
+use std::mem::discriminant;
 use std::ops::Range;
 
 use super::block::{Block, Contradiction, Span, line_of, span_end};
@@ -13,17 +14,17 @@ use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
-use super::grid::{Separator, only_units};
-use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role};
+use super::grid::{Separator, bare_unit, is_unit, only_units};
+use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
-use super::shape::{PartNames, has_digit};
+use super::shape::{PartNames, has_digit, stated_units};
 use super::split::{Field, next_record};
 use super::strangers::value_in;
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
 use crate::deviation::DeviationValue;
-use crate::quantity::{Decimal, Length, shown};
+use crate::quantity::{Decimal, Length, Unit, shown};
 
 /// A column of which plain numbers say all.
 #[derive(Debug, Clone, Copy)]
@@ -332,7 +333,7 @@ impl Rows {
 
     /// Why nothing from a record on can be trusted.
     fn contradiction(&self, record: &Record) -> Option<Contradiction> {
-        if only_units(&record.cells).is_some() && !self.repeats_units(record) {
+        if only_units(&record.cells).is_some() && !self.repeats_units(record) || self.states_other_unit(record) {
             let column = self.setup.columns.first().map(|column| &column.title);
             let message = format!("the units change: {}", record.in_words());
             return Some(contradiction(record, column, message, "write every table with one unit by itself"));
@@ -427,6 +428,26 @@ impl Rows {
         self.setup.columns.iter().all(|column| {
             let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
             cell.is_none_or(|cell| is_that_of(cell, column))
+        })
+    }
+
+    /// Whether a line without numbers states a unit that no column has, of length or angle as some have: `Werte in mm`.
+    fn states_other_unit(&self, record: &Record) -> bool {
+        let columns = &self.setup.columns;
+        let is_below_units = |column: &Column| record.cells.get(column.place).is_some_and(|cell| is_unit(&cell.text()));
+        if record.numbers() > 0 || self.repeats_header(record) || columns.iter().any(is_below_units) {
+            return false;
+        }
+        let is_other = |unit: Unit| {
+            let is_alike = |column: &&Column| discriminant(&column.unit) == discriminant(&unit);
+            columns.iter().any(|column| is_alike(&column)) && columns.iter().all(|column| column.unit != unit)
+        };
+        record.cells.iter().any(|cell| {
+            let text = cell.text();
+            let of_heading = split_unit(&text).1.and_then(|unit| Unit::from_symbol(&unit));
+            let alone = Unit::from_symbol(bare_unit(&text));
+            let stated = stated_units(&text).into_iter().filter(|stated| stated.is_clear).map(|stated| stated.unit);
+            of_heading.into_iter().chain(alone).chain(stated).any(is_other)
         })
     }
 

@@ -53,7 +53,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     }
     let may_be_header = |record: &Record| record.numbers() == 0 || numbers_parts(record);
     records.iter().enumerate().filter(|(_, record)| may_be_header(record)).find_map(|(header, record)| {
-        let roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
+        let mut roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
         let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
@@ -92,10 +92,28 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_known = |row: &&usize| heading(&records[**row].cells[name].text(), &want.own).is_some();
         let known = rows.iter().filter(is_known).count();
         let is_read = has(&[Role::Measured, Role::Deviation]) || !parts.is_empty();
+        let parts = settle_parts(&mut roles, parts, &rows, records);
         // so many roles leave no doubt, though none of the names is known
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
     })
+}
+
+/// The columns that are parts, where a column seems to name the part as well: beside one column of values it does, and beside
+/// several it may number the rows.
+fn settle_parts(roles: &mut [Option<Role>], parts: Vec<usize>, rows: &[usize], records: &[Record]) -> Vec<usize> {
+    let Some(names) = roles.iter().position(|role| *role == Some(Role::Part)) else { return parts };
+    if let [values] = parts[..] {
+        roles[values] = Some(Role::Measured);
+        return Vec::new();
+    }
+    let numbers: Vec<_> = rows.iter().filter_map(|row| records[*row].cells.get(names)).map(Cell::text).collect();
+    let is_number = |text: &Cow<'_, str>| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let distinct: HashSet<_> = numbers.iter().collect();
+    if numbers.iter().all(is_number) && distinct.len() == rows.len() {
+        roles[names] = None;
+    }
+    parts
 }
 
 /// Whether a column has the axes along which something was measured.
@@ -213,14 +231,26 @@ impl Characteristics {
         filled
     }
 
-    /// A second column of the same role, with numbers, leaves open which of them counts.
+    /// A second column of the same role, with numbers, leaves open which of them counts; so do several columns of values
+    /// beside one that names the part, and a column called like a part beside the values.
     fn has_each_role_once(&self, records: &[Record]) -> Result<(), NoShape> {
         let header = &records[self.header].cells;
+        let two = |first: usize, second: usize| {
+            Err(NoShape::TwoColumns { first: header[first].clone(), second: header[second].clone() })
+        };
+        if let ([first, second, ..], Some(_)) = (&self.parts[..], self.place(Role::Part)) {
+            return two(*first, *second);
+        }
         for (place, role) in self.roles.iter().enumerate() {
-            let Some(role) = role.filter(|role| *role != Role::Name && *role != Role::Uncertainty) else { continue };
+            let role = match role {
+                Some(Role::Name | Role::Uncertainty) => continue,
+                Some(role) => *role,
+                None if self.parts.is_empty() && names_one_part(&header[place].text()) => Role::Measured,
+                None => continue,
+            };
             let first = self.place(role).unwrap_or(place);
             if first < place && (role == Role::Unit || self.has_numbers(records, place)) {
-                return Err(NoShape::TwoColumns { first: header[first].clone(), second: header[place].clone() });
+                return two(first, place);
             }
         }
         Ok(())
@@ -250,8 +280,10 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
-            let is_measurement =
-                !is_counted && !is_part_name(&title) && !is_statistic(&title) && self.roles[place].is_none();
+            let is_measurement = !is_counted
+                && !(is_part_name(&title) && !has_digit(&title))
+                && !is_statistic(&title)
+                && self.roles[place].is_none();
             Unknown::column(&title, place, cells).measured(is_measurement)
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
