@@ -14,7 +14,7 @@ use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
-use super::grid::{Separator, bare_unit, is_unit, only_units};
+use super::grid::{Separator, bare_unit, only_units};
 use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit, stated_units};
@@ -434,7 +434,8 @@ impl Rows {
     /// Whether a line without numbers states a unit that no column has, of length or angle as some have: `Werte in mm`.
     fn states_other_unit(&self, record: &Record) -> bool {
         let columns = &self.setup.columns;
-        let is_below_units = |column: &Column| record.cells.get(column.place).is_some_and(|cell| is_unit(&cell.text()));
+        let is_below_units =
+            |column: &Column| record.cells.get(column.place).is_some_and(|cell| column.has_unit(&cell.text()));
         if record.numbers() > 0 || self.repeats_header(record) || columns.iter().any(is_below_units) {
             return false;
         }

@@ -78,6 +78,25 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
             None => sorted.asides.push(aside.clone()),
         }
     }
+    // a remark beside the values may correct one
+    let is_remark =
+        |unknown: &&Unknown| unknown.column.is_some() && !want.ignores(&unknown.title) && !unknown.could_be_measured();
+    let may_be_value = |unknown: &Unknown| {
+        let is_held = |cell: &Cell| columns.iter().any(|column| column.may_hold(cell));
+        !near(&unknown.title).is_empty() || unknown.cells.iter().any(is_held)
+    };
+    for unknown in shape.unknown.iter().filter(is_remark) {
+        let of_parts = LineNames { of_parts: &names, is_above: false };
+        let remarks = unknown.cells.iter().zip(&shape.lines).filter(|(cell, _)| !cell.is_number());
+        let mut values = remarks.filter_map(|(cell, line)| {
+            let remark = AsideReading { line: *line, text: cell.text().into_owned() };
+            value_in(&remark, shape.header.len(), columns, Some(&of_parts)).filter(may_be_value)
+        });
+        if let Some(value) = values.next() {
+            let place = format!("{}, {}", unknown.place, value.place);
+            sorted.take(file, &Unknown { place, ..value }, want, complete);
+        }
+    }
     sorted
 }
 
@@ -155,7 +174,7 @@ pub(crate) fn value_in(
     if !has_digit(&aside.text) {
         return None;
     }
-    let text = aside.text.replace(['|', ';', '\t'], " ");
+    let text = without_punctuation(&aside.text);
     let record = uncounted(records(&text, Separator::Blanks).ok()?.first()?);
     let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
     let is_cell = |cell: &Cell| cell.is_number() && !cell.text().starts_with("00");
@@ -170,6 +189,30 @@ pub(crate) fn value_in(
     };
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,
+/// `部品Bは25.061でした。` A day keeps its dots.
+fn without_punctuation(line: &str) -> String {
+    let is_kept = |c: char| c.is_alphanumeric() || "+-\u{2212}°'′″%€$".contains(c);
+    let is_day = |word: &str| word.ends_with('.') && word.split('.').all(|part| part.len() <= 2);
+    let is_decimal = |word: &str| has_decimals(&Cell::of_text(word, 0..0));
+    // kana and ideographs have no blanks between them and numbers
+    let is_unspaced = |c: char| c >= '\u{3000}';
+    let mut spaced = String::new();
+    for c in line.chars() {
+        if spaced.chars().next_back().is_some_and(|last| is_unspaced(last) != is_unspaced(c)) {
+            spaced.push(' ');
+        }
+        spaced.push(c);
+    }
+    let words = spaced.split(|c: char| c.is_whitespace() || matches!(c, '|' | ';')).filter(|word| !word.is_empty());
+    let words = words.map(|word| match word.split_once('/') {
+        Some((first, second)) if is_decimal(first) && is_decimal(second) => format!("{first} {second}"),
+        _ if is_day(word) => word.to_owned(),
+        _ => word.trim_matches(|c| !is_kept(c)).to_owned(),
+    });
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
