@@ -103,9 +103,13 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
 /// several it may number the rows.
 fn settle_parts(roles: &mut [Option<Role>], parts: Vec<usize>, rows: &[usize], records: &[Record]) -> Vec<usize> {
     let Some(names) = roles.iter().position(|role| *role == Some(Role::Part)) else { return parts };
-    if let [values] = parts[..] {
-        roles[values] = Some(Role::Measured);
-        return Vec::new();
+    match parts[..] {
+        [] => return parts,
+        [values] => {
+            roles[values] = Some(Role::Measured);
+            return Vec::new();
+        }
+        _ => {}
     }
     let numbers: Vec<_> = rows.iter().filter_map(|row| records[*row].cells.get(names)).map(Cell::text).collect();
     let is_number = |text: &Cow<'_, str>| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
