@@ -141,11 +141,14 @@ impl Spec {
     }
 
     fn no_class(&self, kind: DeviationKind, error: &StandardError, span: &Range<usize>) -> Diagnostic {
-        let example =
-            if kind == DeviationKind::RackLead { "{ f_h_beta = \"8 um\", length = 18 }" } else { "\"12 um\"" };
+        let example = if kind == DeviationKind::RackLead {
+            "{ f_h_beta = \"8 um\", length = 18, extent = \"each\" }"
+        } else {
+            "{ value = \"12 um\", extent = \"each\" }"
+        };
         let help = match error {
             StandardError::Grade { .. } => "give a grade that the standard has".to_owned(),
-            _ => format!("give the permitted value itself: {} = {example}", kind.key()),
+            _ => format!("give the permitted value itself, of each tooth: {} = {example}", kind.key()),
         };
         Diagnostic::error(Code::NoClass, format!("`{}`: {error}", kind.key()))
             .at(&self.source, span.clone(), "")

@@ -172,8 +172,11 @@ impl Spec {
             let doubt = plausible::deviation(DeviationValue::Length(end?), self.module())?;
             // it is a choice, and no value of a part
             let doubt = Doubt { is_impossible: false, ..doubt };
+            let module = self.module();
+            let reach =
+                if module.is_some() { plausible::Reach::possible(module) } else { plausible::Reach::usual(None) };
             Some(DoubtedKey { name: format!("limits.{}", on.key()), span: 0..0, doubt })
-                .filter(|_| plausible::Reach::possible(self.module()).is_exceeded_by(doubt.value))
+                .filter(|_| reach.is_exceeded_by(doubt.value))
         };
         self.limits()
             .iter()

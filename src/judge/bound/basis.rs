@@ -112,10 +112,12 @@ impl Basis {
     /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
     #[must_use]
     pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
-        match self.knowledge(errors) {
+        let bound = match self.knowledge(errors) {
             Ok(knowledge) => bound(errors, &knowledge),
             Err(open) => Bound::open(errors.len(), open),
-        }
+        };
+        // what an error does alone does not depend on how large the others are
+        Bound { errors: errors.iter().map(|error| self.alone(error)).collect(), ..bound }
     }
 
     /// The bound of a part's errors.
