@@ -196,7 +196,7 @@ pub(crate) fn value_in(
 fn without_punctuation(line: &str) -> String {
     let is_kept = |c: char| c.is_alphanumeric() || "+-\u{2212}°'′″%€$".contains(c);
     let is_day = |word: &str| word.ends_with('.') && word.split('.').all(|part| part.len() <= 2);
-    let is_decimal = |word: &str| has_decimals(&Cell::of_text(word, 0..0));
+    let is_decimal = |word: &str| Cell::of_text(word, 0..0).has_decimals();
     // kana and ideographs have no blanks between them and numbers
     let is_unspaced = |c: char| c >= '\u{3000}';
     let mut spaced = String::new();
