@@ -140,9 +140,18 @@ impl Cell {
 
     /// Whether it is a number with decimals, and no date: `25,060`, and not `12.03.`.
     pub(crate) fn has_decimals(&self) -> bool {
+        self.decimals() > 0
+    }
+
+    /// Whether it has the decimals of measured values, three and more: no temperature, room or version has.
+    pub(crate) fn is_fine(&self) -> bool {
+        self.decimals() > 2
+    }
+
+    fn decimals(&self) -> usize {
         let text = self.text();
-        let decimals = text.split_once(['.', ',']).map_or("", |(_, decimals)| decimals);
-        self.is_measure() && decimals.starts_with(|c: char| c.is_ascii_digit()) && !text.contains([':', '/'])
+        let decimals = text.split_once(['.', ',']).filter(|_| self.is_measure() && !text.contains([':', '/']));
+        decimals.map_or(0, |(_, decimals)| decimals.bytes().take_while(u8::is_ascii_digit).count())
     }
 
     /// Whether it is a number.

@@ -443,7 +443,7 @@ impl Rows {
             let is_alike = |column: &&Column| discriminant(&column.unit) == discriminant(&unit);
             columns.iter().any(|column| is_alike(&column)) && columns.iter().all(|column| column.unit != unit)
         };
-        record.cells.iter().any(|cell| {
+        record.cells.iter().filter(|cell| !has_digit(&cell.text())).any(|cell| {
             let text = cell.text();
             let of_heading = split_unit(&text).1.and_then(|unit| Unit::from_symbol(&unit));
             let alone = Unit::from_symbol(bare_unit(&text));

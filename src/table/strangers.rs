@@ -66,8 +66,9 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         if is_title(unknown) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
-            let is_measurement = unknown.is_measurement || understood.is_repeated_by(unknown);
-            sorted.take(file, &unknown.clone().measured(is_measurement), want, complete);
+            let is_repeated = understood.is_repeated_by(unknown);
+            let is_measurement = unknown.is_measurement || is_repeated;
+            sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, complete);
         }
     }
     for aside in &shape.asides {
@@ -164,7 +165,7 @@ pub(crate) struct LineNames<'a> {
 
 /// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
 /// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none. A number
-/// behind a word that is no part's name is one only below the names, and near a column's nominal value.
+/// behind a word that is no part's name is one near a column's nominal value only, and above the names with three decimals.
 pub(crate) fn value_in(
     aside: &AsideReading,
     width: usize,
@@ -184,7 +185,8 @@ pub(crate) fn value_in(
     let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
     let is_above = names.is_some_and(|names| names.is_above);
     let is_value = |cell: &Cell| {
-        let may_be_of = |column: &Column| is_name || !is_above && matches!(column.nominal, Nominal::Fixed(_));
+        let may_be_of =
+            |column: &Column| is_name || (!is_above || cell.is_fine()) && matches!(column.nominal, Nominal::Fixed(_));
         cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
     };
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);

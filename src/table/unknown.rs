@@ -23,18 +23,36 @@ pub(crate) struct Unknown {
     pub(crate) cells: Vec<Cell>,
     /// Whether it is a measurement because of where it stands: a row of a table of characteristics.
     pub(crate) is_measurement: bool,
+    /// Whether its numbers are like those of a known column.
+    pub(crate) is_repeated: bool,
 }
 
 impl Unknown {
     pub(crate) fn column(title: &str, column: usize, cells: Vec<Cell>) -> Self {
         let place = format!("column {}", column + 1);
-        Self { title: title.to_owned(), place, column: Some(column), unit: None, cells, is_measurement: false }
+        Self {
+            title: title.to_owned(),
+            place,
+            column: Some(column),
+            unit: None,
+            cells,
+            is_measurement: false,
+            is_repeated: false,
+        }
     }
 
     /// A line with a name in front of its cells.
     pub(crate) fn line(title: &str, line: u64, cells: Vec<Cell>) -> Self {
         let place = format!("line {line}");
-        Self { title: title.to_owned(), place, column: None, unit: None, cells, is_measurement: false }
+        Self {
+            title: title.to_owned(),
+            place,
+            column: None,
+            unit: None,
+            cells,
+            is_measurement: false,
+            is_repeated: false,
+        }
     }
 
     /// The numbers among the cells of a line; `None` without any.
@@ -85,7 +103,7 @@ impl Unknown {
         }
         let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));
         if is_context(title) {
-            return is_in_unit && unit != Some("min") || self.names_more();
+            return is_in_unit && unit != Some("min") || self.names_more() || self.is_repeated && self.is_fine_column();
         }
         self.is_measurement
             || is_in_unit
@@ -102,6 +120,10 @@ impl Unknown {
             || is_bounded(&text)
             || self.is_measurement && unit_of(&text)
             || self.title.is_empty() && speaks_of_value(&text)
+    }
+
+    fn is_fine_column(&self) -> bool {
+        self.column.is_some() && self.cells.iter().filter(|cell| cell.is_number()).all(Cell::is_fine)
     }
 
     /// Whether a line goes on with the name of a measurement: `lot 2: rack pitch 212 µm`.
