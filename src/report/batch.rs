@@ -319,37 +319,6 @@ pub(super) fn whereabouts(part: &Part) -> String {
     }
 }
 
-/// What programs read of a batch.
-#[derive(Serialize)]
-struct BatchFact<'a> {
-    title: Option<&'a str>,
-    model: &'static str,
-    stack: Option<&'static str>,
-    judged_by: &'static str,
-    rule: String,
-    counts: Map<String, Value>,
-    results: &'a [ResultFact<'a>],
-    worst: Vec<PartFact<'a>>,
-    unjudged_limits: Vec<&'static str>,
-    interrupted: bool,
-    complete: bool,
-    notes: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct PartFact<'a> {
-    part_id: &'a str,
-    file: &'a str,
-    line: u64,
-    record: u64,
-    place: Option<&'a str>,
-    limit_on: Option<&'static str>,
-    result_lower_mm: f64,
-    result_upper_mm: f64,
-    margin_mm: Option<f64>,
-    verdict: Option<&'static str>,
-}
-
 impl<'a> From<&'a Quantity> for ResultFact<'a> {
     fn from(Quantity { name, limits, statistics, .. }: &'a Quantity) -> Self {
         let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
@@ -368,21 +337,20 @@ impl<'a> From<&'a Quantity> for ResultFact<'a> {
     }
 }
 
-impl<'a> From<&'a Part> for PartFact<'a> {
-    fn from(part: &'a Part) -> Self {
-        Self {
-            part_id: &part.id,
-            file: &part.file,
-            line: part.line,
-            record: part.record,
-            place: part.place.as_deref(),
-            limit_on: part.on.map(LimitTarget::key),
-            result_lower_mm: part.result_mm.0,
-            result_upper_mm: part.result_mm.1,
-            margin_mm: part.on.map(|_| part.margin_mm),
-            verdict: part.verdict.map(Verdict::name),
-        }
-    }
+/// One of the worst parts, for programs.
+fn part_fact(part: &Part) -> Value {
+    json!({
+        "part_id": part.id,
+        "file": *part.file,
+        "line": part.line,
+        "record": part.record,
+        "place": part.place,
+        "limit_on": part.on.map(LimitTarget::key),
+        "result_lower_mm": part.result_mm.0,
+        "result_upper_mm": part.result_mm.1,
+        "margin_mm": part.on.map(|_| part.margin_mm),
+        "verdict": part.verdict.map(Verdict::name),
+    })
 }
 
 impl Report for BatchReport<'_> {
@@ -392,25 +360,21 @@ impl Report for BatchReport<'_> {
             Some(Stack::Rss) => JudgedBy::Statistical,
             Some(_) => JudgedBy::Bound,
         };
-        json!(BatchFact {
-            title: self.title,
-            model: self.basis.model,
-            stack: self.basis.stack.map(Stack::name),
-            judged_by: judged_by.name(),
-            rule: self.basis.rule.to_string(),
-            counts: self
-                .outcome
-                .counts
-                .named()
-                .into_iter()
-                .map(|(name, count)| (name.to_owned(), count.into()))
-                .collect(),
-            results: &self.results,
-            worst: self.outcome.worst.iter().map(PartFact::from).collect(),
-            unjudged_limits: self.basis.unjudged.iter().map(|on| on.key()).collect(),
-            interrupted: self.outcome.interrupted,
-            complete: !self.outcome.interrupted && !self.outcome.is_cut,
-            notes: self.notes(),
+        let Outcome { counts, worst, interrupted, is_cut, .. } = self.outcome;
+        let counts = counts.named().into_iter().map(|(name, count)| (name.to_owned(), count.into()));
+        json!({
+            "title": self.title,
+            "model": self.basis.model,
+            "stack": self.basis.stack.map(Stack::name),
+            "judged_by": judged_by.name(),
+            "rule": self.basis.rule.to_string(),
+            "counts": counts.collect::<Map<_, Value>>(),
+            "results": self.results,
+            "worst": worst.iter().map(part_fact).collect::<Vec<_>>(),
+            "unjudged_limits": self.basis.unjudged.iter().map(|on| on.key()).collect::<Vec<_>>(),
+            "interrupted": interrupted,
+            "complete": !interrupted && !is_cut,
+            "notes": self.notes(),
         })
     }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ClassFact, ON_WORST_TEETH, interval_text};
+use super::evaluation::{ON_WORST_TEETH, class_fact, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Rule};
@@ -241,8 +241,8 @@ impl Report for BudgetReport<'_> {
                     "range_mm": value.map(|_| line.range),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
-                    "class": class.map(ClassFact::from),
-                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(ClassFact::from),
+                    "class": class.map(class_fact),
+                    "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_fact),
                     "sensitivities": of_line.collect::<Vec<_>>(),
                 })
             })

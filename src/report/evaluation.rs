@@ -1,10 +1,9 @@
 //! The report of `eval`.
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, percent, plain, signed, tidy, unsigned};
-use super::uncertainty::{self, DecisionFact, UncertaintyPart, indeterminate_sentence, rule_words, subject};
+use super::uncertainty::{self, UncertaintyPart, decision_fact, indeterminate_sentence, rule_words, subject};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged};
@@ -49,25 +48,6 @@ pub struct MeshPart {
     pub notes: Vec<String>,
 }
 
-#[derive(Serialize)]
-struct ContributionRow {
-    error: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deviation_mm: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deviation_deg: Option<f64>,
-    extent: &'static str,
-    range_mm: Option<Interval>,
-    delta_cd_mm: Length,
-    delta_cd_exact_mm: Length,
-    delta_cd_paper_mm: Length,
-    model: &'static str,
-    formula: &'static str,
-    share: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    class: Option<ClassFact>,
-}
-
 impl EvaluationReport<'_> {
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
@@ -82,27 +62,28 @@ impl EvaluationReport<'_> {
         self.rests_on.iter().cloned().chain(self.class_notes()).chain(self.notes.iter().cloned()).collect()
     }
 
-    fn contributions(&self) -> impl Iterator<Item = ContributionRow> + '_ {
+    /// What programs read of each error.
+    fn contributions(&self) -> impl Iterator<Item = Value> + '_ {
         let model = self.evaluation.model;
-        self.evaluation.contributions.iter().map(move |contribution| {
-            let (deviation_mm, deviation_deg) = match &contribution.value {
-                DeviationValue::Length(length) => (Some(length.mm()), None),
-                angle => (None, Some(angle.base())),
-            };
-            ContributionRow {
-                error: contribution.kind.key(),
-                deviation_mm,
-                deviation_deg,
-                extent: contribution.extent.name(),
-                range_mm: contribution.range.ok(),
-                delta_cd_mm: contribution.delta_cd(model),
-                delta_cd_exact_mm: contribution.exact,
-                delta_cd_paper_mm: contribution.paper,
-                model: model.name(),
-                formula: equation(contribution.kind, model),
-                share: contribution.share,
-                class: self.class(contribution.kind).map(ClassFact::from),
+        self.evaluation.contributions.iter().map(move |c| {
+            let is_length = matches!(c.value, DeviationValue::Length(_));
+            let deviation = if is_length { "deviation_mm" } else { "deviation_deg" };
+            let mut fact = json!({
+                "error": c.kind.key(),
+                deviation: c.value.base(),
+                "extent": c.extent.name(),
+                "range_mm": c.range.ok(),
+                "delta_cd_mm": c.delta_cd(model),
+                "delta_cd_exact_mm": c.exact,
+                "delta_cd_paper_mm": c.paper,
+                "model": model.name(),
+                "formula": equation(c.kind, model),
+                "share": c.share,
+            });
+            if let Some(class) = self.class(c.kind) {
+                fact["class"] = class_fact(class);
             }
+            fact
         })
     }
 
@@ -280,33 +261,16 @@ fn listed(keys: &[&str]) -> String {
 }
 
 /// What a class came to, for programs.
-#[derive(Serialize)]
-pub(super) struct ClassFact {
-    standard: &'static str,
-    grade: u8,
-    symbol: &'static str,
-    value_um: f64,
-    unrounded_um: f64,
-    diameter_mm: Option<f64>,
-    diameter_source: Option<&'static str>,
-}
-
-impl From<&ErrorClass> for ClassFact {
-    fn from(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Self {
-        Self {
-            standard: permissible.standard.id(),
-            grade: permissible.grade,
-            symbol: permissible.symbol(),
-            value_um: permissible.value_um(),
-            unrounded_um: permissible.unrounded_um(),
-            diameter_mm: diameter.map(|(diameter, _)| diameter.mm()),
-            diameter_source: diameter.map(|(_, source)| source.in_words()),
-        }
-    }
-}
-
-fn verdict_name(verdict: Option<Verdict>) -> Option<&'static str> {
-    verdict.map(Verdict::name)
+pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Value {
+    json!({
+        "standard": permissible.standard.id(),
+        "grade": permissible.grade,
+        "symbol": permissible.symbol(),
+        "value_um": permissible.value_um(),
+        "unrounded_um": permissible.unrounded_um(),
+        "diameter_mm": diameter.map(|(diameter, _)| diameter.mm()),
+        "diameter_source": diameter.map(|(_, source)| source.in_words()),
+    })
 }
 
 fn unjudged_text(unjudged: Unjudged) -> &'static str {
@@ -343,81 +307,18 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     format!("{what}: {}", parts.join(", and "))
 }
 
-/// What programs read of an evaluation.
-#[derive(Serialize)]
-struct EvaluationFact<'a> {
-    title: Option<&'a str>,
-    model: &'static str,
-    contributions: Vec<ContributionRow>,
-    combined: CombinedFact,
-    stack: &'static str,
-    judged_by: &'static str,
-    reached_mm: Option<Interval>,
-    rule: String,
-    limits: Vec<LimitFact>,
-    verdict: Option<&'static str>,
-    uncertainty: Option<Value>,
-    mesh: Option<MeshFact<'a>>,
-    notes: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct CombinedFact {
-    #[serde(rename = "range_mm")]
-    range: Option<Interval>,
-    #[serde(rename = "worst_case_mm")]
-    worst_case: Option<Interval>,
-    #[serde(rename = "rss_mm")]
-    rss: Option<Interval>,
-}
-
-#[derive(Serialize)]
-struct LimitFact {
-    on: &'static str,
-    lower_mm: Option<Length>,
-    upper_mm: Option<Length>,
-    result_lower_mm: Option<Length>,
-    result_upper_mm: Option<Length>,
-    verdict: Option<&'static str>,
-    decision: Option<DecisionFact>,
-}
-
-impl From<&LimitCheck> for LimitFact {
-    fn from(check: &LimitCheck) -> Self {
-        let result = check.result.ok();
-        Self {
-            on: check.on.key(),
-            lower_mm: check.limit.lower,
-            upper_mm: check.limit.upper,
-            result_lower_mm: result.map(|result| result.lower),
-            result_upper_mm: result.map(|result| result.upper),
-            verdict: verdict_name(check.verdict),
-            decision: check.decision.as_ref().map(DecisionFact::from),
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct MeshFact<'a> {
-    from_mm: f64,
-    to_mm: f64,
-    min_mm: f64,
-    max_mm: f64,
-    mean_mm: f64,
-    notes: &'a [String],
-}
-
-impl<'a> From<&'a MeshPart> for MeshFact<'a> {
-    fn from(MeshPart { stroke_mm, summary, notes }: &'a MeshPart) -> Self {
-        Self {
-            from_mm: stroke_mm.0,
-            to_mm: stroke_mm.1,
-            min_mm: tidy(summary.min_mm),
-            max_mm: tidy(summary.max_mm),
-            mean_mm: tidy(summary.mean_mm),
-            notes,
-        }
-    }
+/// What came of a limit, for programs.
+fn limit_fact(check: &LimitCheck) -> Value {
+    let result = check.result.ok();
+    json!({
+        "on": check.on.key(),
+        "lower_mm": check.limit.lower,
+        "upper_mm": check.limit.upper,
+        "result_lower_mm": result.map(|result| result.lower),
+        "result_upper_mm": result.map(|result| result.upper),
+        "verdict": check.verdict.map(Verdict::name),
+        "decision": check.decision.as_ref().map(decision_fact),
+    })
 }
 
 /// The columns of CSV, of an error, a combination, a limit or an uncertainty.
@@ -437,24 +338,31 @@ impl Report for EvaluationReport<'_> {
     fn json(&self) -> Value {
         let evaluation = self.evaluation;
         let combined = &evaluation.combined;
-        json!(EvaluationFact {
-            title: self.title,
-            model: evaluation.model.name(),
-            contributions: self.contributions().collect(),
-            combined: CombinedFact {
-                range: combined.range.ok(),
-                worst_case: combined.range.ok(),
-                rss: combined.rss.ok(),
+        json!({
+            "title": self.title,
+            "model": evaluation.model.name(),
+            "contributions": self.contributions().collect::<Vec<_>>(),
+            "combined": {
+                "range_mm": combined.range.ok(),
+                "worst_case_mm": combined.range.ok(),
+                "rss_mm": combined.rss.ok(),
             },
-            stack: evaluation.stack.name(),
-            judged_by: evaluation.judged_by.name(),
-            reached_mm: evaluation.reached,
-            rule: self.rule.to_string(),
-            limits: evaluation.limits.iter().map(LimitFact::from).collect(),
-            verdict: verdict_name(evaluation.verdict),
-            uncertainty: self.uncertainty.as_ref().map(UncertaintyPart::json),
-            mesh: self.mesh.as_ref().map(MeshFact::from),
-            notes: self.all_notes(),
+            "stack": evaluation.stack.name(),
+            "judged_by": evaluation.judged_by.name(),
+            "reached_mm": evaluation.reached,
+            "rule": self.rule.to_string(),
+            "limits": evaluation.limits.iter().map(limit_fact).collect::<Vec<_>>(),
+            "verdict": evaluation.verdict.map(Verdict::name),
+            "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
+            "mesh": self.mesh.as_ref().map(|MeshPart { stroke_mm: (from, to), summary, notes }| json!({
+                "from_mm": from,
+                "to_mm": to,
+                "min_mm": tidy(summary.min_mm),
+                "max_mm": tidy(summary.max_mm),
+                "mean_mm": tidy(summary.mean_mm),
+                "notes": notes,
+            })),
+            "notes": self.all_notes(),
         })
     }
 
@@ -464,7 +372,8 @@ impl Report for EvaluationReport<'_> {
         let ends = |kind, name, range: Value| {
             record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
         };
-        let mut records: Vec<_> = self.contributions().map(|row| record("error", row.error, json!(row))).collect();
+        let mut records: Vec<_> =
+            self.contributions().map(|fact| record("error", fact["error"].clone(), fact)).collect();
         let combined = |stack| json!(evaluation.combined.interval(stack).ok());
         records.extend(Stack::ALL.map(|stack| ends("combined", stack.name(), combined(stack))));
         records.extend(evaluation.reached.map(|reached| ends("combined", "reached", json!(reached))));
@@ -474,7 +383,7 @@ impl Report for EvaluationReport<'_> {
         }));
         records.extend(evaluation.limits.iter().map(|check| {
             let mut row = ends("limit", check.on.key(), json!(check.result.ok()));
-            row["limit"] = json!(LimitFact::from(check));
+            row["limit"] = limit_fact(check);
             row
         }));
         let mut names = COLUMNS.to_owned();

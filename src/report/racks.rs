@@ -36,36 +36,6 @@ pub struct RacksReport<'a> {
     pub notes: Vec<String>,
 }
 
-/// What programs read of the racks.
-#[derive(Serialize)]
-struct RacksFact<'a> {
-    title: Option<&'a str>,
-    seed: u64,
-    first_rack: u64,
-    racks: u64,
-    interrupted: bool,
-    missing: &'a [RackRange],
-    from_mm: f64,
-    to_mm: f64,
-    confidence: f64,
-    scatter: Vec<SpreadFact>,
-    delta_cd: Map<String, Value>,
-    inside_limits: Option<Inside>,
-    verdict: Option<&'static str>,
-    notes: Vec<String>,
-}
-
-/// How one kind of deviation is drawn.
-#[derive(Serialize)]
-struct SpreadFact {
-    of: &'static str,
-    distribution: &'static str,
-    /// Whether that is the distribution of the places of teeth, whose differences are what scatters.
-    of_places: bool,
-    standard_deviation_mm: Option<f64>,
-    standard_deviation_rad: Option<f64>,
-}
-
 impl RacksReport<'_> {
     /// What is drawn, and how.
     fn spreads(&self) -> impl Iterator<Item = (&'static str, Uncertainty)> {
@@ -314,29 +284,34 @@ impl Report for RacksReport<'_> {
             let is_normal = drawn.distribution == Distribution::Normal;
             // the difference of two places, each within half as much
             let standard = if is_difference(of) && !is_normal { FRAC_1_SQRT_2 } else { 1.0 } * drawn.standard;
-            SpreadFact {
-                of,
-                distribution: drawn.distribution.name(),
-                of_places: is_difference(of),
-                standard_deviation_mm: (!is_angle(of)).then_some(standard),
-                standard_deviation_rad: is_angle(of).then_some(standard),
-            }
+            let key = if is_angle(of) { "standard_deviation_rad" } else { "standard_deviation_mm" };
+            let mut fact = json!({
+                "of": of,
+                "distribution": drawn.distribution.name(),
+                // whether that is the distribution of the places of teeth, whose differences are what scatters
+                "of_places": is_difference(of),
+                "standard_deviation_mm": null,
+                "standard_deviation_rad": null,
+            });
+            fact[key] = standard.into();
+            fact
         });
-        json!(RacksFact {
-            title: self.title,
-            seed: of.seed,
-            first_rack: self.study.asked().first_rack,
-            racks: self.study.racks(),
-            interrupted: !missing.is_empty(),
-            missing,
-            from_mm: of.from_mm,
-            to_mm: of.to_mm,
-            confidence: CONFIDENCE,
-            scatter: scatter.collect(),
-            delta_cd: self.quantities().into_iter().map(|(name, of)| (name.to_owned(), json!(of))).collect(),
-            inside_limits: *inside,
-            verdict: verdict.map(Verdict::name),
-            notes: self.all_notes(),
+        let delta_cd = self.quantities().into_iter().map(|(name, of)| (name.to_owned(), json!(of)));
+        json!({
+            "title": self.title,
+            "seed": of.seed,
+            "first_rack": self.study.asked().first_rack,
+            "racks": self.study.racks(),
+            "interrupted": !missing.is_empty(),
+            "missing": missing,
+            "from_mm": of.from_mm,
+            "to_mm": of.to_mm,
+            "confidence": CONFIDENCE,
+            "scatter": scatter.collect::<Vec<_>>(),
+            "delta_cd": delta_cd.collect::<Map<_, _>>(),
+            "inside_limits": inside,
+            "verdict": verdict.map(Verdict::name),
+            "notes": self.all_notes(),
         })
     }
 

@@ -1,6 +1,5 @@
 //! What a result's uncertainty says, as a part of another report: tables, JSON and rows of `eval`.
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, percent, plain, tidy};
@@ -10,7 +9,7 @@ use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
 use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
 use crate::judge::{LimitTarget, Rule, Stack, Verdict};
-use crate::quantity::{Length, LengthUnit};
+use crate::quantity::LengthUnit;
 use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
@@ -313,28 +312,15 @@ fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
 }
 
 /// A decision, for programs.
-#[derive(Serialize)]
-pub(super) struct DecisionFact {
-    guard_lower_mm: Option<Length>,
-    guard_upper_mm: Option<Length>,
-    conformance_probability: Option<f64>,
-    consumer_risk_if_accepted: Option<f64>,
-    producer_risk_if_rejected: Option<f64>,
-    method: Option<&'static str>,
-}
-
-impl From<&Decision> for DecisionFact {
-    fn from(decision: &Decision) -> Self {
-        let conformance = decision.conformance;
-        Self {
-            guard_lower_mm: decision.guard.map(|(lower, _)| lower),
-            guard_upper_mm: decision.guard.map(|(_, upper)| upper),
-            conformance_probability: conformance.map(|c| c.probability),
-            consumer_risk_if_accepted: conformance.map(|c| c.consumer_risk()),
-            producer_risk_if_rejected: conformance.map(|c| c.producer_risk()),
-            method: conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
-        }
-    }
+pub(super) fn decision_fact(&Decision { guard, conformance, .. }: &Decision) -> Value {
+    json!({
+        "guard_lower_mm": guard.map(|(lower, _)| lower),
+        "guard_upper_mm": guard.map(|(_, upper)| upper),
+        "conformance_probability": conformance.map(|c| c.probability),
+        "consumer_risk_if_accepted": conformance.map(|c| c.consumer_risk()),
+        "producer_risk_if_rejected": conformance.map(|c| c.producer_risk()),
+        "method": conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
+    })
 }
 
 fn rule_name(rule: &Rule) -> String {
