@@ -6,7 +6,7 @@ use super::batch::{Basis, whereabouts};
 use super::escape;
 use super::number::{ends, grouped, unsigned};
 use super::reading::remarks;
-use crate::batch::{Outcome, Part};
+use crate::batch::{Outcome, Part, Problem};
 use crate::judge::Verdict;
 
 /// Annotations that a page shows of one step.
@@ -29,20 +29,14 @@ fn sentence(part: &Part) -> String {
 #[must_use]
 pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
     let counts = &outcome.counts;
-    let (failures, problems) = (&outcome.failures, &outcome.problems);
-    let unlisted_failures = (counts.fail + counts.indeterminate).saturating_sub(failures.len() as u64);
-    let unlisted_problems = counts.rejected.saturating_sub(problems.len() as u64);
-    let rest = counts.pass + counts.unjudged;
-    let doubts = doubts(basis, outcome);
-    let unlisted = usize::from(unlisted_failures > 0) + usize::from(unlisted_problems > 0);
-    let cases = failures.len() + problems.len() + 1 + unlisted + doubts.len();
-    let failed = failures.len() + usize::from(unlisted_failures > 0);
-    let errors = problems.len() + usize::from(unlisted_problems > 0) + doubts.len();
+    let cases = cases(basis, outcome);
+    let count = |tag: &str| cases.iter().filter(|case| case.tag == tag).count();
+    let (all, failed, errors) = (1 + cases.len(), count("failure"), count("error"));
     let name = escaped(title.unwrap_or("rackmesh batch"));
     let mut xml = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-         <testsuites name=\"rackmesh\" tests=\"{cases}\" failures=\"{failed}\" errors=\"{errors}\">\n\
-         <testsuite name=\"{name}\" tests=\"{cases}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n\
+         <testsuites name=\"rackmesh\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\">\n\
+         <testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n\
          <properties>\n"
     );
     let property = |xml: &mut String, name: &str, value: &str| {
@@ -56,57 +50,15 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
         property(&mut xml, &format!("limit {}", on.key()), &limit.to_string());
     }
     xml.push_str("</properties>\n");
-    let all = match (counts.unjudged > 0, rest == 1) {
+    let rest = counts.pass + counts.unjudged;
+    let others = match (counts.unjudged > 0, rest == 1) {
         (true, true) => "part was checked and has no verdict or passes",
         (true, false) => "parts were checked and have no verdict or pass",
         (false, true) => "part was checked and passes",
         (false, false) => "parts were checked and pass",
     };
-    let _ = writeln!(xml, "<testcase classname=\"parts\" name=\"{} {all}\"/>", grouped(rest));
-    for Doubt { of, kind, why } in doubts {
-        let _ = writeln!(
-            xml,
-            "<testcase classname=\"run\" name=\"{of}\">\n<error type=\"{kind}\" message=\"{}\"/>\n</testcase>",
-            escaped(&why)
-        );
-    }
-    for part in failures {
-        let place = escaped(&whereabouts(part));
-        let message = escaped(&sentence(part));
-        let kind = part.verdict.map_or("fail", Verdict::name);
-        let _ = writeln!(
-            xml,
-            "<testcase classname=\"{}\" name=\"{}\">\n\
-             <failure type=\"{kind}\" message=\"{message}\">{place}: {message}</failure>\n</testcase>",
-            escaped(&part.file),
-            escaped(&part.id)
-        );
-    }
-    if unlisted_failures > 0 {
-        let _ = writeln!(
-            xml,
-            "<testcase classname=\"parts\" name=\"other parts\">\n<failure type=\"fail\" message=\"{} more parts do not pass\"/>\n</testcase>",
-            grouped(unlisted_failures)
-        );
-    }
-    for problem in problems {
-        let message = escaped(&problem.what());
-        let _ = writeln!(
-            xml,
-            "<testcase classname=\"{}\" name=\"record {}\">\n\
-             <error type=\"bad-row\" message=\"{message}\">{}: {message}</error>\n</testcase>",
-            escaped(&problem.file),
-            problem.record,
-            escaped(&problem.whereabouts())
-        );
-    }
-    if unlisted_problems > 0 {
-        let _ = writeln!(
-            xml,
-            "<testcase classname=\"rows\" name=\"other rows\">\n<error type=\"bad-row\" message=\"{} more rows are rejected\"/>\n</testcase>",
-            grouped(unlisted_problems)
-        );
-    }
+    let _ = writeln!(xml, "<testcase classname=\"parts\" name=\"{} {others}\"/>", grouped(rest));
+    cases.iter().for_each(|case| xml.push_str(&case.xml()));
     let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
     said.extend(remarks(&outcome.readings, &outcome.notes));
     if !said.is_empty() {
@@ -116,15 +68,73 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
     xml
 }
 
-/// What keeps a run from speaking for all parts.
-struct Doubt {
-    of: &'static str,
+/// A test case that is none of those that pass.
+struct Case {
+    class: String,
+    name: String,
+    /// `failure`, or `error` where something was not checked.
+    tag: &'static str,
     kind: &'static str,
-    why: String,
+    message: String,
+    /// Where that is, of a single part or row.
+    place: Option<String>,
 }
 
-fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
-    let mut doubts = Vec::new();
+impl Case {
+    fn xml(&self) -> String {
+        let Self { tag, kind, .. } = self;
+        let [class, name, message] = [&self.class, &self.name, &self.message].map(|text| escaped(text));
+        let end = match &self.place {
+            Some(place) => format!(">{}: {message}</{tag}>", escaped(place)),
+            None => "/>".to_owned(),
+        };
+        format!(
+            "<testcase classname=\"{class}\" name=\"{name}\">\n<{tag} type=\"{kind}\" message=\"{message}\"{end}\n</testcase>\n"
+        )
+    }
+}
+
+/// What keeps the run from speaking for all parts, the parts that did not pass, and the rejected rows.
+fn cases(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
+    let Outcome { counts, failures, problems, .. } = outcome;
+    let failure = |part: &Part| Case {
+        class: part.file.to_string(),
+        name: part.id.clone(),
+        tag: "failure",
+        kind: part.verdict.map_or("fail", Verdict::name),
+        message: sentence(part),
+        place: Some(whereabouts(part)),
+    };
+    let error = |problem: &Problem| Case {
+        class: problem.file.to_string(),
+        name: format!("record {}", problem.record),
+        tag: "error",
+        kind: "bad-row",
+        message: problem.what(),
+        place: Some(problem.whereabouts()),
+    };
+    let unlisted = |all: u64, listed: usize, case: Case| {
+        let count = all.saturating_sub(listed as u64);
+        (count > 0).then(|| Case { message: format!("{} more {}", grouped(count), case.message), ..case })
+    };
+    let other_parts = case(["parts", "other parts"], "failure", "fail", "parts do not pass".to_owned());
+    let other_rows = case(["rows", "other rows"], "error", "bad-row", "rows are rejected".to_owned());
+    doubts(basis, outcome)
+        .into_iter()
+        .chain(failures.iter().map(failure))
+        .chain(unlisted(counts.fail + counts.indeterminate, failures.len(), other_parts))
+        .chain(problems.iter().map(error))
+        .chain(unlisted(counts.rejected, problems.len(), other_rows))
+        .collect()
+}
+
+/// A case that is of no single part or row.
+fn case([class, name]: [&str; 2], tag: &'static str, kind: &'static str, message: String) -> Case {
+    Case { class: class.to_owned(), name: name.to_owned(), tag, kind, message, place: None }
+}
+
+/// What keeps a run from speaking for all parts.
+fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     let incomplete = if outcome.interrupted {
         Some("the run was interrupted: later parts were not checked")
     } else if outcome.is_cut {
@@ -134,14 +144,10 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Doubt> {
     } else {
         None
     };
-    let complete = |why: &str| Doubt { of: "the run is complete", kind: "incomplete", why: why.to_owned() };
-    doubts.extend(incomplete.map(complete));
-    doubts.extend(basis.unjudged_sentence(&outcome.counts).map(|why| Doubt {
-        of: "every limit is judged",
-        kind: "unjudged",
-        why,
-    }));
-    doubts
+    let incomplete = incomplete.map(|why| case(["run", "the run is complete"], "error", "incomplete", why.to_owned()));
+    let unjudged = basis.unjudged_sentence(&outcome.counts);
+    let unjudged = unjudged.map(|why| case(["run", "every limit is judged"], "error", "unjudged", why));
+    incomplete.into_iter().chain(unjudged).collect()
 }
 
 /// Text in an attribute of XML, which would lose its line breaks.
@@ -155,7 +161,7 @@ fn escaped(text: &str) -> String {
 pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     let mut text = String::new();
     for doubt in doubts(basis, outcome) {
-        let _ = writeln!(text, "::error title=rackmesh batch::{}", doubt.why);
+        let _ = writeln!(text, "::error title=rackmesh batch::{}", doubt.message);
     }
     for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
         let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
