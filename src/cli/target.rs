@@ -18,36 +18,23 @@ pub(super) struct Target {
     path: String,
     /// Files that are read.
     inputs: Vec<String>,
-    sink: Sink,
+    writer: Box<dyn Write + Send>,
     /// Where a file stands until it is complete; `None` for what is no file.
     beside: Option<Beside>,
-}
-
-/// Where the bytes go.
-enum Sink {
-    Stdout,
-    Stderr,
-    File(File),
-    Closed,
 }
 
 impl Target {
     /// Begins the file `path` (`-` is standard output) in a run that reads `inputs` (`-` is standard input).
     pub(super) fn create(path: &str, inputs: &[&str]) -> Result<Self, Failure> {
         refuse_inputs(path, inputs)?;
-        let (sink, beside) = Sink::open(path).map_err(|error| unwritable(path, error))?;
+        let (writer, beside) = open(path).map_err(|error| unwritable(path, error))?;
         let inputs = inputs.iter().map(|&input| input.to_owned()).collect();
-        Ok(Self { path: path.to_owned(), inputs, sink, beside })
+        Ok(Self { path: path.to_owned(), inputs, writer, beside })
     }
 
-    /// What writes to the same place, for a writer that keeps it to its end.
-    pub(super) fn writer(&self) -> io::Result<Box<dyn Write + Send>> {
-        Ok(match &self.sink {
-            Sink::Stdout => Box::new(stream::Stdout),
-            Sink::Stderr => Box::new(io::stderr()),
-            Sink::File(file) => Box::new(file.try_clone()?),
-            Sink::Closed => return Err(closed()),
-        })
+    /// Gives the place to a writer that keeps it to its end, and flushes it there.
+    pub(super) fn take_writer(&mut self) -> Box<dyn Write + Send> {
+        std::mem::replace(&mut self.writer, Box::new(io::sink()))
     }
 
     /// Puts the file in its place, now that it is complete.
@@ -59,9 +46,9 @@ impl Target {
     /// Ends what is written, and gives a file that stands beside its name this one.
     fn put(mut self, place: Option<PathBuf>) -> Result<Option<String>, Failure> {
         let put = || {
-            self.sink.flush()?;
+            self.writer.flush()?;
             // some systems do not rename a file that is open
-            self.sink = Sink::Closed;
+            drop(self.take_writer());
             let Some((beside, place)) = self.beside.as_ref().zip(place) else { return Ok(None) };
             fs::rename(&beside.temporary, &place)?;
             Ok(Some(place.display().to_string()))
@@ -92,56 +79,34 @@ impl Target {
 
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.sink.write(bytes)
+        self.writer.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.sink.flush()
+        self.writer.flush()
     }
 }
 
-impl Sink {
-    /// The process's own stream of that name: opened once more it would be written from its start.
-    fn own(path: &str) -> Option<Self> {
-        match path {
-            "-" | "/dev/stdout" | "/dev/fd/1" | "/proc/self/fd/1" => Some(Self::Stdout),
-            "/dev/stderr" | "/dev/fd/2" | "/proc/self/fd/2" => Some(Self::Stderr),
-            _ => None,
-        }
-    }
-
-    fn open(path: &str) -> io::Result<(Self, Option<Beside>)> {
-        if let Some(own) = Self::own(path) {
-            return Ok((own, None));
-        }
-        let (place, found) = (Path::new(path), metadata(path)?);
-        if is_stream(place, found.as_ref()) {
-            // what is behind another descriptor of the process may be a file, of which nothing may be lost
-            return Ok((Self::File(OpenOptions::new().append(true).open(place)?), None));
-        }
-        let (beside, file) = Beside::create(behind_links(place)?, found)?;
-        Ok((Self::File(file), Some(beside)))
+/// The process's own stream of that name: opened once more it would be written from its start.
+fn own_stream(path: &str) -> Option<Box<dyn Write + Send>> {
+    match path {
+        "-" | "/dev/stdout" | "/dev/fd/1" | "/proc/self/fd/1" => Some(Box::new(stream::Stdout)),
+        "/dev/stderr" | "/dev/fd/2" | "/proc/self/fd/2" => Some(Box::new(io::stderr())),
+        _ => None,
     }
 }
 
-impl Write for Sink {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match self {
-            Self::Stdout => stream::Stdout.write(bytes),
-            Self::Stderr => io::stderr().lock().write(bytes),
-            Self::File(file) => file.write(bytes),
-            Self::Closed => Err(closed()),
-        }
+fn open(path: &str) -> io::Result<(Box<dyn Write + Send>, Option<Beside>)> {
+    if let Some(own) = own_stream(path) {
+        return Ok((own, None));
     }
-
-    fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::Stdout => stream::Stdout.flush(),
-            Self::Stderr => io::stderr().lock().flush(),
-            Self::File(file) => file.flush(),
-            Self::Closed => Err(closed()),
-        }
+    let (place, found) = (Path::new(path), metadata(path)?);
+    if is_stream(place, found.as_ref()) {
+        // what is behind another descriptor of the process may be a file, of which nothing may be lost
+        return Ok((Box::new(OpenOptions::new().append(true).open(place)?), None));
     }
+    let (beside, file) = Beside::create(behind_links(place)?, found)?;
+    Ok((Box::new(file), Some(beside)))
 }
 
 /// A file that stands beside the name it is to have; what is still there at the end is removed.
@@ -173,10 +138,6 @@ impl Drop for Beside {
         // one that has its name is no more there, and one that cannot be removed is in nobody's way
         let _ = fs::remove_file(&self.temporary);
     }
-}
-
-fn closed() -> io::Error {
-    io::Error::other("the file is closed")
 }
 
 /// Makes a file beside `place` that nobody else has made.
@@ -343,7 +304,7 @@ fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option
     if let Some(known) = known.iter().find(|known| **known == ending) {
         return Ok(Some(known));
     }
-    if Sink::own(path).is_some() || is_stream(Path::new(path), fs::metadata(path).ok().as_ref()) {
+    if own_stream(path).is_some() || is_stream(Path::new(path), fs::metadata(path).ok().as_ref()) {
         return Ok(None);
     }
     let message = format!("{path}: the name's ending tells no format that can be written");

@@ -93,11 +93,11 @@ impl Args {
         let rows = if self.summary {
             None
         } else {
-            let file = Target::create(path, &inputs)?;
+            let mut file = Target::create(path, &inputs)?;
             Some(if office::is_office(path) {
                 RowTarget::Office { path: path.to_owned(), rows: office::Collected::default(), file }
             } else if format == RowFormat::Columns {
-                RowTarget::Parquet { rows: Box::new(ParquetRows::new(file.writer()?, &columns())?), file }
+                RowTarget::Parquet { rows: Box::new(ParquetRows::new(file.take_writer(), &columns())?), file }
             } else {
                 RowTarget::Text(file)
             })
