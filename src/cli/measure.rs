@@ -104,12 +104,12 @@ impl Args {
                 let pin_mm = written.map_or_else(ideal, Length::mm);
                 let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
                 let datum_mm = spec.get(keys::RACK_DATUM).map(Length::mm);
-                MeasureReport::Rack { pin_mm, datum_mm, readings, notes }
+                MeasureReport::of_rack(pin_mm, datum_mm, &readings, notes)
             }
             Part::Pinion => {
                 let ball_mm = self.pin.map_or_else(|| mesh.pinion_ball_mm(), Length::mm);
                 let readings = mesh.measure_pinion(ball_mm).map_err(|error| unsolved(&error))?;
-                MeasureReport::Pinion { ball_mm, readings, notes }
+                MeasureReport::of_pinion(ball_mm, &readings, notes)
             }
         };
         output.report(&report, self.format)?;

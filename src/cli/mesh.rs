@@ -90,7 +90,7 @@ impl Range {
 }
 
 /// What the formulas say about the deviations of a mesh.
-pub(super) fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
+fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     let pair = input.mesh.pair();
     if let Origin::WorstTeeth(errors) = &input.origin {
         let prediction = Prediction::placed(pair, errors);
@@ -131,23 +131,22 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
 /// The report on the curve of a spec's mesh.
 pub(super) fn solved<'a>(
     spec: &'a Spec,
-    mesh: &'a Mesh,
-    curve: &'a Curve,
-    prediction: &'a Prediction,
-    judged: &'a JudgedMesh,
-) -> MeshReport<'a> {
-    MeshReport {
+    input: &'a MeshInput,
+    curve: Curve,
+    judged: JudgedMesh,
+) -> Result<MeshReport<'a>, Failure> {
+    Ok(MeshReport {
         title: None,
-        mesh,
+        mesh: &input.mesh,
         over_pin: spec.nominal_over_pin().ok(),
         curve,
-        listed: &[],
-        prediction,
+        listed: Vec::new(),
+        prediction: prediction(input)?,
         limit: spec.limit_on(LimitTarget::CenterDistance),
         judged,
-        notes: Vec::new(),
+        notes: notes(input),
         screen: Screen::default(),
-    }
+    })
 }
 
 /// Remarks on the input, and on why mesh and formulas differ.
@@ -239,28 +238,19 @@ impl Args {
         if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
             worst.place(&mut input, limit)?;
         }
-        let mut notes = notes(&input);
         let curve = self.range.curve(&input.mesh)?;
-        let prediction = prediction(&input)?;
-        notes.extend(sinks(&input, &curve, &prediction));
-        notes.extend(spec.suspicions_in_words());
-        let mut listed: Vec<ListedPoint> = Vec::new();
+        let mut report = solved(&spec, &input, curve, judged)?;
+        (report.title, report.screen) = (spec.title.as_deref(), output.screen());
+        report.notes.extend(sinks(&input, &report.curve, &report.prediction));
+        report.notes.extend(spec.suspicions_in_words());
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
-            match listed_in_table(strokes, &input.mesh, output) {
-                Some(points) => listed = points,
-                None => {
-                    notes
-                        .push(format!("--format csv lists the {} strokes; a table lists {MOST_LISTED}", strokes.count));
-                }
+            if strokes.count > MOST_LISTED {
+                let count = strokes.count;
+                report.notes.push(format!("--format csv lists the {count} strokes; a table lists {MOST_LISTED}"));
+            } else {
+                report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        let report = MeshReport {
-            title: spec.title.as_deref(),
-            listed: &listed,
-            notes,
-            screen: output.screen(),
-            ..solved(&spec, &input.mesh, &curve, &prediction, &judged)
-        };
         if let Some(picture) = &picture {
             picture.write(&report.chart())?;
         }
@@ -273,7 +263,7 @@ impl Args {
             }
             _ => output.report(&report, self.format).map(|()| None),
         };
-        let status = Status::of(judged.verdict, &judged.checks);
+        let status = Status::of(report.judged.verdict, &report.judged.checks);
         match listed {
             // the verdict is that of the curve, whoever reads the list
             Err(failure) if failure.is_closed_pipe() => Ok(status),
@@ -305,17 +295,14 @@ impl Args {
     }
 }
 
-/// The strokes of a table with their solutions; `None` if they are too many for one.
-fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Option<Vec<ListedPoint>> {
-    if strokes.count > MOST_LISTED {
-        return None;
-    }
+/// The strokes of a table with their solutions.
+fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Vec<ListedPoint> {
     let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
     let listed: Vec<ListedPoint> = at.iter().copied().zip(mesh.sample(&at)).collect();
     if let Some(error) = Trust::of(&listed).failure {
         output.diagnostic(&unsolved_stroke(&error));
     }
-    Some(listed)
+    listed
 }
 
 /// Strokes a step apart, both ends included.

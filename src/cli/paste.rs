@@ -17,8 +17,8 @@ use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, FormulaAndMesh, JudgedMesh, MeshReport, PartRow, PartsReport, Report, Screen,
-    SpacesReport, UncertaintyPart, WithReading,
+    self, EvaluationReport, Format, FormulaAndMesh, JudgedMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
+    UncertaintyPart, WithReading,
 };
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
@@ -383,30 +383,25 @@ impl Args {
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
         let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| spec_files::unsolved(&error))?;
-        let prediction = mesh::prediction(&input)?;
-        let mut notes = mesh::notes(&input);
-        notes.extend(judge.notes().into_iter().chain(judged.notes));
-        if is_rack {
-            notes.push(format!(
-                "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
-                covered.start, covered.end
-            ));
-        }
-        let judged = JudgedMesh {
+        let of_mesh = JudgedMesh {
             range: judged.range,
             by: judged.by,
             checks: judged.limits,
             rule: self.judge.rule(spec),
             verdict: judged.verdict,
         };
-        let solved = MeshReport {
-            notes,
-            screen: output.screen(),
-            ..mesh::solved(spec, &input.mesh, &curve, &prediction, &judged)
-        };
+        let mut solved = mesh::solved(spec, &input, curve, of_mesh)?;
+        solved.screen = output.screen();
+        solved.notes.extend(judge.notes().into_iter().chain(judged.notes));
+        if is_rack {
+            solved.notes.push(format!(
+                "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
+                covered.start, covered.end
+            ));
+        }
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
         self.report(&Shown { report: &both, ..shown }, read, output)?;
-        Ok(Status::of(judged.verdict, &judged.checks))
+        Ok(Status::of(solved.judged.verdict, &solved.judged.checks))
     }
 }
 

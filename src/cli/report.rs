@@ -17,7 +17,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::LimitTarget;
 use crate::report::chart::Chart;
 use crate::report::html::{Headline, InputFile, Page, Section};
-use crate::report::{Basis, BatchReport, Block, MeshReport, Report as _, RunChart, error_histograms, judged_histogram};
+use crate::report::{Basis, BatchReport, Block, Report as _, RunChart, error_histograms, judged_histogram};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
@@ -161,10 +161,7 @@ impl Args {
                 return Ok(());
             }
         };
-        let judged = judged(spec, &self.judge)?;
-        let prediction = mesh::prediction(&input)?;
-        let solved = mesh::solved(spec, &input.mesh, &curve, &prediction, &judged);
-        let report = MeshReport { notes: mesh::notes(&input), ..solved };
+        let report = mesh::solved(spec, &input, curve, judged(spec, &self.judge)?)?;
         let blocks = without_verdict(report.blocks(), page, "the mesh");
         page.sections.push(Section { charts: vec![report.chart()], ..Section::new(HEADING, blocks) });
         Ok(())

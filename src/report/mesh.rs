@@ -7,10 +7,11 @@ use super::evaluation::interval_text;
 use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
+use crate::deviation::Part;
 use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
 use crate::judge::bound::NoBound;
 use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
-use crate::mesh::{Curve, Mesh, Summary};
+use crate::mesh::{Curve, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
 
 /// A solved stroke range.
@@ -23,15 +24,15 @@ pub struct MeshReport<'a> {
     /// The nominal measure M over the pin, if the spec has what it takes.
     pub over_pin: Option<Length>,
     /// The curve with its kinks, from which the summary comes.
-    pub curve: &'a Curve,
+    pub curve: Curve,
     /// Strokes to list in tables.
-    pub listed: &'a [ListedPoint],
+    pub listed: Vec<ListedPoint>,
     /// What the formulas say about the same deviations.
-    pub prediction: &'a Prediction,
+    pub prediction: Prediction,
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
     /// What is held against the limits, and what came of it.
-    pub judged: &'a JudgedMesh,
+    pub judged: JudgedMesh,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -232,10 +233,10 @@ impl Report for MeshReport<'_> {
                 self.curve.points.iter().map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
             blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
-        blocks.push(comparison_table(&summary, self.prediction));
-        blocks.extend(mesh_points::table(self.listed));
+        blocks.push(comparison_table(&summary, &self.prediction));
+        blocks.extend(mesh_points::table(&self.listed));
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
-        let doubts = self.trust().and(Trust::of(self.listed)).notes();
+        let doubts = self.trust().and(Trust::of(&self.listed)).notes();
         blocks.extend(doubts.iter().map(|doubt| Block::Note(noted(doubt))));
         if !self.curve.resolved {
             blocks.push(Block::Note(noted(&format!(
@@ -251,127 +252,96 @@ impl Report for MeshReport<'_> {
 
 /// The readings of the virtual measuring machine.
 #[derive(Debug)]
-pub enum MeasureReport {
-    /// The rack's spaces.
-    Rack {
-        /// Diameter of the pin, mm.
-        pin_mm: f64,
-        /// Distance K from the datum to the reference plane, mm, if the spec gives it.
-        datum_mm: Option<f64>,
-        /// One per space.
-        readings: Vec<crate::mesh::RackReading>,
-        /// What is to be said.
-        notes: Vec<String>,
-    },
-    /// The pinion's teeth.
-    Pinion {
-        /// Diameter of the ball, mm.
-        ball_mm: f64,
-        /// One per tooth.
-        readings: Vec<crate::mesh::PinionReading>,
-        /// What is to be said.
-        notes: Vec<String>,
-    },
+pub struct MeasureReport {
+    part: Part,
+    pin_mm: f64,
+    datum_mm: Option<f64>,
+    /// What is numbered, and what is listed of each.
+    columns: Vec<&'static str>,
+    rows: Vec<(i64, Vec<f64>)>,
+    notes: Vec<String>,
 }
 
 impl MeasureReport {
-    /// Headings, and the cells of each row; `text` writes a number.
-    fn cells(&self, text: impl Fn(f64) -> String) -> (Vec<&'static str>, Vec<Vec<String>>) {
-        match self {
-            Self::Rack { datum_mm, readings, .. } => {
-                let mut header = vec![
-                    "space",
-                    "over_pin_deviation_mm",
-                    "position_mm",
-                    "position_deviation_mm",
-                    "lead_deviation_deg",
-                ];
-                if datum_mm.is_some() {
-                    header.insert(1, "over_pin_mm");
-                }
-                let rows = readings.iter().map(|reading| {
-                    let mut row = vec![
-                        reading.space.to_string(),
-                        text(tidy(reading.height_deviation_mm)),
-                        text(tidy(reading.position_mm)),
-                        text(tidy(reading.position_deviation_mm)),
-                        text(tidy(reading.lead_rad * DEGREES_PER_RADIAN)),
-                    ];
-                    if let Some(datum) = datum_mm {
-                        row.insert(1, text(tidy(datum + reading.over_pin_mm)));
-                    }
-                    row
-                });
-                (header, rows.collect())
-            }
-            Self::Pinion { readings, .. } => {
-                let header = vec!["tooth", "radius_mm", "radial_deviation_mm", "position_deviation_mm"];
-                let rows = readings.iter().map(|reading| {
-                    let values = [reading.radius_mm, reading.radial_mm, reading.position_mm];
-                    let mut row = vec![reading.tooth.to_string()];
-                    row.extend(values.map(|value| text(tidy(value))));
-                    row
-                });
-                (header, rows.collect())
-            }
-        }
+    /// Of the rack's spaces, by a pin of that diameter; the distance K from the datum to the reference plane, mm, if the
+    /// spec gives it.
+    #[must_use]
+    pub fn of_rack(pin_mm: f64, datum_mm: Option<f64>, readings: &[RackReading], notes: Vec<String>) -> Self {
+        const DEVIATIONS: [&str; 4] =
+            ["over_pin_deviation_mm", "position_mm", "position_deviation_mm", "lead_deviation_deg"];
+        let over_pin = datum_mm.map(|_| "over_pin_mm");
+        let columns = ["space"].into_iter().chain(over_pin).chain(DEVIATIONS).collect();
+        let row = |reading: &RackReading| {
+            let over_pin = datum_mm.map(|datum| datum + reading.over_pin_mm);
+            let lead_deg = reading.lead_rad * DEGREES_PER_RADIAN;
+            let deviations =
+                [reading.height_deviation_mm, reading.position_mm, reading.position_deviation_mm, lead_deg];
+            (reading.space, over_pin.into_iter().chain(deviations).collect())
+        };
+        Self { part: Part::Rack, pin_mm, datum_mm, columns, rows: readings.iter().map(row).collect(), notes }
+    }
+
+    /// Of the pinion's teeth, by a ball of that diameter.
+    #[must_use]
+    pub fn of_pinion(ball_mm: f64, readings: &[PinionReading], notes: Vec<String>) -> Self {
+        let columns = vec!["tooth", "radius_mm", "radial_deviation_mm", "position_deviation_mm"];
+        let row = |reading: &PinionReading| {
+            (reading.tooth.into(), vec![reading.radius_mm, reading.radial_mm, reading.position_mm])
+        };
+        let rows = readings.iter().map(row).collect();
+        Self { part: Part::Pinion, pin_mm: ball_mm, datum_mm: None, columns, rows, notes }
+    }
+
+    /// The cells of each row; `text` writes a number.
+    fn cells(&self, text: impl Fn(f64) -> String) -> impl Iterator<Item = Vec<String>> {
+        self.rows.iter().map(move |(number, values)| {
+            std::iter::once(number.to_string()).chain(values.iter().map(|value| text(tidy(*value)))).collect()
+        })
     }
 
     fn note(&self) -> String {
-        match self {
-            Self::Rack { pin_mm, datum_mm: Some(datum), .. } => {
-                format!(
-                    "pin {} mm; M from the datum, {} mm below the reference plane",
-                    Rounded(*pin_mm),
-                    Rounded(*datum)
-                )
+        let pin = Rounded(self.pin_mm);
+        match (self.part, self.datum_mm) {
+            (Part::Rack, Some(datum)) => {
+                format!("pin {pin} mm; M from the datum, {} mm below the reference plane", Rounded(datum))
             }
-            Self::Rack { pin_mm, datum_mm: None, .. } => {
-                format!("pin {} mm; give rack.datum for the measure M itself", Rounded(*pin_mm))
+            (Part::Rack, None) => format!("pin {pin} mm; give rack.datum for the measure M itself"),
+            (Part::Pinion, _) => {
+                format!("ball {pin} mm, in the space after each tooth; positions along the reference circle")
             }
-            Self::Pinion { ball_mm, .. } => format!(
-                "ball {} mm, in the space after each tooth; positions along the reference circle",
-                Rounded(*ball_mm)
-            ),
         }
     }
 }
 
 impl Report for MeasureReport {
     fn json(&self) -> Value {
-        let (header, rows) = self.cells(plain);
-        let rows: Vec<Value> = rows
-            .iter()
-            .map(|row| {
-                let number = |cell: &String| -> Value { serde_json::from_str(cell).unwrap_or_default() };
-                header.iter().zip(row).map(|(name, cell)| ((*name).to_owned(), number(cell))).collect()
-            })
-            .collect();
-        match self {
-            Self::Rack { pin_mm, datum_mm, notes, .. } => {
-                json!({ "part": "rack", "pin_mm": pin_mm, "datum_mm": datum_mm, "rows": rows, "notes": notes })
+        let number = |cell: &String| -> Value { serde_json::from_str(cell).unwrap_or_default() };
+        let rows = self.cells(plain).map(|row| -> Value {
+            self.columns.iter().zip(&row).map(|(name, cell)| ((*name).to_owned(), number(cell))).collect()
+        });
+        let rows: Vec<_> = rows.collect();
+        let (part, pin_mm, notes) = (self.part.name(), self.pin_mm, &self.notes);
+        match self.part {
+            Part::Rack => {
+                json!({ "part": part, "pin_mm": pin_mm, "datum_mm": self.datum_mm, "rows": rows, "notes": notes })
             }
-            Self::Pinion { ball_mm, notes, .. } => {
-                json!({ "part": "pinion", "pin_mm": ball_mm, "rows": rows, "notes": notes })
-            }
+            Part::Pinion => json!({ "part": part, "pin_mm": pin_mm, "rows": rows, "notes": notes }),
         }
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let (header, rows) = self.cells(plain);
-        let mut all = vec![header.into_iter().map(str::to_owned).collect()];
-        all.extend(rows);
-        all
+        let header = self.columns.iter().map(|name| (*name).to_owned()).collect();
+        std::iter::once(header).chain(self.cells(plain)).collect()
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let (header, rows) = self.cells(|value| format!("{value:.5}"));
-        let columns = header.into_iter().map(|name| {
+        let columns = self.columns.iter().map(|name| {
             let (name, unit) =
                 name.rsplit_once('_').filter(|(_, unit)| matches!(*unit, "mm" | "deg")).unwrap_or((name, ""));
             let name = name.replace('_', " ");
             Column::number(if unit.is_empty() { name } else { format!("{name}\n[{unit}]") })
         });
+        let rows = self.cells(|value| format!("{value:.5}")).collect();
         vec![Block::Table(Table { columns: columns.collect(), rows }), Block::Note(self.note())]
     }
 }
