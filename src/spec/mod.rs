@@ -60,7 +60,7 @@ use crate::multibody::Parameters;
 use crate::quantity::Length;
 use crate::uncertainty::{self as uncertain, TeethSensitivity};
 use keys::{SECTIONS, Section};
-use reader::{SectionReader, similar};
+use reader::SectionReader;
 
 /// A value and where it was written.
 #[derive(Debug, Clone)]
@@ -203,33 +203,26 @@ impl Spec {
 impl SectionReader<'_> {
     /// Of the whole spec: reports keys at its top that are no sections, or that it does not have.
     fn refuse_unknown_sections(&mut self) {
+        let sections = SECTIONS.iter().map(|section| section.name);
+        let own = keys::TOP.keys.iter().map(keys::AnyKey::name);
         for (key, value) in self.table {
             let name = key.get_ref().as_ref();
             let is_table = matches!(value.get_ref(), DeValue::Table(_));
-            let top_names = keys::TOP.keys.iter().map(keys::AnyKey::name);
-            let section_names = SECTIONS.iter().map(|section| section.name);
-            let diagnostic = if SECTIONS.iter().any(|section| section.name == name) {
-                if is_table {
-                    continue;
-                }
+            let is_section = sections.clone().any(|section| section == name);
+            if (is_section && is_table) || own.clone().any(|own| own == name) {
+                continue;
+            }
+            let diagnostic = if is_section {
                 let found = reader::type_in_words(value.get_ref());
                 Diagnostic::error(Code::WrongType, format!("`{name}` is {found}; it must be a section"))
                     .help(format!("write its keys under a line `[{name}]`"))
-            } else if keys::TOP.keys.iter().any(|key| key.name() == name) {
-                continue;
             } else {
-                let what = if is_table { "section" } else { "key" };
-                let diagnostic = Diagnostic::error(Code::UnknownKey, format!("there is no {what} `{name}`"));
-                if let Some(similar) = similar(name, section_names.clone().chain(top_names)) {
-                    diagnostic.help(format!("did you mean `{similar}`?"))
-                } else if let Some(home) =
-                    SECTIONS.iter().find(|section| section.keys.iter().any(|key| key.name() == name))
-                {
-                    diagnostic.help(format!("`{name}` is a key of [{}]: write it below that line", home.name))
-                } else {
-                    let names: Vec<_> = section_names.map(|name| format!("[{name}]")).collect();
-                    diagnostic.help(format!("the sections are {}", names.join(" ")))
-                }
+                let message = format!("there is no {} `{name}`", if is_table { "section" } else { "key" });
+                let help =
+                    reader::home(name).map(|home| format!("`{name}` is a key of [{home}]: write it below that line"));
+                let all = || sections.clone().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(" ");
+                let help = help.unwrap_or_else(|| format!("the sections are {}", all()));
+                reader::unknown(message, name, sections.clone().chain(own.clone()), help)
             };
             self.diagnostics.push(diagnostic.at(self.source, key.span(), ""));
         }

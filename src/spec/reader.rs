@@ -37,23 +37,17 @@ impl<'a> SectionReader<'a> {
 
     /// Reports keys that the section does not have.
     pub(super) fn refuse_unknown_keys(&mut self) {
-        let known = |name: &str| self.section.keys.iter().any(|key| key.name() == name);
+        let own = self.section.keys.iter().map(AnyKey::name);
         for (key, _) in self.table {
             let name = key.get_ref().as_ref();
-            if !known(name) {
+            if !own.clone().any(|own| own == name) {
                 let section = format!("[{}]", self.section.name);
-                let mut diagnostic = Diagnostic::error(Code::UnknownKey, format!("{section} has no key `{name}`"));
-                let own = self.section.keys.iter().map(AnyKey::name);
-                if let Some(similar) = similar(name, own) {
-                    diagnostic = diagnostic.help(format!("did you mean `{similar}`?"));
-                } else if let Some(other) =
-                    SECTIONS.iter().find(|other| other.keys.iter().any(|key| key.name() == name))
-                {
-                    diagnostic = diagnostic.help(format!("`{name}` is a key of [{}]", other.name));
-                } else {
-                    let names: Vec<_> = self.section.keys.iter().map(AnyKey::name).collect();
-                    diagnostic = diagnostic.help(format!("the keys of {section} are {}", names.join(", ")));
-                }
+                let message = format!("{section} has no key `{name}`");
+                let help = home(name).map(|home| format!("`{name}` is a key of [{home}]"));
+                let help = help.unwrap_or_else(|| {
+                    format!("the keys of {section} are {}", own.clone().collect::<Vec<_>>().join(", "))
+                });
+                let diagnostic = unknown(message, name, own.clone(), help);
                 self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
             }
         }
@@ -141,13 +135,11 @@ impl<'a> SectionReader<'a> {
         known: &(impl Iterator<Item = &'static str> + Clone),
         help: &str,
     ) -> Option<()> {
-        let unknown = table.keys().filter(|key| !known.clone().any(|known| known == key.get_ref().as_ref()));
+        let others = table.keys().filter(|key| !known.clone().any(|known| known == key.get_ref().as_ref()));
         let before = self.diagnostics.len();
-        for key in unknown {
+        for key in others {
             let message = format!("`{name}` has no key `{}`", key.get_ref());
-            let similar = similar(key.get_ref(), known.clone());
-            let help = similar.map_or_else(|| help.to_owned(), |similar| format!("did you mean `{similar}`?"));
-            let diagnostic = Diagnostic::error(Code::UnknownKey, message).help(help);
+            let diagnostic = unknown(message, key.get_ref(), known.clone(), help.to_owned());
             self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
         }
         (self.diagnostics.len() == before).then_some(())
@@ -342,8 +334,25 @@ pub(super) fn type_in_words(value: &DeValue<'_>) -> &'static str {
     }
 }
 
+/// The first section that has a key of this name.
+pub(super) fn home(name: &str) -> Option<&'static str> {
+    let has_key = |section: &&Section| section.keys.iter().any(|key| key.name() == name);
+    SECTIONS.iter().find(has_key).map(|section| section.name)
+}
+
+/// A name that is none of those that are known: which of them it is like, or else `help`.
+pub(super) fn unknown(
+    message: String,
+    name: &str,
+    known: impl Iterator<Item = &'static str>,
+    help: String,
+) -> Diagnostic {
+    let similar = similar(name, known).map(|similar| format!("did you mean `{similar}`?"));
+    Diagnostic::error(Code::UnknownKey, message).help(similar.unwrap_or(help))
+}
+
 /// The name most like a misspelt one, if any is like it at all.
-pub(super) fn similar(name: &str, candidates: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+fn similar(name: &str, candidates: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     const LIKE: f64 = 0.85;
     candidates
         .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), candidate), candidate))

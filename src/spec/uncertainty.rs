@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, UNCERTAINTY_KEYS};
-use super::reader::{SectionReader, similar};
+use super::reader::{SectionReader, unknown};
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::DeviationKind;
@@ -208,12 +208,10 @@ fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> 
     if let (Some(source), None) = (matching.next(), matching.next()) {
         return Some(source);
     }
-    let diagnostic = Diagnostic::error(Code::UnknownKey, format!("\"{text}\" names no value that may be uncertain"));
-    let help = similar(text, Source::ALL.iter().flat_map(|source| [source.key(), short(source)])).map_or_else(
-        || format!("the names are {}", Source::ALL.map(Source::key).join(", ")),
-        |similar| format!("did you mean `{similar}`?"),
-    );
-    reader.refuse(diagnostic.help(help), name.span())
+    let message = format!("\"{text}\" names no value that may be uncertain");
+    let names = Source::ALL.iter().flat_map(|source| [source.key(), short(source)]);
+    let help = format!("the names are {}", Source::ALL.map(Source::key).join(", "));
+    reader.refuse(unknown(message, text, names, help), name.span())
 }
 
 impl Spec {
