@@ -254,21 +254,6 @@ enum Question {
     SlopeDeviation { delta_cd: Length, length: Length },
 }
 
-impl Question {
-    /// Whether the answer is the largest value allowed.
-    fn is_bound(&self) -> bool {
-        !matches!(self, Self::DeltaCd(_))
-    }
-
-    /// The unit of the answer unless another is asked for.
-    fn unit(&self, answer: DeviationValue) -> ResultUnit {
-        match (self, answer) {
-            (Self::SlopeDeviation { .. }, _) => ResultUnit::Length(LengthUnit::Micrometre, "µm".to_owned()),
-            (_, answer) => base_unit(answer),
-        }
-    }
-}
-
 /// The unit that values have in a spec.
 fn base_unit(value: DeviationValue) -> ResultUnit {
     match value {
@@ -365,22 +350,6 @@ impl Common {
         self.print(output, Calculation { notes, ..calculation(page, result.into()) })?;
         Ok(Status::Pass)
     }
-
-    /// Prints ΔCD of an error, or the error, and what the error can do if it is asked on which teeth it is.
-    fn print_error(&self, output: &mut Output, given: &GivenValue, result: Calculation) -> Result<Status, Failure> {
-        let printed = self.print(output, result)?;
-        if given.extent.is_none() {
-            return Ok(Status::Pass);
-        }
-        if self.format.is_none() {
-            if let Some(worst_case) = printed.worst_case_remark() {
-                output.message(&worst_case);
-            }
-            printed.notes.iter().for_each(|note| output.remark(&noted(note)));
-        }
-        let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
-        Ok(if is_open { Status::Undecided } else { Status::Pass })
-    }
 }
 
 impl Args {
@@ -430,15 +399,6 @@ pub(super) fn sensible(output: &mut Output, doubts: &[OptionDoubt]) -> Result<Ve
     Ok(said)
 }
 
-/// Says what is suspicious about the error that is asked about; what the law has no value for, the law refuses.
-fn sensible_error(output: &mut Output, law: Law, given: &GivenValue, asked: &Question) -> Result<Vec<String>, Failure> {
-    let Question::DeltaCd(error) = asked else { return Ok(Vec::new()) };
-    by_law(law, asked, Model::Exact)?;
-    let doubt = plausible::deviation(*error, None);
-    let doubt = if given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
-    sensible(output, &[("the error", doubt)])
-}
-
 /// A result of a formula in its base unit.
 fn calculation(formula: &'static FormulaPage, result: DeviationValue) -> Calculation {
     Calculation {
@@ -454,23 +414,76 @@ fn calculation(formula: &'static FormulaPage, result: DeviationValue) -> Calcula
     }
 }
 
-/// The same with what the error can do, if ΔCD of one is asked, and what that rests on; nothing more is known of the pair.
-fn with_worst_case(
-    calculation: Calculation,
+/// A law, and what is asked of it.
+struct Asked<'a> {
     law: Law,
-    given: &GivenValue,
-    asked: &Question,
-) -> Result<Calculation, Failure> {
-    let Question::DeltaCd(error) = asked else { return Ok(calculation) };
-    let kind = law.kind();
-    let extent = given.extent.unwrap_or(kind.usual_extent());
-    if !extent.fits(kind.unit()) {
-        return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
+    given: &'a GivenValue,
+    question: Question,
+    /// How the law is read; `None` if there is one reading only.
+    model: Option<Model>,
+}
+
+impl Asked<'_> {
+    /// What the law gives.
+    fn answer(&self, model: Model) -> Result<DeviationValue, DomainError> {
+        match self.question {
+            Question::DeltaCd(error) => self.law.delta_cd(error, model).map(DeviationValue::Length),
+            Question::Error(delta_cd) => self.law.largest_error(delta_cd, model),
+            Question::SlopeDeviation { delta_cd, length } => {
+                self.law.largest_slope_deviation(delta_cd, length, model).map(DeviationValue::Length)
+            }
+        }
     }
-    let bound = Basis::default().bound_of(&[PartDeviation::new(law, *error).with_extent(extent)]);
-    let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;
-    let notes = [bound_remarks(&bound.notes, &missing_geometry(law)), calculation.notes].concat();
-    Ok(Calculation { worst_case: Some(WorstCase { kind, extent, range }), notes, ..calculation })
+
+    /// Prints the answer with all that there is to say of it, and what the error can do if it is asked on which teeth it is.
+    fn print(&self, output: &mut Output, common: &Common, doubts: &[OptionDoubt]) -> Result<Status, Failure> {
+        let mut notes = sensible(output, doubts)?;
+        if let Question::DeltaCd(error) = self.question {
+            // what the law has no value for, the law refuses
+            self.answer(Model::Exact)?;
+            let doubt = plausible::deviation(error, None);
+            let doubt = if self.given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
+            notes.extend(sensible(output, &[("the error", doubt)])?);
+        }
+        let result = self.answer(self.model.unwrap_or_default())?;
+        let mut calculation = calculation(self.law.page(), result);
+        calculation.model = self.model;
+        // the other model may have no value where the chosen one has
+        calculation.other = self.model.map(|model| self.answer(model.other()).unwrap_or(result));
+        calculation.is_bound = !matches!(self.question, Question::DeltaCd(_));
+        if matches!(self.question, Question::SlopeDeviation { .. }) {
+            calculation.unit = ResultUnit::Length(LengthUnit::Micrometre, "µm".to_owned());
+        }
+        if let Question::DeltaCd(error) = self.question {
+            let (worst_case, rests_on) = self.worst_case(error)?;
+            calculation.worst_case = Some(worst_case);
+            notes.splice(0..0, rests_on);
+        }
+        let printed = common.print(output, Calculation { notes, ..calculation })?;
+        if self.given.extent.is_none() {
+            return Ok(Status::Pass);
+        }
+        if common.format.is_none() {
+            if let Some(worst_case) = printed.worst_case_remark() {
+                output.message(&worst_case);
+            }
+            printed.notes.iter().for_each(|note| output.remark(&noted(note)));
+        }
+        let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
+        Ok(if is_open { Status::Undecided } else { Status::Pass })
+    }
+
+    /// What an error can do, and what that rests on; nothing more is known of the pair.
+    fn worst_case(&self, error: DeviationValue) -> Result<(WorstCase, Vec<String>), Failure> {
+        let kind = self.law.kind();
+        let extent = self.given.extent.unwrap_or(kind.usual_extent());
+        if !extent.fits(kind.unit()) {
+            return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
+        }
+        let bound = Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);
+        let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;
+        Ok((WorstCase { kind, extent, range }, bound_remarks(&bound.notes, &missing_geometry(self.law))))
+    }
 }
 
 /// The keys of the pair's geometry that a formula does not take.
@@ -484,21 +497,9 @@ fn missing_geometry(law: Law) -> Vec<&'static str> {
     GEOMETRY_KEYS.into_iter().filter(|key| !is_given(key)).collect()
 }
 
-/// What a law gives for what is asked.
-fn by_law(law: Law, asked: &Question, model: Model) -> Result<DeviationValue, DomainError> {
-    match asked {
-        Question::DeltaCd(error) => law.delta_cd(*error, model).map(DeviationValue::Length),
-        Question::Error(delta_cd) => law.largest_error(*delta_cd, model),
-        Question::SlopeDeviation { delta_cd, length } => {
-            law.largest_slope_deviation(*delta_cd, *length, model).map(DeviationValue::Length)
-        }
-    }
-}
-
 /// The laws whose ΔCD is the error itself.
 fn signed(Signed { given, common }: &Signed, output: &mut Output, law: Law) -> Result<Status, Failure> {
-    let answer = answer(output, law, given, &given.asked::<Length>()?, None, &[])?;
-    common.print_error(output, given, answer)
+    Asked { law, given, question: given.asked::<Length>()?, model: None }.print(output, common, &[])
 }
 
 fn pitch(
@@ -507,46 +508,22 @@ fn pitch(
     law: fn(Angle, Angle) -> Result<Law, DomainError>,
 ) -> Result<Status, Failure> {
     let law = law(gear.pressure_angle, gear.helix_angle)?;
-    let answer = answer(output, law, given, &given.asked::<Length>()?, Some(gear.model), &gear.doubts())?;
-    common.print_error(output, given, answer)
-}
-
-/// What a law gives for what is asked, with all that there is to say of it; without a model, both are the same.
-fn answer(
-    output: &mut Output,
-    law: Law,
-    given: &GivenValue,
-    asked: &Question,
-    model: Option<Model>,
-    doubts: &[OptionDoubt],
-) -> Result<Calculation, Failure> {
-    let mut notes = sensible(output, doubts)?;
-    notes.extend(sensible_error(output, law, given, asked)?);
-    with_worst_case(Calculation { notes, ..by_models(law, asked, model)? }, law, given, asked)
-}
-
-/// The chosen model's value, and the other's where there is a choice.
-fn by_models(law: Law, asked: &Question, model: Option<Model>) -> Result<Calculation, Failure> {
-    let result = by_law(law, asked, model.unwrap_or_default())?;
-    // the other model may have no value where the chosen one has
-    let other = model.map(|model| by_law(law, asked, model.other()).unwrap_or(result));
-    let (is_bound, unit) = (asked.is_bound(), asked.unit(result));
-    Ok(Calculation { model, other, unit, is_bound, ..calculation(law.page(), result) })
+    let question = given.asked::<Length>()?;
+    Asked { law, given, question, model: Some(gear.model) }.print(output, common, &gear.doubts())
 }
 
 fn lead(args: &Lead, output: &mut Output) -> Result<Status, Failure> {
     let Lead { given, gear, face_width, length, .. } = args;
     sensible(output, &[("--length", length.and_then(plausible::evaluation_length))])?;
-    let asked = match (args.f_h_beta, *length) {
+    let question = match (args.f_h_beta, *length) {
         (Some(slope), Some(length)) => Question::DeltaCd(lead_slope(slope, length)?),
         (_, length) => match (given.asked::<Angle>()?, length) {
             (Question::Error(delta_cd), Some(length)) => Question::SlopeDeviation { delta_cd, length },
-            (asked, _) => asked,
+            (question, _) => question,
         },
     };
     let law = Law::rack_lead(gear.pressure_angle, gear.helix_angle, *face_width)?;
     let [pressure_angle, helix_angle] = gear.doubts();
     let doubts = [pressure_angle, helix_angle, ("--face-width", plausible::face_width(*face_width, None))];
-    let answer = answer(output, law, given, &asked, Some(gear.model), &doubts)?;
-    args.common.print_error(output, given, answer)
+    Asked { law, given, question, model: Some(gear.model) }.print(output, &args.common, &doubts)
 }
