@@ -102,54 +102,50 @@ impl Spec {
                 let law = self.law(kind, "a budget")?;
                 Ok(Entry::Free(Free { law, freedom: Freedom::Weight(1.0), extent: Extent::Each }))
             };
-            return Ok((
-                DeviationKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?,
-                Vec::new(),
-            ));
+            let entries = DeviationKind::OF_PAPER.into_iter().map(free).collect::<Result<_, Diagnostics>>()?;
+            return Ok((entries, Vec::new()));
         }
-        let (mut entries, mut classes) = (Vec::new(), Vec::new());
-        let mut diagnostics = Vec::new();
+        let (mut entries, mut classes, mut refused) = (Vec::new(), Vec::new(), Vec::new());
         for (kind, written) in &self.budget.errors {
-            let what = format!("the budget of {kind}");
-            let law = match self.law(*kind, &what) {
-                Ok(law) => law,
-                Err(problems) => {
-                    diagnostics.extend(
-                        problems.0.into_iter().filter(|problem| !diagnostics.contains(problem)).collect::<Vec<_>>(),
-                    );
-                    continue;
-                }
-            };
-            let extent = self.budget.extent(*kind);
-            let tolerance = match &written.value {
-                WrittenTolerance::Free(freedom) => {
-                    entries.push(Entry::Free(Free { law, freedom: *freedom, extent }));
-                    continue;
-                }
-                WrittenTolerance::Fixed(WrittenError::Value(value)) => {
-                    PartDeviation::within(law, value.abs()).with_extent(extent)
-                }
-                WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
-                    let mut problems = Problems::default();
-                    let class = self.class(*kind, *grade, &written.span, &mut problems);
-                    match problems.answer(class, &self.source) {
-                        Ok(class) => {
-                            let tolerance = class.tolerance(law);
-                            classes.push(class);
-                            tolerance
-                        }
-                        Err(problems) => {
-                            diagnostics.extend(problems.0);
-                            continue;
+            match self.budget_entry(*kind, written, &mut classes) {
+                Ok(entry) => entries.extend(entry),
+                Err(Diagnostics(problems)) => {
+                    for problem in problems {
+                        if !refused.contains(&problem) {
+                            refused.push(problem);
                         }
                     }
                 }
-                // refused when it was read
-                WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => continue,
-            };
-            entries.push(Entry::Fixed(tolerance));
+            }
         }
-        if diagnostics.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(diagnostics)) }
+        if refused.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(refused)) }
+    }
+
+    /// What an entry comes to; a class is added to `classes`.
+    fn budget_entry(
+        &self,
+        kind: DeviationKind,
+        written: &Located<WrittenTolerance>,
+        classes: &mut Vec<ErrorClass>,
+    ) -> Result<Option<Entry>, Diagnostics> {
+        let law = self.law(kind, &format!("the budget of {kind}"))?;
+        let extent = self.budget.extent(kind);
+        Ok(Some(match &written.value {
+            WrittenTolerance::Free(freedom) => Entry::Free(Free { law, freedom: *freedom, extent }),
+            WrittenTolerance::Fixed(WrittenError::Value(value)) => {
+                Entry::Fixed(PartDeviation::within(law, value.abs()).with_extent(extent))
+            }
+            WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
+                let mut problems = Problems::default();
+                let class = self.class(kind, *grade, &written.span, &mut problems);
+                let class = problems.answer(class, &self.source)?;
+                let tolerance = class.tolerance(law);
+                classes.push(class);
+                Entry::Fixed(tolerance)
+            }
+            // refused when it was read
+            WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => return Ok(None),
+        }))
     }
 
     /// The limits of single errors' ΔCD.

@@ -9,8 +9,8 @@ use super::resolve::Problems;
 use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
-    DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionToothRow,
-    RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
+    DeviationError, DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
+    PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
     rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -228,10 +228,7 @@ impl Spec {
         }
         let whole = |error| self.bad_value(&error, 0..0);
         let measured = rack_flanks_from_spaces(pair, rows).map_err(whole)?;
-        let in_table = |error: crate::deviation::DeviationError| match &tables.rack {
-            Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
-            None => self.bad_value(&error, 0..0),
-        };
+        let in_table = |error| self.bad_in(tables.rack.as_ref().map(|table| table.name.as_str()), &error);
         let form = self.rack_form();
         let form_span = self.place(keys::RACK_TIP_RELIEF).or_else(|| self.place(keys::RACK_CROWNING));
         RackFlanks::new(pair, deviations)
@@ -258,8 +255,7 @@ impl Spec {
             };
             checked.map_err(|error| self.bad_value(&error, written.span.clone()))?;
         }
-        let mut of_teeth = Vec::new();
-        let mut eccentricities = Vec::new();
+        let (mut of_teeth, mut eccentricities) = (Vec::new(), Vec::new());
         for deviation in deviations {
             match deviation {
                 WrittenPinionDeviation::Teeth(deviation) => of_teeth.push(*deviation),
@@ -267,10 +263,7 @@ impl Spec {
             }
         }
         let whole = |error| self.bad_value(&error, 0..0);
-        let in_table = |error: crate::deviation::DeviationError| match &tables.pinion {
-            Some(table) => Diagnostic::error(Code::BadTable, format!("{}: {error}", table.name)),
-            None => self.bad_value(&error, 0..0),
-        };
+        let in_table = |error| self.bad_in(tables.pinion.as_ref().map(|table| table.name.as_str()), &error);
         let form = self.pinion_form();
         let form_span = self.place(keys::PINION_PROFILE_SLOPE);
         let measured = pinion_flanks_from_rows(pair, rows).map_err(in_table)?;
@@ -283,9 +276,17 @@ impl Spec {
             .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
     }
 
-    fn bad_value(&self, error: &crate::deviation::DeviationError, span: Range<usize>) -> Diagnostic {
+    /// A deviation that cannot be, in a table if there is one.
+    fn bad_in(&self, table: Option<&str>, error: &DeviationError) -> Diagnostic {
+        table.map_or_else(
+            || self.bad_value(error, 0..0),
+            |table| Diagnostic::error(Code::BadTable, format!("{table}: {error}")),
+        )
+    }
+
+    fn bad_value(&self, error: &DeviationError, span: Range<usize>) -> Diagnostic {
         let code = match error {
-            crate::deviation::DeviationError::NoSuchTooth { .. } => Code::BadTeeth,
+            DeviationError::NoSuchTooth { .. } => Code::BadTeeth,
             _ => Code::OutOfDomain,
         };
         let diagnostic = Diagnostic::error(code, error.to_string());

@@ -55,10 +55,10 @@ impl Spec {
             let lead = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max();
             (Part::Pinion, &table.name, of_teeth(&table.rows, self.or_zero(keys::PINION_TEETH) as usize), lead)
         });
-        for (part, table, mut told, lead) in of_rack.into_iter().chain(of_pinion) {
+        for (part, table, mut all, lead) in of_rack.into_iter().chain(of_pinion) {
             let slope = lead.map(|lead| self.slope(part, trig::tan_of(lead))).transpose()?;
-            told.push(Told { graded: Ok(Deviation::HelixSlope), amount: slope, what: "largest lead deviation" });
-            values.extend(told.into_iter().filter_map(|Told { graded, amount, what }| {
+            all.push(told(Ok(Deviation::HelixSlope), slope, "largest lead deviation"));
+            values.extend(all.into_iter().filter_map(|Told { graded, amount, what }| {
                 Some(MeasuredValue { part, graded, amount: amount?, origin: format!("{what} in {table}") })
             }));
         }
@@ -89,6 +89,10 @@ struct Told {
     what: &'static str,
 }
 
+fn told(graded: Result<Deviation, &'static str>, amount: Option<Length>, what: &'static str) -> Told {
+    Told { graded, amount, what }
+}
+
 fn of_spaces(rows: &[RackSpace]) -> Vec<Told> {
     let height =
         |row: &RackSpace| row.over_pin.map(|(Measured::Absolute(length) | Measured::Deviation(length))| length);
@@ -100,23 +104,12 @@ fn of_spaces(rows: &[RackSpace]) -> Vec<Told> {
     };
     let positions: BTreeMap<i64, Length> = rows.iter().filter_map(position).collect();
     let step = |(space, position): (&i64, &Length)| positions.get(&(space + 1)).map(|next| (*next - *position).abs());
-    let steps = positions.iter().filter_map(step);
+    let steps = positions.iter().filter_map(step).max();
+    let positions: Vec<Length> = positions.values().copied().collect();
     vec![
-        Told {
-            graded: Err(NO_RUNOUT_OF_A_RACK),
-            amount: spread(&heights),
-            what: "over-pin values, largest less smallest",
-        },
-        Told {
-            graded: Ok(Deviation::SinglePitch),
-            amount: steps.max(),
-            what: "differences of neighbouring position deviations",
-        },
-        Told {
-            graded: Ok(Deviation::TotalPitch),
-            amount: spread(&positions.values().copied().collect::<Vec<_>>()),
-            what: "position deviations, largest less smallest",
-        },
+        told(Err(NO_RUNOUT_OF_A_RACK), spread(&heights), "over-pin values, largest less smallest"),
+        told(Ok(Deviation::SinglePitch), steps, "differences of neighbouring position deviations"),
+        told(Ok(Deviation::TotalPitch), spread(&positions), "position deviations, largest less smallest"),
     ]
 }
 
@@ -132,16 +125,12 @@ fn of_teeth(rows: &[PinionTooth], teeth: usize) -> Vec<Told> {
     let sectors = sums
         .iter()
         .flat_map(|sums| (0..sums.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs()));
-    let told = |deviation, amount, what| Told { graded: Ok(deviation), amount, what };
+    let cumulative = sums.iter().filter_map(|sums| spread(sums)).max();
     vec![
-        told(Deviation::Runout, spread(&radial), "radial deviations, largest less smallest"),
-        told(Deviation::SinglePitch, largest, "largest single pitch deviation"),
-        told(
-            Deviation::TotalPitch,
-            sums.iter().filter_map(|sums| spread(sums)).max(),
-            "cumulative pitch deviations, largest less smallest",
-        ),
-        told(Deviation::SectorPitch, sectors.max(), "largest cumulative pitch deviation over k pitches"),
+        told(Ok(Deviation::Runout), spread(&radial), "radial deviations, largest less smallest"),
+        told(Ok(Deviation::SinglePitch), largest, "largest single pitch deviation"),
+        told(Ok(Deviation::TotalPitch), cumulative, "cumulative pitch deviations, largest less smallest"),
+        told(Ok(Deviation::SectorPitch), sectors.max(), "largest cumulative pitch deviation over k pitches"),
     ]
 }
 

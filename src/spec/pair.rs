@@ -14,26 +14,18 @@ const MODULES_APART: Length = Length::from_fm(1_000);
 /// How far a shaft angle may lie from that of the helix angles: 0.01°, as drawings round.
 const SHAFT_ANGLES_APART: Angle = Angle::from_nas(36_000_000_000);
 
-/// The helix angles of both parts, right hand positive.
-#[derive(Debug, Clone, Copy)]
-struct HelixAngles {
-    rack: Angle,
-    pinion: Angle,
-}
-
 /// Adds the normal module that a transverse one comes to, and holds what the sections say twice against each other. What
 /// is held against a value that cannot be read would be blamed on the wrong one, so that nothing is if there are
 /// `diagnostics` already.
 pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) {
     let helix_angle = |key| values.located(key).map_or(Angle::ZERO, |angle: Located<Angle>| angle.value);
-    let helix_angles =
-        HelixAngles { rack: helix_angle(keys::RACK_HELIX_ANGLE), pinion: helix_angle(keys::PINION_HELIX_ANGLE) };
+    let (rack, pinion) = (helix_angle(keys::RACK_HELIX_ANGLE), helix_angle(keys::PINION_HELIX_ANGLE));
     let transverse = values.located(keys::PAIR_TRANSVERSE_MODULE);
-    let converted = transverse.and_then(|module| of_transverse(&module, helix_angles.pinion));
+    let converted = transverse.and_then(|module| of_transverse(&module, pinion));
     let given = values.located(keys::PAIR_NORMAL_MODULE);
     if diagnostics.is_empty() {
         let shaft_angle = values.located(keys::PAIR_SHAFT_ANGLE);
-        let shaft_angle = shaft_angle.and_then(|given| check_shaft_angle(&given, helix_angles, source));
+        let shaft_angle = shaft_angle.and_then(|given| check_shaft_angle(&given, [rack, pinion], source));
         let modules = given.as_ref().zip(converted.as_ref());
         let modules = modules.and_then(|(given, converted)| check_modules(given, converted, source));
         diagnostics.extend(shaft_angle.into_iter().chain(modules));
@@ -62,8 +54,8 @@ fn check_modules(given: &Located<Length>, converted: &Located<Length>, source: &
     Some(diagnostic.at(source, converted.span.clone(), ""))
 }
 
-fn check_shaft_angle(given: &Located<Angle>, helix_angles: HelixAngles, source: &Arc<Source>) -> Option<Diagnostic> {
-    let HelixAngles { rack, pinion } = helix_angles;
+/// What a shaft angle says against the helix angles of both parts, right hand positive.
+fn check_shaft_angle(given: &Located<Angle>, [rack, pinion]: [Angle; 2], source: &Arc<Source>) -> Option<Diagnostic> {
     let agrees = |shaft_angle: Angle| (shaft_angle.abs() - given.value).abs() <= SHAFT_ANGLES_APART;
     if agrees(rack + pinion) {
         return None;
