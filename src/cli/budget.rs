@@ -3,7 +3,7 @@
 use clap::builder::PossibleValue;
 
 use super::output::{Failure, Output, Status};
-use super::picture::Picture;
+use super::picture::PlotArgs;
 use super::set::SetArgs;
 use super::spec_files::files_read;
 use super::teeth::WorstTeeth;
@@ -66,9 +66,8 @@ pub(super) struct Args {
     /// Do not look for the worst teeth to put the errors on.
     #[arg(long, alias = "no-mesh")]
     no_worst_teeth: bool,
-    /// Draw the result to this file (.svg).
-    #[arg(long, value_name = "FILE")]
-    plot: Option<String>,
+    #[command(flatten)]
+    plot: PlotArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -86,7 +85,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
+        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
         let (entries, classes) = spec.budget_entries()?;
         let decision = spec.or_zero(keys::DECISION_RULE);
         let own_limits = spec.own_limits().into_iter();

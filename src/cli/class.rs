@@ -91,7 +91,6 @@ fn rack_diameter(text: &str) -> Result<RackDiameter, String> {
 
 /// A part with its size and what its ΔCD needs.
 struct Sized {
-    part: Part,
     wheel: Wheel,
     diameter_source: Option<DiameterSource>,
     meshing: Meshing,
@@ -158,7 +157,7 @@ impl Args {
         for checked in [pressure_angle, helix_angle].into_iter().flatten() {
             checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
         }
-        Ok(Sized { part, wheel, diameter_source, meshing })
+        Ok(Sized { wheel, diameter_source, meshing })
     }
 
     /// The reference diameter by which a part is graded, as far as it is known, and where it is from.
@@ -226,15 +225,11 @@ impl Args {
             notes.push(doubt.sentence());
             output.diagnostic(&doubt);
         }
-        let pair = match spec.map(|spec| spec.pair("the exact mesh")) {
-            Some(Ok(pair)) => Some(pair),
-            Some(Err(problems)) => {
-                let first = problems.0.first().map(|problem| problem.message.clone()).unwrap_or_default();
-                notes.push(format!("no exact mesh: {first}"));
-                None
-            }
-            None => None,
-        };
+        let pair = spec.map(|spec| spec.pair("the exact mesh")).transpose().unwrap_or_else(|problems| {
+            let first = problems.0.first().map(|problem| problem.message.clone()).unwrap_or_default();
+            notes.push(format!("no exact mesh: {first}"));
+            None
+        });
         let (mut rows, mut not_given) = (Vec::new(), Vec::new());
         for one in [Some(standard), standard.companion()].into_iter().flatten() {
             for deviation in one.deviations() {
@@ -263,7 +258,7 @@ impl Args {
         let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         rows.sort_by_key(|row| row.permissible.deviation);
         notes.extend(remarks(&rows, &sized.meshing));
-        let Sized { part, wheel, diameter_source, .. } = sized;
+        let Sized { wheel, diameter_source, meshing: Meshing { part, .. } } = sized;
         let title = spec.and_then(|spec| spec.title.clone());
         let report = ClassReport { title, standard, part, wheel, diameter_source, grade, rows, not_given, notes };
         output.report(&report, self.format)?;
@@ -346,7 +341,7 @@ impl Args {
                 sized.push(self.sized(part, spec)?);
             }
         }
-        let of = |kind: DeviationKind| sized.iter().find(|sized| sized.part == kind.part());
+        let of = |kind: DeviationKind| sized.iter().find(|sized| sized.meshing.part == kind.part());
         let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, ToleranceError> {
             // the others were left out
             let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
@@ -415,7 +410,7 @@ fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Opt
 /// circle.
 fn doubted_diameter(sized: &Sized) -> Result<Option<Diagnostic>, Failure> {
     let Wheel { normal_module, teeth, helix_angle, diameter, .. } = &sized.wheel;
-    let own = pinion_diameter(sized.part, &sized.wheel, None)?;
+    let own = pinion_diameter(sized.meshing.part, &sized.wheel, None)?;
     let ((Some(given), Some(own)), (Some(module), Some(z), Some(helix))) =
         ((diameter, own), (normal_module, teeth, helix_angle))
     else {
@@ -427,7 +422,7 @@ fn doubted_diameter(sized: &Sized) -> Result<Option<Diagnostic>, Failure> {
         own.mm()
     );
     let doubt = Diagnostic::warning(Code::Implausible, message).help("leave --diameter out, or check these");
-    Ok((sized.part == Part::Pinion && !is_near).then_some(doubt))
+    Ok((sized.meshing.part == Part::Pinion && !is_near).then_some(doubt))
 }
 
 /// What there is to say of the ΔCD of permissible deviations.
@@ -468,7 +463,7 @@ fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair
     let mesh = pair.and_then(|pair| {
         let pitches = permissible.ranges.iter().find(|used| used.size == Size::Teeth).map_or(1.0, |used| used.taken);
         let arranged = ArrangedDeviation {
-            part: sized.part,
+            part: sized.meshing.part,
             deviation,
             amount_mm: permissible.length().mm(),
             face_width_mm: sized.wheel.face_width.map_or(1.0, Length::mm),

@@ -6,9 +6,8 @@ use super::set::SetArgs;
 use super::teeth::{WorstTeeth, with_known_teeth};
 use super::{mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
-use crate::report::{EvaluationReport, Format, MeshPart, UncertaintyPart};
+use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined and judged";
@@ -52,9 +51,8 @@ impl Args {
         let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;
         let is_searched = !self.no_worst_teeth && (self.mesh || spec.limit_on(LimitTarget::CenterDistance).is_some());
         let worst = if is_searched { WorstTeeth::of(spec.part_deviations()?, &spec.basis()?)? } else { None };
-        let mut part = EvaluatedPart::new(&spec, &self.judge, worst.as_ref(), output)?;
-        let status = Status::of(part.evaluation.verdict, &part.evaluation.limits);
-        let mut report = part.report(spec.title.as_deref())?;
+        let mut report = evaluated(&spec, &self.judge, worst.as_ref(), output)?;
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         if self.mesh {
             report.mesh = Some(mesh_part(&spec, &path, worst.as_ref())?);
         }
@@ -63,41 +61,26 @@ impl Args {
     }
 }
 
-/// The part of `[errors]`, evaluated and judged.
-pub(super) struct EvaluatedPart<'a> {
+/// The part of `[errors]` of a spec whose known teeth are solved, evaluated and judged, with what its errors reach on the worst
+/// teeth if there is a limit to hold that against.
+pub(super) fn evaluated<'a>(
     spec: &'a Spec,
-    judge: &'a JudgeArgs,
-    pub(super) evaluation: Evaluation,
-    uncertainty: Option<UncertaintyPart>,
-}
-
-impl<'a> EvaluatedPart<'a> {
-    /// Of a spec whose known teeth are solved, with what its errors reach on the worst teeth if there is a limit to hold that
-    /// against.
-    pub(super) fn new(
-        spec: &'a Spec,
-        judge: &'a JudgeArgs,
-        worst: Option<&WorstTeeth>,
-        output: &mut Output,
-    ) -> Result<Self, Failure> {
-        let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
-        let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
-        evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
-        for target in evaluation.not_given() {
-            output.diagnostic(&unjudged(spec, target));
-        }
-        Ok(Self { spec, judge, evaluation, uncertainty })
+    judge: &JudgeArgs,
+    worst: Option<&WorstTeeth>,
+    output: &mut Output,
+) -> Result<EvaluationReport<'a>, Failure> {
+    let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
+    let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
+    evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
+    for target in evaluation.not_given() {
+        output.diagnostic(&unjudged(spec, target));
     }
-
-    /// The report on it.
-    pub(super) fn report<'r>(&'r mut self, title: Option<&'r str>) -> Result<EvaluationReport<'r>, Failure> {
-        let mut report = EvaluationReport::new(title, &self.evaluation, &self.spec.missing_geometry());
-        report.classes = self.spec.classes()?;
-        report.notes.extend(self.spec.suspicions_in_words());
-        report.rule = self.judge.rule(self.spec);
-        report.uncertainty = self.uncertainty.take();
-        Ok(report)
-    }
+    let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
+    report.classes = spec.classes()?;
+    report.notes.extend(spec.suspicions_in_words());
+    report.rule = judge.rule(spec);
+    report.uncertainty = uncertainty;
+    Ok(report)
 }
 
 /// The exact mesh of the spec, in short.
@@ -108,8 +91,7 @@ fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<Mesh
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    let curve =
-        input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM).map_err(|error| spec_files::unsolved(&error))?;
+    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM)?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;

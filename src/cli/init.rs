@@ -30,7 +30,7 @@ impl Args {
             return Ok(Status::Pass);
         }
         if self.force {
-            target::write(&self.file, &[], TEMPLATE.as_bytes())?;
+            target::write(&self.file, &[] as &[&str], TEMPLATE.as_bytes())?;
             return Ok(Status::Pass);
         }
         let written = File::create_new(&self.file).and_then(|mut file| file.write_all(TEMPLATE.as_bytes()));

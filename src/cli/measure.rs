@@ -6,7 +6,7 @@ use super::calc::sensible;
 use super::mesh::placement;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::spec_files::{measured_tables, unsolved};
+use super::spec_files::measured_tables;
 use super::teeth::WorstTeeth;
 use crate::deviation::{self, DeviationKind};
 use crate::diagnostic::{Code, Diagnostic};
@@ -102,13 +102,13 @@ impl Args {
                 notes.extend(sensible(output, &[("--pin", self.pin.and_then(|pin| spec.doubted_pin(pin)))])?);
                 let written = self.pin.or(spec.get(keys::RACK_PIN));
                 let pin_mm = written.map_or_else(ideal, Length::mm);
-                let readings = mesh.measure_rack(pin_mm, self.first..=self.last).map_err(|error| unsolved(&error))?;
+                let readings = mesh.measure_rack(pin_mm, self.first..=self.last)?;
                 let datum_mm = spec.get(keys::RACK_DATUM).map(Length::mm);
                 MeasureReport::of_rack(pin_mm, datum_mm, &readings, notes)
             }
             Part::Pinion => {
                 let ball_mm = self.pin.map_or_else(|| mesh.pinion_ball_mm(), Length::mm);
-                let readings = mesh.measure_pinion(ball_mm).map_err(|error| unsolved(&error))?;
+                let readings = mesh.measure_pinion(ball_mm)?;
                 MeasureReport::of_pinion(ball_mm, &readings, notes)
             }
         };

@@ -5,9 +5,9 @@ use std::sync::atomic::Ordering;
 use super::decision::JudgeArgs;
 use super::long;
 use super::output::{Failure, Output, Status};
-use super::picture::Picture;
+use super::picture::PlotArgs;
 use super::set::SetArgs;
-use super::spec_files::{files_read, measured_tables, unsolved};
+use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
@@ -40,9 +40,8 @@ pub(super) struct Args {
     /// List this many strokes, both ends included.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000_000))]
     points: Option<u32>,
-    /// Draw the result to this file (.svg).
-    #[arg(long, value_name = "FILE")]
-    plot: Option<String>,
+    #[command(flatten)]
+    plot: PlotArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -85,7 +84,7 @@ pub(super) struct Range {
 
 impl Range {
     pub(super) fn curve(&self, mesh: &Mesh) -> Result<Curve, Failure> {
-        mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), self.tolerance.mm()).map_err(|error| unsolved(&error))
+        Ok(mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), self.tolerance.mm())?)
     }
 }
 
@@ -227,7 +226,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec)?;
         let strokes = self.strokes()?;
-        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
+        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &picture, limit) {

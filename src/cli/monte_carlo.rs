@@ -4,7 +4,7 @@ use std::io::{Read as _, Write as _};
 
 use super::long::{self, Bar, Interruption};
 use super::output::{Failure, Output, Status};
-use super::picture::Picture;
+use super::picture::PlotArgs;
 use super::set::SetArgs;
 use super::target::Target;
 use super::teeth::WorstTeeth;
@@ -54,9 +54,8 @@ pub(super) struct Args {
     seed: u64,
     #[command(flatten)]
     stroke: mesh::Stroke,
-    /// Draw the result to this file (.svg).
-    #[arg(long, value_name = "FILE")]
-    plot: Option<String>,
+    #[command(flatten)]
+    plot: PlotArgs,
     /// Threads; one per core unless given.
     #[arg(long, short = 'j', alias = "jobs", value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -87,7 +86,7 @@ impl Args {
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
         let kept = self.kept(&files)?;
-        let picture = self.plot.as_deref().map(|path| Picture::new(path, files)).transpose()?;
+        let picture = self.plot.picture(files)?;
         let interruption = long::interrupted(output);
         let (study, ended) = if self.merge.is_empty() {
             self.drawn(&racks, &interruption, output)
@@ -139,12 +138,11 @@ impl Args {
 
     /// The file that keeps the study, in a run that reads `files`.
     fn kept(&self, files: &[String]) -> Result<Option<Target>, Failure> {
-        let inputs: Vec<_> = files.iter().map(String::as_str).collect();
         if self.study.as_deref() == Some("-") {
             let message = "--study -: standard output has the result";
             return Err(Diagnostic::error(Code::Usage, message).help("name a file").into());
         }
-        self.study.as_deref().map(|path| Target::create(path, &inputs)).transpose()
+        self.study.as_deref().map(|path| Target::create(path, files)).transpose()
     }
 
     fn drawn(

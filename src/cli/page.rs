@@ -16,10 +16,10 @@ pub(super) fn of_report(
     report: &dyn Report,
     readings: &[Reading],
     notes: &[String],
-    inputs: &[&str],
+    inputs: &[String],
 ) -> Result<String, Failure> {
     let mut page = Page { title: title.to_owned(), ..Page::default() };
-    for input in inputs.iter().filter(|input| **input != "-") {
+    for input in inputs.iter().filter(|input| *input != "-") {
         page.inputs.push(hashed(input)?);
     }
     let blocks = without_verdict(report.blocks(), &mut page, "the measured values");

@@ -22,7 +22,6 @@ use crate::report::{
 };
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
-use crate::uncertainty::Source as Uncertain;
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
@@ -94,7 +93,7 @@ impl Args {
         let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
         let interruption = long::interrupted(output);
         if let Some(path) = &self.output {
-            target::refuse_inputs(path, &self.inputs(&spec).iter().map(String::as_str).collect::<Vec<_>>())?;
+            target::refuse_inputs(path, &self.inputs(&spec))?;
             target::known_ending(path, &ENDINGS)?;
         }
         let Opened { table, spec, notes } = self.open(&spec, &interruption, output)?;
@@ -136,7 +135,6 @@ impl Args {
         let whole = WithReading { report: *report, readings, notes: &read.notes };
         if let Some(path) = &self.output {
             let inputs = self.inputs(&read.spec);
-            let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
             let text = |format| report::write(&whole, format, Screen::default()).map(String::into_bytes);
             let bytes = match target::known_ending(path, &ENDINGS)? {
                 Some("html" | "htm") => {
@@ -162,7 +160,7 @@ impl Args {
         read: &ReadBlock,
         basis: &Basis,
         errors: &[(DeviationKind, DeviationValue)],
-    ) -> Result<Judged, Failure> {
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let of_every_part = read.spec.errors_of_every_part(&in_table)?;
         let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
@@ -173,14 +171,13 @@ impl Args {
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance);
         }
-        let is_certain =
-            |kind: &DeviationKind| read.spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(*kind));
+        let is_certain = |kind: &DeviationKind| !read.spec.is_uncertain(*kind);
         if !self.partial && self.judge.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
                 evaluation.leave_open(on);
             }
         }
-        Ok(Judged { evaluation, uncertainty })
+        Ok((evaluation, uncertainty))
     }
 
     fn parts(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
@@ -223,23 +220,20 @@ impl Args {
         let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
         let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
         let cells = of_all.rows();
-        match rows.as_mut_slice() {
-            [PartRow { evaluation: Some(evaluation), name, uncertainty, .. }] => {
-                let title =
-                    read.reading.columns.iter().any(|column| column.role == "part_id").then(|| format!("part {name}"));
-                let title = title.unwrap_or_else(|| self.block_name());
+        if let [PartRow { evaluation, name, uncertainty, .. }] = rows.as_mut_slice() {
+            if let Some(evaluation) = evaluation.take() {
+                let is_named = read.reading.columns.iter().any(|column| column.role == "part_id");
+                let title = if is_named { format!("part {name}") } else { self.block_name() };
                 let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
                 report.rule = self.judge.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
                 self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
             }
-            [_] => {}
-            _ => {
-                let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
-                let title = read.spec.title.clone().unwrap_or_else(|| self.block_name());
-                self.report(&Shown { title: &title, report: &of_all, rows: cells }, &read, output)?;
-            }
+        } else {
+            let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
+            let title = read.spec.title.clone().unwrap_or_else(|| self.block_name());
+            self.report(&Shown { title: &title, report: &of_all, rows: cells }, &read, output)?;
         }
         Ok(status.unwrap_or(Status::Undecided))
     }
@@ -248,8 +242,7 @@ impl Args {
     fn notes(&self, spec: &Spec, kinds: &[DeviationKind]) -> Vec<String> {
         let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
         let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
-        let exact = |kind: &&DeviationKind| spec.uncertainties.iter().all(|(of, _)| *of != Uncertain::Error(**kind));
-        let exact: Vec<_> = kinds.iter().filter(exact).map(|kind| kind.key()).collect();
+        let exact: Vec<_> = kinds.iter().filter(|kind| !spec.is_uncertain(**kind)).map(|kind| kind.key()).collect();
         let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
             .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
         lacking
@@ -302,14 +295,13 @@ impl Args {
                 } else {
                     None
                 };
-                let (evaluation, uncertainty) =
-                    judged.map_or((None, None), |judged| (Some(judged.evaluation), judged.uncertainty));
+                let (evaluation, uncertainty) = judged.unzip();
                 let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
                 rows.push(PartRow {
                     name: part.unwrap_or_else(|| (rows.len() + 1).to_string()),
                     line: usize::try_from(block.lines[index]).unwrap_or(usize::MAX),
                     evaluation,
-                    uncertainty,
+                    uncertainty: uncertainty.flatten(),
                 });
             }
         }
@@ -382,7 +374,7 @@ impl Args {
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
-        let curve = input.mesh.curve(covered.start, covered.end, 1e-6).map_err(|error| spec_files::unsolved(&error))?;
+        let curve = input.mesh.curve(covered.start, covered.end, 1e-6)?;
         let of_mesh = JudgedMesh {
             range: judged.range,
             by: judged.by,
@@ -403,12 +395,6 @@ impl Args {
         self.report(&Shown { report: &both, ..shown }, read, output)?;
         Ok(Status::of(solved.judged.verdict, &solved.judged.checks))
     }
-}
-
-/// What came of a part.
-struct Judged {
-    evaluation: Evaluation,
-    uncertainty: Option<UncertaintyPart>,
 }
 
 /// Where a value cannot be read, and why.

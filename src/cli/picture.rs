@@ -8,6 +8,20 @@ use super::target::{self, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::chart::Chart;
 
+#[derive(Debug, clap::Args)]
+pub(super) struct PlotArgs {
+    /// Draw the result to this file (.svg).
+    #[arg(long, value_name = "FILE")]
+    plot: Option<String>,
+}
+
+impl PlotArgs {
+    /// The picture that is asked for, in a run that reads `inputs`.
+    pub(super) fn picture(&self, inputs: Vec<String>) -> Result<Option<Picture>, Failure> {
+        self.plot.as_deref().map(|path| Picture::new(path, inputs)).transpose()
+    }
+}
+
 /// A picture that is to be written.
 pub(super) struct Picture {
     path: String,
@@ -24,7 +38,7 @@ impl Picture {
             return Err(Diagnostic::error(Code::Usage, message).help(help).into());
         }
         let picture = Self { path: path.to_owned(), inputs };
-        target::refuse_inputs(path, &picture.inputs())?;
+        target::refuse_inputs(path, &picture.inputs)?;
         Ok(picture)
     }
 
@@ -48,12 +62,8 @@ impl Picture {
         let failed = |reason: String| Diagnostic::error(Code::FileAccess, reason);
         let nothing = || failed(format!("cannot draw {}: there are no two values to draw between", self.path));
         let svg = chart.svg().ok_or_else(nothing)?;
-        let mut target = Target::create(&self.path, &self.inputs())?;
+        let mut target = Target::create(&self.path, &self.inputs)?;
         target.write_all(svg.as_bytes()).map_err(|error| failed(format!("cannot write {}: {error}", self.path)))?;
         Ok(target)
-    }
-
-    fn inputs(&self) -> Vec<&str> {
-        self.inputs.iter().map(String::as_str).collect()
     }
 }

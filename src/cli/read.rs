@@ -8,7 +8,7 @@ use super::tables::{self, Opener, ReadArgs};
 use super::{long, target};
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
-use crate::report::{Block, Column, Format, Report, Table, reading_blocks, remarks};
+use crate::report::{Block, Format, Report, Table, reading_blocks, remarks};
 use crate::table::{Reading, Stranger, refusal};
 
 pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping for a spec";
@@ -86,23 +86,6 @@ struct ReadReport {
     mapping: Vec<String>,
 }
 
-impl ReadReport {
-    fn not_understood(&self) -> Table {
-        let row = |stranger: &Stranger| {
-            vec![
-                stranger.title.clone(),
-                format!("{}, {}", stranger.file, stranger.place),
-                stranger.values.join(", "),
-                stranger.near.join(", "),
-            ]
-        };
-        Table {
-            columns: ["not understood", "where", "values", "near"].map(Column::text).into(),
-            rows: self.strangers.iter().map(row).collect(),
-        }
-    }
-}
-
 impl Report for ReadReport {
     fn json(&self) -> serde_json::Value {
         serde_json::json!({
@@ -139,9 +122,12 @@ impl Report for ReadReport {
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = reading_blocks(&self.readings, &self.notes);
-        if !self.strangers.is_empty() {
-            blocks.push(Block::Table(self.not_understood()));
-        }
+        let not_understood = Table::of(&self.strangers)
+            .text("not understood", |stranger| stranger.title.clone())
+            .text("where", |stranger| format!("{}, {}", stranger.file, stranger.place))
+            .text("values", |stranger| stranger.values.join(", "))
+            .text("near", |stranger| stranger.near.join(", "));
+        blocks.extend(not_understood.block_if_any());
         if !self.mapping.is_empty() {
             blocks.push(Block::Title("To say so in a spec".to_owned()));
             blocks.push(Block::Drawing(format!("[batch.columns]\n{}", self.mapping.join("\n"))));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::decision::JudgeArgs;
-use super::eval::EvaluatedPart;
+use super::eval::evaluated;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
@@ -17,7 +17,9 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::LimitTarget;
 use crate::report::chart::Chart;
 use crate::report::html::{Headline, InputFile, Page, Section};
-use crate::report::{Basis, BatchReport, Block, Report as _, RunChart, error_histograms, judged_histogram};
+use crate::report::{
+    Basis, BatchReport, Block, EvaluationReport, Report as _, RunChart, error_histograms, judged_histogram,
+};
 use crate::spec::Spec;
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
@@ -61,19 +63,17 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
-        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &inputs)?;
             target::known_ending(path, &["html", "htm"])?;
         }
         let mut page = Page { title: spec.title.clone().unwrap_or_else(|| self.spec.clone()), ..Page::default() };
-        page.inputs.push(InputFile::of(&self.spec, spec.source.text.as_bytes()).map_err(Failure::Write)?);
-        if self.spec != "-" {
-            // the file's own bytes, with the mark and the line ends that it may have
-            page.inputs[0] = hashed(&self.spec)?;
-        }
-        for path in inputs[1..].iter().filter(|path| **path != "-") {
-            page.inputs.push(hashed(path)?);
+        for path in &inputs {
+            // a file's own bytes have the mark and the line ends that it may have; standard input has the spec
+            page.inputs.push(match path.as_str() {
+                "-" => InputFile::of(path, spec.source.text.as_bytes()).map_err(Failure::Write)?,
+                path => hashed(path)?,
+            });
         }
         let mut statuses = Vec::new();
         // of a lot, the spec may say no more than what its table's values are to be taken with
@@ -122,9 +122,9 @@ impl Args {
         page: &mut Page,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let mut part = EvaluatedPart::new(spec, &self.judge, worst, output)?;
-        let status = Status::of(part.evaluation.verdict, &part.evaluation.limits);
-        let blocks = without_verdict(part.report(None)?.blocks(), page, "this part");
+        let report = EvaluationReport { title: None, ..evaluated(spec, &self.judge, worst, output)? };
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
+        let blocks = without_verdict(report.blocks(), page, "this part");
         page.sections.push(Section::new("Deviations and ΔCD by formula", blocks));
         Ok(status)
     }
@@ -204,6 +204,12 @@ impl Args {
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
     }
 
+    /// What is asked of parts, whatever they are judged by.
+    fn request(&self, spec: &Spec) -> Request {
+        let rule = self.judge.rule(spec);
+        Request { rule, statistics: true, problems_kept: 10, partial: self.partial, ..Request::default() }
+    }
+
     /// Parts by the formulas.
     fn parts(&self, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
         let Some(first) = &found.first else { return Err(no_table().into()) };
@@ -211,14 +217,10 @@ impl Args {
         let request = Request {
             model: self.judge.model,
             stack: self.judge.stack,
-            rule: self.judge.rule(&spec),
             monte_carlo: self.judge.settings()?,
             rows: Rows::All,
             format: RowFormat::Columns,
-            statistics: true,
-            problems_kept: 10,
-            partial: self.partial,
-            ..Request::default()
+            ..self.request(&spec)
         };
         let plan = Plan::new(&spec, &first.table, request)?;
         let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
@@ -245,17 +247,8 @@ impl Args {
     /// Parts with their teeth, by the exact mesh.
     fn toothed(&self, spec: &Arc<Spec>, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
         const TOLERANCE_MM: f64 = 1e-6;
-        let request = TeethRequest {
-            stroke_mm: self.stroke.ends()?,
-            tolerance_mm: TOLERANCE_MM,
-            rows: Request {
-                rule: self.judge.rule(spec),
-                statistics: true,
-                problems_kept: 10,
-                partial: self.partial,
-                ..Request::default()
-            },
-        };
+        let request =
+            TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: TOLERANCE_MM, rows: self.request(spec) };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;

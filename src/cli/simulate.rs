@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::long::Interruption;
 use super::output::{Failure, Output, Status};
-use super::picture::Picture;
+use super::picture::PlotArgs;
 use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use crate::diagnostic::{Code, Diagnostic};
@@ -36,9 +36,8 @@ pub(super) struct Args {
     /// List strokes this far apart.
     #[arg(long, alias = "spacing", value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
-    /// Draw the result to this file (.svg).
-    #[arg(long, value_name = "FILE")]
-    plot: Option<String>,
+    #[command(flatten)]
+    plot: PlotArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -66,7 +65,7 @@ impl Args {
         if let Some(step) = &self.step {
             spec.simulation.spacing_mm = step.mm();
         }
-        let picture = self.plot.as_deref().map(|path| Picture::new(path, files_read(&spec, &self.spec))).transpose()?;
+        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();

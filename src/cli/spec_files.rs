@@ -10,16 +10,19 @@ use crate::spec::{Located, MeasuredTables, Spec, keys};
 use crate::table::{self, Source, Teeth};
 
 /// Why there is no solution.
-pub(super) fn unsolved(error: &MeshError) -> Failure {
-    let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
-    match error {
-        MeshError::NoContact { .. } => diagnostic
-            .help("check the diameters, the addendum and the deviations: the teeth do not reach each other")
-            .into(),
-        MeshError::TipOnTip { .. } => diagnostic
-            .help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
-            .into(),
-        _ => diagnostic.into(),
+impl From<MeshError> for Failure {
+    fn from(error: MeshError) -> Self {
+        let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
+        let help = match error {
+            MeshError::NoContact { .. } => {
+                "check the diameters, the addendum and the deviations: the teeth do not reach each other"
+            }
+            MeshError::TipOnTip { .. } => {
+                "check the tooth thicknesses and the deviations: the teeth are wider than the spaces"
+            }
+            _ => return diagnostic.into(),
+        };
+        diagnostic.help(help).into()
     }
 }
 

@@ -25,10 +25,10 @@ pub(super) struct Target {
 
 impl Target {
     /// Begins the file `path` (`-` is standard output) in a run that reads `inputs` (`-` is standard input).
-    pub(super) fn create(path: &str, inputs: &[&str]) -> Result<Self, Failure> {
+    pub(super) fn create(path: &str, inputs: &[impl AsRef<str>]) -> Result<Self, Failure> {
         refuse_inputs(path, inputs)?;
         let (writer, beside) = open(path).map_err(|error| unwritable(path, error))?;
-        let inputs = inputs.iter().map(|&input| input.to_owned()).collect();
+        let inputs = inputs.iter().map(|input| input.as_ref().to_owned()).collect();
         Ok(Self { path: path.to_owned(), inputs, writer, beside })
     }
 
@@ -172,12 +172,12 @@ fn partial_place(place: &Path, inputs: &[String]) -> PathBuf {
 }
 
 /// Writes a file whose bytes are all there.
-pub(super) fn write(path: &str, inputs: &[&str], bytes: &[u8]) -> Result<(), Failure> {
+pub(super) fn write(path: &str, inputs: &[impl AsRef<str>], bytes: &[u8]) -> Result<(), Failure> {
     written(path, inputs, bytes)?.finish()
 }
 
 /// A file with all its bytes, still to be put in its place.
-pub(super) fn written(path: &str, inputs: &[&str], bytes: &[u8]) -> Result<Target, Failure> {
+pub(super) fn written(path: &str, inputs: &[impl AsRef<str>], bytes: &[u8]) -> Result<Target, Failure> {
     let mut target = Target::create(path, inputs)?;
     target.write_all(bytes).map_err(|error| unwritable(path, error))?;
     Ok(target)
@@ -214,9 +214,12 @@ fn behind_links(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Refuses a file that is written and read as well.
-pub(super) fn refuse_inputs(path: &str, inputs: &[&str]) -> Result<(), Failure> {
-    let Some(input) = inputs.iter().find(|input| path != "-" && same_file(named(input), path)) else { return Ok(()) };
-    let read = match *input {
+pub(super) fn refuse_inputs(path: &str, inputs: &[impl AsRef<str>]) -> Result<(), Failure> {
+    let Some(input) = inputs.iter().map(AsRef::as_ref).find(|input| path != "-" && same_file(named(input), path))
+    else {
+        return Ok(());
+    };
+    let read = match input {
         "-" => "standard input reads it".to_owned(),
         input if input == path => "it is read".to_owned(),
         input => format!("it is read as {input}"),
@@ -330,6 +333,8 @@ fn unwritable(path: &str, error: io::Error) -> Failure {
 mod tests {
     use super::*;
 
+    const NONE: [&str; 0] = [];
+
     /// A folder of its own for one test, removed at the end.
     struct Folder(PathBuf);
 
@@ -429,15 +434,15 @@ mod tests {
     fn the_old_file_stays_until_the_other_is_complete() {
         let folder = Folder::new("old");
         let path = folder.with("results.csv");
-        let mut target = Target::create(&path, &[]).unwrap();
+        let mut target = Target::create(&path, &NONE).unwrap();
         target.write_all(b"half").unwrap();
         assert_eq!(text(&path), "results.csv");
         drop(target);
         assert_eq!((text(&path).as_str(), folder.names().len()), ("results.csv", 1));
-        write(&path, &[], b"whole").unwrap();
+        write(&path, &NONE, b"whole").unwrap();
         assert_eq!((text(&path).as_str(), folder.names().len()), ("whole", 1));
         // and where there is none, none comes to be
-        drop(Target::create(&folder.path("none.csv"), &[]).unwrap());
+        drop(Target::create(&folder.path("none.csv"), &NONE).unwrap());
         assert_eq!(folder.names(), ["results.csv"]);
     }
 
@@ -469,8 +474,8 @@ mod tests {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         std::os::unix::fs::symlink("results.csv", &link).unwrap();
         std::os::unix::fs::symlink("later.csv", &dangling).unwrap();
-        write(&link, &[], b"through the link").unwrap();
-        write(&dangling, &[], b"later").unwrap();
+        write(&link, &NONE, b"through the link").unwrap();
+        write(&dangling, &NONE, b"later").unwrap();
         assert_eq!(text(&path), "through the link");
         assert_eq!(text(&folder.path("later.csv")), "later");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
@@ -481,7 +486,7 @@ mod tests {
     fn what_cannot_be_written_says_why() {
         let folder = Folder::new("unwritable");
         for path in [folder.path(""), folder.path("none/a.csv"), folder.path("none/")] {
-            let failure = write(&path, &[], b"x").unwrap_err();
+            let failure = write(&path, &NONE, b"x").unwrap_err();
             assert!(message(&failure).contains("cannot write"), "{path}");
         }
         assert!(folder.names().is_empty());
@@ -491,7 +496,7 @@ mod tests {
     #[cfg(unix)]
     fn devices_are_written_as_they_are() {
         write("/dev/null", &["/dev/null"], b"x").unwrap();
-        assert_eq!(Target::create("/dev/null", &[]).unwrap().keep_partial().unwrap(), None);
+        assert_eq!(Target::create("/dev/null", &NONE).unwrap().keep_partial().unwrap(), None);
     }
 
     #[test]

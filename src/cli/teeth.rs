@@ -3,7 +3,7 @@
 
 use super::decision::JudgeArgs;
 use super::output::Failure;
-use super::spec_files::{measured_tables, unsolved};
+use super::spec_files::measured_tables;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
@@ -23,17 +23,17 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     let tables = measured_tables(&spec, path)?;
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
-    let strokes = input.judged_strokes().map_err(|error| no_strokes(&error))?;
+    let strokes = input.judged_strokes().map_err(no_strokes)?;
     let tolerance_mm = tolerance_mm(&input.mesh);
-    let extremes = extremes(&input.mesh, &strokes, tolerance_mm).map_err(|error| unsolved(&error))?;
+    let extremes = extremes(&input.mesh, &strokes, tolerance_mm)?;
     let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, tolerance_mm)?;
     let certain = spec.certain_teeth(&tables);
     Ok(spec.with_known_teeth(extremes.judged(&input.mesh), sensitivities, certain))
 }
 
-fn no_strokes(error: &StrokesError) -> Failure {
+fn no_strokes(error: StrokesError) -> Failure {
     match error {
-        StrokesError::Mesh(error) => unsolved(error),
+        StrokesError::Mesh(error) => error.into(),
         other => Diagnostic::error(Code::NoMesh, other.to_string()).into(),
     }
 }
@@ -84,8 +84,7 @@ impl WorstTeeth {
         let above = limit.and_then(|limit| limit.upper).map_or(f64::INFINITY, |upper| upper.mm() - reached.upper_mm);
         let Placement { rack, pinion, errors, .. } = if below < above { &reached.lower } else { &reached.upper };
         // only racks that do not roll have worst placements
-        input.mesh = Mesh::new(*input.mesh.pair(), rack.clone(), pinion.clone(), Support::Fixed)
-            .map_err(|error| unsolved(&error))?;
+        input.mesh = Mesh::new(*input.mesh.pair(), rack.clone(), pinion.clone(), Support::Fixed)?;
         let placed =
             self.errors.iter().zip(errors).map(|(error, runs)| PlacedError { error: *error, runs: runs.clone() });
         input.origin = Origin::WorstTeeth(placed.collect());

@@ -58,7 +58,7 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
         (false, false) => "parts were checked and pass",
     };
     let _ = writeln!(xml, "<testcase classname=\"parts\" name=\"{} {others}\"/>", grouped(rest));
-    cases.iter().for_each(|case| xml.push_str(&case.xml()));
+    xml.extend(cases.iter().map(Case::xml));
     let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
     said.extend(remarks(&outcome.readings, &outcome.notes));
     if !said.is_empty() {

@@ -20,7 +20,7 @@ pub struct EvaluationReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
     /// What was computed.
-    pub evaluation: &'a Evaluation,
+    pub evaluation: Evaluation,
     /// What the bound rests on.
     pub rests_on: Vec<String>,
     /// Remarks on the results' validity besides.
@@ -88,7 +88,7 @@ impl EvaluationReport<'_> {
     }
 
     fn contribution_table(&self) -> Option<Block> {
-        let evaluation = self.evaluation;
+        let evaluation = &self.evaluation;
         let (model, other) = (evaluation.model, evaluation.model.other());
         // a permissible deviation has no sign, and ΔCD has one only where it can push one way
         let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
@@ -168,7 +168,7 @@ impl EvaluationReport<'_> {
     }
 
     fn verdict_block(&self) -> Option<Block> {
-        let evaluation = self.evaluation;
+        let evaluation = &self.evaluation;
         let without = judged_without(&self.without);
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
             let sentence = failure_sentence(failed, evaluation.stack);
@@ -336,7 +336,7 @@ fn record(kind: &str, name: impl Into<Value>, mut fact: Value) -> Value {
 
 impl Report for EvaluationReport<'_> {
     fn json(&self) -> Value {
-        let evaluation = self.evaluation;
+        let evaluation = &self.evaluation;
         let combined = &evaluation.combined;
         json!({
             "title": self.title,
@@ -368,7 +368,7 @@ impl Report for EvaluationReport<'_> {
 
     /// One row per error, then one per combination, then one per limit, then one per uncertainty.
     fn rows(&self) -> Vec<Vec<String>> {
-        let evaluation = self.evaluation;
+        let evaluation = &self.evaluation;
         let ends = |kind, name, range: Value| {
             record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
         };
@@ -414,11 +414,11 @@ impl<'a> EvaluationReport<'a> {
     /// The report, with the remarks that the results call for; the keys of the pair's geometry that are `missing` are named
     /// where they would narrow a range.
     #[must_use]
-    pub fn new(title: Option<&'a str>, evaluation: &'a Evaluation, missing: &[&str]) -> Self {
+    pub fn new(title: Option<&'a str>, evaluation: Evaluation, missing: &[&str]) -> Self {
         Self {
             title,
-            evaluation,
             rests_on: bound_remarks(&evaluation.notes, missing),
+            evaluation,
             notes: Vec::new(),
             mesh: None,
             classes: Vec::new(),

@@ -1,6 +1,6 @@
 //! The reports of `paste`: several parts, or the spaces or teeth of one.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
@@ -76,24 +76,21 @@ impl Report for PartsReport<'_> {
             .rows
             .iter()
             .map(|row| {
-                let mut part = Map::new();
-                part.insert("part_id".to_owned(), row.name.as_str().into());
-                part.insert("line".to_owned(), row.line.into());
+                let mut part = json!({ "part_id": row.name, "line": row.line });
                 let evaluation = row.evaluation.as_ref();
                 for kind in &kinds {
                     let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind));
-                    part.insert(format!("delta_cd_{}_mm", kind.key()), json!(value));
+                    part[format!("delta_cd_{}_mm", kind.key())] = json!(value);
                 }
                 for (name, end) in ENDS.into_iter().zip(ends(evaluation)) {
-                    part.insert(name.to_owned(), json!(end));
+                    part[name] = json!(end);
                 }
-                let verdict = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name);
-                part.insert("verdict".to_owned(), verdict.into());
-                part.insert("judged_by".to_owned(), evaluation.map(|evaluation| evaluation.judged_by.name()).into());
+                part["verdict"] = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name).into();
+                part["judged_by"] = evaluation.map(|evaluation| evaluation.judged_by.name()).into();
                 if let Some(uncertainty) = &row.uncertainty {
-                    part.insert("uncertainty".to_owned(), uncertainty.json());
+                    part["uncertainty"] = uncertainty.json();
                 }
-                Value::Object(part)
+                part
             })
             .collect();
         json!({ "title": self.title, "parts": parts })
@@ -217,19 +214,14 @@ impl Report for SpacesReport<'_> {
             .rows
             .iter()
             .map(|row| {
-                let mut object = Map::new();
-                object.insert(self.place().to_owned(), row.number.into());
+                let mut fact = json!({ self.place(): row.number });
                 for (feature, effect) in measured.features.iter().zip(&row.effects) {
                     let key = feature.key();
-                    let name = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
-                    let deviation = effect.map(|effect| effect.deviation.base());
-                    object.insert(format!("{key}_deviation_{name}"), deviation.into());
-                    object.insert(
-                        format!("delta_cd_{key}_mm"),
-                        effect.as_ref().map(|effect| effect.delta_cd.mm()).into(),
-                    );
+                    let unit = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
+                    fact[format!("{key}_deviation_{unit}")] = effect.map(|effect| effect.deviation.base()).into();
+                    fact[format!("delta_cd_{key}_mm")] = effect.map(|effect| effect.delta_cd.mm()).into();
                 }
-                Value::Object(object)
+                fact
             })
             .collect();
         let (low, high) = measured.range();

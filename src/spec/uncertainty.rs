@@ -282,7 +282,8 @@ impl Spec {
     }
 
     /// Whether values of this kind of error have an uncertainty.
-    pub(super) fn is_uncertain(&self, kind: DeviationKind) -> bool {
+    #[must_use]
+    pub fn is_uncertain(&self, kind: DeviationKind) -> bool {
         said_of(&self.uncertainties, Source::Error(kind)).is_some()
     }
 

@@ -15,16 +15,16 @@ use super::decision::JudgeArgs;
 use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, Opener, ReadArgs};
+use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{spec_files, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
-use crate::report::{self, Basis, BatchReport, Format, Report, WithReading};
+use crate::report::{self, Basis, BatchReport, Format, Screen, WithReading};
 use crate::spec::{Spec, WrittenError};
-use crate::table::Contradiction;
+use crate::table::{Contradiction, Table};
 
 pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdict for every part";
 
@@ -198,22 +198,12 @@ impl Args {
         let inputs = spec_files::inputs(&spec, &self.spec, &files);
         let mut targets = self.targets(rows_format, &inputs, &|| plan.columns_written())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
-        let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "rows", output);
-        for path in found.paths.clone() {
-            let run = found.next(&path).map_err(tables::diagnostics).and_then(|opened| {
-                let layout = Layout::new(&plan, &opened.table).map_err(|diagnostics| diagnostics.0)?;
-                Ok(batch.run(opened.table, &layout, interruption.stop(), &mut |progress| bar.show(progress)))
-            });
-            match run {
-                Ok(run) => failed.extend(unfinished(&path, run)?),
-                Err(diagnostics) => failed.extend(diagnostics),
-            }
-            bar.next();
-            if batch.is_over() {
-                break;
-            }
-        }
+        let failed = Self::run_each(&mut found, &mut bar, |table, bar| {
+            let layout = Layout::new(&plan, &table)?;
+            let run = batch.run(table, &layout, interruption.stop(), &mut |progress| bar.show(progress));
+            Ok((run, batch.is_over()))
+        })?;
         bar.finish();
         let (mut outcome, written) = batch.finish();
         outcome.notes.extend(notes);
@@ -226,6 +216,30 @@ impl Args {
             inputs: &inputs,
         };
         self.end(ending, (outcome, written), summary_format, output)
+    }
+
+    /// Runs table after table until the run is over; what is wrong with those that are not read to their end.
+    fn run_each(
+        found: &mut Files<'_>,
+        bar: &mut Bar,
+        mut run: impl FnMut(Table, &mut Bar) -> Result<(Result<(), RunError>, bool), Diagnostics>,
+    ) -> Result<Vec<Diagnostic>, Failure> {
+        let mut failed = std::mem::take(&mut found.failed);
+        for path in found.paths.clone() {
+            let opened = found.next(&path).map_err(tables::diagnostics);
+            let ran = opened.and_then(|opened| run(opened.table, bar).map_err(|diagnostics| diagnostics.0));
+            bar.next();
+            match ran {
+                Ok((ran, is_over)) => {
+                    failed.extend(unfinished(&path, ran)?);
+                    if is_over {
+                        break;
+                    }
+                }
+                Err(diagnostics) => failed.extend(diagnostics),
+            }
+        }
+        Ok(failed)
     }
 
     /// Ends the files that are written, and says what came of it all.
@@ -252,13 +266,19 @@ impl Args {
         } else {
             tables::say(&outcome.readings, &outcome.notes, output);
         }
-        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         self.problems(&basis, &outcome, output);
-        self.write_junit(spec, &basis, &outcome, &inputs)?;
+        if let Some(path) = &self.junit {
+            target::write(path, inputs, report::junit(spec.title.as_deref(), &basis, &outcome).as_bytes())?;
+        }
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
-            self.write_summary(&report, format, &inputs, output)?;
+            match &self.output {
+                Some(path) => {
+                    target::write(path, inputs, report::write(&report, format, Screen::default())?.as_bytes())?;
+                }
+                None => output.report(&report, format)?,
+            }
         } else {
             output.remark(&in_words(&outcome.counts, if self.teeth { "part" } else { "row" }));
         }
@@ -275,33 +295,27 @@ impl Args {
     /// The format of the rows, and of a summary.
     fn formats(&self) -> Result<(RowFormat, Format), Failure> {
         let format = self.format()?;
-        let name = format.name();
-        if self.summary {
-            let summary = match format {
-                BatchFormat::Table => Format::Table,
-                BatchFormat::Csv => Format::Csv,
-                BatchFormat::Json => Format::Json,
-                BatchFormat::Markdown => Format::Markdown,
-                _ => {
-                    return Err(Diagnostic::error(Code::Usage, format!("a summary cannot be written as {name}"))
-                        .help("write table, markdown, json or csv")
-                        .into());
-                }
-            };
-            return Ok((RowFormat::Csv, summary));
-        }
+        let refused = |what: &str, help: &str| {
+            let message = format!("{what} cannot be written as {}", format.name());
+            Err(Diagnostic::error(Code::Usage, message).help(help).into())
+        };
         let rows = match format {
             BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
             BatchFormat::Tsv => RowFormat::Tsv,
             BatchFormat::Jsonl => RowFormat::JsonLines,
             BatchFormat::Parquet => RowFormat::Columns,
-            _ => {
-                return Err(Diagnostic::error(Code::Usage, format!("rows cannot be written as {name}"))
-                    .help("write csv, tsv, jsonl or parquet; or ask for the --summary")
-                    .into());
-            }
+            _ if self.summary => RowFormat::Csv,
+            _ => return refused("rows", "write csv, tsv, jsonl or parquet; or ask for the --summary"),
         };
-        Ok((rows, Format::Table))
+        let summary = match format {
+            BatchFormat::Table => Format::Table,
+            BatchFormat::Csv => Format::Csv,
+            BatchFormat::Json => Format::Json,
+            BatchFormat::Markdown => Format::Markdown,
+            _ if self.summary => return refused("a summary", "write table, markdown, json or csv"),
+            _ => Format::Table,
+        };
+        Ok((rows, summary))
     }
 
     /// The format: that of the option, of the output's name, or the usual one.
@@ -398,28 +412,6 @@ impl Args {
         if self.only_failures && plan.limits.is_empty() && plan.unjudged.is_empty() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
-    }
-
-    /// Writes the JUnit report, if one is asked for.
-    fn write_junit(&self, spec: &Spec, basis: &Basis, outcome: &Outcome, inputs: &[&str]) -> Result<(), Failure> {
-        if let Some(path) = &self.junit {
-            let report = report::junit(spec.title.as_deref(), basis, outcome);
-            target::write(path, inputs, report.as_bytes())?;
-        }
-        Ok(())
-    }
-
-    /// Writes the summary to its file, or shows it.
-    fn write_summary(
-        &self,
-        summary: &dyn Report,
-        format: Format,
-        inputs: &[&str],
-        output: &mut Output,
-    ) -> Result<(), Failure> {
-        let Some(path) = &self.output else { return output.report(summary, format) };
-        let text = report::write(summary, format, report::Screen::default())?;
-        target::write(path, inputs, text.as_bytes())
     }
 
     /// What is wrong with which row, and annotations.

@@ -11,25 +11,18 @@ use crate::cli::target::{self, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::Spec;
 
-/// Where rows go.
-enum RowTarget {
-    Text(Target),
-    /// A Parquet file, which has an end of its own.
-    Parquet {
-        rows: Box<ParquetRows>,
-        file: Target,
-    },
-    /// A file whose format needs all rows.
-    Office {
-        path: String,
-        rows: office::Collected,
-        file: Target,
-    },
+/// Rows that are not written to their file as they come.
+enum Kept {
+    /// Of a Parquet file, which has an end of its own.
+    Parquet(Box<ParquetRows>),
+    /// Of a file whose format needs all rows, and its name.
+    Office(office::Collected, String),
 }
 
 /// Files that are written.
 pub(super) struct Targets {
-    rows: Option<RowTarget>,
+    file: Option<Target>,
+    kept: Option<Kept>,
     rejects: Option<Target>,
     packing: Packing,
     rejects_packing: Packing,
@@ -38,32 +31,28 @@ pub(super) struct Targets {
 impl Targets {
     pub(super) fn sinks(&mut self) -> Sinks<'_> {
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
+        let file = self.file.as_mut().map(|writer| RowSink::Text(Sink { writer, packing }));
         Sinks {
-            rows: self.rows.as_mut().map(|rows| match rows {
-                RowTarget::Text(writer) => RowSink::Text(Sink { writer, packing }),
-                RowTarget::Parquet { rows, .. } => RowSink::Columns(rows.as_mut()),
-                RowTarget::Office { rows, .. } => RowSink::Text(Sink { writer: rows, packing }),
-            }),
+            rows: match &mut self.kept {
+                Some(Kept::Parquet(rows)) => Some(RowSink::Columns(rows.as_mut())),
+                Some(Kept::Office(writer, _)) => Some(RowSink::Text(Sink { writer, packing })),
+                None => file,
+            },
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
         }
     }
 
     /// Ends the files. Of a run that is not complete, what there is is kept beside, and that is said.
-    pub(super) fn finish(self, is_complete: bool, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
-        let file = match self.rows {
-            None => None,
-            Some(RowTarget::Text(file)) => Some(file),
-            Some(RowTarget::Parquet { rows, file }) => {
-                rows.finish()?;
-                Some(file)
-            }
-            Some(RowTarget::Office { path, rows, mut file }) => {
+    pub(super) fn finish(mut self, is_complete: bool, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
+        match (self.kept, &mut self.file) {
+            (Some(Kept::Parquet(rows)), _) => rows.finish()?,
+            (Some(Kept::Office(rows, path)), Some(file)) => {
                 let title = spec.title.as_deref().unwrap_or("rackmesh");
                 file.write_all(&office::rows_as(&path, &rows.rows()?, title, &spec.limits())?)?;
-                Some(file)
             }
-        };
-        for target in [file, self.rejects].into_iter().flatten() {
+            _ => {}
+        }
+        for target in [self.file, self.rejects].into_iter().flatten() {
             target.end(is_complete, output)?;
         }
         Ok(())
@@ -78,31 +67,26 @@ impl Args {
         inputs: &[String],
         columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
     ) -> Result<Targets, Failure> {
-        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         let written: Vec<&str> =
             [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
         target::refuse_same(&written)?;
         for path in &written {
-            target::refuse_inputs(path, &inputs)?;
+            target::refuse_inputs(path, inputs)?;
         }
         self.rejects.as_deref().map_or(Ok(()), refuse_other_format)?;
-        let rejects = self.rejects.as_ref().map(|path| Target::create(path, &inputs)).transpose()?;
+        let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
         let (packing, rejects_packing) = (packing(&self.output), packing(&self.rejects));
         let path = self.output.as_deref().unwrap_or("-");
-        let rows = if self.summary {
-            None
-        } else {
-            let mut file = Target::create(path, &inputs)?;
-            Some(if office::is_office(path) {
-                RowTarget::Office { path: path.to_owned(), rows: office::Collected::default(), file }
-            } else if format == RowFormat::Columns {
-                RowTarget::Parquet { rows: Box::new(ParquetRows::new(file.take_writer(), &columns())?), file }
-            } else {
-                RowTarget::Text(file)
-            })
+        let mut file = if self.summary { None } else { Some(Target::create(path, inputs)?) };
+        let kept = match &mut file {
+            Some(_) if office::is_office(path) => Some(Kept::Office(office::Collected::default(), path.to_owned())),
+            Some(file) if format == RowFormat::Columns => {
+                Some(Kept::Parquet(Box::new(ParquetRows::new(file.take_writer(), &columns())?)))
+            }
+            _ => None,
         };
-        Ok(Targets { rows, rejects, packing, rejects_packing })
+        Ok(Targets { file, kept, rejects, packing, rejects_packing })
     }
 }
 

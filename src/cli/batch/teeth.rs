@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::bar::Bar;
-use super::{Args, Ending, NO_LIMITS, mesh_basis, unfinished};
+use super::{Args, Ending, NO_LIMITS, mesh_basis};
 use crate::batch::{RowFormat, Teeth, TeethRequest};
 use crate::cli::long::Interruption;
 use crate::cli::output::{Failure, Output, Status};
@@ -40,20 +40,10 @@ impl Args {
         let columns = Teeth::columns_written(self.columns.as_deref())?;
         let mut targets = self.targets(format, &inputs, &|| columns.clone())?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
-        let mut failed = std::mem::take(&mut found.failed);
         let mut bar = Bar::new(&files, "parts", output);
-        for path in &files {
-            let run = found.next(path).map_err(tables::diagnostics);
-            let run = run.and_then(|opened| teeth.take(opened.table).map_err(|diagnostics| diagnostics.0));
-            match run {
-                Ok(run) => failed.extend(unfinished(path, run)?),
-                Err(diagnostics) => failed.extend(diagnostics),
-            }
-            bar.next();
-            if interruption.stop().load(Ordering::Relaxed) {
-                break;
-            }
-        }
+        let failed = Self::run_each(found, &mut bar, |table, _| {
+            Ok((teeth.take(table)?, interruption.stop().load(Ordering::Relaxed)))
+        })?;
         let finished = teeth.finish(interruption.stop(), &mut |progress| bar.show(progress));
         bar.finish();
         let (failed, inputs) = (&failed, &inputs);
