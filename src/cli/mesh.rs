@@ -108,7 +108,7 @@ fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     Ok(prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows))
 }
 
-/// On which teeth the values in `[errors]` are, if the spec has no deviations per tooth.
+/// On which teeth the values in `[errors]` are, if the spec has no deviations per tooth, or that they are on none.
 pub(super) fn placement(input: &MeshInput) -> Option<String> {
     let on = match &input.origin {
         Origin::WorstTeeth(errors) => {
@@ -122,7 +122,15 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
                  step half way round{lead}"
             )
         }
-        _ => return None,
+        Origin::Teeth if input.left_out.is_empty() => return None,
+        Origin::Teeth => {
+            let names: Vec<_> = input.left_out.iter().map(|kind| kind.name()).collect();
+            return Some(format!(
+                "the values in [errors] ({}) are on no teeth here, for the spec knows the other part's one by one: only the \
+                 worst case counts them",
+                names.join(", ")
+            ));
+        }
     };
     Some(format!("the spec has no deviations per tooth, so the values in [errors] are put on {on}"))
 }

@@ -52,6 +52,8 @@ pub struct MeshInput {
     pub mesh: Mesh,
     /// Where its deviations come from.
     pub origin: Origin,
+    /// The errors of `[errors]` that are on no teeth, because the spec knows those of the other part one by one.
+    pub left_out: Vec<DeviationKind>,
     /// What the geometry does badly.
     pub warnings: Vec<GeometryWarning>,
     /// The rack's deviations other than measured tables, for the formulas.
@@ -167,6 +169,7 @@ impl Spec {
         );
         self.refuse_both_ways(&self.kinds())?;
         let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
+        let left_out = if origin == Origin::Teeth { self.kinds() } else { Vec::new() };
         let mut pinion_lead_mm = None;
         if origin == Origin::Errors {
             let errors = self.part_deviations()?;
@@ -191,6 +194,7 @@ impl Spec {
         Ok(MeshInput {
             mesh,
             origin,
+            left_out,
             warnings,
             rack_deviations,
             pinion_deviations,
