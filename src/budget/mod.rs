@@ -50,7 +50,7 @@ fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result
 
 /// What an error can do alone.
 fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, NoBound> {
-    let range = basis.alone(&ExtendedError::of(&error).map_err(|_| NoBound::TooLarge)?)?;
+    let range = basis.alone(&ExtendedError::of(&error)?)?;
     Interval::nearest(range.alone()).map_err(|_| NoBound::TooLarge)
 }
 

@@ -10,7 +10,7 @@ use crate::deviation::Extent;
 use crate::deviation::Extent::{All, Each, One, Part, Total};
 use crate::evaluation::{Evaluation, evaluate};
 use crate::judge::Limit;
-use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs};
+use crate::judge::bound::{GivenGeometry, GivenPair, KnownPairs, OwnCurve};
 use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::quantity::Angle;
 
@@ -494,4 +494,20 @@ proptest! {
         }
         check(&request);
     }
+}
+
+/// A pair that is off zero without errors, and whose geometry is not complete: what it does by itself counts.
+#[test]
+fn the_own_delta_cd_of_a_pair_counts_in_a_simulation() {
+    let all_conform = Rule::Simulation(Simulation { draws: 20_000, ..simulation(1.0, Spread::Uniform) });
+    let of = |own_curve| {
+        let basis = Basis { own_curve, ..Basis::default() };
+        allocate(&Request { basis, ..of_sizes(vec![free(Law::rack_over_roller(), weight(1))], "0.1", all_conform) })
+    };
+    let largest = |own_mm| of(OwnCurve::At(own_mm)).unwrap().lines[0].delta_cd.mm();
+    for own_mm in [0.0, 0.08, -0.08] {
+        let found = largest(own_mm);
+        assert!(found >= 0.1 - own_mm.abs() && found < 1.01 * (0.1 - own_mm.abs()), "{own_mm}: {found}");
+    }
+    assert!(of(OwnCurve::Unknown).is_err());
 }

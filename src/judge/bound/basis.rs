@@ -126,8 +126,7 @@ impl Basis {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         match extended {
             Ok(extended) => self.bound(&extended),
-            // a value of the wrong dimension has no ΔCD either
-            Err(_) => Bound::open(errors.len(), NoBound::TooLarge),
+            Err(error) => Bound::open(errors.len(), error.into()),
         }
     }
 

@@ -1,6 +1,7 @@
 //! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
 //! bound; computes no range.
 
+use super::NoBound;
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Law, Model, PartDeviation};
@@ -79,6 +80,15 @@ pub enum ErrorInputError {
         /// The value, mm or rad.
         value: f64,
     },
+}
+
+impl From<ErrorInputError> for NoBound {
+    fn from(error: ErrorInputError) -> Self {
+        match error {
+            ErrorInputError::OutOfDomain { .. } => Self::TooLarge,
+            ErrorInputError::NoTotal | ErrorInputError::WrongDimension => Self::NotOfItsKind,
+        }
+    }
 }
 
 /// Largest lead, rad, and longest deviation, mm.
@@ -192,4 +202,56 @@ pub fn pinion_lead_angle_rad(pair: &Pair, deviation_mm: f64) -> f64 {
     let pinion = pair.pinion();
     let slope = deviation_mm / (pinion.face_width_mm * trig::cos(pinion.transverse_pressure_angle_rad));
     trig::atan(trig::tan(pinion.helix_angle_rad) + slope) - pinion.helix_angle_rad
+}
+
+/// The helix slope deviation f_Hβ, mm, over a pinion's face width that a helix angle deviation Δβ at the reference cylinder
+/// is: b cos α_t (tan(β + Δβ) − tan β). The inverse of [`pinion_lead_angle_rad`].
+#[must_use]
+pub fn pinion_helix_slope_mm(pinion: HelixOfPinion, deviation_rad: f64) -> f64 {
+    let HelixOfPinion { normal_pressure_angle_rad, helix_angle_rad, face_width_mm } = pinion;
+    let cos = trig::cos(helix_angle_rad);
+    let transverse = trig::atan2(trig::tan(normal_pressure_angle_rad), cos);
+    // tan(β + Δβ) − tan β without the difference of two large numbers
+    let tangents = trig::sin(deviation_rad) / (cos * trig::cos(helix_angle_rad + deviation_rad));
+    face_width_mm * trig::cos(transverse) * tangents
+}
+
+/// The gear data behind a helix slope deviation of a pinion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HelixOfPinion {
+    /// α_n, rad.
+    pub normal_pressure_angle_rad: f64,
+    /// β, rad, right hand positive.
+    pub helix_angle_rad: f64,
+    /// b, mm.
+    pub face_width_mm: f64,
+}
+
+impl HelixOfPinion {
+    /// That of a pair.
+    #[must_use]
+    pub fn of(pair: &Pair) -> Self {
+        Self {
+            normal_pressure_angle_rad: pair.normal_pressure_angle_rad(),
+            helix_angle_rad: pair.pinion().helix_angle_rad,
+            face_width_mm: pair.pinion().face_width_mm,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::example;
+
+    #[test]
+    fn a_helix_slope_and_its_angle_are_inverse() {
+        for helix in [-0.5, 0.0, 0.4] {
+            let pair = Pair::new(&example(20, 0.0, helix)).unwrap();
+            for slope in [-0.3, -0.012, 0.0, 0.0105, 0.2] {
+                let back = pinion_helix_slope_mm(HelixOfPinion::of(&pair), pinion_lead_angle_rad(&pair, slope));
+                assert!((back - slope).abs() < 1e-13, "{helix} {slope} {back}");
+            }
+        }
+    }
 }

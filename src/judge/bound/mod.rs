@@ -24,7 +24,7 @@ pub(in crate::judge) mod tests;
 mod undercut;
 
 pub use basis::{Basis, GivenGeometry, KnownPairs};
-pub use error::{ErrorInputError, ExtendedError, pinion_lead_angle_rad};
+pub use error::{ErrorInputError, ExtendedError, HelixOfPinion, pinion_helix_slope_mm, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownTeeth, Reach};
 pub use proportion::ChangingErrors;
@@ -190,6 +190,9 @@ pub enum NoBound {
     /// An error is no deviation that a bound can be given for: a lead of 45° and more.
     #[error("an error is too large for a bound: it is no deviation of teeth that mesh")]
     TooLarge,
+    /// An error is not of the dimension that its formula takes, or is in total what does not accumulate.
+    #[error("an error has a value or an extent that its formula does not take")]
+    NotOfItsKind,
     /// Errors as large leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]
     NoFlanks,

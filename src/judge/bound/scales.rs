@@ -3,7 +3,7 @@
 
 use super::known::Own;
 use super::single::range_of;
-use super::sum::Sum;
+use super::sum::{self, Sum};
 use super::{Basis, ErrorRange, ExtendedError, Knowledge, NoBound, Range};
 use crate::deviation::Part;
 use crate::formula::PartDeviation;
@@ -29,12 +29,12 @@ impl Basis {
     /// The ranges of these errors, each at every share of its value.
     ///
     /// # Errors
-    /// [`NoBound`] if there is no bound.
+    /// [`NoBound`] if there is no bound, or it is not known what the pair does without errors.
     pub fn scales(&self, errors: &[PartDeviation]) -> Result<Scales, NoBound> {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
-        let extended = extended.map_err(|_| NoBound::TooLarge)?;
+        let extended = extended?;
         let knowledge = self.knowledge(&extended)?;
-        let own = knowledge.pair.map_or(Own::default(), |known| known.own);
+        let own = sum::own(&Sum::default(), &knowledge)?;
         let errors = extended.iter().map(|error| Scale::new(error, &knowledge)).collect::<Result<_, _>>()?;
         Ok(Scales { own, errors })
     }

@@ -165,7 +165,7 @@ impl Sum {
 }
 
 /// The pair's own range, if these errors are within what the pair is known for.
-fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
+pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     match knowledge.pair {
         Some(known) if !known.reach.holds(&sum.reach().with(knowledge.basis.known_teeth)) => Err(NoBound::BeyondReach),
         Some(known) => Ok(known.own),
