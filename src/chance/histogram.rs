@@ -13,14 +13,12 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    /// Bins from `low` to `high`; if these are the same, every value is that one.
+    /// Bins from `low` to `high`; if these are the same, what lies apart from them lies beyond the bins.
     pub(super) fn new(low: f64, high: f64) -> Self {
         let bins = BINS as f64;
         let width = (high - low) / bins;
         let per_unit = 1.0 / width;
-        // a spread so small that its reciprocal overflows is none
-        let counts = if per_unit.is_finite() { vec![0; BINS + 2] } else { Vec::new() };
-        Self { low, width, per_unit, counts, extremes: (f64::INFINITY, f64::NEG_INFINITY) }
+        Self { low, width, per_unit, counts: vec![0; BINS + 2], extremes: (f64::INFINITY, f64::NEG_INFINITY) }
     }
 
     pub(super) fn count(&mut self, values: &[f64]) {
@@ -30,7 +28,12 @@ impl Histogram {
             high = high.max(value);
         }
         self.extremes = (low, high);
-        if self.counts.is_empty() {
+        if !self.per_unit.is_finite() {
+            // a spread so small that its reciprocal overflows is none
+            for &value in values {
+                let beyond = if value > self.low { BINS + 1 } else { usize::from(value == self.low) };
+                self.counts[beyond] += 1;
+            }
             return;
         }
         let top = (BINS + 1) as f64;
@@ -62,9 +65,6 @@ impl Histogram {
     }
 
     pub(super) fn quantile(&self, p: f64) -> f64 {
-        if self.counts.is_empty() {
-            return self.extremes.0;
-        }
         let rank = p.clamp(0.0, 1.0) * self.total() as f64;
         let mut below = 0.0;
         let mut last = self.extremes.1;
@@ -82,9 +82,6 @@ impl Histogram {
 
     /// The shortest interval with a share `p` of the values: one end at the edge of a bin.
     pub(super) fn shortest(&self, p: f64) -> (f64, f64) {
-        if self.counts.is_empty() {
-            return self.extremes;
-        }
         // the distribution function at the edges, as rank and value
         let mut points = vec![(0.0, self.extremes.0)];
         let mut below = 0.0;
@@ -141,7 +138,20 @@ mod tests {
         assert_eq!(beyond.quantile(0.75), 0.5 * (16_384.0 + 20_000.0));
         let below = histogram(&[(-10.0, 4), (0.25, 4)]);
         assert_eq!(below.quantile(0.25), -5.0);
-        assert_eq!(Histogram::new(3.0, 3.0).counts.len(), 0);
+    }
+
+    /// Bins without a width, because the values that they are made for are all the same: others still count.
+    #[test]
+    fn values_apart_from_bins_without_a_width() {
+        let mut alike = Histogram::new(3.0, 3.0);
+        alike.count(&[3.0; 90]);
+        assert_eq!([0.0, 0.5, 1.0].map(|p| alike.quantile(p)), [3.0; 3]);
+        assert_eq!(alike.shortest(0.95), (3.0, 3.0));
+        alike.count(&[1.0, 2.0, 5.0, 7.0, 6.0, 5.5, 6.5, 4.0, 5.0, 7.0]);
+        assert_eq!([0.0, 0.5, 0.92, 1.0].map(|p| alike.quantile(p)), [1.0, 3.0, 3.0, 7.0]);
+        assert_eq!(alike.shortest(0.9), (3.0, 3.0));
+        let (low, high) = alike.shortest(0.95);
+        assert!(low <= 3.0 && high > 3.0, "{low} {high}");
     }
 
     #[test]
