@@ -9,7 +9,7 @@ use crate::deviation::{
 };
 use crate::gear::Pair;
 use crate::judge::bound::pinion_lead_angle_rad;
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, MeshPoint, Support};
 use crate::standard::Deviation;
 use crate::trig;
 
@@ -34,7 +34,8 @@ pub struct ArrangedDeviation {
 impl ArrangedDeviation {
     /// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, along a stroke of
     /// 50 mm or a turn of the pinion and a few teeth, whichever is longer; mm. With it how the deviation is put on the teeth, in
-    /// words. `None` if no arrangement on the teeth stands for it, or it leaves no mesh.
+    /// words. `None` if no arrangement on the teeth stands for it, or it leaves no mesh, or none that is solved at
+    /// every stroke.
     #[must_use]
     pub fn largest_delta_cd_mm(&self, pair: &Pair) -> Option<(f64, &'static str)> {
         const TOLERANCE_MM: f64 = 1e-6;
@@ -45,9 +46,11 @@ impl ArrangedDeviation {
         let mesh = Mesh::new(*pair, rack, pinion, Support::Fixed).ok()?;
         let turn = f64::from(pair.pinion().teeth + 6) * pair.rack().pitch_mm;
         let curve = mesh.curve(0.0, turn.max(50.0), TOLERANCE_MM).ok()?;
-        let largest = curve
-            .summary(&mesh)
-            .map_or(0.0, |summary| summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm));
+        if !curve.points.iter().all(MeshPoint::is_solved) {
+            return None;
+        }
+        let summary = curve.summary(&mesh)?;
+        let largest = summary.max_mm.abs().max(summary.min_mm.abs()).max(summary.max_mm - summary.min_mm);
         Some((largest, words))
     }
 

@@ -2,7 +2,7 @@
 //! tests; solves nothing of its own.
 
 use super::Steady;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError, MeshPoint};
 use crate::trig;
 
 /// Cells per pitch at first: a tooth's passage takes several.
@@ -34,7 +34,7 @@ impl Cell {
     }
 }
 
-/// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution.
+/// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution, or none that is certain.
 ///
 /// By trapezoids over the 24th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
 /// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all
@@ -44,7 +44,8 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
     let (from_mm, to_mm) = one_pitch(mesh, steady).unwrap_or((steady.from_mm, steady.to_mm));
     let length = to_mm - from_mm;
     let solve = |strokes: &[f64]| -> Option<Vec<f64>> {
-        mesh.sample(strokes).into_iter().map(|point| Some(point.ok()?.delta_cd_mm)).collect()
+        let solved = |point: Result<MeshPoint, MeshError>| Some(point.ok().filter(MeshPoint::is_solved)?.delta_cd_mm);
+        mesh.sample(strokes).into_iter().map(solved).collect()
     };
     let count = (length / mesh.pair().rack().pitch_mm * CELLS_PER_PITCH).ceil().clamp(1.0, MOST);
     // whole and at most a million
