@@ -124,6 +124,11 @@ impl RackFlanks {
             self.check_lead(flank.lead_rad)?;
         }
         self.measured = measured;
+        for tooth in self.measured.keys() {
+            let RackTooth { left, right } = self.tooth(*tooth);
+            self.check_lead(left.lead_rad)?;
+            self.check_lead(right.lead_rad)?;
+        }
         Ok(self)
     }
 
@@ -241,6 +246,20 @@ mod tests {
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("all", -0.5)]), 0.0);
         // of two as large the first
         assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", -0.5)]), 0.5);
+    }
+
+    /// Of what is given and what is measured of one tooth the sum counts.
+    #[test]
+    fn a_measured_lead_beside_a_given_one_ends_at_85_degrees() {
+        let pair = Pair::new(&crate::gear::example(12, 0.0, 0.0)).unwrap();
+        let given = RackFlanks::new(&pair, &[lead("2", 0.7), lead("2", 0.7)]).unwrap();
+        let measured = |tooth, lead_rad| {
+            let left = RackFlank { lead_rad, ..RackFlank::default() };
+            BTreeMap::from([(tooth, RackTooth { left, ..RackTooth::default() })])
+        };
+        assert!(given.clone().with_measured(measured(2, 0.05)).is_ok());
+        assert!(given.clone().with_measured(measured(3, 0.2)).is_ok());
+        assert!(given.with_measured(measured(2, 0.2)).is_err());
     }
 
     #[test]
