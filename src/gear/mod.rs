@@ -29,4 +29,4 @@ pub use check::{ContactRatio, GeometryWarning};
 pub use data::{PairData, PinionData, RackData};
 pub use error::{GeometryError, Quantity};
 pub use hand::Hand;
-pub use pair::{Pair, Pinion, Rack};
+pub use pair::{MOST_TEETH, Pair, Pinion, Rack};

@@ -75,8 +75,10 @@ const MODULE_MM: (f64, f64) = (1e-3, 1e3);
 const PRESSURE_ANGLE_RAD: (f64, f64) = (PI / 180.0, PI / 3.0);
 /// ±80°: single-start worms end here.
 const HELIX_RAD: (f64, f64) = (-80.0 * PI / 180.0, 80.0 * PI / 180.0);
+/// The most teeth of a pinion.
+pub const MOST_TEETH: u32 = 10_000;
 /// Numbers of teeth.
-const TEETH: (f64, f64) = (1.0, 10_000.0);
+const TEETH: (f64, f64) = (1.0, MOST_TEETH as f64);
 /// Profile shift coefficients.
 const SHIFT: (f64, f64) = (-10.0, 10.0);
 

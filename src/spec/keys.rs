@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 
 use crate::deviation::{self, DeviationKind, ToothRange};
 use crate::formula::domain;
+use crate::gear::MOST_TEETH;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Bound, Domain, Length};
@@ -318,7 +319,7 @@ section! {
 
 section! {
     PINION = "pinion", "Nominal geometry of the pinion." {
-        PINION_TEETH: u32 = count("pinion.teeth", between("number of teeth", "z", 1, 100_000)),
+        PINION_TEETH: u32 = count("pinion.teeth", between("number of teeth", "z", 1, MOST_TEETH as i64)),
             "Number of teeth z.";
         PINION_HELIX_ANGLE: Angle = angle("pinion.helix_angle", domain::PINION_HELIX_ANGLE),
             "Helix angle at the reference cylinder β_p, right hand positive. Default 0.";
@@ -428,7 +429,7 @@ section! {
             Domain::any("eccentricity", "f_e"),
         ),
             "How far.";
-        PINION_DEVIATION_ECCENTRICITY_TOOTH: u32 = count("pinion.deviation.eccentricity.tooth", between("tooth number", "j", 0, 99_999)),
+        PINION_DEVIATION_ECCENTRICITY_TOOTH: u32 = count("pinion.deviation.eccentricity.tooth", between("tooth number", "j", 0, MOST_TEETH as i64 - 1)),
             "Towards which tooth, 0 to z - 1.";
     }
 }
