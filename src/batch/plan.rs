@@ -333,10 +333,10 @@ impl Plan {
 fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
     let message = match &basis.geometry {
         _ if basis.known_teeth.is_some() => {
-            "--mesh puts errors on teeth, and the spec knows teeth one by one".to_owned()
+            "--worst-teeth puts errors on teeth, and the spec knows teeth one by one".to_owned()
         }
         GivenGeometry::Known(pairs) if pairs.given().support == Support::Fixed => return Ok(()),
-        GivenGeometry::Known(_) => "--mesh puts errors on teeth of a rack that does not roll".to_owned(),
+        GivenGeometry::Known(_) => "--worst-teeth puts errors on teeth of a rack that does not roll".to_owned(),
         GivenGeometry::Unknown | GivenGeometry::BothFlanks => {
             let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
             format!("--worst-teeth needs the pair's geometry: {} missing", missing.join(", "))

@@ -230,7 +230,7 @@ struct SharedRun<'a, 'b> {
     bytes: AtomicU64,
 }
 
-/// A lock that outlives a panic of another worker: the panic itself ends the run.
+/// A lock that outlives a panic of another worker, which itself ends the program where a panic aborts.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

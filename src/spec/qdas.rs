@@ -147,30 +147,29 @@ impl Spec {
         let nominal = said_of(&self.nominals, kind).map_or(DeviationValue::zero(kind), |nominal| nominal.value);
         let (lower, upper) = (lower.map(|end| end.less(nominal)), upper.map(|end| end.less(nominal)));
         let limit = match (lower, upper) {
-            _ if kind.always_acts() => Some(Limit { lower: lower.and_then(length), upper: upper.and_then(length) }),
+            _ if kind.always_acts() => Ok(Limit { lower: lower.and_then(length), upper: upper.and_then(length) }),
             (Some(lower), Some(upper)) if lower == DeviationValue::zero(kind).less(upper) => {
                 self.effect(kind, upper, model)
             }
             (None, Some(upper)) => self.effect(kind, upper, model),
-            _ => None,
+            _ => Err("they do not lie as far above as below, and ΔCD follows from the magnitude"),
         };
         match limit {
-            Some(limit) => {
+            Ok(limit) => {
                 notes.push(format!("{kind}: limit of its ΔCD from the file (K2110, K2111): {limit}"));
                 self.limits.push((target, Located { value: limit, span: 0..0 }));
             }
-            None => notes.push(format!(
-                "{kind}: the limits of the file are not taken: they do not lie as far above as below, and ΔCD follows \
-                 from the magnitude"
-            )),
+            Err(why) => notes.push(format!("{kind}: the limits of the file are not taken: {why}")),
         }
     }
 
     /// ΔCD of the largest permitted error.
-    fn effect(&self, kind: DeviationKind, largest: DeviationValue, model: Model) -> Option<Limit> {
-        let errors = self.with_errors(&[(kind, largest)]).part_deviations().ok()?;
-        let upper = errors.first()?.delta_cd(model).ok()?;
-        Some(Limit { lower: None, upper: Some(upper) })
+    fn effect(&self, kind: DeviationKind, largest: DeviationValue, model: Model) -> Result<Limit, &'static str> {
+        let errors = self.with_errors(&[(kind, largest)]).part_deviations();
+        let errors = errors.map_err(|_| "the spec lacks what ΔCD of them follows from")?;
+        let upper = errors.first().and_then(|error| error.delta_cd(model).ok());
+        let upper = upper.ok_or("the formula has no ΔCD of errors as large")?;
+        Ok(Limit { lower: None, upper: Some(upper) })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::Extremes;
 use crate::mesh::Mesh;
-use crate::quantity::{Angle, Length};
+use crate::quantity::{Angle, DomainError, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
 
@@ -32,14 +32,18 @@ enum Variable<'a> {
 }
 
 impl Variable<'_> {
-    /// Adds mm or degrees; a value that leaves its domain that way stays.
-    fn add(self, by: f64) {
+    /// Adds mm or degrees.
+    ///
+    /// # Errors
+    /// If no value is as large.
+    fn add(self, by: f64) -> Result<(), DomainError> {
         match self {
-            Self::Length(value) => *value = Length::from_mm(value.mm() + by).unwrap_or(*value),
-            Self::Angle(value) => *value = Angle::from_degrees(value.degrees() + by).unwrap_or(*value),
+            Self::Length(value) => *value = Length::from_mm(value.mm() + by)?,
+            Self::Angle(value) => *value = Angle::from_degrees(value.degrees() + by)?,
             Self::Mm(value) => *value += by,
             Self::Rad(value) => *value += by * RADIANS_PER_DEGREE,
         }
+        Ok(())
     }
 }
 
@@ -109,7 +113,8 @@ impl Spec {
             for index in 0..count {
                 let mut off = whole.clone();
                 if let Some(value) = off.values(source).into_iter().nth(index) {
-                    value.add(step);
+                    let varied = value.add(step);
+                    varied.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
                 }
                 varied.push(VariedTeeth { source, by, mesh: off.spec.mesh(&off.tables)?.mesh });
             }
