@@ -10,7 +10,7 @@ use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind};
+use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
@@ -200,15 +200,19 @@ pub(super) fn unmeasured(input: &MeshInput) -> Option<String> {
 /// Remarks on measured rows whose deviations are suspicious.
 fn doubted_rows(input: &MeshInput) -> Vec<String> {
     let usual = Reach::usual(Length::from_mm(input.mesh.pair().normal_module_mm()).ok());
-    let note = |part: &str, values: Vec<f64>| {
-        let values = values.into_iter().filter_map(|mm| Length::from_mm(mm).ok()).map(DeviationValue::Length);
-        let count = usual.doubted(&values.collect::<Vec<_>>());
-        (count > 0).then(|| format!("the {part}'s table: {}", DoubtedColumn { usual, is_lead: false, count }))
+    let note = |part: &str, values: Vec<DeviationValue>| {
+        let (leads, lengths): (Vec<_>, Vec<_>) =
+            values.into_iter().partition(|value| matches!(value, DeviationValue::Angle(_)));
+        let of = |values: &[DeviationValue], is_lead| {
+            let count = usual.doubted(values);
+            (count > 0).then(|| format!("the {part}'s table: {}", DoubtedColumn { usual, is_lead, count }))
+        };
+        [of(&lengths, false), of(&leads, true)].into_iter().flatten()
     };
-    let of_pinion = |row: &PinionToothRow| [row.radial_mm, row.left_pitch_mm, row.right_pitch_mm];
-    let rack = note("rack", input.rack_rows.iter().map(|row| row.height_mm).collect());
-    let pinion = note("pinion", input.pinion_rows.iter().flat_map(of_pinion).flatten().collect());
-    rack.into_iter().chain(pinion).collect()
+    let values = |values: RowValue| values.value;
+    let rack = note("rack", input.rack_rows.iter().flat_map(RackSpaceRow::values).map(values).collect());
+    let pinion = note("pinion", input.pinion_rows.iter().flat_map(PinionToothRow::values).map(values).collect());
+    rack.chain(pinion).collect()
 }
 
 /// A remark where a pinion tooth carries alone in a space that is too wide, which the formulas do not know.

@@ -2,10 +2,12 @@
 //! rows, and by the virtual measuring machine's tests; reads no file.
 
 use std::collections::BTreeMap;
+use std::ops::Sub;
 
 use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
-use super::{PinionTooth, RackTooth};
+use super::{DeviationValue, PinionTooth, RackTooth};
 use crate::gear::Pair;
+use crate::quantity::{Angle, Length};
 use crate::trig;
 
 /// A pin or ball in one space of the rack. Space j lies between the teeth j and j + 1.
@@ -37,6 +39,61 @@ pub struct PinionToothRow {
     pub right_pitch_mm: Option<f64>,
     /// Helix angle deviation of both flanks of this tooth, rad, if measured.
     pub lead_rad: Option<f64>,
+}
+
+/// A value of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RowValue {
+    /// What was measured.
+    pub what: &'static str,
+    /// Its deviation.
+    pub value: DeviationValue,
+}
+
+impl RowValue {
+    fn length(what: &'static str, mm: Option<f64>) -> Option<Self> {
+        Some(Self { what, value: DeviationValue::Length(Length::from_mm(mm?).ok()?) })
+    }
+
+    fn lead(rad: Option<f64>) -> Option<Self> {
+        let angle = Angle::from_degrees(rad?.to_degrees()).ok()?;
+        Some(Self { what: "lead deviation", value: DeviationValue::Angle(angle) })
+    }
+}
+
+impl RackSpaceRow {
+    /// What its position is called among its values.
+    pub const POSITION: &str = "position deviation";
+
+    /// What was measured of the space.
+    pub fn values(&self) -> impl Iterator<Item = RowValue> {
+        let over_pin = RowValue::length("over-pin", Some(self.height_mm));
+        let position = RowValue::length(Self::POSITION, Some(self.position_mm));
+        [over_pin, position, RowValue::lead(self.lead_rad)].into_iter().flatten()
+    }
+}
+
+impl PinionToothRow {
+    /// What was measured of the tooth.
+    pub fn values(&self) -> impl Iterator<Item = RowValue> {
+        let radial = RowValue::length("radial deviation", self.radial_mm);
+        let position = RowValue::length("position deviation", self.position_mm);
+        let left = RowValue::length("left pitch deviation", self.left_pitch_mm);
+        let right = RowValue::length("right pitch deviation", self.right_pitch_mm);
+        [radial, position, left, right, RowValue::lead(self.lead_rad)].into_iter().flatten()
+    }
+}
+
+/// The deviation of each pitch by the number of the later of its two places, from the deviations of both; where one was not
+/// measured there is none. Behind the last of a pinion's `teeth` comes tooth 0.
+#[must_use]
+pub fn pitch_steps<T: Copy + Sub<Output = T>>(positions: &BTreeMap<i64, T>, teeth: Option<u32>) -> BTreeMap<i64, T> {
+    let before = |place: i64| match teeth {
+        Some(teeth) if place == 0 => Some(i64::from(teeth) - 1),
+        _ => place.checked_sub(1),
+    };
+    let step = |(&place, &position): (&i64, &T)| Some((place, position - *positions.get(&before(place)?)?));
+    positions.iter().filter_map(step).collect()
 }
 
 /// The displacements of rack flanks that a pin sees: both flanks that bound space j lie t ± h tan α_x from nominal,
@@ -141,6 +198,15 @@ mod tests {
         Eccentricity, PinionFlank, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
     };
     use crate::gear::example;
+
+    #[test]
+    fn pitches_follow_from_neighbours_and_a_turn_closes() {
+        let positions = BTreeMap::from([(-1, 5), (0, 7), (1, 4), (3, 9)]);
+        assert_eq!(pitch_steps(&positions, None), BTreeMap::from([(0, 2), (1, -3)]));
+        assert_eq!(pitch_steps(&positions, Some(4)), BTreeMap::from([(0, -2), (1, -3)]));
+        assert_eq!(pitch_steps(&positions, Some(5)), BTreeMap::from([(1, -3)]));
+        assert_eq!(pitch_steps(&BTreeMap::from([(i64::MIN, 1)]), None), BTreeMap::new());
+    }
 
     fn near(value: f64, expected: f64) {
         assert!((value - expected).abs() < 1e-15, "{value} {expected}");

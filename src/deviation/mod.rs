@@ -19,7 +19,9 @@ pub use error::{DeviationError, DeviationQuantity};
 pub use extent::{Extent, Unit, UnknownExtent};
 pub use form::{PinionForm, RackForm};
 pub use kind::{DeviationKind, DeviationValue, Part};
-pub use measured::{PinionToothRow, RackSpaceRow, pinion_flanks_from_rows, rack_flanks_from_spaces};
+pub use measured::{
+    PinionToothRow, RackSpaceRow, RowValue, pinion_flanks_from_rows, pitch_steps, rack_flanks_from_spaces,
+};
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
 pub use tooth_range::{ToothRange, ToothRangeError};

@@ -16,10 +16,14 @@ pub enum Feature {
     Lead,
     /// Radial deviation of the space after a tooth.
     Radial,
+    /// Difference of the positions of a pin in the space after a tooth and in the space before it.
+    PinPitch,
     /// Single pitch deviation of the left flank.
     LeftPitch,
     /// Single pitch deviation of the right flank.
     RightPitch,
+    /// Helix slope deviation f_Hβ of a tooth over the face width.
+    HelixSlope,
 }
 
 impl Feature {
@@ -30,8 +34,10 @@ impl Feature {
             Self::Pitch => ("pitch", "pitch", DeviationKind::RackPitch),
             Self::Lead => ("lead", "lead", DeviationKind::RackLead),
             Self::Radial => ("radial", "radial", DeviationKind::PinionRadial),
+            Self::PinPitch => ("pitch", "pitch", DeviationKind::PinionPitch),
             Self::LeftPitch => ("left pitch", "left_pitch", DeviationKind::PinionPitch),
             Self::RightPitch => ("right pitch", "right_pitch", DeviationKind::PinionPitch),
+            Self::HelixSlope => ("helix slope", "helix_slope", DeviationKind::PinionLead),
         }
     }
 
@@ -102,20 +108,12 @@ impl MeasuredPart {
         Some(if self.features[feature].error().always_acts() { (low, high) } else { (Length::ZERO, high) })
     }
 
-    /// The range of all together. Of left and right pitches, the larger counts.
+    /// The range of all together: the sum of those of the features. Left and right flanks of a pinion deviate by
+    /// themselves, so that both count.
     #[must_use]
     pub fn range(&self) -> (Length, Length) {
-        let (mut low, mut high, mut pinion_pitch) = (Length::ZERO, Length::ZERO, Length::ZERO);
-        for (index, feature) in self.features.iter().enumerate() {
-            let Some((from, to)) = self.range_of(index) else { continue };
-            if feature.error() == DeviationKind::PinionPitch {
-                pinion_pitch = pinion_pitch.max(to);
-            } else {
-                low = low + from;
-                high = high + to;
-            }
-        }
-        (low, high + pinion_pitch)
+        let ranges = (0..self.features.len()).filter_map(|feature| self.range_of(feature));
+        ranges.fold((Length::ZERO, Length::ZERO), |(low, high), (from, to)| (low + from, high + to))
     }
 }
 
@@ -133,14 +131,14 @@ mod tests {
 
     #[test]
     fn keys_are_names_in_one_word() {
-        use Feature::{Lead, LeftPitch, OverPin, Pitch, Radial, RightPitch};
-        for feature in [OverPin, Pitch, Lead, Radial, LeftPitch, RightPitch] {
+        use Feature::{HelixSlope, Lead, LeftPitch, OverPin, PinPitch, Pitch, Radial, RightPitch};
+        for feature in [OverPin, Pitch, Lead, Radial, PinPitch, LeftPitch, RightPitch, HelixSlope] {
             assert_eq!(feature.key(), feature.name().replace([' ', '-'], "_"));
         }
     }
 
     #[test]
-    fn the_largest_of_equals_is_the_first_and_pitches_of_both_flanks_count_once() {
+    fn the_largest_of_equals_is_the_first_and_pitches_of_both_flanks_add_up() {
         let rows = [(3, "0.01", "-0.02", "0.03"), (4, "-0.02", "0.01", "0.05"), (5, "0.02", "-0.01", "0.01")];
         let part = MeasuredPart {
             is_rack: false,
@@ -157,6 +155,6 @@ mod tests {
         assert_eq!((number, &largest.delta_cd), (4, &length("-0.02")));
         assert_eq!(part.range_of(0), Some((length("-0.02"), length("0.02"))));
         assert_eq!(part.range_of(1), Some((Length::ZERO, length("0.01"))));
-        assert_eq!(part.range(), (length("-0.02"), length("0.07")));
+        assert_eq!(part.range(), (length("-0.02"), length("0.08")));
     }
 }

@@ -4,11 +4,12 @@
 //! in contact when: what is on every tooth acts always, what is on some of them acts between nothing and
 //! its value. Values are good to a nanometre, for comparison beside a curve.
 
+use super::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use super::reached::Run;
 use super::reached::placed::TEETH;
 use crate::deviation::{
     DeviationKind, DeviationValue, Eccentricity, Extent, Part, PinionDeviation, PinionDeviationKind, PinionToothRow,
-    RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, Unit,
+    RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, Unit, pitch_steps,
 };
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Model, PartDeviation};
@@ -222,17 +223,17 @@ impl Prediction {
         let heights = rows.iter().map(|row| row.height_mm);
         let (lower_mm, upper_mm) = extremes(heights);
         self.terms.push(Predicted { what: "rack over-pin, measured".to_owned(), lower_mm, upper_mm });
-        let steps = rows.iter().filter_map(|row| {
-            let next = rows.iter().find(|other| other.space == row.space + 1);
-            next.map(|next| (next.position_mm - row.position_mm).abs())
-        });
+        let positions = rows.iter().map(|row| (row.space, row.position_mm)).collect();
+        let steps = pitch_steps(&positions, None).into_values().map(f64::abs);
         self.signed("rack pitch, measured".to_owned(), false, extremes(steps).1.max(0.0) * gains.rack);
         let leads = rows.iter().filter_map(|row| row.lead_rad).map(|lead| trig::sin(lead).abs());
         self.signed("rack lead, measured".to_owned(), false, extremes(leads).1.max(0.0) * gains.lead);
         self
     }
 
-    /// Adds the measured teeth of a pinion: radial values as they are, the largest single pitch deviation.
+    /// Adds the measured teeth of a pinion: radial values as they are; the largest step between neighbouring
+    /// positions and the largest single pitch deviation of either flank side, which deviate by themselves and add up; the largest
+    /// lead.
     #[must_use]
     pub fn pinion_rows(mut self, pair: &Pair, rows: &[PinionToothRow]) -> Self {
         if rows.is_empty() {
@@ -243,15 +244,24 @@ impl Prediction {
             let (lower_mm, upper_mm) = extremes(rows.iter().map(|row| row.radial_mm.unwrap_or(0.0)));
             self.terms.push(Predicted { what: "pinion radial, measured".to_owned(), lower_mm, upper_mm });
         }
-        let mut positions: Vec<_> =
-            rows.iter().filter_map(|row| row.position_mm.map(|position| (row.tooth, position))).collect();
-        positions.sort_unstable_by_key(|(tooth, _)| *tooth);
-        let steps = positions.windows(2).filter(|ends| ends[1].0 == ends[0].0 + 1).map(|ends| ends[1].1 - ends[0].1);
-        let pitches = rows.iter().flat_map(|row| [row.left_pitch_mm, row.right_pitch_mm]).flatten();
-        let pitches = pitches.chain(steps).map(f64::abs);
-        self.signed("pinion pitch, measured".to_owned(), false, extremes(pitches).1.max(0.0) * gains.pinion);
+        let positions = rows.iter().filter_map(|row| Some((row.tooth, row.position_mm?))).collect();
+        let steps = pitch_steps(&positions, Some(pair.pinion().teeth));
+        let left = rows.iter().filter_map(|row| row.left_pitch_mm);
+        let right = rows.iter().filter_map(|row| row.right_pitch_mm);
+        let pitch = largest(steps.into_values()) + largest(left) + largest(right);
+        self.signed("pinion pitch, measured".to_owned(), false, pitch * gains.pinion);
+        if rows.iter().any(|row| row.lead_rad.is_some()) {
+            let slope = |lead| pinion_helix_slope_mm(HelixOfPinion::of(pair), lead);
+            let slope = largest(rows.iter().filter_map(|row| row.lead_rad).map(slope));
+            self.signed("pinion lead, measured".to_owned(), false, slope * gains.pinion_lead);
+        }
         self
     }
+}
+
+/// The largest magnitude; 0 where there is none.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).fold(0.0, f64::max)
 }
 
 /// The lowest and highest of some values; 0 where there are none.
@@ -277,8 +287,11 @@ impl Gains {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::deviation::{PinionFlanks, RackFlanks, pinion_flanks_from_rows};
     use crate::formula::Law;
     use crate::gear::example;
+    use crate::judge::bound::tests::random::Random;
+    use crate::mesh::{Mesh, Support};
 
     pub(crate) fn pair(teeth: u32, rack_helix: f64, pinion_helix: f64) -> Pair {
         Pair::new(&example(teeth, rack_helix, pinion_helix)).expect("a valid pair")
@@ -416,10 +429,65 @@ pub(super) mod tests {
         let measured = Prediction::new().pinion_rows(&pair, &rows);
         let expected = [
             ("pinion radial, measured", range(-0.02, 0.01)),
-            ("pinion pitch, measured", range(0.0, 0.015 * trig::cos(0.4))),
+            // the step of the positions and the pitch of the left flanks add up
+            ("pinion pitch, measured", range(0.0, 0.019 * trig::cos(0.4))),
         ];
         assert_eq!(terms(&measured), expected);
         let pitches = Prediction::new().pinion_rows(&pair, &[tooth(1, None, None, Some(-0.02))]);
         assert_eq!(terms(&pitches), [("pinion pitch, measured", range(0.0, 0.02 * trig::cos(0.4)))]);
+        // behind the last tooth comes the first
+        let around = [tooth(0, None, Some(0.0), None), tooth(19, None, Some(-0.03), None)];
+        let around = Prediction::new().pinion_rows(&pair, &around);
+        assert_eq!(terms(&around), [("pinion pitch, measured", range(0.0, 0.03 * trig::cos(0.4)))]);
+        let lead = PinionToothRow { lead_rad: Some(0.001), ..tooth(1, None, None, None) };
+        let lead = Prediction::new().pinion_rows(&pair, &[lead]);
+        let slope = pinion_helix_slope_mm(HelixOfPinion::of(&pair), 0.001);
+        let same = Prediction::new().pinion_lead(&pair, slope);
+        assert_eq!(terms(&lead)[1], ("pinion lead, measured", terms(&same)[0].1.clone()));
+    }
+
+    /// One tooth whose flanks deviate each by itself, and a pin that stands elsewhere in one space: the mesh asks for no more
+    /// than the formulas.
+    #[test]
+    fn measured_teeth_of_a_pinion_lift_no_more_than_the_formulas() {
+        let pair = pair(20, 0.0, 0.0);
+        let mut random = Random(7);
+        let mut closest = f64::INFINITY;
+        for _ in 0..40 {
+            let mut draw = || random.range(-0.04, 0.04);
+            let (left, right, pin) = (draw(), draw(), draw());
+            let rows: Vec<_> = (0..20)
+                .map(|tooth| {
+                    let single = |value: f64| {
+                        Some(if tooth == 5 {
+                            value
+                        } else if tooth == 6 {
+                            -value
+                        } else {
+                            0.0
+                        })
+                    };
+                    let position_mm = Some(if tooth == 19 { pin } else { 0.0 });
+                    let (left_pitch_mm, right_pitch_mm) = (single(left), single(right));
+                    PinionToothRow {
+                        tooth,
+                        radial_mm: None,
+                        position_mm,
+                        left_pitch_mm,
+                        right_pitch_mm,
+                        lead_rad: None,
+                    }
+                })
+                .collect();
+            let pinion = PinionFlanks::nominal(&pair);
+            let pinion = pinion.with_measured(&pinion_flanks_from_rows(&pair, &rows).unwrap()).unwrap();
+            let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).unwrap();
+            let reached = mesh.curve(0.0, 20.0 * pair.rack().pitch_mm, 1e-6).unwrap().summary(&mesh).unwrap().max_mm;
+            let upper = Prediction::new().pinion_rows(&pair, &rows).range_mm().1;
+            assert!(reached <= upper + 1e-6, "{left} {right} {pin}: {reached} {upper}");
+            let one_side = Gains::new(&pair).pinion * left.abs().max(right.abs()).max(pin.abs());
+            closest = closest.min(one_side - reached);
+        }
+        assert!(closest < -0.02, "one side alone is no bound: {closest}");
     }
 }

@@ -1,8 +1,10 @@
 //! The measured spaces of a rack, or teeth of a pinion, and what each does by the formulas. Called for pasted
 //! blocks and reports.
 
+use std::collections::BTreeMap;
+
 use super::{MeasuredTables, Spec, keys};
-use crate::deviation::{DeviationValue, Part};
+use crate::deviation::{DeviationValue, Part, pitch_steps};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::{Effect, Feature, MeasuredPart, MeasuredRow};
@@ -43,7 +45,7 @@ impl Spec {
                 (true, features, values)
             }
             (None, Some(pinion)) => {
-                let (features, values) = pinion_values(&pinion.rows);
+                let (features, values) = self.pinion_values(&pinion.rows)?;
                 (false, features, values)
             }
             (None, None) => (true, Vec::new(), Vec::new()),
@@ -90,31 +92,39 @@ impl Spec {
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
+    /// The positions of pins along the rack less their nominal ones, by their spaces: space j is nominally at (j + 1/2) p_x.
+    pub(super) fn position_deviations(&self, rows: &[RackSpace]) -> Result<BTreeMap<i64, Length>, Diagnostics> {
+        let is_absolute = |row: &RackSpace| matches!(row.position, Some(Measured::Absolute(_)));
+        let pitch = if rows.iter().any(is_absolute) { self.rack_pitch()? } else { Length::ZERO };
+        let mut positions = BTreeMap::new();
+        for row in rows {
+            match row.position {
+                Some(Measured::Deviation(length)) => positions.insert(row.space, length),
+                Some(Measured::Absolute(length)) => {
+                    let halves = (2 * i128::from(row.space) + 1) * i128::from(pitch.fm());
+                    let nominal = i64::try_from(halves.div_euclid(2)).map_err(|_| {
+                        let message = format!("line {}: space {} is beyond every rack", row.line, row.space);
+                        Diagnostic::error(Code::OutOfDomain, message)
+                    })?;
+                    positions.insert(row.space, length - Length::from_fm(nominal))
+                }
+                None => None,
+            };
+        }
+        Ok(positions)
+    }
+
     fn rack_values(&self, rows: &[RackSpace]) -> Result<Values, Diagnostics> {
-        let mut rows: Vec<&RackSpace> = rows.iter().collect();
-        rows.sort_by_key(|row| row.space);
         let absolute = rows.iter().any(|row| matches!(row.over_pin, Some(Measured::Absolute(_))));
         let nominal = if absolute { Some(self.nominal_over_pin()?) } else { None };
-        let absolute = rows.iter().any(|row| matches!(row.position, Some(Measured::Absolute(_))));
-        let pitch = if absolute { Some(self.rack_pitch()?) } else { None };
-        let of = |index: usize, feature: &Feature| {
-            let row = rows[index];
-            match feature {
-                Feature::OverPin => row.over_pin.map(|measured| match (measured, nominal) {
-                    (Measured::Absolute(length), Some(nominal)) => DeviationValue::Length(length - nominal),
-                    (Measured::Absolute(length) | Measured::Deviation(length), _) => DeviationValue::Length(length),
-                }),
-                Feature::Pitch => {
-                    let before = rows[index.checked_sub(1)?];
-                    match (before.position?, row.position?) {
-                        _ if before.space + 1 != row.space => None,
-                        (Measured::Deviation(a), Measured::Deviation(b)) => Some(DeviationValue::Length(b - a)),
-                        (Measured::Absolute(a), Measured::Absolute(b)) => Some(DeviationValue::Length(b - a - pitch?)),
-                        _ => None,
-                    }
-                }
-                _ => row.lead.map(DeviationValue::Angle),
-            }
+        let pitches = pitch_steps(&self.position_deviations(rows)?, None);
+        let of = |row: &RackSpace, feature: &Feature| match feature {
+            Feature::OverPin => row.over_pin.map(|measured| match (measured, nominal) {
+                (Measured::Absolute(length), Some(nominal)) => DeviationValue::Length(length - nominal),
+                (Measured::Absolute(length) | Measured::Deviation(length), _) => DeviationValue::Length(length),
+            }),
+            Feature::Pitch => pitches.get(&row.space).copied().map(DeviationValue::Length),
+            _ => row.lead.map(DeviationValue::Angle),
         };
         let is_measured = |feature: &Feature| match feature {
             Feature::OverPin => rows.iter().any(|row| row.over_pin.is_some()),
@@ -123,30 +133,48 @@ impl Spec {
         };
         let features = [Feature::OverPin, Feature::Pitch, Feature::Lead].into_iter().filter(is_measured);
         let features: Vec<_> = features.collect();
-        let deviations = |(index, row): (usize, &&RackSpace)| {
-            (row.space, features.iter().map(|feature| of(index, feature)).collect::<Vec<_>>())
+        let deviations =
+            |row: &RackSpace| (row.space, features.iter().map(|feature| of(row, feature)).collect::<Vec<_>>());
+        let values = rows.iter().map(deviations).collect();
+        Ok((features, values))
+    }
+
+    fn pinion_values(&self, rows: &[PinionTooth]) -> Result<Values, Diagnostics> {
+        let positions: BTreeMap<_, _> = rows.iter().filter_map(|row| Some((row.tooth, row.position?))).collect();
+        let pitches = if positions.is_empty() {
+            BTreeMap::new()
+        } else {
+            let teeth = self.get(keys::PINION_TEETH).ok_or_else(|| {
+                let message =
+                    "`pinion.teeth` is missing; positions need it for the step from the last tooth to the first";
+                Diagnostic::error(Code::MissingKey, message).help("add `teeth = …` below [pinion]")
+            })?;
+            pitch_steps(&positions, Some(teeth))
         };
-        let values = rows.iter().enumerate().map(deviations).collect();
+        let slope = |row: &PinionTooth| row.lead.map(|lead| Ok((row.tooth, self.slope_of_pinion(lead)?)));
+        let slopes = rows.iter().filter_map(slope).collect::<Result<BTreeMap<_, _>, Diagnostics>>()?;
+        let of = |row: &PinionTooth, feature: &Feature| match feature {
+            Feature::LeftPitch => row.left_pitch,
+            Feature::RightPitch => row.right_pitch,
+            Feature::PinPitch => pitches.get(&row.tooth).copied(),
+            Feature::HelixSlope => slopes.get(&row.tooth).copied(),
+            _ => row.radial,
+        };
+        let is_measured = |feature: &Feature| match feature {
+            Feature::PinPitch => !positions.is_empty(),
+            feature => rows.iter().any(|row| of(row, feature).is_some()),
+        };
+        let features =
+            [Feature::Radial, Feature::PinPitch, Feature::LeftPitch, Feature::RightPitch, Feature::HelixSlope];
+        let features: Vec<_> = features.into_iter().filter(is_measured).collect();
+        let values = rows.iter().map(|row| {
+            let deviations = features.iter().map(|feature| of(row, feature).map(DeviationValue::Length));
+            (row.tooth, deviations.collect())
+        });
+        let values = values.collect();
         Ok((features, values))
     }
 }
 
 /// Features, and the deviations of each space or tooth.
 type Values = (Vec<Feature>, Vec<(i64, Vec<Option<DeviationValue>>)>);
-
-fn pinion_values(rows: &[PinionTooth]) -> Values {
-    let of = |row: &PinionTooth, feature| match feature {
-        Feature::LeftPitch => row.left_pitch,
-        Feature::RightPitch => row.right_pitch,
-        _ => row.radial,
-    };
-    let features = [Feature::Radial, Feature::LeftPitch, Feature::RightPitch];
-    let features: Vec<_> =
-        features.into_iter().filter(|feature| rows.iter().any(|row| of(row, *feature).is_some())).collect();
-    let values = rows.iter().map(|row| {
-        let deviations = features.iter().map(|feature| of(row, *feature).map(DeviationValue::Length));
-        (row.tooth, deviations.collect())
-    });
-    let values = values.collect();
-    (features, values)
-}

@@ -10,8 +10,8 @@ use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
     DeviationError, DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
-    PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, ToothRange, pinion_flanks_from_rows,
-    rack_flanks_from_spaces,
+    PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
+    pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
@@ -181,10 +181,10 @@ impl Spec {
             Some(spaces) => self.rack_rows(spaces, &pair)?,
             None => Vec::new(),
         };
-        if let Some(teeth) = &tables.pinion {
-            self.check_pinion_rows(teeth)?;
-        }
         let pinion_rows = tables.pinion.as_ref().map(pinion_rows).unwrap_or_default();
+        if let Some(teeth) = &tables.pinion {
+            self.check_pinion_rows(teeth, &pinion_rows)?;
+        }
         let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
         let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
         let support = self.support()?;
@@ -298,7 +298,7 @@ impl Spec {
     }
 
     /// Refuses a table of a pinion with a tooth that does not exist, or a deviation that no tooth can have.
-    fn check_pinion_rows(&self, teeth: &PinionTeeth) -> Result<(), Diagnostic> {
+    fn check_pinion_rows(&self, teeth: &PinionTeeth, rows: &[PinionToothRow]) -> Result<(), Diagnostic> {
         let count = self.get(keys::PINION_TEETH).map_or(i64::MAX, i64::from);
         for row in &teeth.rows {
             if !(0..count).contains(&row.tooth) {
@@ -310,25 +310,21 @@ impl Spec {
                     "count the teeth from 0".to_owned()
                 }));
             }
-            let length = |length: Option<Length>| length.map(DeviationValue::Length);
-            for (what, value) in [
-                ("radial deviation", length(row.radial)),
-                ("left pitch deviation", length(row.left_pitch)),
-                ("right pitch deviation", length(row.right_pitch)),
-                ("lead deviation", row.lead.map(DeviationValue::Angle)),
-            ] {
-                if let Some(diagnostic) = self.impossible_row(&teeth.name, row.line, what, value) {
-                    return Err(diagnostic.help("check the unit of the column"));
-                }
+        }
+        for (line, row) in teeth.rows.iter().map(|row| row.line).zip(rows) {
+            if let Some(diagnostic) = self.impossible_row(&teeth.name, line, row.values()) {
+                return Err(diagnostic.help("check the unit of the column"));
             }
         }
         Ok(())
     }
 
-    /// Why a row of a table has no deviation, if it is impossible.
-    fn impossible_row(&self, table: &str, line: u64, what: &str, value: Option<DeviationValue>) -> Option<Diagnostic> {
-        let doubt = plausible::deviation(value?, self.module()).filter(|doubt| doubt.is_impossible)?;
-        Some(Diagnostic::error(Code::Implausible, format!("{table}, line {line}: {what}: {doubt}")))
+    /// Why a row of a table has no deviation, if one of its values is impossible.
+    fn impossible_row(&self, table: &str, line: u64, values: impl IntoIterator<Item = RowValue>) -> Option<Diagnostic> {
+        values.into_iter().find_map(|RowValue { what, value }| {
+            let doubt = plausible::deviation(value, self.module()).filter(|doubt| doubt.is_impossible)?;
+            Some(Diagnostic::error(Code::Implausible, format!("{table}, line {line}: {what}: {doubt}")))
+        })
     }
 
     /// Measured values less their nominal ones.
@@ -345,10 +341,6 @@ impl Spec {
                 (Some(Measured::Absolute(length)), Some(nominal)) => (length - nominal).mm(),
                 _ => 0.0,
             };
-            let deviation = Length::from_mm(height).ok().map(DeviationValue::Length);
-            if let Some(diagnostic) = self.impossible_row(&spaces.name, row.line, "over-pin", deviation) {
-                return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
-            }
             // tooth indices are far below 2⁵³
             let nominal_position = (row.space as f64 + 0.5) * pair.rack().pitch_mm;
             let position = match &row.position {
@@ -356,6 +348,13 @@ impl Spec {
                 Some(Measured::Absolute(length)) => length.mm() - nominal_position,
                 None => 0.0,
             };
+            let lead_rad = row.lead.map(Angle::radians);
+            let read = RackSpaceRow { space: row.space, height_mm: height, position_mm: position, lead_rad };
+            // what is said of a position below names its place
+            let is_doubted = |value: &RowValue| value.what != RackSpaceRow::POSITION;
+            if let Some(diagnostic) = self.impossible_row(&spaces.name, row.line, read.values().filter(is_doubted)) {
+                return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
+            }
             if position.abs() > pair.rack().pitch_mm / 2.0 {
                 let message = format!(
                     "{}, line {}: the pin of space {} stands {position:.4} mm from its nominal position {nominal_position:.4} mm, more than half a pitch",
@@ -365,12 +364,7 @@ impl Spec {
                     .help("space j is nominally at (j + 1/2) p_x; shift the positions, or give `position_deviation`");
                 return Err(diagnostic.into());
             }
-            rows.push(RackSpaceRow {
-                space: row.space,
-                height_mm: height,
-                position_mm: position,
-                lead_rad: row.lead.map(Angle::radians),
-            });
+            rows.push(read);
         }
         Ok(rows)
     }

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::{MeasuredTables, Spec, WrittenError, keys};
-use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
+use super::keys::Key;
+use super::{KeyType, MeasuredTables, Spec, WrittenError, keys};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, Part, pitch_steps};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::judge::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use crate::judge::class::NO_OVER_ROLLER_CLASS;
 use crate::quantity::{Angle, Length};
 use crate::standard::Deviation;
@@ -38,48 +40,68 @@ impl Spec {
                 let part = error.kind().part();
                 let amount = match error.value() {
                     DeviationValue::Length(length) => length.abs(),
-                    DeviationValue::Angle(angle) => self.slope(part, trig::tan_of(angle))?,
-                    DeviationValue::Slope(tangent) => self.slope(part, tangent)?,
+                    DeviationValue::Angle(angle) => self.slope_of_rack(trig::tan_of(angle))?,
+                    DeviationValue::Slope(tangent) => self.slope_of_rack(tangent)?,
                 };
                 let origin = format!("[errors] {}", error.kind().key());
                 let graded = graded_as(error.kind(), error.extent());
                 values.push(MeasuredValue { part, graded, amount, origin });
             }
         }
-        let (rack, pinion) = (&tables.rack, &tables.pinion);
-        let of_rack = rack.as_ref().map(|table| {
-            let lead = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max();
-            (Part::Rack, &table.name, of_spaces(&table.rows), lead)
-        });
-        let of_pinion = pinion.as_ref().map(|table| {
-            let lead = table.rows.iter().filter_map(|row| row.lead).map(Angle::abs).max();
-            (Part::Pinion, &table.name, of_teeth(&table.rows, self.or_zero(keys::PINION_TEETH) as usize), lead)
-        });
-        for (part, table, mut all, lead) in of_rack.into_iter().chain(of_pinion) {
-            let slope = lead.map(|lead| self.slope(part, trig::tan_of(lead))).transpose()?;
-            all.push(told(Ok(Deviation::HelixSlope), slope, "largest lead deviation"));
-            values.extend(all.into_iter().filter_map(|Told { graded, amount, what }| {
-                Some(MeasuredValue { part, graded, amount: amount?, origin: format!("{what} in {table}") })
-            }));
+        if let Some(rack) = &tables.rack {
+            let slopes = rack.rows.iter().filter_map(|row| row.lead).map(|lead| self.slope_of_rack(trig::tan_of(lead)));
+            let slope = slopes.collect::<Result<Vec<_>, _>>()?.into_iter().max();
+            let positions = self.position_deviations(&rack.rows)?;
+            values.extend(of_table(Part::Rack, &rack.name, of_spaces(&rack.rows, &positions), slope));
+        }
+        if let Some(pinion) = &tables.pinion {
+            let slopes = pinion.rows.iter().filter_map(|row| row.lead).map(|lead| self.slope_of_pinion(lead));
+            let slope = slopes.collect::<Result<Vec<_>, _>>()?.into_iter().map(Length::abs).max();
+            let told = of_teeth(&pinion.rows, self.or_zero(keys::PINION_TEETH));
+            values.extend(of_table(Part::Pinion, &pinion.name, told, slope));
         }
         Ok(values)
     }
 
-    /// f_Hβ of a lead deviation, of which this is the tangent: over the face width.
-    fn slope(&self, part: Part, tangent: f64) -> Result<Length, Diagnostics> {
-        let key = match part {
-            Part::Rack => keys::RACK_FACE_WIDTH,
-            Part::Pinion => keys::PINION_FACE_WIDTH,
-        };
-        let width = self.get(key).ok_or_else(|| {
-            Diagnostic::error(
-                Code::MissingKey,
-                format!("`{}` is missing; f_Hβ of a lead deviation needs it", key.any.path),
-            )
-        })?;
-        Length::nearest(width.mm() * tangent.abs() * 1e12, "f_Hβ")
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
+    /// f_Hβ of a lead deviation of the rack, of which this is the tangent: over the face width.
+    fn slope_of_rack(&self, tangent: f64) -> Result<Length, Diagnostics> {
+        let width = self.for_slope(keys::RACK_FACE_WIDTH)?;
+        slope(width.mm() * tangent.abs())
     }
+
+    /// f_Hβ of a helix angle deviation of the pinion: over the face width, along the transverse base tangent; with its sign.
+    pub(super) fn slope_of_pinion(&self, lead: Angle) -> Result<Length, Diagnostics> {
+        let pinion = HelixOfPinion {
+            normal_pressure_angle_rad: self.for_slope(keys::PAIR_NORMAL_PRESSURE_ANGLE)?.radians(),
+            helix_angle_rad: self.or_zero(keys::PINION_HELIX_ANGLE).radians(),
+            face_width_mm: self.for_slope(keys::PINION_FACE_WIDTH)?.mm(),
+        };
+        slope(pinion_helix_slope_mm(pinion, lead.radians()))
+    }
+
+    fn for_slope<T: KeyType>(&self, key: Key<T>) -> Result<T, Diagnostics> {
+        self.get(key).ok_or_else(|| {
+            let message = format!("`{}` is missing; f_Hβ of a lead deviation needs it", key.any.path);
+            Diagnostic::error(Code::MissingKey, message).into()
+        })
+    }
+}
+
+fn slope(mm: f64) -> Result<Length, Diagnostics> {
+    Length::nearest(mm * 1e12, "f_Hβ").map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
+}
+
+/// What a table and its largest f_Hβ tell, with the name of the table.
+fn of_table(
+    part: Part,
+    table: &str,
+    mut told: Vec<Told>,
+    slope: Option<Length>,
+) -> impl Iterator<Item = MeasuredValue> {
+    told.push(Told { graded: Ok(Deviation::HelixSlope), amount: slope, what: "largest lead deviation" });
+    told.into_iter().filter_map(move |Told { graded, amount, what }| {
+        Some(MeasuredValue { part, graded, amount: amount?, origin: format!("{what} in {table}") })
+    })
 }
 
 /// What a table tells of a deviation; no amount if too little was measured.
@@ -89,48 +111,56 @@ struct Told {
     what: &'static str,
 }
 
-fn told(graded: Result<Deviation, &'static str>, amount: Option<Length>, what: &'static str) -> Told {
-    Told { graded, amount, what }
-}
-
-fn of_spaces(rows: &[RackSpace]) -> Vec<Told> {
+fn of_spaces(rows: &[RackSpace], positions: &BTreeMap<i64, Length>) -> Vec<Told> {
     let height =
         |row: &RackSpace| row.over_pin.map(|(Measured::Absolute(length) | Measured::Deviation(length))| length);
     let heights: Vec<Length> = rows.iter().filter_map(height).collect();
-    // position deviations of neighbouring spaces differ by the pitch deviation
-    let position = |row: &RackSpace| match row.position? {
-        Measured::Deviation(length) => Some((row.space, length)),
-        Measured::Absolute(_) => None,
-    };
-    let positions: BTreeMap<i64, Length> = rows.iter().filter_map(position).collect();
-    let step = |(space, position): (&i64, &Length)| positions.get(&(space + 1)).map(|next| (*next - *position).abs());
-    let steps = positions.iter().filter_map(step).max();
-    let positions: Vec<Length> = positions.values().copied().collect();
+    let steps = pitch_steps(positions, None);
     vec![
-        told(Err(NO_RUNOUT_OF_A_RACK), spread(&heights), "over-pin values, largest less smallest"),
-        told(Ok(Deviation::SinglePitch), steps, "differences of neighbouring position deviations"),
-        told(Ok(Deviation::TotalPitch), spread(&positions), "position deviations, largest less smallest"),
+        Told {
+            graded: Err(NO_RUNOUT_OF_A_RACK),
+            amount: spread(&heights),
+            what: "over-pin values, largest less smallest",
+        },
+        Told {
+            graded: Ok(Deviation::SinglePitch),
+            amount: steps.values().map(|step| step.abs()).max(),
+            what: "differences of neighbouring position deviations",
+        },
+        Told {
+            graded: Ok(Deviation::TotalPitch),
+            amount: spread(&positions.values().copied().collect::<Vec<_>>()),
+            what: "position deviations, largest less smallest",
+        },
     ]
 }
 
-fn of_teeth(rows: &[PinionTooth], teeth: usize) -> Vec<Told> {
+fn of_teeth(rows: &[PinionTooth], teeth: u32) -> Vec<Told> {
     let radial: Vec<Length> = rows.iter().filter_map(|row| row.radial).collect();
     let flanks = [|row: &PinionTooth| row.left_pitch, |row: &PinionTooth| row.right_pitch]
         .map(|pitch| rows.iter().filter_map(|row| Some((row.tooth, pitch(row)?))).collect::<BTreeMap<_, _>>());
-    let largest = flanks.iter().flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max();
+    let positions: BTreeMap<_, _> = rows.iter().filter_map(|row| Some((row.tooth, row.position?))).collect();
+    let steps = pitch_steps(&positions, Some(teeth));
+    let largest = flanks.iter().chain([&steps]).flat_map(BTreeMap::values).map(|pitch| pitch.abs()).max();
     // sums mean something only over a whole turn
-    let whole = flanks.iter().filter(|flank| teeth > 0 && flank.len() == teeth);
-    let sums: Vec<_> = whole.map(|flank| centred_sums(&flank.values().copied().collect::<Vec<_>>())).collect();
-    let pitches = (teeth / 8).max(2);
+    let is_whole = |flank: &&BTreeMap<i64, Length>| teeth > 0 && flank.len() == teeth as usize;
+    let in_order = |flank: &BTreeMap<i64, Length>| flank.values().copied().collect::<Vec<_>>();
+    let sums = flanks.iter().filter(is_whole).map(|flank| sums_over_a_turn(&in_order(flank)));
+    let sums: Vec<_> = sums.chain([&positions].into_iter().filter(is_whole).map(in_order)).collect();
+    let pitches = (teeth as usize / 8).max(2);
     let sectors = sums
         .iter()
         .flat_map(|sums| (0..sums.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs()));
-    let cumulative = sums.iter().filter_map(|sums| spread(sums)).max();
+    let told = |deviation, amount, what| Told { graded: Ok(deviation), amount, what };
     vec![
-        told(Ok(Deviation::Runout), spread(&radial), "radial deviations, largest less smallest"),
-        told(Ok(Deviation::SinglePitch), largest, "largest single pitch deviation"),
-        told(Ok(Deviation::TotalPitch), cumulative, "cumulative pitch deviations, largest less smallest"),
-        told(Ok(Deviation::SectorPitch), sectors.max(), "largest cumulative pitch deviation over k pitches"),
+        told(Deviation::Runout, spread(&radial), "radial deviations, largest less smallest"),
+        told(Deviation::SinglePitch, largest, "largest single pitch deviation"),
+        told(
+            Deviation::TotalPitch,
+            sums.iter().filter_map(|sums| spread(sums)).max(),
+            "cumulative pitch deviations, largest less smallest",
+        ),
+        told(Deviation::SectorPitch, sectors.max(), "largest cumulative pitch deviation over k pitches"),
     ]
 }
 
@@ -157,8 +187,8 @@ fn spread(values: &[Length]) -> Option<Length> {
     Some(*values.iter().max()? - *values.iter().min()?)
 }
 
-/// Sums of single pitch deviations around a turn, their mean removed, because a turn closes.
-fn centred_sums(pitches: &[Length]) -> Vec<Length> {
+/// Sums of single pitch deviations around a turn, of which the mean pitch deviation is removed, because a turn closes.
+fn sums_over_a_turn(pitches: &[Length]) -> Vec<Length> {
     let mean = pitches.iter().map(|pitch| pitch.mm()).sum::<f64>() / pitches.len().max(1) as f64;
     let mean = Length::nearest(mean * 1e12, "the mean pitch deviation").unwrap_or(Length::ZERO);
     let mut total = Length::ZERO;

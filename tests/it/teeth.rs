@@ -388,3 +388,113 @@ fn the_uncertainty_of_measured_spaces_is_that_of_each() {
     let refused = batch(&folder, &certain, &table, &["--rule", "iso14253"]);
     assert_eq!(refused.code, Some(2), "{} {}", refused.stdout, refused.stderr);
 }
+
+/// What `class --obtained` says of a table, by what was measured.
+fn obtained(folder: &Folder, part: &str, table: &str) -> serde_json::Value {
+    let (spec_path, table_path) = (folder.path("obtained.toml"), folder.path("table.csv"));
+    let measured = format!("[{part}]\nmeasured = \"table.csv\"\n");
+    let spec = PAIR.replace(&format!("[{part}]\n"), &measured);
+    std::fs::write(&spec_path, spec).unwrap();
+    std::fs::write(table_path, table).unwrap();
+    let ended = run(
+        &[
+            "class",
+            "--obtained",
+            &spec_path,
+            "--standard",
+            "iso1328-1:1995",
+            "--diameter",
+            "pinion",
+            "--format",
+            "json",
+        ],
+        "",
+    );
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    ended.json()
+}
+
+fn amount_mm(obtained: &serde_json::Value, what: &str) -> f64 {
+    let rows = obtained["values"].as_array().unwrap_or_else(|| panic!("{obtained}"));
+    let found = rows.iter().find(|row| row["origin"].as_str().is_some_and(|origin| origin.starts_with(what)));
+    1e-3 * found.and_then(|row| row["measured_um"].as_f64()).unwrap_or_else(|| panic!("{what}: {obtained}"))
+}
+
+/// f_Hβ lies along the base tangent: b cos α_t (tan(β + Δβ) − tan β).
+#[test]
+fn the_grade_of_a_pinions_lead_is_that_of_its_helix_slope() {
+    let folder = Folder::new("obtained-lead");
+    let found = amount_mm(&obtained(&folder, "pinion", "tooth,lead [deg]\n0,0.02\n1,-0.01\n"), "largest lead");
+    // α_t of 19.9° at 21°, and 0.02° more than 21°
+    let expected = 0.011_203_880_9;
+    assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+}
+
+/// Positions of pins have pitches, whether they are measured from an end or from their nominal places; those of a pinion too.
+#[test]
+fn positions_have_a_grade_of_pitches() {
+    let folder = Folder::new("obtained-positions");
+    let pitch = std::f64::consts::PI * 2.0;
+    let off = [0.0, 0.01, -0.005, 0.0];
+    let mut absolute = "space,position [mm]\n".to_owned();
+    let mut pinion = "tooth,position [um]\n".to_owned();
+    for (space, off) in (0..4_u32).zip(off) {
+        let _ = writeln!(absolute, "{space},{:.9}", (f64::from(space) + 0.5) * pitch + off);
+    }
+    for tooth in 0..8 {
+        let _ = writeln!(pinion, "{tooth},{}", 2 * tooth);
+    }
+    let of_rack = obtained(&folder, "rack", &absolute);
+    let of = |what| amount_mm(&of_rack, what);
+    assert!((of("differences of neighbouring") - 0.015).abs() < 1e-8, "{of_rack}");
+    assert!((of("position deviations") - 0.015).abs() < 1e-8, "{of_rack}");
+    // from tooth 7 to tooth 0
+    let of_pinion = obtained(&folder, "pinion", &pinion);
+    assert!((amount_mm(&of_pinion, "largest single pitch") - 0.014).abs() < 1e-9, "{of_pinion}");
+}
+
+/// Positions of pins and leads of a pinion are computed as its other values are.
+#[test]
+fn a_pasted_pinion_has_the_range_of_its_positions_and_leads() {
+    let folder = Folder::new("pasted-pinion");
+    let table = "tooth,position [um],lead [deg]\n0,0,0.02\n1,2,0\n2,4,0\n3,6,0\n4,8,0\n5,10,0\n6,12,0\n7,14,0\n";
+    let ended = paste(&folder, PAIR, table, &["--format", "json"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let upper = ended.json()["formula_range_mm"]["upper"].as_f64().unwrap();
+    // cos 21°
+    let pitch = 0.014 * GAIN * 0.933_580_426;
+    assert!(upper > pitch + 0.01 && upper < pitch + 0.02, "{upper}");
+    let pair = PAIR.replace("teeth = 8\n", "");
+    let refused = paste(&folder, &pair, table, &[]);
+    assert_eq!(refused.code, Some(2), "{}", refused.stdout);
+}
+
+/// A lead of a rack, a position or lead of a pinion that no part has, or hardly any.
+#[test]
+fn every_measured_value_is_doubted() {
+    let folder = Folder::new("doubted-rows");
+    let solved = |part: &str, table: &str| {
+        let spec_path = folder.path("mesh.toml");
+        std::fs::write(folder.path("table.csv"), table).unwrap();
+        std::fs::write(
+            &spec_path,
+            PAIR.replace(&format!("[{part}]\n"), &format!("[{part}]\nmeasured = \"table.csv\"\n")),
+        )
+        .unwrap();
+        run(&["mesh", &spec_path, "--to", "10"], "")
+    };
+    let turn = |first: &str| {
+        let others: String = (1..8).fold(String::new(), |text, tooth| format!("{text}{tooth},0\n"));
+        format!("tooth,position [mm]\n0,{first}\n{others}")
+    };
+    for (part, table, what) in [
+        ("rack", "space,lead [deg]\n0,5\n1,0\n2,0\n", "much for a lead error"),
+        ("rack", "space,position_deviation [mm]\n0,0.6\n1,0\n2,0\n", "much for a deviation"),
+        ("pinion", &*turn("0.6"), "much for a deviation"),
+    ] {
+        let doubted = solved(part, table);
+        assert!(format!("{}{}", doubted.stdout, doubted.stderr).contains(what), "{}{}", doubted.stdout, doubted.stderr);
+    }
+    let refused = solved("pinion", &turn("6"));
+    assert!(refused.code == Some(2) && refused.stderr.contains("line 2: position deviation"), "{}", refused.stderr);
+}
