@@ -33,7 +33,10 @@ impl Content {
         let text = text.trim();
         // as spreadsheets write a number that is to stay text: ="25.060"
         let bare = text.strip_prefix("=\"").and_then(|text| text.strip_suffix('"'));
-        match bare.filter(|text| !text.contains('"')).map_or(text, str::trim) {
+        let bare = bare.filter(|text| !text.contains('"')).map_or(text, str::trim);
+        // as Markdown makes it bold, or sets it as code
+        let within = |mark: &str| bare.strip_prefix(mark)?.strip_suffix(mark).filter(|text| !text.contains(mark));
+        match within("**").or_else(|| within("`")).map_or(bare, str::trim) {
             "" => Self::Empty,
             text => Self::Text(text.to_owned()),
         }

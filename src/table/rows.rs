@@ -6,6 +6,7 @@ mod stored;
 
 pub(crate) use stored::stored_record;
 
+use std::borrow::Cow;
 use std::mem::discriminant;
 use std::ops::Range;
 
@@ -15,9 +16,9 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
-use super::names::{Role, heading, is_context, is_statistic, is_value_heading, names_value, role, split_unit};
+use super::names::{Role, heading, is_statistic, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
-use super::shape::{PartNames, has_digit, stated_units};
+use super::shape::{PartNames, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
 use super::strangers::value_in;
 use super::understand::Understood;
@@ -39,6 +40,8 @@ struct PlainColumn {
 enum PlainField {
     Skipped,
     Id,
+    /// The first that is no value, where parts have no names.
+    Label,
     Value(PlainColumn),
 }
 
@@ -124,6 +127,8 @@ impl PlainRow {
         }
         if let Some(id) = setup.id {
             *row.fields.get_mut(id)? = PlainField::Id;
+        } else if let Some(field) = row.fields.iter_mut().find(|field| matches!(field, PlainField::Skipped)) {
+            *field = PlainField::Label;
         }
         (setup.is_even && !row.fields.is_empty()).then_some(row)
     }
@@ -246,10 +251,12 @@ impl Rows {
                     }
                     at += 1;
                 }
+                let text = &bytes[start..at];
+                let says_what = !matches!(field, PlainField::Skipped);
+                if says_what && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`') || may_be_statistic(text)) {
+                    return None;
+                }
                 if matches!(field, PlainField::Id) {
-                    if may_be_statistic(&bytes[start..at]) || bytes[start..at].first() == Some(&b'=') {
-                        return None;
-                    }
                     names.push(Span { start: span_end(start), end: span_end(at) });
                 }
             }
@@ -383,7 +390,7 @@ impl Rows {
 
     /// A row of nominal values that are not those of the columns.
     fn other_nominal(&self, record: &Record) -> Option<Contradiction> {
-        let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place))?.text();
+        let name = self.label(record)?;
         if !may_be_statistic(name.as_bytes()) || role(&name) != Some(Role::Nominal) {
             return None;
         }
@@ -400,7 +407,8 @@ impl Rows {
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
         let id = self.setup.id?;
         let name = record.cells.get(id)?.text();
-        if !may_be_statistic(name.as_bytes()) || record.numbers() == 0 || !is_value_heading(&name, &[]) {
+        let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
+        if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
             return None;
         }
         let message = format!("an error stands here where parts have their names: {}", record.in_words());
@@ -452,19 +460,29 @@ impl Rows {
         })
     }
 
+    /// What a record says that it is: its name, or what stands first in it and is no value.
+    fn label<'r>(&self, record: &'r Record) -> Option<Cow<'r, str>> {
+        let is_value = |place: usize| self.setup.columns.iter().any(|column| column.place == place);
+        let own = self.setup.id.or(self.setup.index);
+        let mut places = own.into_iter().chain((0..record.cells.len()).filter(|place| !is_value(*place)));
+        places.find_map(|place| record.cells.get(place).filter(|cell| !cell.is_empty())).map(Cell::text)
+    }
+
     /// Whether a record is the header or the units again, or a mean below the parts.
     fn is_aside(&self, record: &Record) -> bool {
         let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
-        let is_part = |name: &str| is_part(name) || self.setup.names.may_have(name);
+        let is_part = |name: &str| is_numbered(name) || self.setup.names.may_have(name);
         let is_counted = || {
             self.setup
                 .id
                 .zip(self.setup.index)
                 .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
         };
-        name.as_ref().is_some_and(|name| is_of_parts(name)) && is_counted().is_none()
+        let is_excluded = |name: &str| may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name);
+        (self.label(record).is_some_and(|label| is_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
+            && is_counted().is_none()
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
     }
@@ -587,26 +605,18 @@ fn swallowed(record: &Record, separator: u8) -> Option<String> {
     Some(shown(line))
 }
 
-/// Whether a name looks like that of a part, though nothing stands beside it: `R17`.
-fn is_part(name: &str) -> bool {
-    let word = name.split_whitespace().next().unwrap_or_default();
-    has_digit(word) && !name.contains(':') && !is_context(word)
-}
-
 /// Whether a row of that name is made of the parts', or says what is wanted of them.
 fn is_of_parts(name: &str) -> bool {
+    // one letter may be a part's
     may_be_statistic(name.as_bytes())
+        && name.len() > 1
         && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
 }
 
-/// A quick look: such names end in no digit and begin with one of a few letters.
+/// A quick look: such names end in no digit, and begin with a letter or end in one that is not plain.
 #[inline]
 fn may_be_statistic(name: &[u8]) -> bool {
     let Some((first, last)) = name.first().zip(name.last()) else { return false };
-    name.len() > 1
-        && !last.is_ascii_digit()
-        && matches!(
-            first.to_ascii_lowercase(),
-            b'a' | b'c' | b'd' | b'e' | b'g' | b'k'..=b'p' | b'r'..=b'v' | b'x' | b' ' | 0x80..
-        )
+    let is_letter = first.is_ascii_alphabetic() || *first == b' ' || !first.is_ascii() || !last.is_ascii();
+    is_letter && !last.is_ascii_digit() && (name.len() > 1 || matches!(first, b's' | b'S' | b'R'))
 }

@@ -1,6 +1,8 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
+use std::collections::HashSet;
+
 use serde::Serialize;
 
 use super::cell::{Cell, Record};
@@ -75,8 +77,8 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
         match value_in(aside, shape.header.len(), columns, Some(&LineNames { of_parts: &names, is_above })) {
-            Some(unknown) => sorted.take(file, &unknown, want, complete),
-            None => sorted.asides.push(aside.clone()),
+            Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, complete),
+            _ => sorted.asides.push(aside.clone()),
         }
     }
     // a remark beside the values may correct one
@@ -154,6 +156,19 @@ impl Sorted {
             self.strangers.push(stranger(file, unknown));
         }
     }
+}
+
+/// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
+fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: &[Column]) -> bool {
+    let has_tolerance = ["±", "+/-", "+-"].iter().any(|sign| aside.text.contains(sign));
+    let is_nominal = |cell: &Cell| {
+        columns.iter().any(|column| {
+            matches!(column.nominal, Nominal::Fixed(nominal) if column.quantity(cell).is_ok_and(|value| value == nominal))
+        })
+    };
+    role(&unknown.title) == Some(Role::Nominal)
+        && unknown.cells.first().is_some_and(is_nominal)
+        && unknown.cells.len() <= 1 + usize::from(has_tolerance)
 }
 
 /// By which names a line that is no part of the table is told from a row.
@@ -306,6 +321,9 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     patterns.dedup();
     patterns.truncate(SHOWN);
     let mut mappings: Vec<String> = strangers.iter().filter_map(Stranger::mapping).collect();
+    // a key stands in a spec once
+    let mut keys = HashSet::new();
+    mappings.retain(|mapping| mapping.starts_with(KEY) || keys.insert(mapping.split(' ').next().map(str::to_owned)));
     mappings.dedup();
     mappings.truncate(SHOWN);
     let ignored =

@@ -11,7 +11,7 @@ use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
 use super::rows::stored_record;
-use super::shape::has_digit;
+use super::shape::{has_digit, many};
 use super::stored::Stored;
 use super::strangers::{self, SHEET, Stranger};
 use super::understand::{Understood, in_words, understand_records};
@@ -68,10 +68,10 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
         table.take_other(other, &understood, want);
     }
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
-        table.reading.notes.push(format!(
-            "{name}: {} hidden rows and {} hidden columns are read like the others",
-            hidden.rows, hidden.columns
-        ));
+        let counts = [(hidden.rows, "hidden row"), (hidden.columns, "hidden column")].into_iter();
+        let counts = counts.filter(|(count, _)| *count > 0).map(|(count, what)| many(count, what));
+        let counts = counts.collect::<Vec<_>>().join(" and ");
+        table.reading.notes.push(format!("{name}: read like the others: {counts}"));
     }
     Ok(table)
 }

@@ -11,7 +11,7 @@ use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, is_statistic, lies_within, role};
-use super::number::{DecimalMark, Marks};
+use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::unknown::Unknown;
 use super::want::{Orientation, Want};
@@ -520,13 +520,17 @@ impl Measurement {
     }
 }
 
-/// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part.
+/// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value
+/// behind its name is that of a part.
 fn is_teeth(shape: &Shape) -> bool {
     let has = |fields: &[Field]| shape.measurements.iter().any(|measurement| fields.contains(&measurement.field));
     let is_error = |measurement: &Measurement| matches!(measurement.field, Field::Error(_));
     shape.index.is_some()
         || has(&[Field::Position, Field::LeftPitch, Field::RightPitch, Field::Radial])
-        || (has(&[Field::OverPin, Field::Lead]) && shape.ids.is_none() && !shape.measurements.iter().any(is_error))
+        || (has(&[Field::OverPin, Field::Lead])
+            && (shape.orientation == Orientation::Rows || shape.lines.len() > 1)
+            && shape.ids.is_none()
+            && !shape.measurements.iter().any(is_error))
 }
 
 /// The refusal of a text that can be read in more than one way.
@@ -561,9 +565,8 @@ fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
         if marks_only { "" } else { ", or put semicolons between the values" }
     ));
     let Some(cell) = open else { return located(diagnostic, source, 0..0, "") };
-    let text = cell.text();
-    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-    let label = format!("{} or {}?", number.replace(',', "."), number.replace([',', '.'], ""));
+    let [point, comma] = DecimalMark::ALL.map(|mark| normalise(&cell.text(), mark).unwrap_or_default());
+    let label = if point.contains('.') { format!("{point} or {comma}?") } else { format!("{comma} or {point}?") };
     located(diagnostic, source, cell.span.clone(), &label)
 }
 

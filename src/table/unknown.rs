@@ -73,7 +73,8 @@ impl Unknown {
     /// What the user may call it: its name without a unit, or its place if it has none.
     pub(crate) fn pattern(&self) -> String {
         let (name, _) = split_unit(&self.title);
-        Some(name.trim()).filter(|name| !name.is_empty()).unwrap_or(&self.place).to_owned()
+        // `*` stands for every name
+        Some(name.trim()).filter(|name| !name.trim_matches('*').is_empty()).unwrap_or(&self.place).to_owned()
     }
 
     /// Whether the user leaves it out.
@@ -96,7 +97,10 @@ impl Unknown {
         let unit = unit.as_deref();
         let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
-        let is_other = is_gear_size(title) || is_evaluation_length(title) || unit.is_some_and(is_foreign_unit);
+        let is_other = is_gear_size(title)
+            || is_evaluation_length(title)
+            || unit.is_some_and(is_foreign_unit)
+            || is_rate(&title.replacen("_min", "/min", 1));
         // without values, nothing was measured
         if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;
@@ -110,7 +114,7 @@ impl Unknown {
             || title.contains('[') && unit.is_some()
             || !near(title).is_empty()
             || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
-            || self.column.is_some() && repeats_value(title)
+            || self.column.is_some() && repeats_value(title) && !self.counts_or_flags()
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.
@@ -130,6 +134,14 @@ impl Unknown {
     fn names_more(&self) -> bool {
         let words: Vec<_> = self.cells.iter().filter(|cell| !cell.is_number()).map(Cell::text).collect();
         self.column.is_none() && !near(&words.join(" ")).is_empty()
+    }
+
+    /// Whether each number is 0, 1, the one above it or one more, as where measurements are counted: `Messung` 1, 2, 1, 2.
+    fn counts_or_flags(&self) -> bool {
+        let numbers: Option<Vec<u32>> = self.cells.iter().map(|cell| cell.text().parse().ok()).collect();
+        let goes_on = |pair: &[u32]| pair[1] <= 1 || pair[1] == pair[0] || pair[1] == pair[0] + 1;
+        numbers
+            .is_some_and(|numbers| numbers.first().is_some_and(|first| *first <= 1) && numbers.windows(2).all(goes_on))
     }
 
     /// Whether a first column without a name counts the rows.
@@ -198,5 +210,13 @@ const FOREIGN_UNITS: [&str; 54] = [
 
 /// Whether a unit measures neither lengths nor angles.
 pub(crate) fn is_foreign_unit(unit: &str) -> bool {
-    Unit::from_symbol(unit).is_none() && FOREIGN_UNITS.contains(&unit.trim().to_lowercase().as_str())
+    let plain = unit.trim().to_lowercase();
+    Unit::from_symbol(unit).is_none()
+        && (FOREIGN_UNITS.contains(&plain.as_str()) || plain.starts_with('%') || is_rate(&plain))
+}
+
+/// Whether a unit is one per time or per turn: `mm/min`, `m/s`, `mm/U`.
+fn is_rate(unit: &str) -> bool {
+    let per = unit.rsplit_once('/').map_or("", |(_, per)| per.trim());
+    ["min", "s", "sec", "h", "u", "umdr", "rev", "tr", "tour"].iter().any(|turn| per.eq_ignore_ascii_case(turn))
 }

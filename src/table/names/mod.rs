@@ -150,8 +150,12 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
     let name = without_roller(without_ordinal(&name));
-    // a bound is no value
-    if has_total_pitch(name) || text.contains(['<', '>', '≤', '≥', '~', '≈', '|']) || is_signed(text) {
+    // a bound is no value, nor is a mean
+    if has_total_pitch(name)
+        || text.contains('\u{304}')
+        || text.contains(['<', '>', '≤', '≥', '~', '≈', '|'])
+        || is_signed(text)
+    {
         return None;
     }
     let known = Words::of(name).known()?;

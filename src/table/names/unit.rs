@@ -7,7 +7,7 @@ use crate::quantity::Unit;
 
 /// Units of what is no length and no angle.
 const OTHER: &str = "°C|°F|℃|N|kN|mN|Nm|N·m|Ncm|g|kg|mg|s|ms|h|%|‰|HRC|HV|HB|bar|mbar|Pa|kPa|MPa|V|mV|A|mA|W|kW|Hz|kHz|\
-                     rpm|1/min|min-1|min⁻¹|mm/s|mm/min|pcs|ppm|K|dB";
+                     rpm|1/min|min-1|min⁻¹|mm/s|mm/min|m/min|m/s|mm/U|mm/rev|mm/tr|pcs|ppm|K|dB";
 
 /// A heading's name and its unit: `Teilung [µm]`, `pitch_mm`, `Teilung in µm`, `Teilung/µm`, `Teilung µm`. What stands
 /// in square brackets is a unit, known or not; what stands in round ones is one unless it is a word of another meaning.
@@ -102,7 +102,9 @@ fn is_clear(unit: &str, mark: char) -> bool {
 /// A unit without a blank before it, where it cannot be part of a word: `Winkel°`, `ピッチ誤差μm`.
 fn attached(text: &str) -> Option<(String, Option<String>)> {
     let start = text.char_indices().rev().take_while(|(_, c)| !is_japanese(*c)).last().map(|(at, _)| at)?;
-    let degree = text.strip_suffix(['°', '㎛', '㎜', '″', '′']).filter(|name| !matches!(*name, "N" | "n"));
+    let degree = text
+        .strip_suffix(['°', '㎛', '㎜', '″', '′'])
+        .filter(|name| !matches!(name.rsplit(' ').next(), Some("N" | "n")));
     let at = if start > 0 { start } else { degree.filter(|name| name.ends_with(char::is_alphabetic))?.len() };
     let (name, unit) = (text[..at].trim(), text[at..].trim());
     (!name.is_empty() && is_known(unit) && unit.chars().count() + usize::from(start == 0) > 1)
@@ -172,6 +174,7 @@ mod tests {
             ("S/N", "S/N", None),
             ("N° dent", "N° dent", None),
             ("N°", "N°", None),
+            ("Machine n°", "Machine n°", None),
             ("M", "M", None),
             ("mm", "mm", None),
             ("Soll/Ist", "Soll/Ist", None),

@@ -63,12 +63,15 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         if !is_table {
             return None;
         }
-        let name = roles.iter().position(|role| *role == Some(Role::Name));
+        let has_name =
+            |row: &Record, place: usize| row.cells.get(place).is_some_and(|cell| names_value(&cell.text(), &want.own));
+        let named = |place: &usize| records[header + 1..].iter().filter(|row| has_name(row, *place)).count();
+        let called = (0..roles.len()).rev().filter(|place| roles[*place] == Some(Role::Name));
+        // a number or a short text may stand before what was measured, and be called a name too
+        let name = called.max_by_key(named);
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
-        let is_row = |record: &Record| {
-            let is_named = || record.cells.get(name).is_some_and(|cell| names_value(&cell.text(), &want.own));
-            (record.cells.len() > name.max(1) && record.numbers() > 0) || is_named()
-        };
+        let is_row =
+            |record: &Record| (record.cells.len() > name.max(1) && record.numbers() > 0) || has_name(record, name);
         let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();
         let parts = if has(&[Role::Measured, Role::Deviation]) {
             Vec::new()
@@ -285,7 +288,7 @@ impl Characteristics {
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
             let is_measurement = !is_counted
-                && !(is_part_name(&title) && !has_digit(&title))
+                && (!is_part_name(&title) || has_digit(&title))
                 && !is_statistic(&title)
                 && self.roles[place].is_none();
             Unknown::column(&title, place, cells).measured(is_measurement)

@@ -1,5 +1,7 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
+use std::borrow::Cow;
+
 use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
@@ -120,7 +122,8 @@ pub(crate) struct PartNames {
 impl PartNames {
     pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
         let mut names = Self::default();
-        for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text).filter(|name| !is_statistic(name)) {
+        let is_name = |name: &Cow<'_, str>| !is_statistic(name) && !is_plain_context(name) && !is_spread(name);
+        for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text).filter(is_name) {
             let longest = &mut names.longest[usize::from(has_digit(&name))];
             *longest = name.chars().count().max(*longest);
         }
@@ -129,12 +132,35 @@ impl PartNames {
 
     /// Whether a text may be one more of them, though nothing stands beside it.
     pub(crate) fn may_have(&self, name: &str) -> bool {
-        (1..=self.longest[usize::from(has_digit(name))]).contains(&name.chars().count())
-            && !name.contains(':')
-            && !is_context(name)
-            && !is_statistic(name)
-            && !is_missing(name)
+        self.are_like(name) && !name.contains(':') && !is_context(name) && !is_statistic(name) && !is_missing(name)
     }
+
+    /// Whether one of them is as long as a text, and has digits as it has them.
+    fn are_like(&self, name: &str) -> bool {
+        (1..=self.longest[usize::from(has_digit(name))]).contains(&name.chars().count())
+    }
+
+    /// Whether a row of that name is none of a part, though numbers stand beside it: a temperature or a count below the
+    /// table, or `s` and `R` as a mean has them, where parts have other names.
+    pub(crate) fn exclude(&self, name: &str) -> bool {
+        self.longest != [0, 0] && !self.are_like(name) && (is_plain_context(name) || is_spread(name))
+    }
+}
+
+/// Whether it may be a standard deviation or a range, and may be a part as well.
+fn is_spread(name: &str) -> bool {
+    matches!(name.trim(), "s" | "S" | "R")
+}
+
+/// Whether a text says what is known about a table, and names no part: `Temperatur`.
+fn is_plain_context(text: &str) -> bool {
+    !has_digit(text) && is_context(text) && !is_part_name(text)
+}
+
+/// Whether a text with digits may be the name of a part, and begins with no word of something else: `R17`.
+pub(crate) fn is_numbered(text: &str) -> bool {
+    let word = text.split_whitespace().next().unwrap_or_default();
+    has_digit(text) && !text.contains(':') && !is_context(word) && role(word) != Some(Role::Uncertainty)
 }
 
 /// Whether a heading names the part and nothing else.

@@ -16,9 +16,9 @@ mod refusal;
 mod rows;
 mod stated;
 
-pub(crate) use headings::{PartNames, is_part_name};
+pub(crate) use headings::{PartNames, is_numbered, is_part_name};
 pub(crate) use labels::uncounted;
-pub(crate) use refusal::{NoShape, located};
+pub(crate) use refusal::{NoShape, located, many};
 pub(crate) use stated::{stated_units, unknown_unit};
 
 use std::borrow::Cow;

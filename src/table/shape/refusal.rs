@@ -87,7 +87,7 @@ impl NoShape {
             Self::Twice { heading, field } => {
                 let key = field.key();
                 error(format!("`{}` names {key} a second time", heading.text()))
-                    .help(format!("say which of them counts: [batch.columns] {key} = {{ name = \"…\" }}"))
+                    .help("leave out the one that does not count: --ignore with its name, or in the spec [batch] ignore = [\"…\"]; two of one name, out of the table")
             }
             Self::NoPart { heading } => {
                 error(format!("`{}` is no part's value, and nothing tells which column is", heading.text()))
@@ -113,7 +113,7 @@ impl NoShape {
 }
 
 /// So many of something: `1 cell`, `2 cells`.
-fn many(count: usize, what: &str) -> String {
+pub(crate) fn many(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 

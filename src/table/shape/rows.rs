@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::headings::{Named, PartNames, headings, known};
+use super::headings::{Named, PartNames, headings, is_numbered, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
@@ -173,17 +173,23 @@ fn rows_of<'r>(
     header: &Header,
     range: Range<usize>,
     separator: Separator,
-    id: usize,
+    id: Option<usize>,
 ) -> Result<Vec<&'r Record>, NoShape> {
     let (names, first) = (&records[header.record], range.start);
     let ragged = |record: &Record| NoShape::Ragged { record: record.clone(), expected: header.cells.len() };
-    let rows: Vec<&Record> = records[range].iter().filter(|record| !record.says_nothing()).collect();
+    let mut rows: Vec<&Record> = records[range].iter().filter(|record| !record.says_nothing()).collect();
     if rows.is_empty() {
         let numbers = records[first..].iter().find(|record| record.numbers() > 0);
         return Err(numbers.map_or_else(|| NoShape::NoRows { names: names.in_words() }, ragged));
     }
-    if rows.iter().all(|row| row.cells.get(id).is_some_and(|name| is_statistic(&name.text()))) {
+    let name = |row: &Record| row.cells.get(id.unwrap_or(0)).map(Cell::text).unwrap_or_default().into_owned();
+    if rows.iter().all(|row| is_statistic(&name(row))) {
         return Err(NoShape::NoRows { names: names.in_words() });
+    }
+    if let Some(id) = id {
+        let measured = rows.iter().filter(|row| row.numbers() > 0);
+        let parts = PartNames::of(measured.filter_map(|row| row.cells.get(id)));
+        rows.retain(|row| !parts.exclude(&name(row)));
     }
     match rows.iter().find(|row| is_shifted(names.start, &header.cells, row, separator)) {
         Some(shifted) => Err(ragged(shifted)),
@@ -216,7 +222,7 @@ pub(super) fn by_header(
     }
     let id = named.iter().position(|named| named.as_ref().is_some_and(|named| named.field == Field::PartId));
     let end = first + end_of_rows(&records[first..], width, separator, id.unwrap_or(0));
-    let rows = rows_of(records, header, first..end, separator, id.unwrap_or(0))?;
+    let rows = rows_of(records, header, first..end, separator, id)?;
     shape.data = first..end;
     let mut lengths = None;
     let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
@@ -351,14 +357,13 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator, id: usize) 
 /// rows is a part only if there are digits in it.
 fn is_part(record: &Record, first: &str, width: usize, words: bool, follows: bool) -> bool {
     let word = first.split_whitespace().next().unwrap_or_default();
-    let is_numbered = has_digit(first) && !first.contains(':') && !is_context(word);
     let is_whole = record.cells.len() == width && width > 1;
     if record.says_nothing() || is_unit_row(record) || is_statistic(first) {
         return false;
     }
     let is_name = !first.is_empty() && first.trim() == word && !first.contains(':') && !is_context(word);
     if follows {
-        return is_numbered || is_whole && (record.filled().len() > 1 || is_name && !words);
+        return is_numbered(first) || is_whole && (record.filled().len() > 1 || is_name && !words);
     }
     is_whole && is_name && !words && record.cells.iter().any(|cell| has_digit(&cell.text()))
 }
