@@ -244,6 +244,9 @@ impl From<RacksError> for Failure {
         match error {
             RacksError::Mesh { .. } => diagnostic(Code::NoMesh)
                 .help("the deviations drawn are too large for these teeth: check the units in [scatter]"),
+            RacksError::NotSolved { .. } => diagnostic(Code::NoMesh).help(
+                "`rackmesh mesh` shows why; check the tip diameter and the addendum, or study a shorter stroke with --from and --to",
+            ),
             RacksError::Count { .. } | RacksError::Stroke { .. } => diagnostic(Code::Usage),
             _ => diagnostic(Code::NoMonteCarlo),
         }

@@ -144,6 +144,14 @@ pub enum RacksError {
         /// Why.
         error: MeshError,
     },
+    /// A stroke of a drawn rack at which ΔCD is not certain.
+    #[error("rack {rack}: the mesh is not solved at a stroke of {stroke_mm} mm")]
+    NotSolved {
+        /// Which one, from 0.
+        rack: u64,
+        /// The stroke.
+        stroke_mm: f64,
+    },
     /// A drawn deviation that cannot be applied.
     #[error("rack {rack}: {error}")]
     Deviation {
@@ -351,18 +359,21 @@ impl<'a> Draw<'a> {
 
     fn rack(&self, rack: u64) -> Result<RackResult, RacksError> {
         let mut random = Random::of_block(self.seed, rack);
-        let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?;
-        let solve = |mesh: &Mesh| -> Result<RackResult, MeshError> {
-            let mut sampler = Sampler::new(mesh);
-            let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-            for i in 0..=self.steps {
-                let delta_cd = sampler.at(self.from + self.step * f64::from(i))?.delta_cd_mm;
-                sum += if i == 0 || i == self.steps { 0.5 * delta_cd } else { delta_cd };
-                (min, max) = (min.min(delta_cd), max.max(delta_cd));
+        let unmeshed = |error| RacksError::Mesh { rack, error };
+        let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?.map_err(unmeshed)?;
+        let mut sampler = Sampler::new(&mesh);
+        let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+        for i in 0..=self.steps {
+            let stroke_mm = self.from + self.step * f64::from(i);
+            let point = sampler.at(stroke_mm).map_err(unmeshed)?;
+            if !point.is_solved() {
+                return Err(RacksError::NotSolved { rack, stroke_mm });
             }
-            Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max })
-        };
-        mesh.and_then(|mesh| solve(&mesh)).map_err(|error| RacksError::Mesh { rack, error })
+            let delta_cd = point.delta_cd_mm;
+            sum += if i == 0 || i == self.steps { 0.5 * delta_cd } else { delta_cd };
+            (min, max) = (min.min(delta_cd), max.max(delta_cd));
+        }
+        Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max })
     }
 }
 
