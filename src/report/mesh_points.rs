@@ -1,10 +1,12 @@
 //! Solved strokes as rows of CSV, elements of a JSON array and lines of a table. Called block by block, on any
 //! thread, so that a million strokes need no memory; never solves a stroke.
 
+use std::fmt::Write as _;
+
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, tidy};
-use super::{Block, Table, fact};
+use super::{Block, Table};
 use crate::mesh::{Carrier, Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 
 /// A stroke with its solution, or why there is none.
@@ -98,9 +100,27 @@ pub fn csv_header() -> String {
 /// A line of CSV for each point; fields are empty where there is no solution.
 #[must_use]
 pub fn csv_lines(points: &[ListedPoint]) -> String {
-    let points: Value = points.iter().map(|(stroke, point)| json_point(*stroke, point.as_ref().ok())).collect();
-    let rows = fact::rows(&json!({ "points": points }), "points", COLUMNS);
-    rows.iter().skip(1).map(|row| row.join(",") + "\n").collect()
+    let mut text = String::with_capacity(96 * points.len());
+    for (stroke, point) in points {
+        // writing to a String cannot fail
+        let _ = match point {
+            Ok(point) => {
+                let [delta, center, angle] = numbers(point).map(plain);
+                let (right, left) = (&point.right, &point.left);
+                writeln!(
+                    text,
+                    "{},{delta},{center},{angle},{},{},{},{}",
+                    plain(*stroke),
+                    right.rack_tooth,
+                    left.rack_tooth,
+                    right.contact,
+                    left.contact
+                )
+            }
+            Err(_) => writeln!(text, "{},,,,,,,", plain(*stroke)),
+        };
+    }
+    text
 }
 
 /// ΔCD, centre distance and angle as they are printed.
