@@ -263,6 +263,17 @@ fn mean_and_spread_for_a_statistical_sum() {
     near(deviation, (share * (1.0 - share)).sqrt() * g);
 }
 
+/// A limit on a single error is held against this range.
+#[test]
+fn what_an_error_does_alone_does_not_depend_on_the_others() {
+    let pair = spur();
+    let step = error(&pair, 4, Extent::Each, 0.0008);
+    let alone = of(pair, &[step]).errors[0].unwrap();
+    for size in [0.002, 0.04, 0.2] {
+        assert_eq!(of(pair, &[step, error(&pair, 0, Extent::Each, size)]).errors[0].unwrap(), alone, "{size}");
+    }
+}
+
 /// F_p of 10 µm on either flank side of a pinion of 8 teeth, with f_pt larger than that: 2 g(F_p) (1 − 1/z), with the
 /// pair known; without it z is not known.
 #[test]
