@@ -458,14 +458,10 @@ pub(super) mod tests {
             let (left, right, pin) = (draw(), draw(), draw());
             let rows: Vec<_> = (0..20)
                 .map(|tooth| {
-                    let single = |value: f64| {
-                        Some(if tooth == 5 {
-                            value
-                        } else if tooth == 6 {
-                            -value
-                        } else {
-                            0.0
-                        })
+                    let single = |value: f64| match tooth {
+                        5 => Some(value),
+                        6 => Some(-value),
+                        _ => Some(0.0),
                     };
                     let position_mm = Some(if tooth == 19 { pin } else { 0.0 });
                     let (left_pitch_mm, right_pitch_mm) = (single(left), single(right));

@@ -34,7 +34,8 @@ impl Cell {
     }
 }
 
-/// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution, or none that is certain.
+/// The mean ΔCD of the exact mesh over the strokes of a steady value, mm; `None` where the mesh has no solution, or none
+/// that is certain.
 ///
 /// By trapezoids over the 24th part of a pitch, and where the curve bends by Simpson's rule, over cells that are halved
 /// up to four times until it agrees with that over the halves: right to a few nanometres where it jumps. Where all

@@ -126,6 +126,7 @@ impl Unknown {
             || self.title.is_empty() && speaks_of_value(&text)
     }
 
+    /// Whether it is a column whose numbers have the decimals of measured values.
     fn is_fine_column(&self) -> bool {
         self.column.is_some() && self.cells.iter().filter(|cell| cell.is_number()).all(Cell::is_fine)
     }
