@@ -53,7 +53,9 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     }
     let may_be_header = |record: &Record| record.numbers() == 0 || numbers_parts(record);
     records.iter().enumerate().filter(|(_, record)| may_be_header(record)).find_map(|(header, record)| {
-        let mut roles: Vec<_> = record.cells.iter().map(|cell| role(&cell.text())).collect();
+        let is_ignored = |cell: &Cell| want.ignores(&cell.text());
+        let mut roles: Vec<_> =
+            record.cells.iter().map(|cell| role(&cell.text()).filter(|_| !is_ignored(cell))).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
         let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
@@ -86,6 +88,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                     && !is_statistic(&title)
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
+                    && !is_ignored(&record.cells[*place])
                     && (names_one_part(&title)
                         || is_called_like_another(&record.cells, *place)
                         || rows.iter().any(has_numbers))
@@ -173,7 +176,7 @@ pub(crate) fn by_characteristic(
     if let Some(row) = found.rows.iter().find(is_ragged) {
         return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
     }
-    found.has_each_role_once(records)?;
+    found.has_each_role_once(records, want)?;
     let is_no_part = |place: &&usize| says_no_part(&header.cells[**place].text());
     if let Some(place) = found.parts.iter().find(is_no_part) {
         return Err(NoShape::NoPart { heading: header.cells[*place].clone() });
@@ -240,7 +243,7 @@ impl Characteristics {
 
     /// A second column of the same role, with numbers, leaves open which of them counts; so do several columns of values
     /// beside one that names the part, and a column called like a part beside the values.
-    fn has_each_role_once(&self, records: &[Record]) -> Result<(), NoShape> {
+    fn has_each_role_once(&self, records: &[Record], want: &Want) -> Result<(), NoShape> {
         let header = &records[self.header].cells;
         let two = |first: usize, second: usize| {
             Err(NoShape::TwoColumns { first: header[first].clone(), second: header[second].clone() })
@@ -252,6 +255,7 @@ impl Characteristics {
             let role = match role {
                 Some(Role::Name | Role::Uncertainty) => continue,
                 Some(role) => *role,
+                None if want.ignores(&header[place].text()) => continue,
                 None if self.parts.is_empty() && names_one_part(&header[place].text()) => Role::Measured,
                 None => continue,
             };
