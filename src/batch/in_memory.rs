@@ -127,7 +127,7 @@ impl ColumnEvaluator {
                 format!("{} has a row per characteristic, and columns in memory have a row per part", piece.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each characteristic").into());
         }
-        match refusal(&found.strangers, &found.still_missing) {
+        match refusal(&found.strangers, &found.to_be_named) {
             Some(refused) => Err(refused.into()),
             None => Ok(found),
         }

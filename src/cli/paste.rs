@@ -100,7 +100,7 @@ impl Args {
         if let Some(status) = interruption.status() {
             return Ok(status);
         }
-        if let Some(refused) = refusal(&table.strangers, &table.still_missing) {
+        if let Some(refused) = refusal(&table.strangers, &table.to_be_named) {
             return Err(refused.into());
         }
         let mut read = ReadBlock { spec, reading: table.reading.clone(), notes };

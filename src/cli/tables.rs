@@ -186,14 +186,14 @@ impl<'a> Opener<'a> {
     /// Looks at every file before any is evaluated.
     pub(super) fn look(&self, paths: &[&str]) -> Result<Files<'a>, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
-        let mut still_missing: Vec<DeviationKind> = Vec::new();
+        let mut to_be_named: Vec<DeviationKind> = Vec::new();
         let (mut first, mut failed) = (None, Vec::new());
         let mut kept = Vec::new();
         for path in paths {
             match self.open(path).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
                     strangers.extend(opened.table.strangers.iter().cloned());
-                    still_missing.extend(&opened.table.still_missing);
+                    to_be_named.extend(&opened.table.to_be_named);
                     if kept.is_empty() {
                         first = Some(opened);
                     }
@@ -202,8 +202,7 @@ impl<'a> Opener<'a> {
                 Err(failure) => failed.extend(diagnostics(failure)),
             }
         }
-        still_missing.dedup();
-        match (refusal(&strangers, &still_missing), &first) {
+        match (refusal(&strangers, &to_be_named), &first) {
             (Some(refused), _) => {
                 failed.push(refused);
                 Err(Diagnostics(failed).into())

@@ -180,6 +180,7 @@ impl Spec {
             given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
             module: self.get(keys::PAIR_NORMAL_MODULE),
             face_width: self.get(keys::RACK_FACE_WIDTH),
+            pinion_teeth: self.get(keys::PINION_TEETH).map(i64::from),
             over_pin: self.nominal_over_pin().ok(),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
             decimal: self.batch.decimal,

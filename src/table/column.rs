@@ -1,5 +1,7 @@
 //! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
 
+use std::mem::discriminant;
+
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
@@ -251,8 +253,7 @@ impl Column {
         if cell.is_missing() {
             return Ok(None);
         }
-        self.check_unit(beside.get(Role::Unit).copied())?;
-        let value = self.quantity(cell)?;
+        let value = self.quantity_in(cell, self.unit_of_row(beside.get(Role::Unit).copied())?)?;
         if self.evaluated != Stated::None {
             return self.slope(value, &beside).map(Some);
         }
@@ -274,6 +275,12 @@ impl Column {
             is_read && !matches!(problem, Some(Problem::Far(_) | Problem::TooLarge(_)))
         };
         unit && DecimalMark::ALL.into_iter().any(is_near)
+    }
+
+    /// Whether a number may be a deviation of one of its values, where these are measured.
+    pub(crate) fn may_deviate_by(&self, cell: &Cell) -> bool {
+        let deviations = Self { nominal: Nominal::None, ..self.clone() };
+        self.nominal != Nominal::None && deviations.may_hold(cell)
     }
 
     /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
@@ -319,14 +326,23 @@ impl Column {
         unit_of(text, self.field.is_angle()) == Some(self.unit)
     }
 
-    /// A column of units says the same of every value.
-    fn check_unit(&self, cell: Option<&Cell>) -> Result<(), Problem> {
-        let Some(cell) = cell else { return Ok(()) };
-        if self.has_unit(&cell.text()) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
-            return Ok(());
+    /// The unit of a row's value: the column's, or where only a column of units tells it and nothing else stands beside the
+    /// value, what that says here.
+    pub(crate) fn unit_of_row(&self, cell: Option<&Cell>) -> Result<Unit, Problem> {
+        let Some(cell) = cell else { return Ok(self.unit) };
+        let text = cell.text();
+        if self.has_unit(&text) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
+            return Ok(self.unit);
         }
-        let known = self.unit.symbol();
-        Err(Problem::Bad(format!("the unit beside it is `{}`, and the column's is {known}", shown(&cell.text()))))
+        let is_own = self.unit_from == UnitFrom::Beside && self.beside.iter().count() == 1;
+        let own = unit_of(&text, self.field.is_angle()).filter(|unit| discriminant(unit) == discriminant(&self.unit));
+        own.filter(|_| is_own).ok_or_else(|| {
+            Problem::Bad(format!(
+                "the unit beside it is `{}`, and the column's is {}",
+                shown(&text),
+                self.unit.symbol()
+            ))
+        })
     }
 
     /// The value, unless it is what no deviation can be.

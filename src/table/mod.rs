@@ -98,6 +98,7 @@ use block::line_of;
 use column::{Stated, UnitFrom};
 use names::Role;
 use shape::Measurement;
+use strangers::Others;
 use understand::Understood;
 use unknown::Unknown;
 
@@ -109,8 +110,8 @@ pub struct Table {
     pub reading: Reading,
     /// Columns, lines and characteristics that may be measurements and are not understood.
     pub strangers: Vec<Stranger>,
-    /// The errors that keep `others = "ignore"` from holding.
-    pub still_missing: Vec<DeviationKind>,
+    /// The errors whose columns the spec has to name before `others = "ignore"` leaves these out.
+    pub to_be_named: Vec<DeviationKind>,
     /// Whether each row is a tooth or a space, and not a part.
     pub is_teeth: bool,
     /// Whether parts have names.
@@ -120,6 +121,8 @@ pub struct Table {
     pub(crate) columns: Vec<Column>,
     /// Whether the rows count spaces or teeth.
     pub(crate) index_field: Option<Field>,
+    /// How many teeth the spec's pinion has.
+    pub(crate) pinion_teeth: Option<i64>,
     /// The header as it stands in the file.
     pub(crate) header_raw: Vec<u8>,
     pub(crate) encoding: Encoding,
@@ -130,10 +133,8 @@ pub struct Table {
 impl Table {
     fn new(name: &str, format: &'static str, understood: &Understood, want: &Want) -> Self {
         let shape = &understood.shape;
-        let found = |kind: &DeviationKind| understood.columns.iter().any(|column| column.kind == Some(*kind));
-        let missing: Vec<_> = want.expected.iter().copied().filter(|kind| !found(kind)).collect();
-        let is_complete = !want.expected.is_empty() && missing.is_empty();
-        let mut sorted = strangers::sort(name, shape, understood, want, is_complete);
+        let others = Others::of(&understood.columns, want);
+        let mut sorted = strangers::sort(name, shape, understood, want, &others);
         let mut reading = Reading {
             file: name.to_owned(),
             format,
@@ -151,11 +152,11 @@ impl Table {
         }
         for (measurement, column) in shape.measurements.iter().zip(&understood.columns) {
             reading.notes.extend(doubts(name, measurement, column));
-            reading.columns.push(column_reading(column));
+            reading.columns.push(column_reading(measurement, column));
             reading.columns.extend(companions(measurement, column.checks_deviation()));
             if want.by_uncertainty {
                 for unknown in uncertainties(measurement) {
-                    sorted.take(name, &unknown, want, is_complete);
+                    sorted.take(name, &unknown, want, &others);
                 }
             } else if let Some(uncertainty) = measurement.beside.get(Role::Uncertainty) {
                 reading.notes.push(format!(
@@ -178,11 +179,12 @@ impl Table {
             name: name.into(),
             reading,
             strangers: sorted.strangers,
-            still_missing: if want.others_ignored { missing } else { Vec::new() },
+            to_be_named: sorted.to_be_named,
             is_teeth: understood.is_teeth,
             has_id: shape.ids.is_some(),
             columns: understood.columns.clone(),
             index_field: shape.index_field,
+            pinion_teeth: want.pinion_teeth,
             header_raw: if pieces.are_rows() { line_of(titles.iter()) } else { Vec::new() },
             encoding: Encoding::PLAIN,
             place: Place::Line,
@@ -297,7 +299,7 @@ fn named_only(title: &str, role: &str) -> ColumnReading {
     ColumnReading { title: title.to_owned(), role: role.to_owned(), ..ColumnReading::default() }
 }
 
-fn column_reading(column: &Column) -> ColumnReading {
+fn column_reading(measurement: &Measurement, column: &Column) -> ColumnReading {
     let is_angle = column.field.is_angle();
     let holds = match (column.nominal, column.holds) {
         (Nominal::None, Some(ValueKind::Deviation)) => "deviation",
@@ -308,7 +310,7 @@ fn column_reading(column: &Column) -> ColumnReading {
     ColumnReading {
         title: column.title.clone(),
         role: column.kind.map_or(column.field.key(), DeviationKind::key).to_owned(),
-        unit: Some(column.unit.symbol().to_owned()),
+        unit: Some(units(measurement, column).join(" or ")),
         unit_is_assumed: column.unit_from == UnitFrom::Key,
         holds: Some(if is_slope { "f_Hβ" } else { holds }),
         nominal: match column.nominal {
@@ -317,6 +319,18 @@ fn column_reading(column: &Column) -> ColumnReading {
             Nominal::Beside => Some("beside it".to_owned()),
         },
     }
+}
+
+/// The units of a column, those of single rows included.
+fn units(measurement: &Measurement, column: &Column) -> Vec<&'static str> {
+    let beside = measurement.beside.get(Role::Unit).into_iter().flat_map(|units| &units.cells);
+    let mut units = vec![column.unit.symbol()];
+    for symbol in beside.filter_map(|cell| column.unit_of_row(Some(cell)).ok()).map(Unit::symbol) {
+        if !units.contains(&symbol) {
+            units.push(symbol);
+        }
+    }
+    units
 }
 
 /// The columns that stand beside a value. `is_checked` tells whether the value is held against a deviation beside it.

@@ -20,7 +20,7 @@ use super::names::{Role, heading, is_statistic, is_value_heading, names_value, r
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
-use super::strangers::value_in;
+use super::strangers::{Others, Remarks, value_in};
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
@@ -39,6 +39,8 @@ struct PlainColumn {
 #[derive(Debug, Clone, Copy)]
 enum PlainField {
     Skipped,
+    /// A remark, which may hold a value where it has a digit.
+    Remark,
     Id,
     /// The first that is no value, where parts have no names.
     Label,
@@ -79,6 +81,8 @@ pub(crate) struct Setup {
     pub(crate) is_even: bool,
     /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
     pub(crate) watched: Vec<usize>,
+    /// The fields that hold remarks without digits as far as the table was looked at.
+    pub(crate) remarks: Vec<usize>,
     pub(crate) names: PartNames,
     /// What the user leaves out.
     pub(crate) want: Want,
@@ -110,6 +114,7 @@ impl Setup {
             separator: separator.map_or(b',', Separator::byte),
             is_even: matches!(separator, Some(Separator::Character(_))),
             watched: shape.watched(want),
+            remarks: shape.remarks(want),
             names: shape.part_names(),
             want: want.clone(),
         }
@@ -129,6 +134,11 @@ impl PlainRow {
             *row.fields.get_mut(id)? = PlainField::Id;
         } else if let Some(field) = row.fields.iter_mut().find(|field| matches!(field, PlainField::Skipped)) {
             *field = PlainField::Label;
+        }
+        for place in &setup.remarks {
+            if let Some(field @ PlainField::Skipped) = row.fields.get_mut(*place) {
+                *field = PlainField::Remark;
+            }
         }
         (setup.is_even && !row.fields.is_empty()).then_some(row)
     }
@@ -252,7 +262,10 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
-                let says_what = !matches!(field, PlainField::Skipped);
+                if matches!(field, PlainField::Remark) && text.iter().any(u8::is_ascii_digit) {
+                    return None;
+                }
+                let says_what = matches!(field, PlainField::Id | PlainField::Label);
                 if says_what && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`') || may_be_statistic(text)) {
                     return None;
                 }
@@ -355,7 +368,26 @@ impl Rows {
             let help = "say in the spec what it is, under [batch.columns], or leave it out with --ignore";
             return Some(contradiction(record, self.setup.titles.get(*watched), message, help));
         }
-        self.other_header(record).or_else(|| self.other_nominal(record)).or_else(|| self.error_as_part(record))
+        self.other_header(record)
+            .or_else(|| self.other_nominal(record))
+            .or_else(|| self.error_as_part(record))
+            .or_else(|| self.value_in_remark(record))
+    }
+
+    /// A remark that speaks of a value, which may correct the one that is read.
+    fn value_in_remark(&self, record: &Record) -> Option<Contradiction> {
+        let Setup { columns, titles, names, want, .. } = &self.setup;
+        let remarks = Remarks { columns, width: titles.len(), of_parts: names };
+        let value = |place: &usize| {
+            let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
+            let value = remarks.value_in(cell, &format!("column {}", place + 1), record.line)?;
+            let is_left_out = value.is_ignored(want) || Others::of(columns, want).leaves_out(&value);
+            (!is_left_out).then(|| (*place, cell.text()))
+        };
+        let (place, text) = self.setup.remarks.iter().find_map(value)?;
+        let message = format!("a remark that may be a measured value: {}", shown(&text));
+        let help = "correct the value that it speaks of, or leave the column out with --ignore";
+        Some(contradiction(record, titles.get(place), message, help))
     }
 
     /// Why the cells of a record are not those of a row.

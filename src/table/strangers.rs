@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::cell::{Cell, Record};
 use super::column::{Column, Nominal};
 use super::grid::{Separator, records};
-use super::names::{Field, Role, is_context, is_statistic, near, role, split_unit};
+use super::names::{Field, Role, is_called, is_context, is_statistic, near, role, split_unit};
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
 use super::understand::Understood;
@@ -44,11 +44,52 @@ pub(crate) struct Sorted {
     pub(crate) strangers: Vec<Stranger>,
     pub(crate) not_used: Vec<NotUsed>,
     pub(crate) asides: Vec<AsideReading>,
+    /// The errors whose columns the spec has to name before `others = "ignore"` leaves the strangers out.
+    pub(crate) to_be_named: Vec<DeviationKind>,
 }
 
-/// Sorts what a table, or another sheet of its workbook, has besides the measurements that are understood. `complete` tells that
-/// every error of the spec is found.
-pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Want, complete: bool) -> Sorted {
+/// What `others = "ignore"` leaves out: once every error of the spec is found, what cannot be one of those whose column only its
+/// name tells.
+#[derive(Debug, Clone)]
+pub(crate) struct Others {
+    is_asked: bool,
+    /// The errors of the spec of which there is no column.
+    missing: Vec<DeviationKind>,
+    /// The errors whose column neither the spec names nor their key.
+    unnamed: Vec<DeviationKind>,
+}
+
+impl Others {
+    /// Of a table with these columns.
+    pub(crate) fn of(columns: &[Column], want: &Want) -> Self {
+        let column = |kind: &DeviationKind| columns.iter().find(|column| column.kind == Some(*kind));
+        let is_named =
+            |column: &Column, kind: DeviationKind| want.is_own(&column.title) || is_called(&column.title, kind.key());
+        let is_unnamed = |kind: &DeviationKind| column(kind).is_some_and(|column| !is_named(column, *kind));
+        let expected = || want.expected.iter().copied();
+        Self {
+            is_asked: want.others_ignored && !want.expected.is_empty(),
+            missing: expected().filter(|kind| column(kind).is_none()).collect(),
+            unnamed: expected().filter(is_unnamed).collect(),
+        }
+    }
+
+    /// Whether something is left out.
+    pub(crate) fn leaves_out(&self, unknown: &Unknown) -> bool {
+        self.in_the_way(unknown).is_some_and(|errors| errors.is_empty())
+    }
+
+    /// The errors that something may be, and that the spec has to name before it is left out; `None` where it never is.
+    fn in_the_way(&self, unknown: &Unknown) -> Option<Vec<DeviationKind>> {
+        let near: Vec<_> = near(&unknown.title).into_iter().filter_map(Field::kind).collect();
+        let may_be = |kind: &DeviationKind| unknown.is_repeated || near.contains(kind);
+        let unnamed = self.unnamed.iter().copied().filter(may_be);
+        self.is_asked.then(|| self.missing.iter().copied().chain(unnamed).collect())
+    }
+}
+
+/// Sorts what a table, or another sheet of its workbook, has besides the measurements that are understood.
+pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Want, others: &Others) -> Sorted {
     let mut sorted = Sorted::default();
     let columns = &understood.columns;
     // a number above the names that no column can hold, or a whole one behind a word that is no part's name, is none of a row
@@ -70,49 +111,56 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         } else {
             let is_repeated = understood.is_repeated_by(unknown);
             let is_measurement = unknown.is_measurement || is_repeated;
-            sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, complete);
+            sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
         }
     }
     for aside in &shape.asides {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
         match value_in(aside, shape.header.len(), columns, Some(&LineNames { of_parts: &names, is_above })) {
-            Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, complete),
+            Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
             _ => sorted.asides.push(aside.clone()),
         }
     }
-    // a remark beside the values may correct one
     let is_remark =
         |unknown: &&Unknown| unknown.column.is_some() && !want.ignores(&unknown.title) && !unknown.could_be_measured();
-    let may_be_value = |unknown: &Unknown| {
-        let is_held = |cell: &Cell| columns.iter().any(|column| column.may_hold(cell));
-        !near(&unknown.title).is_empty() || unknown.cells.iter().any(is_held)
-    };
+    let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names };
     for unknown in shape.unknown.iter().filter(is_remark) {
-        let of_parts = LineNames { of_parts: &names, is_above: false };
-        let remarks = unknown.cells.iter().zip(&shape.lines).filter(|(cell, _)| !cell.is_number());
-        let mut values = remarks.filter_map(|(cell, line)| {
-            let remark = AsideReading { line: *line, text: cell.text().into_owned() };
-            value_in(&remark, shape.header.len(), columns, Some(&of_parts)).filter(may_be_value)
-        });
+        let cells = unknown.cells.iter().zip(&shape.lines).filter(|(cell, _)| !cell.is_number());
+        let mut values = cells.filter_map(|(cell, line)| remarks.value_in(cell, &unknown.place, *line));
         if let Some(value) = values.next() {
-            let place = format!("{}, {}", unknown.place, value.place);
-            sorted.take(file, &Unknown { place, ..value }, want, complete);
+            sorted.take(file, &value, want, others);
         }
     }
     sorted
 }
 
+/// Remarks beside values, which may correct one.
+pub(crate) struct Remarks<'a> {
+    pub(crate) columns: &'a [Column],
+    /// How many cells a row has.
+    pub(crate) width: usize,
+    pub(crate) of_parts: &'a PartNames,
+}
+
+impl Remarks<'_> {
+    /// What of a cell of the column at a place may be a value.
+    pub(crate) fn value_in(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
+        let remark = AsideReading { line, text: cell.text().into_owned() };
+        let names = LineNames { of_parts: self.of_parts, is_above: false };
+        let value = value_in(&remark, self.width, self.columns, Some(&names))?;
+        let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
+        let may_be_value = !near(&value.title).is_empty() || value.cells.iter().any(is_held);
+        let place = format!("{column}, {}", value.place);
+        may_be_value.then_some(Unknown { place, ..value })
+    }
+}
+
 /// What of another sheet may be a measurement: columns, or else the first line that would be one beside the table that is read.
 /// A number below a name for context is none.
-pub(crate) fn of_sheet(
-    file: &str,
-    records: &[Record],
-    understood: &Understood,
-    want: &Want,
-    complete: bool,
-) -> Vec<Stranger> {
-    let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, complete));
+pub(crate) fn of_sheet(file: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
+    let others = &Others::of(&understood.columns, want);
+    let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
     let mut sorted = columns.unwrap_or_default();
     let names = LineNames { of_parts: &understood.shape.part_names(), is_above: false };
     let heading =
@@ -126,14 +174,15 @@ pub(crate) fn of_sheet(
         let cells = record.cells.iter().enumerate().filter(|(place, cell)| !cell.is_number() || !is_other(*place));
         let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
         if let Some(unknown) = value_in(&line, 0, &understood.columns, Some(&names)) {
-            sorted.take(file, &unknown, want, complete);
+            sorted.take(file, &unknown, want, others);
         }
     }
-    sorted.strangers
+    sorted
 }
 
 impl Sorted {
-    pub(crate) fn take(&mut self, file: &str, unknown: &Unknown, want: &Want, complete: bool) {
+    pub(crate) fn take(&mut self, file: &str, unknown: &Unknown, want: &Want, others: &Others) {
+        let in_the_way = others.in_the_way(unknown);
         let title = &unknown.title;
         let not_used =
             |why| NotUsed { title: if title.is_empty() { unknown.place.clone() } else { title.clone() }, why };
@@ -150,9 +199,10 @@ impl Sorted {
             if !title.is_empty() || unknown.cells.iter().any(|cell| !cell.is_missing()) {
                 self.not_used.push(not_used("no measurement"));
             }
-        } else if want.others_ignored && complete {
+        } else if in_the_way.as_ref().is_some_and(Vec::is_empty) {
             self.not_used.push(not_used("others are ignored"));
         } else {
+            self.to_be_named.extend(in_the_way.into_iter().flatten());
             self.strangers.push(stranger(file, unknown));
         }
     }
@@ -199,10 +249,17 @@ pub(crate) fn value_in(
     let found = if is_row { found.measured(true) } else { found };
     let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
     let is_above = names.is_some_and(|names| names.is_above);
+    // B liegt 0,061 drüber
+    let begins_with_part = names.is_some_and(|names| {
+        let first = found.title.split_whitespace().next();
+        first.is_some_and(|word| names.of_parts.may_have(word))
+    });
     let is_value = |cell: &Cell| {
         let may_be_of =
             |column: &Column| is_name || (!is_above || cell.is_fine()) && matches!(column.nominal, Nominal::Fixed(_));
-        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
+        let may_deviate =
+            || begins_with_part && cell.is_fine() && columns.iter().any(|column| column.may_deviate_by(cell));
+        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell)) || may_deviate()
     };
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
@@ -294,9 +351,9 @@ fn stranger(file: &str, unknown: &Unknown) -> Stranger {
 }
 
 /// The refusal of tables with columns that are not understood, all of them at once; `None` if there are none.
-/// `still_missing` are the errors without which `others = "ignore"` does not hold yet.
+/// `to_be_named` are the errors whose columns the spec has to name before `others = "ignore"` leaves these out.
 #[must_use]
-pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Option<Diagnostic> {
+pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<Diagnostic> {
     const SHOWN: usize = 20;
     strangers.first()?;
     let listed = strangers.iter().take(SHOWN).map(|stranger| {
@@ -342,10 +399,10 @@ pub fn refusal(strangers: &[Stranger], still_missing: &[DeviationKind]) -> Optio
     if mappings.iter().any(|mapping| mapping.starts_with(KEY)) {
         help += &format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
     }
-    if !still_missing.is_empty() {
-        let names: Vec<_> = still_missing.iter().map(|kind| kind.key()).collect();
-        let names = names.join(", ");
-        help += &format!("; others = \"ignore\" holds once every error of the spec is found, and {names} is not");
+    if !to_be_named.is_empty() {
+        let keys = DeviationKind::ALL.into_iter().filter(|kind| to_be_named.contains(kind)).map(DeviationKind::key);
+        let keys = keys.collect::<Vec<_>>().join(", ");
+        help += &format!("; others = \"ignore\" leaves it out once [batch.columns] names the column of {keys}");
     }
     Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
 }

@@ -184,8 +184,12 @@ pub(crate) struct Gatherer {
     columns: Vec<Column>,
     /// Whether a column numbers the spaces or teeth; else they count from 0.
     is_numbered: bool,
+    /// How many teeth the spec's pinion has.
+    pinion_teeth: Option<i64>,
     parts: Vec<ToothedPart>,
     known: HashMap<String, usize>,
+    /// The part whose name stood in the row before or above it, and in no other, as where cells are merged.
+    named_once: Option<usize>,
     records: u64,
 }
 
@@ -201,8 +205,10 @@ impl Gatherer {
             is_rack: is_rack(&table.columns, table.index_field),
             columns: table.columns.clone(),
             is_numbered: table.index_field.is_some(),
+            pinion_teeth: table.pinion_teeth,
             parts: Vec::new(),
             known: HashMap::new(),
+            named_once: None,
             records: 0,
         })
     }
@@ -218,7 +224,7 @@ impl Gatherer {
         for row in 0..block.rows() {
             let line = block.lines[row];
             let name = block.name(row).map_or_else(|| "1".to_owned(), std::borrow::Cow::into_owned);
-            let number = self.part(&name, line, self.records + block.records[row]);
+            let number = self.part_of_row(&name, line, self.records + block.records[row]);
             if keeps_raw {
                 let raw = block.raw.get(row).map_or(&b""[..], |span| block.bytes(*span));
                 self.parts[number].raw.extend_from_slice(raw);
@@ -235,6 +241,17 @@ impl Gatherer {
             self.row(number, line, index, &value);
         }
         self.records += block.record_count;
+    }
+
+    /// The part of a row: that of its name, or of the row before where only the first of a part's rows has it.
+    fn part_of_row(&mut self, name: &str, line: u64, record: u64) -> usize {
+        if let Some(part) = self.named_once.filter(|_| name.is_empty()) {
+            return part;
+        }
+        let is_new = !name.is_empty() && !self.known.contains_key(name);
+        let part = self.part(name, line, record);
+        self.named_once = is_new.then_some(part);
+        part
     }
 
     fn part(&mut self, name: &str, line: u64, record: u64) -> usize {
@@ -317,8 +334,15 @@ impl Gatherer {
         }
     }
 
-    /// The parts in the order of their first rows.
-    pub(crate) fn finish(self) -> Vec<ToothedPart> {
+    /// The parts in the order of their first rows. Where all teeth of a pinion are there and count from 1, the last is tooth 0 of
+    /// the next turn.
+    pub(crate) fn finish(mut self) -> Vec<ToothedPart> {
+        let Some(teeth) = self.pinion_teeth else { return self.parts };
+        for part in self.parts.iter_mut().filter(|part| part.numbers.iter().copied().eq(1..=teeth)) {
+            if let Teeth::Pinion(pinion) = &mut part.teeth {
+                pinion.rows.iter_mut().for_each(|row| row.tooth %= teeth);
+            }
+        }
         self.parts
     }
 }
@@ -408,7 +432,7 @@ fn refuse_two(name: &str, columns: &[Column], fields: &[Field]) -> Result<(), Di
 pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Diagnostics> {
     let want = Want { teeth: Some(true), ..want.clone() };
     let table = Container::open(name, source, &want)?.table(name, &want)?;
-    if let Some(refused) = super::refusal(&table.strangers, &table.still_missing) {
+    if let Some(refused) = super::refusal(&table.strangers, &table.to_be_named) {
         return Err(refused.into());
     }
     let gatherer = Gatherer::new(&table)?;

@@ -13,11 +13,11 @@ use super::reading::NotUsed;
 use super::rows::stored_record;
 use super::shape::{has_digit, many};
 use super::stored::Stored;
-use super::strangers::{self, SHEET, Stranger};
+use super::strangers::{self, Others, Remarks, SHEET, Stranger};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
-use super::workbook::{Shown, Workbook, listed};
+use super::workbook::{Comment, Shown, Workbook, listed};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
@@ -64,6 +64,9 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     let head: Vec<Record> = all.drain(range).collect();
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
+    for comment in &records.comments {
+        table.take_comment(comment, &understood, want);
+    }
     for other in &others {
         table.take_other(other, &understood, want);
     }
@@ -112,6 +115,25 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
 }
 
 impl Table {
+    /// A comment on a cell is not used; one that speaks of a value is a stranger.
+    fn take_comment(&mut self, comment: &Comment, understood: &Understood, want: &Want) {
+        let title = format!("comment {}", comment.cell);
+        let names = understood.shape.part_names();
+        let remarks = Remarks { columns: &understood.columns, width: 0, of_parts: &names };
+        let mut lines = comment.text.lines().map(|line| Cell::of_text(line, 0..0));
+        let mut sorted = strangers::Sorted::default();
+        match lines.find_map(|line| remarks.value_in(&line, &title, 0)) {
+            Some(value) => {
+                let value = Unknown { title: title.clone(), place: title, ..value }.measured(true);
+                sorted.take(&self.name, &value, want, &Others::of(&understood.columns, want));
+            }
+            None => sorted.not_used.push(NotUsed { title, why: "no measurement" }),
+        }
+        self.strangers.extend(sorted.strangers);
+        self.to_be_named.extend(sorted.to_be_named);
+        self.reading.not_used.extend(sorted.not_used);
+    }
+
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
     fn take_other(&mut self, sheet: &Sheet, understood: &Understood, want: &Want) {
         if !sheet.head.iter().flat_map(|record| &record.cells).any(|cell| has_digit(&cell.text())) {
@@ -119,9 +141,10 @@ impl Table {
         }
         let title = format!("{SHEET}{}", sheet.name);
         if !want.ignores(&sheet.name) && !want.ignores(&title) {
-            let complete = self.still_missing.is_empty();
-            let found = strangers::of_sheet(&sheet.called, &sheet.head, understood, want, complete);
-            self.strangers.extend(found.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
+            let found = strangers::of_sheet(&sheet.called, &sheet.head, understood, want);
+            self.strangers
+                .extend(found.strangers.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
+            self.to_be_named.extend(found.to_be_named);
         }
         self.reading.not_used.push(NotUsed { title, why: "another sheet is read" });
     }

@@ -3,7 +3,7 @@
 
 use super::cell::Cell;
 use super::grid::{is_date, only_units, unit_in};
-use super::names::{Role, is_context, is_evaluation_length, is_gear_size, near, role, split_unit};
+use super::names::{is_context, is_evaluation_length, is_gear_size, near, repeats_value, split_unit};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -149,12 +149,6 @@ impl Unknown {
     fn counts_rows(&self, place: usize) -> bool {
         place == 0 && self.cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()))
     }
-}
-
-/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`, `2. Messung`.
-fn repeats_value(title: &str) -> bool {
-    let (name, _) = split_unit(title);
-    role(name.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'))) == Some(Role::Measured)
 }
 
 /// Whether a remark speaks of a value: `corrected: 25,060 mm`, `dp = 80`.

@@ -60,6 +60,8 @@ pub struct Want {
     pub module: Option<Length>,
     /// The rack's face width, over which f_Hβ is evaluated where nothing else is said.
     pub face_width: Option<Length>,
+    /// How many teeth the pinion has.
+    pub pinion_teeth: Option<i64>,
     /// The nominal measure over the pin, if the spec tells it.
     pub over_pin: Option<Length>,
     /// Patterns of columns and lines that the user leaves out.

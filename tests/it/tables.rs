@@ -36,6 +36,9 @@ struct Case {
     types: Vec<String>,
     #[serde(default)]
     hidden_rows: Vec<u32>,
+    /// Notes on cells, by their place: `B2`.
+    #[serde(default)]
+    notes: BTreeMap<String, String>,
     command: String,
     spec: Option<String>,
     #[serde(default)]
@@ -107,6 +110,10 @@ fn workbook(path: &Path, cells: &[Vec<toml::Value>], case: &Case) {
     write_sheet(sheet, cells);
     for row in &case.hidden_rows {
         sheet.set_row_hidden(row - 1).unwrap();
+    }
+    for (cell, note) in &case.notes {
+        let (column, row) = (u16::from(cell.as_bytes()[0] - b'A'), cell[1..].parse::<u32>().unwrap() - 1);
+        sheet.insert_note(row, column, &rust_xlsxwriter::Note::new(note)).unwrap();
     }
     for (name, cells) in &case.sheets {
         write_sheet(book.add_worksheet().set_name(name).unwrap(), cells);

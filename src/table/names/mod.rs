@@ -12,7 +12,9 @@ mod vocabulary;
 mod words;
 
 pub(crate) use near::{is_context, is_gear_size, near};
-pub(crate) use role::{has_stated_unit, is_evaluation_length, is_statistic, lies_within, role, stands_before_unit};
+pub(crate) use role::{
+    has_stated_unit, is_evaluation_length, is_statistic, lies_within, repeats_value, role, stands_before_unit,
+};
 pub(crate) use unit::split_unit;
 
 use crate::deviation::{DeviationKind, Part};

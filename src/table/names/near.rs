@@ -1,5 +1,6 @@
 //! What a name that is not understood may have meant, and which names are known to mean something else.
 
+use super::role::is_statistic;
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
 use super::words::Words;
@@ -12,7 +13,7 @@ const LONGEST_PHRASE: usize = 5;
 /// The fields whose names are nearest to a heading that is not understood, or leaves open which field it means; empty if
 /// it is near none. Part, flank, unit, numbers and words such as `measured` make no name near.
 pub(crate) fn near(text: &str) -> Vec<Field> {
-    if is_context(text) {
+    if is_context(text) || is_statistic(text) {
         return Vec::new();
     }
     if let Some(heading) = heading(text, &[]) {

@@ -71,6 +71,13 @@ pub(crate) fn lies_within(name: &str) -> bool {
     VOCABULARY.means.contains(&plain(name).as_str())
 }
 
+/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`, `2. Messung`, `Wdh.`.
+pub(crate) fn repeats_value(title: &str) -> bool {
+    let (name, _) = split_unit(title);
+    let name = name.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'));
+    role(name) == Some(Role::Measured) || VOCABULARY.again.contains(&plain(name).as_str())
+}
+
 /// The name of a row without a mark behind it, in small letters.
 fn plain(name: &str) -> String {
     name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase()

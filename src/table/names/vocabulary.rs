@@ -168,6 +168,8 @@ pub(super) struct Vocabulary {
     pub(super) statistics: Vec<&'static str>,
     /// Those of them that lie among the values.
     pub(super) means: Vec<&'static str>,
+    /// What counts how often a part was measured, or holds what was measured once more.
+    pub(super) again: Vec<&'static str>,
     /// What a line speaks of that states a unit for a whole table, and what may stand between that and the unit.
     pub(super) unit_subjects: Vec<&'static str>,
     pub(super) before_units: Vec<&'static str>,
@@ -184,6 +186,7 @@ impl Vocabulary {
             match (meaning, Sense::of_row(meaning)) {
                 ("statistic", _) => vocabulary.statistics.extend(words),
                 ("mean", _) => vocabulary.means.extend(words),
+                ("again", _) => vocabulary.again.extend(words),
                 ("unit subject", _) => vocabulary.unit_subjects.extend(words),
                 ("before unit", _) => vocabulary.before_units.extend(words),
                 ("evaluation length", _) => vocabulary.evaluation_lengths.extend(words.map(joined)),

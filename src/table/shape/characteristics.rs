@@ -127,12 +127,12 @@ fn settle_parts(roles: &mut [Option<Role>], parts: Vec<usize>, rows: &[usize], r
 }
 
 /// Whether a column has the axes along which something was measured.
-fn is_axis(title: &str) -> bool {
+pub(super) fn is_axis(title: &str) -> bool {
     ["ax", "axis", "achse", "axe", "軸"].contains(&title.trim().to_lowercase().as_str())
 }
 
 /// Whether a cell of that column is a direction: M, R, X.
-fn is_direction(name: &Cell) -> bool {
+pub(super) fn is_direction(name: &Cell) -> bool {
     name.text().trim().chars().count() <= 2
 }
 

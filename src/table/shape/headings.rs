@@ -26,7 +26,18 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
         let text = cell.text();
         if want.ignores(&text) { None } else { heading(&text, &want.own) }
     };
-    let found: Vec<_> = cells.iter().map(understood).collect();
+    // where the spec's column of an error is there, no other is that
+    let is_own = |field: Field| {
+        let own = cells.iter().map(Cell::text).filter(|text| want.is_own(text));
+        own.filter_map(|text| heading(&text, &want.own)).any(|heading| heading.fields == [field])
+    };
+    let is_other = |cell: &Cell, heading: &Heading| {
+        heading.aspect == Role::Measured
+            && matches!(heading.fields.as_slice(), [field @ Field::Error(_)] if is_own(*field))
+            && !want.is_own(&cell.text())
+    };
+    let counts = |cell: &Cell| understood(cell).filter(|heading| !is_other(cell, heading));
+    let found: Vec<_> = cells.iter().map(counts).collect();
     // in a table of a pinion's teeth, or in one that has values of one part only, `pitch` is that part's
     let of = |kinds: &[DeviationKind]| {
         let is_so =
@@ -37,9 +48,9 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
     let pinion = of(&[DeviationKind::PinionRadial, DeviationKind::PinionLead]);
     // beside errors of parts, `x` and `position` are where something was measured
     let is_error = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Error(_)));
-    let counts = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
+    let numbers = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
     let of_parts =
-        want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(counts);
+        want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(numbers);
     let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
     for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
         let Some(mut heading) = heading else {

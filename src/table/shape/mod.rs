@@ -9,7 +9,9 @@
 //! | bare | nowhere: the order of the spec, or of `--as` |
 
 mod bare;
+mod blocks;
 mod characteristics;
+mod dimensions;
 mod headings;
 mod labels;
 mod refusal;
@@ -33,7 +35,9 @@ use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
 use crate::quantity::Unit;
 use bare::without_names;
+use blocks::with_parts_side_by_side;
 use characteristics::{by_characteristic, find_characteristics};
+use dimensions::with_dimension_names;
 use headings::{Named, known};
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
 use rows::{by_header, find_header, header_of_strangers};
@@ -240,6 +244,16 @@ impl Shape {
         };
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }
+
+    /// The columns that hold no digits as far as the table was looked at, and no measurements: remarks.
+    pub(crate) fn remarks(&self, want: &Want) -> Vec<usize> {
+        let says_no_number = |unknown: &&Unknown| {
+            !want.ignores(&unknown.title) && !unknown.cells.iter().any(|cell| has_digit(&cell.text()))
+        };
+        let watched = self.watched(want);
+        let places = self.unknown.iter().filter(says_no_number).filter_map(|unknown| unknown.column);
+        places.filter(|place| !watched.contains(place)).collect()
+    }
 }
 
 fn twice(series: &Series, field: Field) -> NoShape {
@@ -279,7 +293,8 @@ impl Measurement {
 
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
-    let mut shape = shape_of(records, separator, want)?;
+    let records = with_parts_side_by_side(records, want);
+    let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)
 }

@@ -81,10 +81,14 @@ impl NoShape {
                     "a number with a blank or comma inside may have been cut in two; put semicolons between cells",
                 )
             }
-            Self::Units { record } => {
-                error(format!("line {}: the unit here is another than elsewhere for the same values", record.line))
-                    .help("write the same unit in the heading, below it, beside it and in every row")
-            }
+            Self::Units { record } => error(format!(
+                "line {}: nothing tells one unit for all numbers of `{}`",
+                record.line,
+                record.in_words()
+            ))
+            .help(
+                "write the same unit in the heading, below it, beside it and in every row, and one value for each part",
+            ),
             Self::Twice { heading, field } => {
                 let key = field.key();
                 error(format!("`{}` names {key} a second time", heading.text()))

@@ -53,6 +53,19 @@ fn line() -> impl Strategy<Value = String> {
     (cells, prop_oneof![6 => Just("\n"), 1 => Just("\r\n")]).prop_map(|(cells, end)| cells.join(",") + end)
 }
 
+/// A remark that is behind the start of a table is looked at where it has a digit.
+#[test]
+fn a_value_in_a_remark_ends_the_rows() {
+    let rows = rows("part,rack_pitch [um],note\nP1,5,ok\nP2,6,\n", &want());
+    let contradiction = |line: &str| {
+        let mut block = Block::default();
+        rows.chunk(&mut line.as_bytes().to_vec(), ChunkContent::Records, &mut block);
+        block.contradiction.map(|contradiction| contradiction.column)
+    };
+    assert_eq!(contradiction("P3,5,corrected to 12.5 um\n"), Some("note".to_owned()));
+    assert_eq!(contradiction("P3,5,scratch\nP4,5,shift 2\n"), None);
+}
+
 #[test]
 fn copied_cells_stay_with_their_rows() {
     let start = "part,rack_pitch,note\nP1,0.5,a\n";

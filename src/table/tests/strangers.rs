@@ -90,8 +90,8 @@ fn the_user_leaves_out_what_no_rule_may() {
     assert_eq!(strangers(lacking, &others), ["column 3: Taster 3 [mm] (3) near "]);
     let table =
         Container::open("block", Source::bytes(lacking.into()), &others).unwrap().table("block", &others).unwrap();
-    assert_eq!(table.still_missing, [DeviationKind::RackPitch]);
-    let refused = refusal(&table.strangers, &table.still_missing).unwrap();
+    assert_eq!(table.to_be_named, [DeviationKind::RackPitch]);
+    let refused = refusal(&table.strangers, &table.to_be_named).unwrap();
     assert!(
         refused
             .help

@@ -6,11 +6,13 @@
 //! A workbook is unpacked once to count its bytes before anything is parsed, so that a small file that unpacks to a
 //! huge one is refused.
 
+mod comments;
 mod format;
 mod hidden;
 mod range;
 mod xml;
 
+pub(crate) use comments::Comment;
 pub(crate) use format::Shown;
 pub use range::{CellRange, NoCellRange};
 
@@ -22,6 +24,7 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
+use comments::comments;
 use format::shown_by_style;
 use hidden::{HiddenCount, SheetXml, sheet_parts};
 
@@ -47,6 +50,8 @@ pub(crate) struct SheetRecords {
     pub(crate) hidden: Option<HiddenCount>,
     /// What numbers of the range are shown with.
     pub(crate) shown: Vec<Shown>,
+    /// The comments on cells of the workbook.
+    pub(crate) comments: Vec<Comment>,
     /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
     pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
 }
@@ -114,6 +119,7 @@ impl Workbook {
         let xml = index.and_then(|index| self.checked.sheets.get(index)?.as_ref());
         let shown = xml.map_or_else(Vec::new, |xml| xml.shown(&self.checked.styles, range));
         let hidden = xml.map(|xml| xml.hidden(range));
+        let comments = std::mem::take(&mut self.checked.comments);
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
@@ -123,7 +129,7 @@ impl Workbook {
                 let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
         });
-        SheetRecords { name, hidden, shown, records: Box::new(receiver.into_iter()) }
+        SheetRecords { name, hidden, shown, comments, records: Box::new(receiver.into_iter()) }
     }
 }
 
@@ -223,6 +229,8 @@ struct Checked {
     sheets: Vec<Option<SheetXml>>,
     /// What styles show beside numbers.
     styles: HashMap<u32, String>,
+    /// The comments on cells of any sheet.
+    comments: Vec<Comment>,
 }
 
 /// Unpacks every part that will be read, counting bytes and keeping hardly any.
@@ -231,7 +239,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
     let (mut workbook, mut relations, mut styles) = (Vec::new(), Vec::new(), Vec::new());
     let mut sheets: HashMap<String, SheetXml> = HashMap::new();
-    let mut other = 0;
+    let (mut other, mut found) = (0, Vec::new());
     for index in 0..archive.len() {
         let file = archive.by_index(index).map_err(|error| broken(&error))?;
         let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
@@ -241,12 +249,13 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         }
         let is_sheet = part.starts_with("xl/worksheets/");
         let most = if is_sheet { LARGEST_SHEET } else { LARGEST_OTHER - other };
-        let mut sheet = SheetXml::default();
+        let (mut sheet, mut noted) = (SheetXml::default(), Vec::new());
         let into: &mut dyn io::Write = match part.as_str() {
             "xl/workbook.xml" => &mut workbook,
             "xl/_rels/workbook.xml.rels" => &mut relations,
             "xl/styles.xml" => &mut styles,
             _ if is_sheet => &mut sheet,
+            _ if part.starts_with("xl/comments") => &mut noted,
             _ => &mut io::sink(),
         };
         let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
@@ -260,10 +269,11 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             sheets.insert(part, sheet);
         } else {
             other += size;
+            found.extend(comments(&noted));
         }
     }
     let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
-    Ok(Checked { sheets, styles: shown_by_style(&styles) })
+    Ok(Checked { sheets, styles: shown_by_style(&styles), comments: found })
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub fn table(bytes: &[u8], want: &Want) -> Result<Table, String> {
     let refused = |problem: rackmesh::diagnostic::Diagnostics| format!("{problem} {:?}", problem.0[0].help);
     let container = Container::open("the table", Source::bytes(bytes.to_vec()), want).map_err(refused)?;
     let table = container.table("the table", want).map_err(refused)?;
-    match rackmesh::table::refusal(&table.strangers, &table.still_missing) {
+    match rackmesh::table::refusal(&table.strangers, &table.to_be_named) {
         Some(problem) => Err(problem.to_string()),
         None => Ok(table),
     }

@@ -1,0 +1,46 @@
+//! The comments on cells of a workbook, which may correct a value. Found in their XML; nothing here opens a file.
+
+use super::xml::{attribute, name};
+
+/// A comment on a cell.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Comment {
+    /// The cell, `B3`.
+    pub(crate) cell: String,
+    pub(crate) text: String,
+}
+
+/// The comments of a part of a workbook, `xl/comments1.xml`.
+pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
+    let mut found: Vec<Comment> = Vec::new();
+    for piece in String::from_utf8_lossy(xml).split('<').skip(1) {
+        let Some((tag, text)) = piece.split_once('>') else { continue };
+        match (name(tag), attribute(tag, "ref"), found.last_mut()) {
+            ("comment", Some(cell), _) => found.push(Comment { cell: cell.to_owned(), text: String::new() }),
+            ("t", _, Some(comment)) => comment.text += &unescaped(text),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// A text of XML as it is meant.
+fn unescaped(text: &str) -> String {
+    [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&#10;", "\n"), ("&amp;", "&")]
+        .into_iter()
+        .fold(text.to_owned(), |text, (escape, meant)| text.replace(escape, meant))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_runs_of_a_comment_are_one_text() {
+        let xml = b"<comments><authors><author>Huber</author></authors><commentList><comment ref=\"B3\" authorId=\"0\"><text>\
+                    <r><rPr><b/></rPr><t>Huber:</t></r><r><t xml:space=\"preserve\">\nneu &lt; 25,061</t></r></text></comment>\
+                    <comment ref='C4'><text><t/></text></comment></commentList></comments>";
+        let comment = |cell: &str, text: &str| Comment { cell: cell.to_owned(), text: text.to_owned() };
+        assert_eq!(comments(xml), [comment("B3", "Huber:\nneu < 25,061"), comment("C4", "")]);
+    }
+}
