@@ -146,6 +146,11 @@ impl Cell {
         self.decimals() > 0
     }
 
+    /// Whether it has two decimals or more, as hardly any number has that is not measured.
+    pub(crate) fn has_two_decimals(&self) -> bool {
+        self.decimals() > 1
+    }
+
     /// Whether it has the decimals of measured values, three and more: no temperature, room or version has.
     pub(crate) fn is_fine(&self) -> bool {
         self.decimals() > 2

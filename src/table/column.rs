@@ -269,12 +269,16 @@ impl Column {
     pub(crate) fn may_hold(&self, cell: &Cell) -> bool {
         let unit = unit_in(&cell.text()).is_none_or(|unit| unit_of(&unit, self.field.is_angle()).is_some());
         let is_near = |mark: DecimalMark| {
-            let column = Self { mark, mark_is_open: false, ..self.clone() };
-            let problem = column.read(cell, Companions::default()).err();
+            let problem = self.with_mark(mark).read(cell, Companions::default()).err();
             let is_read = normalise(&cell.text(), mark).is_some();
             is_read && !matches!(problem, Some(Problem::Far(_) | Problem::TooLarge(_)))
         };
         unit && DecimalMark::ALL.into_iter().any(is_near)
+    }
+
+    /// The same column of numbers with this decimal mark.
+    pub(crate) fn with_mark(&self, mark: DecimalMark) -> Self {
+        Self { mark, mark_is_open: false, ..self.clone() }
     }
 
     /// Whether a number may be a deviation of one of its values, where these are measured.
@@ -310,6 +314,11 @@ impl Column {
         let Ok(Some(value)) = self.read(cell, beside) else { return false };
         let (digit, value) = (self.digit(cell, self.unit).max(SMALLEST_DIGIT), value.base());
         value < others[0] - digit || value > others[1] + digit
+    }
+
+    /// Whether a measured value is near a nominal one.
+    pub(crate) fn is_near(&self, value: DeviationValue, nominal: DeviationValue) -> bool {
+        self.less(value, nominal).is_ok()
     }
 
     /// A measured value less its nominal one, if they are near each other.

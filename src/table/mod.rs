@@ -20,7 +20,7 @@
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `understand` | separator and decimal mark: one reading, or a refusal |
-//! | `unknown`, `strangers` | what names nothing known, and may be a measurement |
+//! | `unknown`, `strangers`, `measured` | what names nothing known, and may be a measurement |
 //! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
 //! | `reading` | how it was read, for the result |
 //! | `teeth` | rows that are spaces of a rack or teeth of a pinion |
@@ -50,6 +50,7 @@ mod container;
 mod encoding;
 mod gathered;
 mod grid;
+mod measured;
 mod names;
 mod number;
 mod parquet;

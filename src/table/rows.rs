@@ -13,7 +13,7 @@ use std::ops::Range;
 use super::block::{Block, Contradiction, Span, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
-use super::column::{Column, PlainNumbers, Problem};
+use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
 use super::names::{Role, heading, is_statistic, is_value_heading, names_value, role, split_unit};
@@ -377,7 +377,7 @@ impl Rows {
     /// A remark that speaks of a value, which may correct the one that is read.
     fn value_in_remark(&self, record: &Record) -> Option<Contradiction> {
         let Setup { columns, titles, names, want, .. } = &self.setup;
-        let remarks = Remarks { columns, width: titles.len(), of_parts: names };
+        let remarks = Remarks { columns, width: titles.len(), of_parts: names, measured: None };
         let value = |place: &usize| {
             let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
             let value = remarks.value_in(cell, &format!("column {}", place + 1), record.line)?;
@@ -512,11 +512,23 @@ impl Rows {
                 .zip(self.setup.index)
                 .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
         };
-        let is_excluded = |name: &str| may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name);
+        let is_excluded = |name: &str| {
+            may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name) && !self.is_measured(record)
+        };
         (self.label(record).is_some_and(|label| is_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
+    }
+
+    /// Whether a record holds a value near the nominal one, as no count or temperature is.
+    fn is_measured(&self, record: &Record) -> bool {
+        let is_near = |column: &Column| {
+            let cell = record.cells.get(column.place);
+            matches!(column.nominal, Nominal::Fixed(_))
+                && cell.is_some_and(|cell| cell.has_two_decimals() && column.may_hold(cell))
+        };
+        self.setup.columns.iter().any(is_near)
     }
 
     /// Whether a line of words holds what may be a value.

@@ -8,7 +8,11 @@ use serde::Serialize;
 use super::cell::{Cell, Record};
 use super::column::{Column, Nominal};
 use super::grid::{Separator, records};
-use super::names::{Field, Role, is_called, is_context, is_statistic, near, role, split_unit};
+use super::measured::MeasuredValues;
+use super::names::{
+    Field, Role, heading, is_called, is_context, is_statistic, is_total, is_value_heading, near, role, says_deviation,
+    split_unit,
+};
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
 use super::understand::Understood;
@@ -94,6 +98,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     let columns = &understood.columns;
     // a number above the names that no column can hold, or a whole one behind a word that is no part's name, is none of a row
     let names = understood.shape.part_names();
+    let measured = MeasuredValues::of(understood);
     let is_title = |unknown: &Unknown| {
         let is_name = names.may_have(&unknown.title) || Cell::of_text(&unknown.title, 0..0).is_number();
         let is_value =
@@ -109,7 +114,9 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         if is_title(unknown) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
-            let is_repeated = understood.is_repeated_by(unknown);
+            let is_said = is_statistic(&unknown.title) || role(&unknown.title).is_some_and(Role::is_beside_value);
+            let is_repeated = understood.is_repeated_by(unknown)
+                || !is_said && unknown.cells.iter().any(|cell| measured.may_have(cell));
             let is_measurement = unknown.is_measurement || is_repeated;
             sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
         }
@@ -117,17 +124,22 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     for aside in &shape.asides {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
-        match value_in(aside, shape.header.len(), columns, Some(&LineNames { of_parts: &names, is_above })) {
+        let line_names = LineNames { of_parts: &names, is_above };
+        let found = value_in(aside, shape.header.len(), columns, Some(&line_names))
+            .or_else(|| value_beyond(aside, &measured, is_above));
+        let found = found.map(|unknown| Unknown { is_repeated: true, ..unknown });
+        match found.or_else(|| without_value(aside, shape, columns)) {
             Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
             _ => sorted.asides.push(aside.clone()),
         }
     }
     let is_remark =
         |unknown: &&Unknown| unknown.column.is_some() && !want.ignores(&unknown.title) && !unknown.could_be_measured();
-    let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names };
+    let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names, measured: Some(&measured) };
     for unknown in shape.unknown.iter().filter(is_remark) {
-        let cells = unknown.cells.iter().zip(&shape.lines).filter(|(cell, _)| !cell.is_number());
-        let mut values = cells.filter_map(|(cell, line)| remarks.value_in(cell, &unknown.place, *line));
+        let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
+        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
+        let mut values = cells.filter_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
         if let Some(value) = values.next() {
             sorted.take(file, &value, want, others);
         }
@@ -141,6 +153,8 @@ pub(crate) struct Remarks<'a> {
     /// How many cells a row has.
     pub(crate) width: usize,
     pub(crate) of_parts: &'a PartNames,
+    /// The values, as far as the table was looked at.
+    pub(crate) measured: Option<&'a MeasuredValues>,
 }
 
 impl Remarks<'_> {
@@ -148,11 +162,12 @@ impl Remarks<'_> {
     pub(crate) fn value_in(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
         let remark = AsideReading { line, text: cell.text().into_owned() };
         let names = LineNames { of_parts: self.of_parts, is_above: false };
-        let value = value_in(&remark, self.width, self.columns, Some(&names))?;
         let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
-        let may_be_value = !near(&value.title).is_empty() || value.cells.iter().any(is_held);
+        let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
+        let value = value_in(&remark, self.width, self.columns, Some(&names)).filter(may_be_value);
+        let value = value.or_else(|| value_beyond(&remark, self.measured?, false))?;
         let place = format!("{column}, {}", value.place);
-        may_be_value.then_some(Unknown { place, ..value })
+        Some(Unknown { place, ..value })
     }
 }
 
@@ -163,17 +178,20 @@ pub(crate) fn of_sheet(file: &str, records: &[Record], understood: &Understood, 
     let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
     let mut sorted = columns.unwrap_or_default();
     let names = LineNames { of_parts: &understood.shape.part_names(), is_above: false };
+    let measured = MeasuredValues::of(understood);
     let heading =
         |place: usize| records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
     let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
     let is_other = |place: usize| heading(place).is_some_and(|cell| is_context(&cell.text()));
+    let is_kept = |place: usize, cell: &Cell| !cell.is_number() || !is_other(place) || measured.may_have(cell);
     for record in records {
         if !sorted.strangers.is_empty() {
             break;
         }
-        let cells = record.cells.iter().enumerate().filter(|(place, cell)| !cell.is_number() || !is_other(*place));
+        let cells = record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
         let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
-        if let Some(unknown) = value_in(&line, 0, &understood.columns, Some(&names)) {
+        let found = value_in(&line, 0, &understood.columns, Some(&names));
+        if let Some(unknown) = found.or_else(|| value_beyond(&line, &measured, false)) {
             sorted.take(file, &unknown, want, others);
         }
     }
@@ -250,10 +268,16 @@ pub(crate) fn value_in(
     let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
     let is_above = names.is_some_and(|names| names.is_above);
     // B liegt 0,061 drüber
-    let begins_with_part = names.is_some_and(|names| {
-        let first = found.title.split_whitespace().next();
-        first.is_some_and(|word| names.of_parts.may_have(word))
-    });
+    let begins_with_part = names.is_some_and(|names| names.of_parts.begin(&found.title));
+    let deviate = || !columns.is_empty() && columns.iter().all(|column| column.nominal == Nominal::None);
+    let is_signed = |cell: &Cell| cell.text().trim_start().starts_with(['+', '-', '\u{2212}']);
+    let is_alone = found.cells.iter().filter(|cell| cell.is_number()).count() == 1;
+    // of deviations, a whole number behind the name of a part, or one with a sign, may be one
+    let is_deviation = |cell: &Cell| {
+        cell.is_measure()
+            && (begins_with_part && deviate() || is_signed(cell) && is_alone && names.is_some())
+            && columns.iter().any(|column| column.may_hold(cell) || column.may_deviate_by(cell))
+    };
     let is_value = |cell: &Cell| {
         let may_be_of =
             |column: &Column| is_name || (!is_above || cell.is_fine()) && matches!(column.nominal, Nominal::Fixed(_));
@@ -261,8 +285,37 @@ pub(crate) fn value_in(
             || begins_with_part && cell.is_fine() && columns.iter().any(|column| column.may_deviate_by(cell));
         cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell)) || may_deviate()
     };
-    let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(is_value);
+    let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
+    let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.
+/// Above the names, where titles are, it has three decimals.
+fn value_beyond(aside: &AsideReading, measured: &MeasuredValues, is_above: bool) -> Option<Unknown> {
+    let text = without_punctuation(&aside.text);
+    let record = records(&text, Separator::Blanks).ok()?.into_iter().next()?;
+    let at = record.cells.iter().position(|cell| measured.is_beyond_all(cell) && (!is_above || cell.is_fine()))?;
+    let title = record.cells[..at].iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    let found = Unknown::line(&title, aside.line, vec![record.cells[at].clone()]).measured(true);
+    Some(Unknown { is_repeated: true, ..found })
+}
+
+/// A line among values behind their names that begins with the name of an error which has none: `Teilung Zahnstange: n.i.O.`
+fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Column]) -> Option<Unknown> {
+    const MOST_WORDS: usize = 6;
+    if shape.orientation == Orientation::Rows || shape.header_line.is_some() || columns.is_empty() {
+        return None;
+    }
+    let words: Vec<&str> = aside.text.split_whitespace().collect();
+    let name = (1..words.len().min(MOST_WORDS)).rev().map(|count| words[..count].join(" "));
+    let is_missing = |name: &String| {
+        let heading = heading(name, &[]).filter(|_| is_value_heading(name, &[]));
+        heading.is_some_and(|heading| columns.iter().all(|column| !heading.fields.contains(&column.field)))
+    };
+    let name = name.into_iter().find(is_missing).filter(|_| words.len() <= MOST_WORDS)?;
+    let behind = words[name.split(' ').count()..].join(" ");
+    Some(Unknown::line(&name, aside.line, vec![Cell::of_text(&behind, 0..0)]).unread())
 }
 
 /// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,
@@ -281,12 +334,19 @@ fn without_punctuation(line: &str) -> String {
         spaced.push(c);
     }
     let words = spaced.split(|c: char| c.is_whitespace() || matches!(c, '|' | ';')).filter(|word| !word.is_empty());
-    let words = words.map(|word| match word.split_once('/') {
+    // an arrow is no sign
+    let words = words.filter(|word| *word == "+" || word.contains(char::is_alphanumeric));
+    let words = words.map(|word| match word.split_once(['/', '-', '–', '…']) {
         Some((first, second)) if is_decimal(first) && is_decimal(second) => format!("{first} {second}"),
         _ if is_day(word) => word.to_owned(),
         _ => word.trim_matches(|c| !is_kept(c)).to_owned(),
     });
     words.collect::<Vec<_>>().join(" ")
+}
+
+/// Whether a text names a part, a space or a tooth, whose number stands behind it.
+fn names_one(text: &str) -> bool {
+    heading(text, &[]).is_some_and(|heading| heading.fields.iter().all(|field| field.is_index()))
 }
 
 /// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
@@ -316,13 +376,14 @@ fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
     let text = label.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
     // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
     let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
-    // an order, a page, a date: the word before the number says what it is
+    // an order, a page, a date, a space: the word before the number says what it is
     let is_named = is_known && values.first().is_some_and(Cell::has_decimals);
-    if !is_named && is_context(text.split_whitespace().next_back()?) {
+    if !is_named && (is_context(text.split_whitespace().next_back()?) || names_one(&text)) {
         let rest = values.get(1..)?;
         // Part 2: 25.2 mm
-        let of_part = || Unknown::numbers("", line, rest).filter(|_| is_part_name(&text));
-        return named_values(rest, line).or_else(of_part);
+        let is_value = rest.first().is_some_and(Cell::is_measure);
+        let of_part = || Unknown::numbers("", line, rest).filter(|_| names_one(&text));
+        return named_values(rest, line).or_else(of_part).map(|found| found.measured(is_value && names_one(&text)));
     }
     let unread = || {
         let whole = values.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
@@ -418,15 +479,21 @@ impl Stranger {
     fn mapping(&self) -> Option<String> {
         let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(|name| *name == self.pattern)?;
         // nothing tells which error it is, if it is one
-        let key = self.near.first().copied().unwrap_or(KEY);
+        let kind = self.near.iter().find_map(|key| key.parse::<Field>().ok()?.kind());
         let unit = self.unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-        Some(format!("{key} = {{ name = {}{unit} }}", quoted(&name)))
+        let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
+        let holds = if has_nominal && says_deviation(&name) { ", kind = \"deviation\"" } else { "" };
+        let extent = if kind.is_some() && is_total(&name) { ", extent = \"total\"" } else { "" };
+        let key = kind.map_or(KEY, DeviationKind::key);
+        Some(format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(&name)))
     }
 }
 
 /// A text as a spec writes it.
 pub(crate) fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+    let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
+    let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));
+    format!("\"{escaped}\"")
 }
 
 pub(super) fn shell_quoted(text: &str) -> String {

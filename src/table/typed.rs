@@ -4,6 +4,7 @@
 use super::Table;
 use super::cell::{Cell, Content, Record};
 use super::column::SMALLEST_DIGIT;
+use super::measured::MeasuredValues;
 use super::names::{Field, ValueKind, heading, is_context, is_value_heading, role};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
@@ -11,13 +12,13 @@ use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::NotUsed;
 use super::rows::stored_record;
-use super::shape::{has_digit, many};
+use super::shape::many;
 use super::stored::Stored;
 use super::strangers::{self, Others, Remarks, SHEET, Stranger};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
-use super::workbook::{Comment, Shown, Workbook, listed};
+use super::workbook::{Shown, Workbook, listed};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
@@ -65,7 +66,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for comment in &records.comments {
-        table.take_comment(comment, &understood, want);
+        table.take_remark(&format!("comment {}", comment.cell), &comment.text, &understood, want);
     }
     for other in &others {
         table.take_other(other, &understood, want);
@@ -115,12 +116,13 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
 }
 
 impl Table {
-    /// A comment on a cell is not used; one that speaks of a value is a stranger.
-    fn take_comment(&mut self, comment: &Comment, understood: &Understood, want: &Want) {
-        let title = format!("comment {}", comment.cell);
+    /// A remark on a value is not used; one that speaks of a value is a stranger.
+    fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) {
+        let title = title.to_owned();
         let names = understood.shape.part_names();
-        let remarks = Remarks { columns: &understood.columns, width: 0, of_parts: &names };
-        let mut lines = comment.text.lines().map(|line| Cell::of_text(line, 0..0));
+        let measured = MeasuredValues::of(understood);
+        let remarks = Remarks { columns: &understood.columns, width: 0, of_parts: &names, measured: Some(&measured) };
+        let mut lines = text.lines().map(|line| Cell::of_text(line, 0..0));
         let mut sorted = strangers::Sorted::default();
         match lines.find_map(|line| remarks.value_in(&line, &title, 0)) {
             Some(value) => {
@@ -136,7 +138,7 @@ impl Table {
 
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
     fn take_other(&mut self, sheet: &Sheet, understood: &Understood, want: &Want) {
-        if !sheet.head.iter().flat_map(|record| &record.cells).any(|cell| has_digit(&cell.text())) {
+        if sheet.head.is_empty() {
             return;
         }
         let title = format!("{SHEET}{}", sheet.name);
@@ -167,7 +169,7 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
 }
 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
-    let left_out = qdas.left_out.clone();
+    let (left_out, remarks) = (qdas.left_out.clone(), qdas.remarks.clone());
     let want = &with_nominals(&qdas, want)?;
     let table = qdas.table(&want.own);
     let mark = table.mark().map_err(|text| {
@@ -186,6 +188,9 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     let mut found = Table::new(name, "Q-DAS", &understood, want);
     found.pieces.give_records(records, None);
     found.reading.header_line = None;
+    for remark in remarks {
+        found.take_remark(&format!("K0009 in line {}", remark.line), &remark.text, &understood, want);
+    }
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
         let meaning = left_out.meaning().map_or_else(String::new, |meaning| format!(" ({meaning})"));

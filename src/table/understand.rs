@@ -435,7 +435,7 @@ impl Understood {
     /// A row that is called by a mean or an extreme of the rows, and lies beyond them: it is a part, or of other parts.
     /// Asked where every row is there.
     pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {
-        let ids = self.shape.ids.as_ref().filter(|_| !self.is_teeth)?;
+        let ids = if self.is_teeth { self.shape.index.as_ref()? } else { self.shape.ids.as_ref()? };
         let name = |row: usize| ids.cells.get(row).map(Cell::text).unwrap_or_default();
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
@@ -470,10 +470,14 @@ impl Understood {
         let of = |(measurement, column): (&Measurement, &Column)| {
             column.may_be_repeated(&measurement.value.cells, &unknown.cells)
         };
+        let is_of_rows = self.shape.orientation == Orientation::Rows;
+        // an extreme that is another for each part is measured
+        let has_numbers = || unknown.cells.iter().any(Cell::is_number);
+        if unknown.column.is_some() && is_of_rows && lies_within(title) && has_numbers() && !is_fixed() {
+            return true;
+        }
         // a column beside columns of parts is a statistic of them
-        unknown.column.is_some() == (self.shape.orientation == Orientation::Rows)
-            && !is_other
-            && self.shape.measurements.iter().zip(&self.columns).any(of)
+        unknown.column.is_some() == is_of_rows && !is_other && self.shape.measurements.iter().zip(&self.columns).any(of)
     }
 
     /// Whether each row below a header is a part, a space or a tooth.

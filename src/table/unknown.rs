@@ -3,7 +3,7 @@
 
 use super::cell::Cell;
 use super::grid::{is_date, only_units, unit_in};
-use super::names::{is_context, is_evaluation_length, is_gear_size, near, repeats_value, split_unit};
+use super::names::{is_again, is_context, is_evaluation_length, is_gear_size, near, repeats_value, split_unit};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -25,6 +25,8 @@ pub(crate) struct Unknown {
     pub(crate) is_measurement: bool,
     /// Whether its numbers are like those of a known column.
     pub(crate) is_repeated: bool,
+    /// Whether it has a known name, and what stands behind it is no number.
+    pub(crate) is_unread: bool,
 }
 
 impl Unknown {
@@ -38,6 +40,7 @@ impl Unknown {
             cells,
             is_measurement: false,
             is_repeated: false,
+            is_unread: false,
         }
     }
 
@@ -52,6 +55,7 @@ impl Unknown {
             cells,
             is_measurement: false,
             is_repeated: false,
+            is_unread: false,
         }
     }
 
@@ -64,6 +68,11 @@ impl Unknown {
     /// As something that says how uncertain values are, and is taken for a measurement.
     pub(crate) fn uncertainty(self) -> Self {
         Self { place: self.place.clone() + UNCERTAINTY, is_measurement: true, ..self }
+    }
+
+    /// As a measurement of which nobody can read the value.
+    pub(crate) fn unread(self) -> Self {
+        Self { is_unread: true, ..self }
     }
 
     pub(crate) fn measured(self, is_measurement: bool) -> Self {
@@ -89,7 +98,7 @@ impl Unknown {
 
     /// Whether it holds numbers, and its name or unit is that of a measurement; or units of which nothing tells what they are of.
     pub(crate) fn could_be_measured(&self) -> bool {
-        if self.units().is_some() {
+        if self.units().is_some() || self.is_unread {
             return true;
         }
         let title = &self.title;
@@ -107,7 +116,7 @@ impl Unknown {
         }
         let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));
         if is_context(title) {
-            return is_in_unit && unit != Some("min") || self.names_more() || self.is_repeated && self.is_fine_column();
+            return is_in_unit && unit != Some("min") || self.names_more() || self.is_repeated && self.is_fine();
         }
         self.is_measurement
             || is_in_unit
@@ -115,6 +124,7 @@ impl Unknown {
             || !near(title).is_empty()
             || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
             || self.column.is_some() && repeats_value(title) && !self.counts_or_flags()
+            || self.column.is_none() && (is_again(title) || repeats_value(title) && values.len() > 1)
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.
@@ -126,9 +136,9 @@ impl Unknown {
             || self.title.is_empty() && speaks_of_value(&text)
     }
 
-    /// Whether it is a column whose numbers have the decimals of measured values.
-    fn is_fine_column(&self) -> bool {
-        self.column.is_some() && self.cells.iter().filter(|cell| cell.is_number()).all(Cell::is_fine)
+    /// Whether its numbers have the decimals of measured values.
+    fn is_fine(&self) -> bool {
+        self.cells.iter().filter(|cell| cell.is_number()).all(Cell::is_fine)
     }
 
     /// Whether a line goes on with the name of a measurement: `lot 2: rack pitch 212 µm`.

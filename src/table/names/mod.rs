@@ -11,9 +11,9 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use near::{is_context, is_gear_size, near};
+pub(crate) use near::{is_context, is_gear_size, is_total, near, says_deviation};
 pub(crate) use role::{
-    has_stated_unit, is_evaluation_length, is_statistic, lies_within, repeats_value, role, stands_before_unit,
+    has_stated_unit, is_again, is_evaluation_length, is_statistic, lies_within, repeats_value, role, stands_before_unit,
 };
 pub(crate) use unit::split_unit;
 
@@ -226,9 +226,9 @@ fn without_roller(name: &str) -> &str {
     if is_size || behind == "mdr" { before.trim_end() } else { name }
 }
 
-/// Whether it speaks of F_p, which adds up what f_p is of a single tooth.
+/// Whether it speaks of F_p, which adds up what f_p is of a single tooth; in capitals, it may be either.
 fn has_total_pitch(name: &str) -> bool {
-    name.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "Fp" | "F_p"))
+    name.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "Fp" | "F_p" | "FP" | "F_P"))
 }
 
 /// What each word means beside the others; `None` if one has no meaning in a heading. `M` beside a name is one, too: of

@@ -4,7 +4,7 @@ use super::role::is_statistic;
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
 use super::words::Words;
-use super::{Field, bare, heading, needs_part, of_pinion, of_rack, without_ordinal};
+use super::{Field, bare, has_total_pitch, heading, needs_part, of_pinion, of_rack, without_ordinal};
 use crate::deviation::DeviationKind;
 
 /// The longest known phrase, in words.
@@ -36,6 +36,24 @@ pub(crate) fn is_context(text: &str) -> bool {
     let says_it = |word: &&Entry| !is_open(word) && word.senses.iter().any(|sense| is_of_context(*sense));
     let silent = |word: &&Entry| word.senses.iter().any(|sense| is_silent(*sense) && *sense != Sense::Other);
     known.iter().any(says_it) && known.iter().all(|word| says_it(word) || silent(word))
+}
+
+/// Whether a name is that of a total over all teeth, such as F_p or F_r.
+pub(crate) fn is_total(text: &str) -> bool {
+    has_total_pitch(text) || says(text, Sense::Total)
+}
+
+/// Whether a name says that it is a deviation.
+pub(crate) fn says_deviation(text: &str) -> bool {
+    says(text, Sense::Deviation)
+}
+
+/// Whether one of the words of a name has a sense.
+fn says(text: &str, sense: Sense) -> bool {
+    let words = Words::of(&name_of(text));
+    let has = |known: Vec<&'static Entry>| known.iter().any(|word| word.senses.contains(&sense));
+    let of_token = |token: &String| Words::of_tokens(vec![token.clone()]).known().is_some_and(has);
+    words.known().is_some_and(has) || words.tokens.iter().any(of_token)
 }
 
 /// Whether a name is known to be a size of the gear, such as its module or the diameter of the roller.

@@ -2,7 +2,7 @@
 
 use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::{Role, Sense, VOCABULARY};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY};
 use super::words::Words;
 use super::{Field, bare};
 
@@ -71,11 +71,25 @@ pub(crate) fn lies_within(name: &str) -> bool {
     VOCABULARY.means.contains(&plain(name).as_str())
 }
 
-/// Whether a column is called a value, once more or in place of another: `Istwert`, `Messung 2`, `2. Messung`, `Wdh.`.
+/// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`.
 pub(crate) fn repeats_value(title: &str) -> bool {
     let (name, _) = split_unit(title);
     let name = name.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'));
-    role(name) == Some(Role::Measured) || VOCABULARY.again.contains(&plain(name).as_str())
+    matches!(role(name), Some(Role::Measured | Role::Deviation)) || is_again(name) || names_flank(name)
+}
+
+/// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
+pub(crate) fn is_again(name: &str) -> bool {
+    VOCABULARY.again.contains(&plain(name).as_str())
+}
+
+/// Whether a title says of which flank a value is, and nothing else.
+fn names_flank(name: &str) -> bool {
+    let known = Words::of(name).known().unwrap_or_default();
+    let is_side = |word: &&&Entry| word.senses.iter().any(|sense| matches!(sense, Sense::Left | Sense::Right));
+    let is_filling = |word: &&Entry| word.senses.contains(&Sense::Filling);
+    let sides = known.iter().filter(is_side).count();
+    sides > 0 && known.iter().all(|word| is_side(&word) || is_filling(word)) && name.chars().count() > 1
 }
 
 /// The name of a row without a mark behind it, in small letters.

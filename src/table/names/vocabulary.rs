@@ -82,6 +82,8 @@ pub(super) enum Sense {
     Filling,
     /// What no error is called.
     Context,
+    /// It adds up over the teeth.
+    Total,
     /// What a gear is, rather than what is wrong with it.
     Gear,
     /// It looks like a known word and is none.
@@ -118,6 +120,7 @@ impl Sense {
             Self::Near(_)
                 | Self::Least
                 | Self::Context
+                | Self::Total
                 | Self::Gear
                 | Self::Other
                 | Self::Role(_)

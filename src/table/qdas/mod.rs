@@ -119,8 +119,19 @@ pub struct Qdas {
     pub characteristics: Vec<Characteristic>,
     /// The values that do not count, by their attribute, in the order of their first lines.
     pub left_out: Vec<LeftOut>,
+    /// What is remarked on values (K0009).
+    pub remarks: Vec<Remark>,
     sources: Vec<Arc<Source>>,
     part_names: Vec<String>,
+}
+
+/// A remark on a value (K0009).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Remark {
+    /// Its line.
+    pub line: u32,
+    /// What it says.
+    pub text: String,
 }
 
 /// Values that an attribute (K0002) marks as none.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::definition::{Definition, NUMBERS, Said};
-use super::{Characteristic, LeftOut, PartDefinition, Qdas, Value};
+use super::{Characteristic, LeftOut, PartDefinition, Qdas, Remark, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::parse_f64;
 use crate::table::number::{DecimalMark, normalise};
@@ -54,6 +54,7 @@ struct Reader {
     part_names: Vec<String>,
     /// By attribute.
     left_out: BTreeMap<String, LeftOut>,
+    remarks: Vec<Remark>,
 }
 
 /// One line with a key.
@@ -247,6 +248,9 @@ impl Reader {
         } else {
             0
         };
+        if line.key == 9 && !text.is_empty() {
+            self.remarks.push(Remark { line: number, text: text.to_owned() });
+        }
         let indices = if line.index == 0 { 1..=self.drafts.len() } else { line.index..=line.index };
         self.work(indices.clone().count(), line)?;
         let counts = line.key != 2 || counts(text);
@@ -380,6 +384,7 @@ impl Reader {
         Ok(Qdas {
             characteristics: self.characteristics,
             left_out,
+            remarks: self.remarks,
             parts: self.parts,
             sources: self.sources,
             part_names: self.part_names,

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use super::headings::{Named, headings, is_part_name, says_no_part};
+use super::headings::{Named, PartNames, headings, is_part_name, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
@@ -54,8 +54,12 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
     let may_be_header = |record: &Record| record.numbers() == 0 || numbers_parts(record);
     records.iter().enumerate().filter(|(_, record)| may_be_header(record)).find_map(|(header, record)| {
         let is_ignored = |cell: &Cell| want.ignores(&cell.text());
-        let mut roles: Vec<_> =
-            record.cells.iter().map(|cell| role(&cell.text()).filter(|_| !is_ignored(cell))).collect();
+        // a part in a series is none that is called by its letters: K1, K2, K3
+        let is_of_series = |place: usize| is_called_like_another(&record.cells, place);
+        let role_of = |(place, cell): (usize, &Cell)| {
+            role(&cell.text()).filter(|role| !is_ignored(cell) && !(role.is_beside_value() && is_of_series(place)))
+        };
+        let mut roles: Vec<_> = record.cells.iter().enumerate().map(role_of).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
         let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
@@ -85,7 +89,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
-                    && !is_statistic(&title)
+                    && (!is_statistic(&title) || is_called_like_another(&record.cells, *place))
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
                     && !is_ignored(&record.cells[*place])
@@ -93,7 +97,17 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                         || is_called_like_another(&record.cells, *place)
                         || rows.iter().any(has_numbers))
             };
-            (0..roles.len()).filter(is_part).collect()
+            let found: Vec<usize> = (0..roles.len()).filter(is_part).collect();
+            // one of which nothing was measured is called like the others
+            let names = PartNames::of(found.iter().map(|place| &record.cells[*place]));
+            let is_like = |place: &usize| {
+                let title = record.cells[*place].text();
+                *place != name
+                    && roles[*place].is_none()
+                    && names.may_have(&title)
+                    && !is_ignored(&record.cells[*place])
+            };
+            (0..roles.len()).filter(|place| found.contains(place) || !found.is_empty() && is_like(place)).collect()
         };
         let is_known = |row: &&usize| heading(&records[**row].cells[name].text(), &want.own).is_some();
         let known = rows.iter().filter(is_known).count();
@@ -150,9 +164,16 @@ fn numbers_parts(record: &Record) -> bool {
 fn is_called_like_another(header: &[Cell], place: usize) -> bool {
     let stem = |cell: &Cell| cell.text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
     let own = stem(&header[place]);
-    has_digit(&header[place].text())
-        && !own.is_empty()
-        && header.iter().enumerate().any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
+    let is_letter = |cell: &Cell| cell.text().chars().count() == 1 && cell.text().chars().all(char::is_alphabetic);
+    // R, S, T, U
+    let is_of_letters = is_letter(&header[place]) && header.iter().filter(|cell| is_letter(cell)).count() > 2;
+    is_of_letters
+        || has_digit(&header[place].text())
+            && !own.is_empty()
+            && header
+                .iter()
+                .enumerate()
+                .any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
 }
 
 /// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
@@ -171,7 +192,9 @@ pub(crate) fn by_characteristic(
     let header = &records[found.header];
     let is_ragged = |row: &&usize| {
         let record = &records[**row];
-        record.filled().len() > header.cells.len() || is_shifted(header.start, &header.cells, record, separator)
+        is_cut(record, header, separator, want)
+            || record.filled().len() > header.cells.len()
+            || is_shifted(header.start, &header.cells, record, separator)
     };
     if let Some(row) = found.rows.iter().find(is_ragged) {
         return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
@@ -200,7 +223,11 @@ pub(crate) fn by_characteristic(
     for (name, named) in names.iter().zip(named) {
         let rows = &rows_of[name.text().as_ref()];
         let Some(named) = named else {
-            let cells = rows.iter().flat_map(|row| found.values_of(row)).collect();
+            let mut cells: Vec<Cell> = rows.iter().flat_map(|row| found.values_of(row)).collect();
+            if !cells.iter().any(Cell::is_number) {
+                // where a separator is lost, the value stands behind the name
+                cells.extend(name.text().split_whitespace().next_back().map(|last| Cell::of_text(last, 0..0)));
+            }
             let unit = reading.unit_of_rows(rows).ok().flatten();
             shape.unknown.push(Unknown { unit, ..Unknown::line(&name.text(), rows[0].line, cells).measured(true) });
             continue;
@@ -220,6 +247,16 @@ pub(crate) fn by_characteristic(
     let strangers = (0..records.len()).filter(|index| *index != found.header && !found.rows.contains(index));
     shape.asides = strangers.map(|index| &records[index]).filter(|record| !record.says_nothing()).map(aside).collect();
     Ok(shape)
+}
+
+/// Whether the row of a known name has fewer cells than the header, so that values may be those of other columns; behind tabs,
+/// cells at the end may be empty.
+fn is_cut(record: &Record, header: &Record, separator: Separator, want: &Want) -> bool {
+    let is_even = matches!(separator, Separator::Character(byte) if byte != b'\t');
+    let is_known = || record.cells.iter().any(|cell| names_value(&cell.text(), &want.own));
+    // a line of Markdown ends with a bar
+    let expected = if separator == Separator::Character(b'|') { header.cells.len() } else { header.filled().len() };
+    is_even && record.cells.len() < expected && is_known()
 }
 
 impl Characteristics {

@@ -120,7 +120,11 @@ pub(super) fn says_no_part(text: &str) -> bool {
     let is_none = |text: &str| {
         matches!(role(text), Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty))
     };
-    is_none(text) || text.split_whitespace().any(is_none)
+    // Soll-Ist, |Abw.|
+    let is_word = |word: &&str| word.chars().count() > 2;
+    is_none(text)
+        || text.split_whitespace().any(is_none)
+        || text.split(|c: char| !c.is_alphanumeric()).filter(is_word).any(is_none)
 }
 
 /// What the names of a table's parts look like.
@@ -144,6 +148,15 @@ impl PartNames {
     /// Whether a text may be one more of them, though nothing stands beside it.
     pub(crate) fn may_have(&self, name: &str) -> bool {
         self.are_like(name) && !name.contains(':') && !is_context(name) && !is_statistic(name) && !is_missing(name)
+    }
+
+    /// Whether a line begins with what may be one of them, or with a word for parts and such a name: `B liegt`, `Teil C`.
+    pub(crate) fn begin(&self, line: &str) -> bool {
+        let mut words = line.split_whitespace().peekable();
+        if words.peek().is_some_and(|word| is_part_name(word)) {
+            words.next();
+        }
+        words.next().is_some_and(|word| self.may_have(word))
     }
 
     /// Whether one of them is as long as a text, and has digits as it has them.

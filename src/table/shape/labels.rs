@@ -5,7 +5,7 @@ use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{Field, Role, heading, names_value, role};
+use crate::table::names::{Field, Role, heading, is_context, is_statistic, names_value, role};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -27,8 +27,15 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let says_it = |cell: &&Cell| says_no_part(&cell.text());
     // a line of names has as many cells as the lines below it
     let names = above.last().filter(|record| record.cells.len() == records[labels[0]].cells.len());
+    let is_of_names = |names: &&Record| names.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name));
+    let is_other = |cell: &&Cell| {
+        let title = cell.text();
+        is_statistic(&title) || is_context(&title) && !is_part_name(&title) && !has_digit(&title)
+    };
+    let of_characteristics = names.filter(is_of_names).and_then(|names| names.cells.iter().skip(1).find(is_other));
     let heading = names
         .and_then(|names| names.cells.iter().skip(1).find(says_it))
+        .or(of_characteristics)
         .or_else(|| above.iter().flat_map(|record| &record.cells).find(says_all))?;
     Some(NoShape::NoPart { heading: heading.clone() })
 }
