@@ -262,7 +262,9 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
-                if matches!(field, PlainField::Remark) && text.iter().any(u8::is_ascii_digit) {
+                let is_remark =
+                    matches!(field, PlainField::Remark | PlainField::Label) && self.setup.remarks.contains(&index);
+                if is_remark && text.iter().any(u8::is_ascii_digit) {
                     return None;
                 }
                 let says_what = matches!(field, PlainField::Id | PlainField::Label);

@@ -138,7 +138,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names, measured: Some(&measured) };
     for unknown in shape.unknown.iter().filter(is_remark) {
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
-        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
+        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_number() || cell.text().contains(' '));
         let mut values = cells.filter_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
         if let Some(value) = values.next() {
             sorted.take(file, &value, want, others);

@@ -17,7 +17,11 @@ use crate::table::want::Want;
 
 /// The lines of such blocks put together: one for each name, with a value for each part behind it; other records as they are.
 pub(super) fn with_parts_side_by_side<'r>(records: &'r [Record], want: &Want) -> Cow<'r, [Record]> {
-    let is_start = |record: &Record| record.cells.len() == 2 && is_part_name(&record.cells[0].text());
+    let is_start = |record: &Record| {
+        record.cells.len() == 2
+            && is_part_name(&record.cells[0].text())
+            && !names_value(&record.cells[1].text(), &want.own)
+    };
     let Some(first) = records.iter().position(is_start) else { return records.into() };
     let blocks: Vec<&[Record]> = records[first..].chunk_by(|_, next| !is_start(next)).collect();
     let starts_alike = |block: &&[Record]| name(&block[0]) == name(&records[first]);

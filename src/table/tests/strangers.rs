@@ -96,7 +96,7 @@ fn the_user_leaves_out_what_no_rule_may() {
         refused
             .help
             .unwrap()
-            .ends_with("others = \"ignore\" holds once every error of the spec is found, and rack_pitch is not")
+            .ends_with("others = \"ignore\" leaves it out once [batch.columns] names the column of rack_pitch")
     );
 }
 
