@@ -138,7 +138,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names, measured: Some(&measured) };
     for unknown in shape.unknown.iter().filter(is_remark) {
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
-        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_number() || cell.text().contains(' '));
+        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_number() || has_words(cell));
         let mut values = cells.filter_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
         if let Some(value) = values.next() {
             sorted.take(file, &value, want, others);
@@ -288,6 +288,11 @@ pub(crate) fn value_in(
     let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// Whether words stand behind the number of a cell: `419 neu 25,060`.
+fn has_words(cell: &Cell) -> bool {
+    cell.text().split_whitespace().count() > 2
 }
 
 /// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.

@@ -163,7 +163,7 @@ fn characteristics_that_contradict_themselves() {
         ),
         (
             "part;id;actual;unit\n1;rack_pitch;0.016;mm\n2;rack_pitch;17;um\n",
-            "block:3:1: error[bad-table]: line 3: the unit here is another than",
+            "block:3:1: error[bad-table]: line 3: nothing tells one unit",
         ),
         (
             "Merkmal;Ist;Einheit\nTeilung Zahnstange;3;\n",
