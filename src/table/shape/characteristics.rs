@@ -57,7 +57,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         // a part in a series is none that is called by its letters: K1, K2, K3
         let is_of_series = |place: usize| is_called_like_another(&record.cells, place);
         let role_of = |(place, cell): (usize, &Cell)| {
-            role(&cell.text()).filter(|role| !is_ignored(cell) && !(role.is_beside_value() && is_of_series(place)))
+            role(&cell.text()).filter(|role| !(is_ignored(cell) || role.is_beside_value() && is_of_series(place)))
         };
         let mut roles: Vec<_> = record.cells.iter().enumerate().map(role_of).collect();
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
