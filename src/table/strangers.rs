@@ -138,7 +138,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     let remarks = Remarks { columns, width: shape.header.len(), of_parts: &names, measured: Some(&measured) };
     for unknown in shape.unknown.iter().filter(is_remark) {
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
-        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_number() || has_words(cell));
+        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
         let mut values = cells.filter_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
         if let Some(value) = values.next() {
             sorted.take(file, &value, want, others);
@@ -164,7 +164,10 @@ impl Remarks<'_> {
         let names = LineNames { of_parts: self.of_parts, is_above: false };
         let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
         let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
-        let value = value_in(&remark, self.width, self.columns, Some(&names)).filter(may_be_value);
+        // of a number with a word behind it, what is near a nominal value counts
+        let is_prose = !cell.is_number() || cell.is_measure() || has_words(cell);
+        let value =
+            value_in(&remark, self.width, self.columns, Some(&names)).filter(|value| is_prose && may_be_value(value));
         let value = value.or_else(|| value_beyond(&remark, self.measured?, false))?;
         let place = format!("{column}, {}", value.place);
         Some(Unknown { place, ..value })
