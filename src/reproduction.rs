@@ -9,7 +9,8 @@
 //! rms: that agreement confirms nothing, and any other pair with those values is as good ([`pair`]).
 
 use crate::deviation::{
-    DeviationError, DeviationValue, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+    DeviationError, DeviationValue, FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
+    ToothRange,
 };
 use crate::formula::{Law, Model};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
@@ -24,8 +25,6 @@ pub const PRESSURE_ANGLE: &str = "19.9°";
 pub const FACE_WIDTH: &str = "19.7 mm";
 /// How far the axis of the rack's cylindrical joint lies below the reference plane, mm; chosen.
 pub const ROLL_AXIS_DEPTH_MM: f64 = 8.0;
-/// The first rack tooth with an error: its space comes under the pinion near 22 mm, the first contact near 15 mm.
-pub const FIRST_ODD_TOOTH: i64 = 4;
 
 /// Which error a table is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -170,7 +169,7 @@ impl Printed {
             PaperTable::Lead => vec![RackDeviationKind::Lead(self.error.parse::<Angle>()?.radians())],
             PaperTable::OverRoller => vec![RackDeviationKind::OverRoller(self.error.parse::<Length>()?.mm())],
         };
-        let teeth = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
+        let teeth = ToothRange::starting_at(FIRST_ODD_TOOTH);
         let deviations: Vec<_> = kinds.into_iter().map(|kind| RackDeviation { teeth, kind }).collect();
         Ok(RackFlanks::new(pair, &deviations)?)
     }

@@ -10,7 +10,7 @@ use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
+use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
@@ -118,7 +118,7 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
         Origin::Errors => {
             let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
             format!(
-                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one \
+                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth {FIRST_ODD_TOOTH}.., the pinion's pitch as one \
                  step half way round{lead}"
             )
         }

@@ -143,7 +143,7 @@ impl DeviationValue {
         match self {
             Self::Length(length) => length.mm(),
             Self::Angle(angle) => angle.degrees(),
-            Self::Slope(slope) => trig::atan(slope) * (180.0 / std::f64::consts::PI),
+            Self::Slope(slope) => trig::atan(slope).to_degrees(),
         }
     }
 

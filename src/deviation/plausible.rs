@@ -16,7 +16,7 @@
 
 use std::fmt;
 
-use super::DeviationValue;
+use super::{DeviationValue, MAX_LEAD_RAD};
 use crate::quantity::{Angle, Length};
 
 /// A whole number of millimetres.
@@ -30,8 +30,6 @@ const MUCH: Length = mm(1);
 const MUCH_OF_MODULE: i64 = 4;
 /// From here on a lead error is suspicious, degrees.
 const MUCH_LEAD: f64 = 2.0;
-/// A lead error above this is impossible, degrees.
-const LARGEST_LEAD: f64 = 45.0;
 /// A pressure angle below this is suspicious, degrees.
 const SMALL_PRESSURE_ANGLE: f64 = 5.0;
 /// A pressure angle below this is impossible, degrees.
@@ -69,7 +67,7 @@ impl Reach {
     /// What a deviation can be; any length where the module is not known.
     #[must_use]
     pub fn possible(module: Option<Length>) -> Self {
-        Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(LARGEST_LEAD), slope: 1.0 }
+        Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(MAX_LEAD_RAD.to_degrees()), slope: 1.0 }
     }
 
     /// What a deviation is below unless it is suspicious.

@@ -1,6 +1,6 @@
 //! The law of each kind of error: how ΔCD follows from the error, and the error from ΔCD.
 //!
-//! The only place with a gain. `eval`, tables, budgets, uncertainties and simulations all call it.
+//! The only place with the gain of an error. `eval`, tables, budgets, uncertainties and simulations all call it.
 //!
 //! | shape | ΔCD | errors |
 //! |---|---|---|

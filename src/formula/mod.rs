@@ -118,7 +118,7 @@ impl Sensitivity {
 
     /// Degrees are the unit of angles here, radians that of derivatives: ∂/∂degree = π/180 ∂/∂radian.
     fn by_angle(input: Input, per_radian: f64) -> Self {
-        Self::new(input, per_radian * (std::f64::consts::PI / 180.0))
+        Self::new(input, per_radian * law::RADIANS_PER_DEGREE)
     }
 }
 

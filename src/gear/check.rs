@@ -87,6 +87,21 @@ const THIN_TIP: f64 = 0.2;
 /// Gains above this deserve a warning: 1.4 is usual, 2.9 that of the steepest flanks in use (10°).
 const SENSITIVE: f64 = 3.0;
 
+/// ΔCD, mm, of a tooth that is thicker by so much in the normal section of the rack, t / (2 tan α_n); of a pinion tooth, cos β_p
+/// times its arc at the reference circle counts.
+#[must_use]
+pub fn thickness_offset_mm(thicker_mm: f64, tan_alpha: f64) -> f64 {
+    0.5 * thicker_mm / tan_alpha
+}
+
+/// Smallest profile shift at which a rack cutter with this addendum leaves no undercut on a pinion with this reference
+/// radius: x = (h_a − r sin² α_t) / m_n. Lengths in mm.
+#[must_use]
+pub fn undercut_limit(addendum: f64, reference_radius: f64, transverse_pressure_angle_rad: f64, module: f64) -> f64 {
+    let sin_t = trig::sin(transverse_pressure_angle_rad);
+    (addendum - reference_radius * sin_t * sin_t) / module
+}
+
 impl Pair {
     /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the
     /// condition number of the exact mesh by its flanks, 1 / (2 tan α_n).
@@ -95,12 +110,12 @@ impl Pair {
         0.5 / trig::tan(self.normal_pressure_angle_rad())
     }
 
-    /// Smallest profile shift at which a rack cutter with this rack's addendum leaves no undercut:
-    /// x = (h_a − r sin² α_t) / m_n.
+    /// [`undercut_limit`] for this rack's addendum.
     #[must_use]
     pub fn undercut_limit(&self) -> f64 {
-        let sin_t = trig::sin(self.pinion().transverse_pressure_angle_rad);
-        (self.rack().addendum_mm - self.pinion().reference_radius_mm * sin_t * sin_t) / self.normal_module_mm()
+        let p = self.pinion();
+        let (addendum, module) = (self.rack().addendum_mm, self.normal_module_mm());
+        undercut_limit(addendum, p.reference_radius_mm, p.transverse_pressure_angle_rad, module)
     }
 
     /// Roll angle τ at which the rack's tip plane meets the line of action at a = a_0:

@@ -25,7 +25,7 @@ mod pair;
 
 #[cfg(test)]
 pub(crate) use check::tests::example;
-pub use check::{ContactRatio, GeometryWarning};
+pub use check::{ContactRatio, GeometryWarning, thickness_offset_mm, undercut_limit};
 pub use data::{PairData, PinionData, RackData};
 pub use error::{GeometryError, Quantity};
 pub use hand::Hand;

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
 use super::evaluation::interval_text;
-use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
+use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
 use crate::deviation::Part;
@@ -182,7 +182,7 @@ impl MeshReport<'_> {
                 "tooth_to_tooth_mm": tidy(summary.tooth_to_tooth_mm),
                 "largest_rate": tidy(summary.largest_rate),
                 "transmission_error_mm": tidy(summary.transmission_error_mm),
-                "transmission_error_deg": tidy(summary.transmission_error_rad * DEGREES_PER_RADIAN),
+                "transmission_error_deg": tidy(summary.transmission_error_rad.to_degrees()),
             })
         });
         let (lower, upper) = self.prediction.range_mm();
@@ -273,7 +273,7 @@ impl MeasureReport {
         let columns = ["space"].into_iter().chain(over_pin).chain(DEVIATIONS).collect();
         let row = |reading: &RackReading| {
             let over_pin = datum_mm.map(|datum| datum + reading.over_pin_mm);
-            let lead_deg = reading.lead_rad * DEGREES_PER_RADIAN;
+            let lead_deg = reading.lead_rad.to_degrees();
             let deviations =
                 [reading.height_deviation_mm, reading.position_mm, reading.position_deviation_mm, lead_deg];
             (reading.space, over_pin.into_iter().chain(deviations).collect())

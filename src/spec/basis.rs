@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::{Spec, keys, said_of};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::gear::{thickness_offset_mm, undercut_limit};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth, OwnCurve};
 use crate::quantity::Length;
 use crate::trig;
@@ -80,7 +81,7 @@ impl Spec {
         if thicker == 0.0 {
             return Some(0.0);
         }
-        Some(0.5 * thicker / trig::tan_of(self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?))
+        Some(thickness_offset_mm(thicker, trig::tan_of(self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?)))
     }
 
     /// Whether the rack's tips reach below the pinion's involute; `None` if that is not known.
@@ -89,9 +90,9 @@ impl Spec {
         let pressure_angle = self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?;
         let cos_p = trig::sin_cos_of(self.or_zero(keys::PINION_HELIX_ANGLE)).1;
         let radius = 0.5 * module * f64::from(self.get(keys::PINION_TEETH)?) / cos_p;
-        let sin_t = trig::sin(trig::atan2(trig::tan_of(pressure_angle), cos_p));
+        let transverse = trig::atan2(trig::tan_of(pressure_angle), cos_p);
         let addendum = self.get(keys::RACK_ADDENDUM)?.mm();
-        Some(addendum - self.or_zero(keys::PINION_PROFILE_SHIFT) * module > radius * sin_t * sin_t)
+        Some(self.or_zero(keys::PINION_PROFILE_SHIFT) < undercut_limit(addendum, radius, transverse, module))
     }
 
     /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and

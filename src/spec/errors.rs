@@ -255,7 +255,7 @@ fn read_error_table(
                 Ok(tangent) => {
                     // d(atan(f/L))/df = L/(L² + f²)
                     let (f, l) = (slope.mm(), over.mm());
-                    let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
+                    let degrees_per_mm = l.to_degrees() / (l * l + f * f);
                     reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
                     Some(WrittenError::Value(tangent))
                 }

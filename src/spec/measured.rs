@@ -8,7 +8,7 @@ use crate::deviation::{DeviationValue, Part, pitch_steps};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::quantity::Length;
+use crate::quantity::{FM_PER_MM, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
 
@@ -88,7 +88,7 @@ impl Spec {
         };
         let beta = self.or_zero(keys::RACK_HELIX_ANGLE);
         let pitch_mm = std::f64::consts::PI * module.mm() / trig::sin_cos_of(beta).1;
-        Length::nearest(pitch_mm * 1e12, "the pitch")
+        Length::nearest(pitch_mm * FM_PER_MM, "the pitch")
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 

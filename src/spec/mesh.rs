@@ -9,8 +9,8 @@ use super::resolve::Problems;
 use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
-    DeviationError, DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
-    PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
+    DeviationError, DeviationKind, DeviationValue, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind,
+    PinionFlanks, PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
     pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -73,10 +73,6 @@ pub struct MeshInput {
     /// The first tooth of a measured pinion of which something was not measured.
     pub unmeasured_tooth: Option<i64>,
 }
-
-/// The first rack tooth with a pitch or lead error that `[errors]` gives as one value: teeth before it are
-/// sound, as in the paper's model.
-const FIRST_ODD_TOOTH: i64 = 4;
 
 impl MeshInput {
     /// The strokes at which a deviated tooth can carry.
@@ -156,7 +152,7 @@ impl Spec {
     /// The mesh of the pair with everything that the spec says is wrong with it.
     ///
     /// Without deviations per tooth, the values in `[errors]` are put on the teeth: over-roller and radial
-    /// errors on all of them, the rack's pitch and lead errors on the teeth from number 4 on, the pinion's
+    /// errors on all of them, the rack's pitch and lead errors on the teeth from [`FIRST_ODD_TOOTH`] on, the pinion's
     /// pitch error as one step half way round, its lead error on all of its teeth.
     ///
     /// # Errors
@@ -446,8 +442,8 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
 
 /// One value per error, put on the teeth as the formulas understand them.
 fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
-    let later = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
-    let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
+    let later = ToothRange::starting_at(FIRST_ODD_TOOTH);
+    let half_turn = ToothRange::starting_at(i64::from(pair.pinion().teeth / 2));
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     let mut on_rack = |teeth, kind| rack.push(RackDeviation { teeth, kind });
     let mut on_pinion = |teeth, kind| pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }));

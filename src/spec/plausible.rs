@@ -230,7 +230,7 @@ fn length(mm: f64) -> Option<DeviationValue> {
 }
 
 fn angle(rad: f64) -> Option<DeviationValue> {
-    Angle::from_degrees(rad * (180.0 / std::f64::consts::PI)).ok().map(DeviationValue::Angle)
+    Angle::from_degrees(rad.to_degrees()).ok().map(DeviationValue::Angle)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::deviation::{self, DeviationKind};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
-use crate::gear::PairData;
+use crate::gear::{PairData, thickness_offset_mm};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, Range};
 use crate::quantity::Length;
@@ -197,7 +197,7 @@ fn resized(source: Source) -> Option<fn(&mut PairData, f64)> {
 /// ΔCD, mm, at which a pair of unknown geometry stays whose rack teeth have a given thickness, (s_n − π m_n / 2) / (2 tan α_n);
 /// the angle in degrees.
 fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
-    0.5 * (thickness_mm - FRAC_PI_2 * module_mm) / trig::tan(alpha * RADIANS_PER_DEGREE)
+    thickness_offset_mm(thickness_mm - FRAC_PI_2 * module_mm, trig::tan(alpha * RADIANS_PER_DEGREE))
 }
 
 /// What a source does to [`own_delta_cd_mm`], per mm or degree: nothing if the geometry is known, which then tells.
