@@ -13,9 +13,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rackmesh::deviation::{
-    FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
-};
+use rackmesh::deviation::{FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use rackmesh::formula::{Law, Model};
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Mesh, Support};

@@ -88,6 +88,7 @@ impl JudgeArgs {
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
+        evaluation.rule = self.rule(spec);
         if evaluation.combined.interval(self.stack).is_err() {
             // what is open has no uncertainty
             return Ok((evaluation, None));
@@ -102,7 +103,7 @@ impl JudgeArgs {
             teeth: &spec.teeth_sensitivities,
         };
         let known = self.known(&part, spec)?;
-        let rule = self.rule(spec);
+        let rule = evaluation.rule.clone();
         if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
             let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());

@@ -78,7 +78,6 @@ pub(super) fn evaluated<'a>(
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
     report.classes = spec.classes()?;
     report.notes.extend(spec.suspicions_in_words());
-    report.rule = judge.rule(spec);
     report.uncertainty = uncertainty;
     Ok(report)
 }

@@ -12,11 +12,12 @@ use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, JudgedMesh, MeshReport, Screen, noted};
+use crate::report::{Format, MeshReport, Screen, noted};
 use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -140,7 +141,7 @@ pub(super) fn solved<'a>(
     spec: &'a Spec,
     input: &'a MeshInput,
     curve: Curve,
-    judged: JudgedMesh,
+    evaluation: Evaluation,
 ) -> Result<MeshReport<'a>, Failure> {
     Ok(MeshReport {
         title: None,
@@ -150,7 +151,7 @@ pub(super) fn solved<'a>(
         listed: Vec::new(),
         prediction: prediction(input)?,
         limit: spec.limit_on(LimitTarget::CenterDistance),
-        judged,
+        evaluation,
         notes: notes(input),
         screen: Screen::default(),
     })
@@ -274,7 +275,7 @@ impl Args {
             }
             _ => output.report(&report, self.format).map(|()| None),
         };
-        let status = Status::of(report.judged.verdict, &report.judged.checks);
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         match listed {
             // the verdict is that of the curve, whoever reads the list
             Err(failure) if failure.is_closed_pipe() => Ok(status),

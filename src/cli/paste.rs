@@ -17,7 +17,7 @@ use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, FormulaAndMesh, JudgedMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
+    self, EvaluationReport, Format, FormulaAndMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
     UncertaintyPart, WithReading,
 };
 use crate::spec::{MeasuredTables, Spec};
@@ -225,7 +225,6 @@ impl Args {
                 let is_named = read.reading.columns.iter().any(|column| column.role == "part_id");
                 let title = if is_named { format!("part {name}") } else { self.block_name() };
                 let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
-                report.rule = self.judge.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
                 self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
@@ -375,14 +374,7 @@ impl Args {
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
         let curve = input.mesh.curve(covered.start, covered.end, 1e-6)?;
-        let of_mesh = JudgedMesh {
-            range: judged.range,
-            by: judged.by,
-            checks: judged.limits,
-            rule: self.judge.rule(spec),
-            verdict: judged.verdict,
-        };
-        let mut solved = mesh::solved(spec, &input, curve, of_mesh)?;
+        let mut solved = mesh::solved(spec, &input, curve, judged.evaluation)?;
         solved.screen = output.screen();
         solved.notes.extend(judge.notes().into_iter().chain(judged.notes));
         if is_rack {
@@ -393,7 +385,7 @@ impl Args {
         }
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
         self.report(&Shown { report: &both, ..shown }, read, output)?;
-        Ok(Status::of(solved.judged.verdict, &solved.judged.checks))
+        Ok(Status::of(solved.evaluation.verdict, &solved.evaluation.limits))
     }
 }
 

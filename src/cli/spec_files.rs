@@ -12,17 +12,7 @@ use crate::table::{self, Source, Teeth};
 /// Why there is no solution.
 impl From<MeshError> for Failure {
     fn from(error: MeshError) -> Self {
-        let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
-        let help = match error {
-            MeshError::NoContact { .. } => {
-                "check the diameters, the addendum and the deviations: the teeth do not reach each other"
-            }
-            MeshError::TipOnTip { .. } => {
-                "check the tooth thicknesses and the deviations: the teeth are wider than the spaces"
-            }
-            _ => return diagnostic.into(),
-        };
-        diagnostic.help(help).into()
+        Diagnostic::from(error).into()
     }
 }
 

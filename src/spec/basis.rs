@@ -7,10 +7,10 @@ use super::{Spec, keys, said_of};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::gear::{thickness_offset_mm, undercut_limit};
-use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth, OwnCurve};
+use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, OwnCurve};
 use crate::quantity::Length;
 use crate::trig;
-use crate::uncertainty::{Source, TeethSensitivity};
+use crate::uncertainty::Source;
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
@@ -93,19 +93,6 @@ impl Spec {
         let transverse = trig::atan2(trig::tan_of(pressure_angle), cos_p);
         let addendum = self.get(keys::RACK_ADDENDUM)?.mm();
         Some(self.or_zero(keys::PINION_PROFILE_SHIFT) < undercut_limit(addendum, radius, transverse, module))
-    }
-
-    /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and
-    /// how that follows from what is uncertain: see [`Spec::teeth_sensitivities`] and
-    /// [`Spec::certain_teeth`].
-    #[must_use]
-    pub fn with_known_teeth(
-        self,
-        known_teeth: KnownTeeth,
-        teeth_sensitivities: Vec<TeethSensitivity>,
-        teeth_taken_as_exact: Vec<DeviationKind>,
-    ) -> Self {
-        Self { known_teeth: Some(known_teeth), teeth_sensitivities, teeth_taken_as_exact, ..self }
     }
 
     /// Whether the teeth of a part are known one by one.

@@ -19,7 +19,7 @@ use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Qu
 use crate::judge::PlacedError;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, MeshError, Support};
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTeeth, RackSpaces};
 use crate::trig;
@@ -419,6 +419,35 @@ impl Spec {
             Quantity::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
             Quantity::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
             Quantity::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
+        }
+    }
+}
+
+impl From<MeshError> for Diagnostic {
+    fn from(error: MeshError) -> Self {
+        let diagnostic = Self::error(Code::NoMesh, error.to_string());
+        match error {
+            MeshError::NoContact { .. } => diagnostic
+                .help("check the diameters, the addendum and the deviations: the teeth do not reach each other"),
+            MeshError::TipOnTip { .. } => {
+                diagnostic.help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
+            }
+            _ => diagnostic,
+        }
+    }
+}
+
+impl From<MeshError> for Diagnostics {
+    fn from(error: MeshError) -> Self {
+        Diagnostic::from(error).into()
+    }
+}
+
+impl From<StrokesError> for Diagnostics {
+    fn from(error: StrokesError) -> Self {
+        match error {
+            StrokesError::Mesh(error) => error.into(),
+            other => Diagnostic::error(Code::NoMesh, other.to_string()).into(),
         }
     }
 }

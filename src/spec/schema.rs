@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::errors::{error_table_forms, is_of_a_part};
 use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use crate::deviation::{DeviationKind, Extent, Unit};
-use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
+use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
 use crate::uncertainty::Source;
 
@@ -165,7 +165,8 @@ fn length_text() -> Value {
 
 /// A length as text, behind what `sign` matches.
 fn length_pattern(sign: &str) -> String {
-    let units: Vec<_> = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).copied().collect();
+    let spellings = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
+    let units: Vec<_> = spellings.map(|spelling| spelling_pattern(spelling)).collect();
     format!(r"^\s*{sign}[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"))
 }
 

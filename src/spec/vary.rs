@@ -1,17 +1,19 @@
 //! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
 //! Solves nothing.
 
+use std::ops::Range;
+
 use super::value::Value;
 use super::{MeasuredTables, Spec, WrittenPinionDeviation};
 use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::bound::pinion_lead_angle_rad;
-use crate::judge::strokes::Extremes;
+use crate::judge::strokes::{extremes, tolerance_mm};
 use crate::mesh::Mesh;
 use crate::quantity::{Angle, DomainError, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
-use crate::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
+use crate::uncertainty::{Source, VariedTeeth, teeth_sensitivities};
 
 /// By how much a value is off at least, mm or degrees, so that a curve tells it.
 const LEAST: f64 = 1e-3;
@@ -48,32 +50,30 @@ impl Variable<'_> {
 }
 
 impl Spec {
-    /// How the extremes of known teeth follow from what is uncertain: of the mesh of this spec and its tables.
+    /// The same spec with what the teeth do that it or `tables` know one by one, without any other error: over `strokes`, by
+    /// `mesh`, which is that of both. With it how that follows from what is uncertain.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh), or if a stroke has no solution.
-    pub fn teeth_sensitivities(
-        &self,
+    pub fn with_known_teeth(
+        mut self,
         tables: &MeasuredTables,
         mesh: &Mesh,
-        extremes: &Extremes,
-        tolerance_mm: f64,
-    ) -> Result<Vec<TeethSensitivity>, Diagnostics> {
-        teeth_sensitivities(mesh, extremes, tolerance_mm, &self.varied(tables)?)
-            .map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
+        strokes: &[Range<f64>],
+    ) -> Result<Self, Diagnostics> {
+        let tolerance_mm = tolerance_mm(mesh);
+        let extremes = extremes(mesh, strokes, tolerance_mm)?;
+        self.teeth_sensitivities = teeth_sensitivities(mesh, &extremes, tolerance_mm, &self.varied(tables)?)?;
+        let known = self.known_of_teeth(tables).into_iter();
+        self.teeth_taken_as_exact = known.filter(|kind| !self.is_uncertain(*kind)).collect();
+        self.known_teeth = Some(extremes.judged(mesh));
+        Ok(self)
     }
 
     /// What this spec or its tables know of single teeth.
-    #[must_use]
-    pub fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
+    fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
         DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Source::Error(*kind)).is_empty()).collect()
-    }
-
-    /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
-    #[must_use]
-    pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        self.known_of_teeth(tables).into_iter().filter(|kind| !self.is_uncertain(*kind)).collect()
     }
 
     /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.

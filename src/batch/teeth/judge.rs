@@ -5,11 +5,10 @@ use std::ops::Range;
 
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
+use crate::evaluation::{Evaluation, evaluate};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, NoBound};
-use crate::judge::strokes::{extremes, tolerance_mm};
-use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
+use crate::judge::bound::Basis;
+use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
 use crate::uncertainty::{self, propagate};
 
@@ -37,14 +36,8 @@ pub struct TeethJudge {
 pub struct JudgedTeeth {
     /// From the first to the last stroke that was judged, mm.
     pub strokes: Range<f64>,
-    /// What is held against the limit.
-    pub range: Result<Interval, NoBound>,
-    /// Who says so.
-    pub by: JudgedBy,
-    /// One for each limit of the spec.
-    pub limits: Vec<LimitCheck>,
-    /// Of all limits; `None` without one, or if something is missing.
-    pub verdict: Option<Verdict>,
+    /// Its teeth with the errors of the other part, held against the limits of the spec.
+    pub evaluation: Evaluation,
     /// What was not measured though the spec asks for it, and what is taken as exact beside values that are uncertain.
     pub notes: Vec<String>,
 }
@@ -112,14 +105,8 @@ impl TeethJudge {
     /// # Errors
     /// Diagnostics if there are no strokes to judge, or one of them has no solution.
     pub fn judge(&self, input: &MeshInput, tables: &MeasuredTables) -> Result<JudgedTeeth, Diagnostics> {
-        let no_mesh = |message: String| Diagnostic::error(Code::NoMesh, message);
-        let strokes = input.judged_strokes().map_err(|error| no_mesh(error.to_string()))?;
-        let tolerance_mm = tolerance_mm(&input.mesh);
-        let extremes = extremes(&input.mesh, &strokes, tolerance_mm).map_err(|error| no_mesh(error.to_string()))?;
-        let spec = &self.measured_only;
-        let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, tolerance_mm)?;
-        let (known, certain) = (extremes.judged(&input.mesh), spec.certain_teeth(tables));
-        let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
+        let strokes = input.judged_strokes()?;
+        let spec = self.measured_only.clone().with_known_teeth(tables, &input.mesh, &strokes)?;
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);
         let mut evaluation = self.evaluated(&spec)?;
@@ -129,10 +116,7 @@ impl TeethJudge {
         let ends = strokes.first().zip(strokes.last());
         Ok(JudgedTeeth {
             strokes: ends.map_or(0.0..0.0, |(first, last)| first.start..last.end),
-            range: evaluation.combined.range,
-            by: evaluation.judged_by,
-            limits: evaluation.limits,
-            verdict: evaluation.verdict,
+            evaluation,
             notes: [self.note_of_unmeasured(&unmeasured), self.note_of_certain(&spec), note_of_spaces(tables)]
                 .into_iter()
                 .flatten()

@@ -81,8 +81,8 @@ const COLUMNS: [(&str, Column); 14] = [
     ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
     ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
-    ("lower_mm", Column::End(|solved| Some(solved.judged.range.ok()?.lower.mm()))),
-    ("upper_mm", Column::End(|solved| Some(solved.judged.range.ok()?.upper.mm()))),
+    ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.lower.mm()))),
+    ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.upper.mm()))),
     ("verdict", Column::Verdict),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
     ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
@@ -288,7 +288,7 @@ impl<'a> Teeth<'a> {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
-        let verdict = solved.judged.verdict;
+        let verdict = solved.judged.evaluation.verdict;
         self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
@@ -342,10 +342,11 @@ impl<'a> Teeth<'a> {
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
     fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where) -> Part {
-        let JudgedTeeth { range, verdict, .. } = &solved.judged;
+        let evaluation = &solved.judged.evaluation;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
-        let (lowest, highest) = range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
+        let (lowest, highest) =
+            evaluation.combined.range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
         let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - highest);
         let below = self.limit.and_then(|limit| limit.lower).map(|end| lowest - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);
@@ -355,7 +356,7 @@ impl<'a> Teeth<'a> {
             line: part.line,
             record: part.record,
             place: place.unit.in_words(part.line),
-            verdict: *verdict,
+            verdict: evaluation.verdict,
             margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
             result_mm: (lowest, highest),
@@ -368,7 +369,7 @@ impl<'a> Teeth<'a> {
         let cells = self.columns.iter().map(|(_, column)| match column {
             Column::Id => ResultCell::Text(part.name.as_bytes().into()),
             Column::Number(_) | Column::End(_) => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
-            Column::Verdict => match solved.judged.verdict {
+            Column::Verdict => match solved.judged.evaluation.verdict {
                 Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
                 None => ResultCell::Nothing,
             },
