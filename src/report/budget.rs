@@ -7,11 +7,11 @@ use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{ON_WORST_TEETH, class_fact, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
-use crate::budget::{Budget, Line, Rule};
+use crate::budget::{Budget, Line, Request, Summation};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
-use crate::formula::{Input, Model, Sensitivity};
+use crate::formula::{Input, Sensitivity};
 use crate::judge::class::ErrorClass;
-use crate::judge::{Interval, Limit, Stack, Verdict};
+use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 
 /// A budget with what it was asked for.
@@ -21,12 +21,8 @@ pub struct BudgetReport<'a> {
     pub title: Option<&'a str>,
     /// The budget.
     pub budget: &'a Budget,
-    /// The limit of ΔCD.
-    pub limit: &'a Limit,
-    /// How tolerances add up.
-    pub rule: Rule,
-    /// The formulas' reading.
-    pub model: Model,
+    /// What was asked for.
+    pub request: &'a Request,
     /// What fixed classes came to.
     pub classes: &'a [ErrorClass],
     /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
@@ -126,7 +122,8 @@ impl BudgetReport<'_> {
             };
             Shape::Bars(rows.map(bar).collect())
         };
-        let limits = [self.limit.lower, self.limit.upper].into_iter().flatten().map(Length::mm).collect();
+        let limits =
+            [self.request.limit.lower, self.request.limit.upper].into_iter().flatten().map(Length::mm).collect();
         Chart {
             title: self.title.unwrap_or("ΔCD by error").to_owned(),
             x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
@@ -147,20 +144,20 @@ impl BudgetReport<'_> {
     /// What the free tolerances add up to, in words.
     fn sentence(&self) -> String {
         let budget = self.budget;
-        match (&self.rule, &budget.simulated) {
-            (Rule::Simulation(settings), Some(simulated)) => format!(
+        match (&self.request.rule, budget.conforming) {
+            (Summation::Simulation(settings), Some(conforming)) => format!(
                 "{} % of {} random assemblies conform (at least {} % wanted; {} within tolerances; seed {})",
-                plain(percent(simulated.conforming)),
+                plain(percent(conforming)),
                 settings.draws,
                 plain(percent(settings.conforming)),
                 settings.spread.name(),
                 settings.seed
             ),
             (rule, _) => {
-                let stack = if *rule == Rule::Rss { Stack::Rss } else { Stack::Range };
+                let stack = if *rule == Summation::Rss { Stack::Rss } else { Stack::Range };
                 let interval = budget.combined.interval(stack);
                 let text = interval.map_or_else(|_| "open".to_owned(), |interval| interval_text(&interval));
-                format!("{stack} {text} mm, within {}", self.limit)
+                format!("{stack} {text} mm, within {}", self.request.limit)
             }
         }
     }
@@ -247,28 +244,29 @@ impl Report for BudgetReport<'_> {
                 })
             })
             .collect();
-        let simulated = budget.simulated.map(|simulated| {
-            json!({
-                "conforming": simulated.conforming,
-                "target": simulated.settings.conforming,
-                "distribution": simulated.settings.spread.name(),
-                "draws": simulated.settings.draws,
-                "seed": simulated.settings.seed,
-            })
-        });
+        let simulation = match self.request.rule {
+            Summation::Simulation(settings) => json!({
+                "conforming": budget.conforming,
+                "target": settings.conforming,
+                "distribution": settings.spread.name(),
+                "draws": settings.draws,
+                "seed": settings.seed,
+            }),
+            _ => Value::Null,
+        };
         json!({
             "title": self.title,
-            "stack": self.rule.name(),
-            "model": self.model.name(),
-            "limit_lower_mm": self.limit.lower,
-            "limit_upper_mm": self.limit.upper,
+            "stack": self.request.rule.name(),
+            "model": self.request.model.name(),
+            "limit_lower_mm": self.request.limit.lower,
+            "limit_upper_mm": self.request.limit.upper,
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
             "worst_case_mm": budget.combined.range.ok(),
             "rss_mm": budget.combined.rss.ok(),
             "reached_mm": self.reached,
-            "simulation": simulated,
+            "simulation": simulation,
             "sensitivities": sensitivities(budget),
             "notes": self.notes,
         })
@@ -283,7 +281,7 @@ impl Report for BudgetReport<'_> {
     fn blocks(&self) -> Vec<Block> {
         let budget = self.budget;
         let feasible = budget.is_feasible();
-        let share = if self.rule == Rule::WorstCase { "share" } else { "share of\nsquares" };
+        let share = if self.request.rule == Summation::WorstCase { "share" } else { "share of\nsquares" };
         let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
         let if_known = |line: &Line, text: String| (feasible || line.is_fixed).then_some(text);
         let grade = |line: &Line| self.grades.iter().find(|grade| grade.kind == line.error.kind());
@@ -313,7 +311,7 @@ impl Report for BudgetReport<'_> {
         blocks.extend(sensitivities.block_if_any());
         blocks.extend(self.classes.iter().map(|class| Block::Note(format!("class: {}", class.in_words()))));
         blocks.extend(self.grades.iter().map(|class| Block::Note(format!("within: {}", class.in_words()))));
-        if let Rule::Simulation(settings) = &self.rule
+        if let Summation::Simulation(settings) = &self.request.rule
             && (1.0 - settings.conforming) * f64::from(settings.draws) < FEWEST_SEEN
         {
             blocks.push(Block::Remark(format!(
