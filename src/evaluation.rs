@@ -55,7 +55,7 @@ impl Contribution {
     /// Its extent in words, with how many steps add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
-        self.extent.words(self.kind.unit(), self.in_contact)
+        self.extent.words(self.kind.counts(), self.in_contact)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::{Extent, Unit};
+use super::{Countable, Extent};
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
@@ -61,14 +61,14 @@ impl DeviationKind {
     ];
 
     /// Its key, its name, the part that has it, what its extent counts, and the extent where nobody says.
-    const fn row(self) -> (&'static str, &'static str, Part, Unit, Extent) {
+    const fn row(self) -> (&'static str, &'static str, Part, Countable, Extent) {
         match self {
-            Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Unit::Space, Extent::All),
-            Self::RackPitch => ("rack_pitch", "rack pitch", Part::Rack, Unit::Pitch, Extent::One),
-            Self::RackLead => ("rack_lead", "rack lead", Part::Rack, Unit::Tooth, Extent::All),
-            Self::PinionRadial => ("pinion_radial", "pinion radial", Part::Pinion, Unit::Space, Extent::One),
-            Self::PinionPitch => ("pinion_pitch", "pinion pitch", Part::Pinion, Unit::Pitch, Extent::One),
-            Self::PinionLead => ("pinion_lead", "pinion lead", Part::Pinion, Unit::Tooth, Extent::All),
+            Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Countable::Space, Extent::All),
+            Self::RackPitch => ("rack_pitch", "rack pitch", Part::Rack, Countable::Pitch, Extent::One),
+            Self::RackLead => ("rack_lead", "rack lead", Part::Rack, Countable::Tooth, Extent::All),
+            Self::PinionRadial => ("pinion_radial", "pinion radial", Part::Pinion, Countable::Space, Extent::One),
+            Self::PinionPitch => ("pinion_pitch", "pinion pitch", Part::Pinion, Countable::Pitch, Extent::One),
+            Self::PinionLead => ("pinion_lead", "pinion lead", Part::Pinion, Countable::Tooth, Extent::All),
         }
     }
 
@@ -92,7 +92,7 @@ impl DeviationKind {
 
     /// What its extent counts.
     #[must_use]
-    pub const fn unit(self) -> Unit {
+    pub const fn counts(self) -> Countable {
         self.row().3
     }
 

@@ -17,7 +17,7 @@ mod tooth_range;
 
 pub use error::{DeviationError, DeviationQuantity};
 pub(crate) use error::{MAX_LEAD_RAD, MAX_LENGTH_MM};
-pub use extent::{Extent, Unit, UnknownExtent};
+pub use extent::{Countable, Extent, UnknownExtent};
 pub use form::{PinionForm, RackForm};
 pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{

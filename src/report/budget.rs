@@ -122,8 +122,7 @@ impl BudgetReport<'_> {
             };
             Shape::Bars(rows.map(bar).collect())
         };
-        let limits =
-            [self.request.limit.lower, self.request.limit.upper].into_iter().flatten().map(Length::mm).collect();
+        let limits = self.request.limit.ends().map(Length::mm).collect();
         Chart {
             title: self.title.unwrap_or("ΔCD by error").to_owned(),
             x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
@@ -296,7 +295,7 @@ impl Report for BudgetReport<'_> {
             .number("ΔCD alone\n[mm]", |line| if_known(line, interval_text(&line.range)))
             .number(share, |line| number::percent(line.share))
             .column_if(has_extents, Column::text("on"), |line| {
-                line.error.extent().words(line.error.kind().unit(), None)
+                line.error.extent().words(line.error.kind().counts(), None)
             })
             .column_if(!self.grades.is_empty(), Column::number("grade\nwithin"), |line| {
                 grade(line).map(|grade| grade.permissible.grade.to_string())

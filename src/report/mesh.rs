@@ -88,13 +88,13 @@ impl MeshReport<'_> {
             };
             Some(Mark { x: kink.stroke_mm, y: kink.delta_cd_mm, text })
         });
-        let limits = self.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
+        let limits = self.limit.copied().into_iter().flat_map(Limit::ends);
         let points: Vec<_> = self.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
         let (low, high) = self.prediction.range_mm();
         let ends = points.first().into_iter().chain(points.last());
         let layers = vec![
             Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
-            Layer::new("limits", Shape::Limits(limits.flatten().map(Length::mm).collect())),
+            Layer::new("limits", Shape::Limits(limits.map(Length::mm).collect())),
             Layer::new("exact mesh", Shape::Line(points)),
             Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
         ];

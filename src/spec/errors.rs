@@ -86,7 +86,7 @@ pub(super) fn read_extent_value(
         return reader.wrong_type(keys::EXTENT, value, "text in quotes");
     };
     let refusal = match text.parse::<Extent>() {
-        Ok(extent) if extent.fits(kind.unit()) => return Some(Located { value: extent, span: value.span() }),
+        Ok(extent) if extent.fits(kind.counts()) => return Some(Located { value: extent, span: value.span() }),
         Ok(_) => ErrorInputError::NoTotal.to_string(),
         Err(unknown) => unknown.to_string(),
     };

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::errors::{error_table_forms, is_of_a_part};
 use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
-use crate::deviation::{DeviationKind, Extent, Unit};
+use crate::deviation::{Countable, DeviationKind, Extent};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
 use crate::uncertainty::Source;
@@ -69,7 +69,7 @@ fn property(key: &AnyKey) -> Value {
         }
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
-        Kind::Extent(unit) => extent(unit),
+        Kind::Extent(counted) => extent(counted),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Tolerance(kind) => tolerance(kind),
         Kind::Standard => json!({ "anyOf": [
@@ -120,7 +120,7 @@ fn spread(is_angle: bool, has_class: bool) -> Value {
 /// An entry of `[budget]`.
 fn tolerance(kind: DeviationKind) -> Value {
     let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.unit()) }), &[name]);
+    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.counts()) }), &[name]);
     json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
 }
 
@@ -151,8 +151,8 @@ fn uncertainty_properties() -> Map<String, Value> {
 }
 
 /// The extents that an error that counts these may have.
-fn extent(unit: Unit) -> Value {
-    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name).collect::<Vec<_>>() })
+fn extent(counted: Countable) -> Value {
+    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Extent::name).collect::<Vec<_>>() })
 }
 
 fn grade() -> Value {
@@ -181,7 +181,7 @@ fn error(kind: DeviationKind) -> Value {
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
-            properties.insert(EXTENT.to_owned(), extent(kind.unit()));
+            properties.insert(EXTENT.to_owned(), extent(kind.counts()));
         }
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
@@ -190,7 +190,7 @@ fn error(kind: DeviationKind) -> Value {
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent(kind.unit()));
+    properties.insert(EXTENT.to_owned(), extent(kind.counts()));
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,
