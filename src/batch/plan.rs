@@ -100,7 +100,7 @@ impl Plan {
         let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
         // a rule that needs uncertainties judges nothing of which one is missing
         let uncertainties = spec.uncertainties_of(&present)?;
-        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Source::Error(*kind)).is_none();
+        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Influence::Error(*kind)).is_none();
         let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
         let is_read = |on: LimitTarget| match on {
             _ if lacks_uncertainty => false,
@@ -209,7 +209,7 @@ impl Plan {
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
         let Some(uncertain) = &self.uncertain else { return Vec::new() };
         let known = uncertain.propagator.uncertainties();
-        let given = |kind: &DeviationKind| known.of(crate::uncertainty::Source::Error(*kind)).is_some();
+        let given = |kind: &DeviationKind| known.of(crate::uncertainty::Influence::Error(*kind)).is_some();
         self.errors().filter(|kind| !given(kind)).collect()
     }
 

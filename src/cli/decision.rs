@@ -9,7 +9,7 @@ use crate::judge::bound::Basis;
 use crate::judge::{Rule, Stack};
 use crate::report::UncertaintyPart;
 use crate::spec::{Spec, keys};
-use crate::uncertainty::{self, Part};
+use crate::uncertainty::{self, UncertainPart};
 
 /// How the errors of a part are judged, and how a verdict is reached under uncertainty.
 #[derive(Debug, Clone, clap::Args)]
@@ -94,7 +94,7 @@ impl JudgeArgs {
             return Ok((evaluation, None));
         }
         let over_pin = spec.over_pin();
-        let part = Part {
+        let part = UncertainPart {
             errors,
             over_pin: over_pin.as_ref(),
             model: self.model,
@@ -115,7 +115,7 @@ impl JudgeArgs {
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &Part<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
+    fn known(&self, part: &UncertainPart<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {

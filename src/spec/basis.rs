@@ -10,7 +10,7 @@ use crate::gear::{thickness_offset_mm, undercut_limit};
 use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, OwnCurve};
 use crate::quantity::Length;
 use crate::trig;
-use crate::uncertainty::Source;
+use crate::uncertainty::Influence;
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
@@ -58,7 +58,7 @@ impl Spec {
     fn own_curve(&self) -> OwnCurve {
         let has_form = !self.rack_form().is_plain() || !self.pinion_form().is_plain();
         // without the pair, only the nominal measure over a roller takes the thickness of the rack for what it may be
-        let thickness = [Source::ToothThickness, Source::NormalModule, Source::NormalPressureAngle];
+        let thickness = [Influence::ToothThickness, Influence::NormalModule, Influence::NormalPressureAngle];
         let pinion_is_thicker = !self.or_zero(keys::PINION_TOOTH_THICKNESS_DEVIATION).is_zero();
         let is_thicker = pinion_is_thicker || self.get(keys::RACK_TOOTH_THICKNESS).is_some();
         let is_followed = self.over_pin().is_some() && !pinion_is_thicker;

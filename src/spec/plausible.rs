@@ -14,7 +14,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::formula::over_pin::OverPin;
 use crate::judge::{LimitTarget, Rule};
 use crate::quantity::{Angle, Length, parse_f64};
-use crate::uncertainty::{Source, Uncertainty};
+use crate::uncertainty::{Influence, Uncertainty};
 
 /// A doubt about the value of a key.
 struct DoubtedKey {
@@ -122,8 +122,8 @@ impl Spec {
 
     /// The doubts about uncertainties of errors, which are smaller than any error.
     fn doubted_uncertainties(&self) -> impl Iterator<Item = DoubtedKey> {
-        let doubted = |(source, written): &(Source, Located<Uncertainty>)| {
-            let Source::Error(kind) = *source else { return None };
+        let doubted = |(source, written): &(Influence, Located<Uncertainty>)| {
+            let Influence::Error(kind) = *source else { return None };
             let standard = written.value.standard;
             let value = match DeviationValue::zero(kind) {
                 DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(standard).ok()?),

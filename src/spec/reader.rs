@@ -17,7 +17,7 @@ use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
-use crate::uncertainty::{Source as UncertainSource, Uncertainty};
+use crate::uncertainty::{Influence, Uncertainty};
 
 /// A table of the spec while it is being read.
 pub(super) struct SectionReader<'a> {
@@ -26,7 +26,7 @@ pub(super) struct SectionReader<'a> {
     pub(super) table: &'a DeTable<'a>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
     /// The uncertainties found so far.
-    pub(super) uncertainties: &'a mut Vec<(UncertainSource, Located<Uncertainty>)>,
+    pub(super) uncertainties: &'a mut Vec<(Influence, Located<Uncertainty>)>,
 }
 
 impl<'a> SectionReader<'a> {
@@ -85,7 +85,7 @@ impl<'a> SectionReader<'a> {
         let name = key.name();
         let written = self.table.get(name)?;
         let written = match key.kind {
-            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, UncertainSource::of_gear(key.path))?,
+            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, Influence::of_gear(key.path))?,
             _ => written,
         };
         let span = written.span();

@@ -9,7 +9,7 @@ use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Sec
 use crate::deviation::{Countable, DeviationKind, Extent};
 use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
-use crate::uncertainty::Source;
+use crate::uncertainty::Influence;
 
 /// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
 #[must_use]
@@ -49,7 +49,7 @@ fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
 }
 
 fn property(key: &AnyKey) -> Value {
-    let source = Source::of_gear(key.path);
+    let source = Influence::of_gear(key.path);
     let mut schema = match key.kind {
         Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),
@@ -125,7 +125,7 @@ fn tolerance(kind: DeviationKind) -> Value {
 }
 
 /// The forms of a value, with one that carries an uncertainty where that means anything.
-fn forms(mut forms: Vec<Value>, source: Option<Source>) -> Vec<Value> {
+fn forms(mut forms: Vec<Value>, source: Option<Influence>) -> Vec<Value> {
     if source.is_some() {
         let mut properties = uncertainty_properties();
         properties.insert("value".to_owned(), json!({ "anyOf": forms }));

@@ -13,7 +13,7 @@ use crate::judge::strokes::{extremes, tolerance_mm};
 use crate::mesh::Mesh;
 use crate::quantity::{Angle, DomainError, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
-use crate::uncertainty::{Source, VariedTeeth, teeth_sensitivities};
+use crate::uncertainty::{Influence, VariedTeeth, teeth_sensitivities};
 
 /// By how much a value is off at least, mm or degrees, so that a curve tells it.
 const LEAST: f64 = 1e-3;
@@ -73,7 +73,7 @@ impl Spec {
     /// What this spec or its tables know of single teeth.
     fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
-        DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Source::Error(*kind)).is_empty()).collect()
+        DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Influence::Error(*kind)).is_empty()).collect()
     }
 
     /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.
@@ -104,7 +104,7 @@ impl Spec {
             let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
             // f_Hβ of a pinion is a length, and its teeth have the angle that this is
             let step = match source {
-                Source::Error(DeviationKind::PinionLead) => {
+                Influence::Error(DeviationKind::PinionLead) => {
                     pinion_lead_angle_rad(&self.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
                 }
                 _ => by,
@@ -125,18 +125,18 @@ impl Spec {
 
 impl Whole {
     /// The values of this kind.
-    fn values(&mut self, source: Source) -> Vec<Variable<'_>> {
+    fn values(&mut self, source: Influence) -> Vec<Variable<'_>> {
         let (spec, tables) = (&mut self.spec, &mut self.tables);
         match source {
             // of errors that are given as one value
-            Source::Roller => Vec::new(),
-            Source::Error(kind) if kind.part() == Part::Rack => {
+            Influence::Roller => Vec::new(),
+            Influence::Error(kind) if kind.part() == Part::Rack => {
                 let written = spec.rack_deviations.iter_mut();
                 let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
                 let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
                 written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
             }
-            Source::Error(kind) => {
+            Influence::Error(kind) => {
                 let written = spec.pinion_deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
                     WrittenPinionDeviation::Teeth(of_teeth) => of_pinion(kind, &mut of_teeth.kind),
                     WrittenPinionDeviation::Eccentricity(_) => None,

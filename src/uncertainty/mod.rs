@@ -16,9 +16,9 @@ pub(super) mod tests;
 
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use inputs::{Uncertainties, UncertaintyError};
-pub use propagation::{Part, Point, Propagator, propagate};
+pub use propagation::{Point, Propagator, UncertainPart, propagate};
 pub use result::{EndWeights, InputContribution, Linear, Propagation, Spread, Spreads};
-pub use source::{Distribution, Source, Uncertainty};
+pub use source::{Distribution, Influence, Uncertainty};
 pub use teeth::{TeethSensitivity, VariedTeeth, teeth_sensitivities};
 
 /// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of

@@ -6,7 +6,7 @@ use crate::deviation::DeviationKind;
 /// A quantity that ΔCD follows from and that may be uncertain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
-pub enum Source {
+pub enum Influence {
     /// A measured error.
     Error(DeviationKind),
     /// Normal module m_n, where an over-roller nominal is computed or the pair's geometry is known.
@@ -27,7 +27,7 @@ pub enum Source {
     PinionHelixAngle,
 }
 
-impl Source {
+impl Influence {
     /// All of them.
     pub const ALL: [Self; 14] = [
         Self::Error(DeviationKind::RackOverRoller),
@@ -85,7 +85,7 @@ impl Source {
     }
 }
 
-impl std::fmt::Display for Source {
+impl std::fmt::Display for Influence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.facts().1)
     }
@@ -168,8 +168,8 @@ mod tests {
     #[test]
     fn errors_have_the_keys_of_their_section() {
         for kind in DeviationKind::ALL {
-            assert_eq!(Source::Error(kind).key(), format!("errors.{}", kind.key()));
+            assert_eq!(Influence::Error(kind).key(), format!("errors.{}", kind.key()));
         }
-        assert_eq!(Source::FaceWidth.key(), "rack.face_width");
+        assert_eq!(Influence::FaceWidth.key(), "rack.face_width");
     }
 }

@@ -143,7 +143,7 @@ impl TeethJudge {
     /// What has no uncertainty where others have one, and what follows.
     fn note_of_certain(&self, spec: &Spec) -> Option<String> {
         let is_certain = |kind: &DeviationKind| {
-            spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Source::Error(*kind))
+            spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Influence::Error(*kind))
         };
         let beside = self.errors.iter().map(PartDeviation::kind).filter(is_certain);
         let names = names(spec.taken_as_exact().into_iter().chain(beside));
@@ -172,7 +172,7 @@ impl TeethJudge {
         let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
         let (uncertainties, over_pin) = (spec.uncertainties_of(&kinds)?, spec.over_pin());
         let teeth = &spec.teeth_sensitivities;
-        let part = uncertainty::Part { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
+        let part = uncertainty::UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
         let propagation = (!uncertainties.is_empty()).then(|| propagate(&part, &uncertainties)).transpose();
         let propagation = propagation.map_err(|error| no_result(error.to_string()))?;
         let decided = evaluation.decide_by(&self.rule, propagation.as_ref(), None);
