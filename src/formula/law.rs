@@ -13,7 +13,7 @@
 //! In the paper's model cos β is 1; it has no formula for the lead of the pinion, where both models are the exact one. The
 //! shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
-use super::{FormulaPage, Input, Model, Sensitivity, catalogue, domain};
+use super::{FormulaPage, Influence, Model, Sensitivity, catalogue, domain};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::quantity::{Angle, Domain, DomainError, FM_PER_MM, Length};
 use crate::trig;
@@ -257,24 +257,25 @@ impl Law {
 
     /// ∂(ln ΔCD)/∂x for each of the gear's x that the gain follows from, per mm or degree: the same for every error.
     #[must_use]
-    pub fn relative_sensitivities(self, model: Model) -> Vec<(Input, f64)> {
+    pub fn relative_sensitivities(self, model: Model) -> Vec<(Influence, f64)> {
         let Some(Geometry { pressure_angle, helix_angle, face_width }) = self.geometry else { return Vec::new() };
         let (sin, cos) = trig::sin_cos_of(pressure_angle);
+        let helix = Influence::helix_angle_of(self.kind.part());
         if self.kind == DeviationKind::PinionLead {
             let (sin_beta, cos_beta) = trig::sin_cos_of(helix_angle);
             // cos² β_b = sin² α + cos² β cos² α
             let base = sin * sin + cos_beta * cos_beta * cos * cos;
             let by_alpha = -RADIANS_PER_DEGREE * cos_beta * cos_beta * cos / (sin * base);
             let by_beta = 0.0 - RADIANS_PER_DEGREE * sin_beta * cos_beta * cos * cos / base;
-            return vec![(Input::NormalPressureAngle, by_alpha), (Input::HelixAngle, by_beta)];
+            return vec![(Influence::NormalPressureAngle, by_alpha), (helix, by_beta)];
         }
         // d(ln cot α)/dα = -1 / (sin α cos α)
-        let mut all = vec![(Input::NormalPressureAngle, -RADIANS_PER_DEGREE / (sin * cos))];
-        all.extend(face_width.map(|width| (Input::FaceWidth, 1.0 / width.mm())));
+        let mut all = vec![(Influence::NormalPressureAngle, -RADIANS_PER_DEGREE / (sin * cos))];
+        all.extend(face_width.map(|width| (Influence::FaceWidth, 1.0 / width.mm())));
         if model == Model::Exact {
             // d(ln cos β)/dβ = -tan β
             let by_beta = RADIANS_PER_DEGREE * trig::tan_of(helix_angle);
-            all.push((Input::HelixAngle, if self.kind == DeviationKind::RackLead { by_beta } else { 0.0 - by_beta }));
+            all.push((helix, if self.kind == DeviationKind::RackLead { by_beta } else { 0.0 - by_beta }));
         }
         all
     }
@@ -291,7 +292,10 @@ impl Law {
         let error = error.into();
         let delta_cd_mm = self.delta_cd(error, model)?.mm();
         let at_kink = self.shape(model) != Shape::Shift && error.is_zero();
-        let own = Sensitivity { input: Input::Error, value: (!at_kink).then(|| self.slope(error.base(), model)) };
+        let own = Sensitivity {
+            input: Influence::Error(self.kind),
+            value: (!at_kink).then(|| self.slope(error.base(), model)),
+        };
         let of_gear = self.relative_sensitivities(model).into_iter();
         let of_gear = of_gear.map(|(input, relative)| Sensitivity { input, value: Some(delta_cd_mm * relative) });
         Ok(std::iter::once(own).chain(of_gear).collect())
@@ -556,9 +560,11 @@ mod tests {
                 for (input, relative) in law.relative_sensitivities(model) {
                     let step = 1e-4;
                     let (above, below) = match input {
-                        Input::NormalPressureAngle => (at(alpha + step, beta, width), at(alpha - step, beta, width)),
-                        Input::HelixAngle => (at(alpha, beta + step, width), at(alpha, beta - step, width)),
-                        _ => (at(alpha, beta, width + step), at(alpha, beta, width - step)),
+                        Influence::NormalPressureAngle => {
+                            (at(alpha + step, beta, width), at(alpha - step, beta, width))
+                        }
+                        Influence::FaceWidth => (at(alpha, beta, width + step), at(alpha, beta, width - step)),
+                        _ => (at(alpha, beta + step, width), at(alpha, beta - step, width)),
                     };
                     let secant = (above - below) / (2.0 * step) / at(alpha, beta, width);
                     assert!((relative / secant - 1.0).abs() < 1e-7, "{law:?} {model} {input:?}: {relative} {secant}");
@@ -576,14 +582,16 @@ mod tests {
         };
         let [shift, step, lead, .., pinion_lead] = laws("20", "15");
         let error = DeviationValue::Length(length("0.02"));
-        assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Input::Error]);
-        assert_eq!(inputs(step, error, Model::Exact), [Input::Error, Input::NormalPressureAngle, Input::HelixAngle]);
-        assert_eq!(inputs(step, error, Model::Paper), [Input::Error, Input::NormalPressureAngle]);
-        let by_pinion = [Input::Error, Input::NormalPressureAngle, Input::HelixAngle];
+        assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Influence::Error(shift.kind)]);
+        let by_rack = [Influence::Error(step.kind), Influence::NormalPressureAngle, Influence::RackHelixAngle];
+        assert_eq!(inputs(step, error, Model::Exact), by_rack);
+        assert_eq!(inputs(step, error, Model::Paper), by_rack[..2]);
+        let by_pinion =
+            [Influence::Error(pinion_lead.kind), Influence::NormalPressureAngle, Influence::PinionHelixAngle];
         assert_eq!(inputs(pinion_lead, error, Model::Paper), by_pinion);
         assert_eq!(
             inputs(lead, Angle::ZERO.into(), Model::Exact),
-            [Input::NormalPressureAngle, Input::FaceWidth, Input::HelixAngle]
+            [Influence::NormalPressureAngle, Influence::FaceWidth, Influence::RackHelixAngle]
         );
     }
 

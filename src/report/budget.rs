@@ -8,8 +8,8 @@ use super::evaluation::{ON_WORST_TEETH, class_fact, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
-use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
-use crate::formula::{Input, Sensitivity};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::formula::{Influence, Sensitivity, domain};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
@@ -35,17 +35,16 @@ pub struct BudgetReport<'a> {
     pub screen: Screen,
 }
 
-/// What an input is called, with its unit.
-fn input_name(kind: DeviationKind, input: Input) -> (String, &'static str) {
-    match input {
-        Input::Error if kind == DeviationKind::RackLead => (kind.to_string(), "mm/°"),
-        Input::Error => (kind.to_string(), "mm/mm"),
-        Input::NormalPressureAngle => ("normal pressure angle α_n".to_owned(), "mm/°"),
-        Input::HelixAngle if kind.part() == Part::Pinion => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
-        Input::HelixAngle => ("helix angle of the rack β_r".to_owned(), "mm/°"),
-        Input::FaceWidth => ("face width of the rack k".to_owned(), "mm/mm"),
-        other => (format!("{other:?}"), "mm/mm"),
-    }
+/// What a quantity is called.
+fn input_name(input: Influence) -> String {
+    let gear = match input {
+        Influence::NormalPressureAngle => domain::NORMAL_PRESSURE_ANGLE,
+        Influence::PinionHelixAngle => domain::PINION_HELIX_ANGLE,
+        Influence::RackHelixAngle => domain::RACK_HELIX_ANGLE,
+        Influence::FaceWidth => domain::FACE_WIDTH,
+        other => return other.to_string(),
+    };
+    format!("{} {}", gear.name, gear.symbol)
 }
 
 /// ∂ΔCD/∂input.
@@ -57,9 +56,9 @@ struct SensitivityFact {
 }
 
 impl SensitivityFact {
-    fn of(kind: DeviationKind, Sensitivity { input, value }: &Sensitivity) -> Self {
-        let (input, unit) = input_name(kind, *input);
-        Self { input, unit, value: *value }
+    fn of(Sensitivity { input, value }: &Sensitivity) -> Self {
+        let unit = if input.is_angle() { "mm/°" } else { "mm/mm" };
+        Self { input: input_name(*input), unit, value: *value }
     }
 }
 
@@ -68,7 +67,7 @@ fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
     let mut all: Vec<SensitivityFact> = Vec::new();
     for line in &budget.lines {
         let known = line.sensitivities.iter().filter(|sensitivity| sensitivity.value.is_some());
-        for one in known.map(|sensitivity| SensitivityFact::of(line.error.kind(), sensitivity)) {
+        for one in known.map(SensitivityFact::of) {
             match all.iter_mut().find(|sum| sum.input == one.input) {
                 Some(sum) => sum.value = sum.value.zip(one.value).map(|(sum, value)| sum + value),
                 None => all.push(one),
@@ -227,7 +226,7 @@ impl Report for BudgetReport<'_> {
                 let class = self.classes.iter().find(|class| class.kind == kind);
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
-                let of_line = line.sensitivities.iter().map(|sensitivity| SensitivityFact::of(kind, sensitivity));
+                let of_line = line.sensitivities.iter().map(SensitivityFact::of);
                 json!({
                     "error": kind.key(),
                     "fixed": line.is_fixed,

@@ -16,12 +16,12 @@ use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_slope, range_alone};
 use super::result::KINDS;
 use super::{
-    EndWeights, FOLD, Influence, InputContribution, Linear, Propagation, Spread, Spreads, TeethSensitivity,
-    Uncertainties, UncertaintyError,
+    EndWeights, FOLD, InputContribution, Linear, Propagation, Spread, Spreads, TeethSensitivity, Uncertainties,
+    UncertaintyError,
 };
-use crate::deviation::{self, DeviationKind, Extent};
+use crate::deviation::{DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Input, Law, Model, PartDeviation, Sensitivity};
+use crate::formula::{Influence, Law, Model, PartDeviation, Sensitivity};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ExtendedError, Range};
 
@@ -403,13 +403,13 @@ impl Derivatives {
         let index = |source: Influence| inputs.iter().position(|(other, _)| *other == source);
         let (mut relative, mut constant) = (vec![0.0; inputs.len()], vec![0.0; inputs.len()]);
         for (input, derivative) in law.relative_sensitivities(part.model) {
-            if let Some(at) = index(source_of(kind, input)) {
+            if let Some(at) = index(input) {
                 relative[at] += derivative;
             }
         }
         if let (DeviationKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
             for Sensitivity { input, value } in over_pin.sensitivities()? {
-                if let (Some(at), Some(value)) = (index(source_of(kind, input)), value) {
+                if let (Some(at), Some(value)) = (index(input), value) {
                     // M − M_nom falls as the nominal rises
                     constant[at] -= value;
                 }
@@ -422,18 +422,4 @@ impl Derivatives {
 
 fn values(points: &[Point]) -> Vec<f64> {
     points.iter().map(|point| point.error).collect()
-}
-
-fn source_of(kind: DeviationKind, input: Input) -> Influence {
-    match input {
-        Input::Error => Influence::Error(kind),
-        Input::NormalPressureAngle => Influence::NormalPressureAngle,
-        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Influence::PinionHelixAngle,
-        Input::HelixAngle => Influence::RackHelixAngle,
-        Input::FaceWidth => Influence::FaceWidth,
-        Input::NormalModule => Influence::NormalModule,
-        Input::ToothThickness => Influence::ToothThickness,
-        Input::Datum => Influence::Datum,
-        Input::PinDiameter => Influence::Roller,
-    }
 }
