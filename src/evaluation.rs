@@ -1,5 +1,5 @@
-//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its
-//! fast way does not decide, and budgets; takes formulas as they are.
+//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line and for parts with their
+//! teeth; takes formulas as they are.
 
 use std::fmt;
 

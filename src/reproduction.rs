@@ -178,7 +178,7 @@ impl Printed {
     ///
     /// # Errors
     /// If the mesh has no solution somewhere or the simulation did not complete.
-    pub fn simulate(&self) -> Result<Simulated, ReproductionError> {
+    pub fn simulate(&self) -> Result<SimulatedRow, ReproductionError> {
         let pair = pair()?;
         let rack = self.rack(&pair)?;
         let pinion = PinionFlanks::nominal(&pair);
@@ -192,13 +192,13 @@ impl Printed {
         let means = outcome.nominal.and_then(mean).zip(outcome.deviating.and_then(mean));
         let exact_mm = means.map(|(nominal, deviating)| deviating - nominal);
         let multibody_mm = outcome.difference_mm();
-        Ok(Simulated { exact_mm, multibody_mm, outcome })
+        Ok(SimulatedRow { exact_mm, multibody_mm, outcome })
     }
 }
 
 /// A row by the exact mesh and by the multibody model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Simulated {
+pub struct SimulatedRow {
     /// Mean ΔCD of the second rack part less that of the first by the exact mesh, mm.
     pub exact_mm: Option<f64>,
     /// The same by the multibody model, mm.
@@ -209,6 +209,6 @@ pub struct Simulated {
 
 /// Simulates every row, on all cores.
 #[must_use]
-pub fn simulate_all() -> Vec<Result<Simulated, ReproductionError>> {
+pub fn simulate_all() -> Vec<Result<SimulatedRow, ReproductionError>> {
     parallel::map(parallel::cores(), PRINTED.len(), || (), |(), index| PRINTED[index].simulate()).0
 }

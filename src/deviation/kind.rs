@@ -9,6 +9,7 @@ use crate::trig;
 
 /// A part of the pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Part {
     /// The rack.
     Rack,

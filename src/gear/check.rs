@@ -1,4 +1,4 @@
-//! What a valid geometry does badly: contact ratio, undercut, interference, thin tips. Called by whoever
+//! How a valid geometry meshes, and what it does badly: contact ratio, undercut, interference, thin tips. Called by whoever
 //! builds a [`Pair`] and wants to warn; forbids nothing.
 
 use super::Pair;

@@ -27,6 +27,6 @@ mod pair;
 pub(crate) use check::tests::example;
 pub use check::{ContactRatio, GeometryWarning, thickness_offset_mm, undercut_limit};
 pub use data::{PairData, PinionData, RackData};
-pub use error::{GeometryError, Quantity};
+pub use error::{GeometryError, PairSize};
 pub use hand::Hand;
 pub use pair::{MOST_TEETH, Pair, Pinion, Rack};

@@ -40,7 +40,8 @@ use self::form::OnGenerator;
 use self::reach::Reach;
 use crate::trig;
 
-/// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − w_coefficient w − ζ`.
+/// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − k_w w − ζ`, with k_w
+/// in the field `w`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Plane {
     pub(super) d: f64,
@@ -48,7 +49,7 @@ pub(super) struct Plane {
     pub(super) w: f64,
 }
 
-/// The coordinate across the rack: `t ξ + w_coefficient w + z ζ + pose.across`.
+/// The coordinate across the rack: `t ξ + k_w w + z ζ + pose.across`, with k_w in the field `w`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Across {
     pub(super) t: f64,

@@ -27,7 +27,7 @@ mod rounded;
 mod unit;
 
 pub use angle::Angle;
-pub use domain::{Bound, Domain, DomainError};
+pub use domain::{Domain, DomainEnd, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]
 pub(crate) use error::shown;

@@ -121,7 +121,7 @@ fn millimetres(mm: f64) -> String {
     super::number::millimetres(tidy(mm))
 }
 
-/// Why one number of the summary stands where it stands.
+/// The numbers of the summary, and where the extremes are.
 fn summary_table(summary: &Summary) -> Block {
     let mm = |value: f64| format!("{} mm", millimetres(value));
     let plain_mm = |value: f64| format!("{} mm", unsigned(tidy(value)));

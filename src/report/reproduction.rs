@@ -7,8 +7,8 @@ use super::{Block, Report, Table, fact};
 use crate::deviation::FIRST_ODD_TOOTH;
 use crate::formula::Model;
 use crate::reproduction::{
-    FACE_WIDTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError, Simulated, pair,
-    simulate_all,
+    FACE_WIDTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError, SimulatedRow,
+    pair, simulate_all,
 };
 
 /// Where the pair comes from, which the paper does not publish.
@@ -22,7 +22,7 @@ struct Row {
     rounded: String,
     paper_mm: f64,
     exact_mm: f64,
-    simulated: Result<Simulated, ReproductionError>,
+    simulated: Result<SimulatedRow, ReproductionError>,
 }
 
 /// The paper's Tables 1 to 3, recomputed.

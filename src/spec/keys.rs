@@ -8,7 +8,7 @@ use crate::formula::domain;
 use crate::gear::MOST_TEETH;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
-use crate::quantity::{Angle, Bound, Domain, Length};
+use crate::quantity::{Angle, Domain, DomainEnd, Length};
 use crate::standard::Standard;
 
 /// The coarsest grade of any standard.
@@ -228,11 +228,11 @@ const fn key(name: &'static str, kind: Kind, doc: &'static str) -> AnyKey {
 }
 
 const fn between(name: &'static str, symbol: &'static str, lower: i64, upper: i64) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(lower), upper: Bound::Inclusive(upper) }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(lower), upper: DomainEnd::Inclusive(upper) }
 }
 
 const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(0), upper: Bound::None }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(0), upper: DomainEnd::None }
 }
 
 section! {
@@ -572,8 +572,8 @@ section! {
 const FRACTION: Domain = Domain {
     name: "fraction of conforming assemblies",
     symbol: "P",
-    lower: Bound::Exclusive(0),
-    upper: Bound::Inclusive(1),
+    lower: DomainEnd::Exclusive(0),
+    upper: DomainEnd::Inclusive(1),
 };
 
 section! {

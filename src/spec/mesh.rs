@@ -15,7 +15,7 @@ use crate::deviation::{
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
-use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
+use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PairSize, PinionData, RackData};
 use crate::judge::PlacedError;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
@@ -392,10 +392,10 @@ impl Spec {
     fn bad_geometry(&self, error: &GeometryError) -> Diagnostic {
         let span = match error {
             GeometryError::OutOfDomain { quantity, .. } => self.span_of(*quantity),
-            GeometryError::PointedRack { .. } => self.span_of(Quantity::RackAddendum),
-            GeometryError::NoRackSpace { .. } => self.span_of(Quantity::RackToothThickness),
-            GeometryError::PointedPinion { .. } => self.span_of(Quantity::PinionTipDiameter),
-            GeometryError::NoInvolute { .. } => self.span_of(Quantity::PinionRootFormDiameter),
+            GeometryError::PointedRack { .. } => self.span_of(PairSize::RackAddendum),
+            GeometryError::NoRackSpace { .. } => self.span_of(PairSize::RackToothThickness),
+            GeometryError::PointedPinion { .. } => self.span_of(PairSize::PinionTipDiameter),
+            GeometryError::NoInvolute { .. } => self.span_of(PairSize::PinionRootFormDiameter),
         };
         let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string());
         match span {
@@ -404,21 +404,21 @@ impl Spec {
         }
     }
 
-    fn span_of(&self, quantity: Quantity) -> Option<Range<usize>> {
+    fn span_of(&self, quantity: PairSize) -> Option<Range<usize>> {
         match quantity {
-            Quantity::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
-            Quantity::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
-            Quantity::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
-            Quantity::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
-            Quantity::RackAddendum => self.place(keys::RACK_ADDENDUM),
-            Quantity::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
-            Quantity::PinionTeeth => self.place(keys::PINION_TEETH),
-            Quantity::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
-            Quantity::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
-            Quantity::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
-            Quantity::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
-            Quantity::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
-            Quantity::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
+            PairSize::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
+            PairSize::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
+            PairSize::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
+            PairSize::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
+            PairSize::RackAddendum => self.place(keys::RACK_ADDENDUM),
+            PairSize::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
+            PairSize::PinionTeeth => self.place(keys::PINION_TEETH),
+            PairSize::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
+            PairSize::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
+            PairSize::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
+            PairSize::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
+            PairSize::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
+            PairSize::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
         }
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::errors::{error_table_forms, is_of_a_part};
 use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use crate::deviation::{Countable, DeviationKind, Extent};
-use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit, spelling_pattern};
+use crate::quantity::{AngleUnit, Domain, DomainEnd, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
 use crate::uncertainty::Influence;
 
@@ -205,9 +205,9 @@ fn typed(name: &str, domain: &Domain) -> Value {
     let ends = [(domain.lower, "minimum", "exclusiveMinimum"), (domain.upper, "maximum", "exclusiveMaximum")];
     for (end, inclusive, exclusive) in ends {
         match end {
-            Bound::None => {}
-            Bound::Exclusive(bound) => schema[exclusive] = bound.into(),
-            Bound::Inclusive(bound) => schema[inclusive] = bound.into(),
+            DomainEnd::None => {}
+            DomainEnd::Exclusive(bound) => schema[exclusive] = bound.into(),
+            DomainEnd::Inclusive(bound) => schema[inclusive] = bound.into(),
         }
     }
     schema

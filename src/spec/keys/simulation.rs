@@ -1,14 +1,14 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
 use super::{Key, Kind, MeasureUnit, Section, between, composite, count, from_zero, length, measure, section, word};
-use crate::quantity::{Bound, Domain, Length};
+use crate::quantity::{Domain, DomainEnd, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
     between(name, symbol, 2, 100_000)
 }
 
 const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(1), upper: Bound::None }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(1), upper: DomainEnd::None }
 }
 
 section! {
