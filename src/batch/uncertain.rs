@@ -83,8 +83,7 @@ impl Uncertain {
             basis,
             teeth: &spec.teeth_sensitivities,
         };
-        let propagator = Propagator::new(&part, uncertainties)
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let propagator = Propagator::new(&part, uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
         // every part has a core of its own
         let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
         let teeth = spec.teeth_sensitivities.clone();

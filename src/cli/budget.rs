@@ -3,7 +3,7 @@
 use clap::builder::PossibleValue;
 
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::files_read;
 use super::teeth::WorstTeeth;
@@ -109,10 +109,7 @@ impl Args {
             notes: [bound_remarks(&budget.notes, &spec.missing_geometry()), remarks(&spec, &decision)].concat(),
             screen: output.screen(),
         };
-        if let Some(picture) = &picture {
-            picture.write(&report.chart())?;
-        }
-        output.picture(|| report.chart());
+        draw(picture.as_ref(), || report.chart(), true, output)?;
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
     }

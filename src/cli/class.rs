@@ -155,7 +155,7 @@ impl Args {
         let pressure_angle = meshing.pressure_angle.map(|angle| domain::NORMAL_PRESSURE_ANGLE.check_angle(angle));
         let helix_angle = meshing.helix_angle.map(|angle| domain::RACK_HELIX_ANGLE.check_angle(angle));
         for checked in [pressure_angle, helix_angle].into_iter().flatten() {
-            checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+            checked.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
         }
         Ok(Sized { wheel, diameter_source, meshing })
     }
@@ -186,8 +186,7 @@ impl Args {
                     usage("a developed diameter needs the toothed length of the rack")
                         .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
                 })?;
-                let diameter = class::developed_diameter(length)
-                    .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                let diameter = class::developed_diameter(length).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
                 Ok((Some(diameter), DiameterSource::Developed))
             }
             (Part::Rack, Some(RackDiameter::Pinion)) => {
@@ -361,7 +360,7 @@ impl Args {
                 }
             })
         })
-        .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        .map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(error) = fatal {
             return Err(no_tolerance(&error).into());
         }
@@ -403,7 +402,7 @@ fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Opt
     };
     let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
     let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
-    Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
+    Ok(Some(diameter.map_err(Diagnostic::with_code(Code::OutOfDomain))?))
 }
 
 /// The warning about a given diameter of a pinion that its module, teeth and helix angle contradict by more than any measuring

@@ -109,7 +109,7 @@ impl JudgeArgs {
             let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
             evaluation
                 .decide_by(&rule, known.as_ref().map(|known| &known.propagation), inside)
-                .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+                .map_err(Diagnostic::with_code(Code::NoResult))?;
         }
         Ok((evaluation, known))
     }
@@ -129,8 +129,8 @@ impl JudgeArgs {
             }
             return Ok(None);
         }
-        let propagation = uncertainty::propagate(part, &uncertainties)
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let propagation =
+            uncertainty::propagate(part, &uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
         let simulated = |settings| chance::simulate_part(part, &uncertainties, &spec.limits(), &settings);
         let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {

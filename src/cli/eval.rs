@@ -85,12 +85,11 @@ pub(super) fn evaluated<'a>(
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
-    const TOLERANCE_MM: f64 = 1e-6;
     let mut input = spec.mesh(&spec_files::measured_tables(spec, path)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM)?;
+    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, mesh::TOLERANCE_MM)?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;

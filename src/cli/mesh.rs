@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use super::decision::JudgeArgs;
 use super::long;
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
@@ -72,6 +72,9 @@ impl Stroke {
         Ok((from, to))
     }
 }
+
+/// How closely a curve is followed unless the user says otherwise, mm; the default of `--tolerance`.
+pub(super) const TOLERANCE_MM: f64 = 1e-6;
 
 /// The stroke, and how closely it is followed.
 #[derive(Debug, clap::Args)]
@@ -263,10 +266,7 @@ impl Args {
                 report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        if let Some(picture) = &picture {
-            picture.write(&report.chart())?;
-        }
-        output.picture(|| report.chart());
+        draw(picture.as_ref(), || report.chart(), true, output)?;
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
             (Some(strokes), Format::Json) => {

@@ -373,7 +373,7 @@ impl Args {
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
-        let curve = input.mesh.curve(covered.start, covered.end, 1e-6)?;
+        let curve = input.mesh.curve(covered.start, covered.end, mesh::TOLERANCE_MM)?;
         let mut solved = mesh::solved(spec, &input, curve, judged.evaluation)?;
         solved.screen = output.screen();
         solved.notes.extend(judge.notes().into_iter().chain(judged.notes));

@@ -58,7 +58,7 @@ impl WorstTeeth {
     pub(super) fn interval(&self) -> Result<Interval, Failure> {
         let Reached { lower_mm, upper_mm, .. } = self.reached;
         let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
-        Ok(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?)
+        Ok(interval.map_err(Diagnostic::with_code(Code::NoResult))?)
     }
 
     /// Puts the errors of a mesh on these teeth: those of the end that is nearer to the limit, or of the upper one.

@@ -100,6 +100,11 @@ impl Diagnostic {
         Self { code, severity: Severity::Error, message: message.into(), place: None, help: None }
     }
 
+    /// What an error of a computation is to the user: `map_err(Diagnostic::with_code(code))`.
+    pub fn with_code<E: std::fmt::Display>(code: Code) -> impl FnOnce(E) -> Self {
+        move |error| Self::error(code, error.to_string())
+    }
+
     /// A file that cannot be read, and why.
     #[must_use]
     pub fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Self {

@@ -184,8 +184,7 @@ impl Spec {
         let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
         let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
         let support = self.support()?;
-        let mesh = Mesh::new(pair, rack, pinion, support)
-            .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+        let mesh = Mesh::new(pair, rack, pinion, support).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
         let warnings = pair.warnings();
         Ok(MeshInput {
             mesh,

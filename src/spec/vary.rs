@@ -114,7 +114,7 @@ impl Spec {
                 let mut off = whole.clone();
                 if let Some(value) = off.values(source).into_iter().nth(index) {
                     let varied = value.add(step);
-                    varied.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                    varied.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
                 }
                 varied.push(VariedTeeth { source, by, mesh: off.spec.mesh(&off.tables)?.mesh });
             }
