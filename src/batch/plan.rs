@@ -308,11 +308,11 @@ impl Plan {
 
     /// Why a part has no verdict.
     fn no_verdict(&self) -> String {
-        let lacking: Vec<_> = self.lacking.iter().map(|kind| kind.key()).collect();
         match self.open() {
             _ if self.limits.is_empty() && self.unjudged.is_empty() => "there are no limits".to_owned(),
-            _ if !lacking.is_empty() && !self.is_partial() => {
-                format!("not judged: the spec asks for {}, and the table has none", lacking.join(", "))
+            _ if !self.lacking.is_empty() && !self.is_partial() => {
+                let lacking = DeviationKind::keys(self.lacking.iter().copied());
+                format!("not judged: the spec asks for {lacking}, and the table has none")
             }
             Some(open) => format!("not judged: {open}"),
             None if !self.taken_as_exact().is_empty() && self.request.rule.needs_uncertainty() => {

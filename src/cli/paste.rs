@@ -241,14 +241,12 @@ impl Args {
     fn notes(&self, spec: &Spec, kinds: &[DeviationKind]) -> Vec<String> {
         let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
         let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
-        let exact: Vec<_> = kinds.iter().filter(|kind| !spec.is_uncertain(**kind)).map(|kind| kind.key()).collect();
-        let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
-            .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
+        let exact: Vec<_> = kinds.iter().copied().filter(|kind| !spec.is_uncertain(*kind)).collect();
         lacking
             .into_iter()
             .chain(batch::of_every_part(&of_every))
             .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
-            .chain(exact)
+            .chain(spec.note_of_exact(&exact, None))
             .collect()
     }
 

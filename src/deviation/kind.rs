@@ -79,6 +79,12 @@ impl DeviationKind {
         self.row().0
     }
 
+    /// The keys of several, as a list in a sentence.
+    #[must_use]
+    pub fn keys(kinds: impl IntoIterator<Item = Self>) -> String {
+        kinds.into_iter().map(Self::key).collect::<Vec<_>>().join(", ")
+    }
+
     /// The name that people read: `rack over-roller`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -129,6 +135,16 @@ pub enum DeviationValue {
 }
 
 impl DeviationValue {
+    /// A length in mm; `None` if it is none, or beyond the largest one.
+    pub(crate) fn from_mm(mm: f64) -> Option<Self> {
+        Length::from_mm(mm).ok().map(Self::Length)
+    }
+
+    /// An angle in rad; `None` if it is none, or beyond the largest one.
+    pub(crate) fn from_rad(rad: f64) -> Option<Self> {
+        Angle::from_degrees(rad.to_degrees()).ok().map(Self::Angle)
+    }
+
     /// No error of a kind.
     #[must_use]
     pub const fn zero(kind: DeviationKind) -> Self {

@@ -208,8 +208,8 @@ impl Spec {
 fn of_rack(kind: RackDeviationKind) -> Option<DeviationValue> {
     use RackDeviationKind::{Lead, Left, OverRoller, Pitch, Right, Shift, Thickness};
     match kind {
-        OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => length(mm),
-        Lead(rad) => angle(rad),
+        OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => DeviationValue::from_mm(mm),
+        Lead(rad) => DeviationValue::from_rad(rad),
     }
 }
 
@@ -218,19 +218,11 @@ fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<DeviationValue> {
     use PinionDeviationKind::{Lead, Left, Radial, Right, Shift, Thickness};
     match deviation {
         WrittenPinionDeviation::Teeth(of_teeth) => match of_teeth.kind {
-            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => length(mm),
-            Lead(rad) => angle(rad),
+            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => DeviationValue::from_mm(mm),
+            Lead(rad) => DeviationValue::from_rad(rad),
         },
-        WrittenPinionDeviation::Eccentricity(eccentricity) => length(eccentricity.amount_mm),
+        WrittenPinionDeviation::Eccentricity(eccentricity) => DeviationValue::from_mm(eccentricity.amount_mm),
     }
-}
-
-fn length(mm: f64) -> Option<DeviationValue> {
-    Length::from_mm(mm).ok().map(DeviationValue::Length)
-}
-
-fn angle(rad: f64) -> Option<DeviationValue> {
-    Angle::from_degrees(rad.to_degrees()).ok().map(DeviationValue::Angle)
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
+use crate::judge::Rule;
 use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, UncertaintyError};
 
 const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
@@ -285,6 +286,24 @@ impl Spec {
     #[must_use]
     pub fn is_uncertain(&self, kind: DeviationKind) -> bool {
         said_of(&self.uncertainties, Influence::Error(kind)).is_some()
+    }
+
+    /// What is said of values without an uncertainty, where others have one: that they are taken as exact, or that a rule
+    /// refuses them.
+    #[must_use]
+    pub fn note_of_exact(&self, kinds: &[DeviationKind], refused_by: Option<&Rule>) -> Option<String> {
+        if self.uncertainties.is_empty() || kinds.is_empty() {
+            return None;
+        }
+        let keys = DeviationKind::keys(kinds.iter().copied());
+        Some(match refused_by {
+            None => format!("taken as exact, because no uncertainty is given: {keys}"),
+            Some(rule) => {
+                format!(
+                    "no uncertainty is given, and the rule {rule} needs one: {keys}; --partial takes these as exact"
+                )
+            }
+        })
     }
 
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.

@@ -83,8 +83,8 @@ impl TeethJudge {
     /// What is not counted, and what follows; what every part has.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let lacking = names(self.lacking.iter().copied());
-        let every = names(self.errors.iter().map(PartDeviation::kind));
+        let lacking = DeviationKind::keys(self.lacking.iter().copied());
+        let every = DeviationKind::keys(self.errors.iter().map(PartDeviation::kind));
         let mut notes = Vec::new();
         if !every.is_empty() {
             notes.push(format!("every part meets the value in [errors]: {every}"));
@@ -126,7 +126,7 @@ impl TeethJudge {
 
     /// What the spec says of the measured part and its table does not tell, and what follows.
     fn note_of_unmeasured(&self, unmeasured: &[DeviationKind]) -> Option<String> {
-        let kinds = names(unmeasured.iter().copied());
+        let kinds = DeviationKind::keys(unmeasured.iter().copied());
         let part = self.part.name();
         if kinds.is_empty() {
             None
@@ -142,21 +142,10 @@ impl TeethJudge {
 
     /// What has no uncertainty where others have one, and what follows.
     fn note_of_certain(&self, spec: &Spec) -> Option<String> {
-        let is_certain = |kind: &DeviationKind| {
-            spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Influence::Error(*kind))
-        };
-        let beside = self.errors.iter().map(PartDeviation::kind).filter(is_certain);
-        let names = names(spec.taken_as_exact().into_iter().chain(beside));
-        let rule = &self.rule;
-        if spec.uncertainties.is_empty() || names.is_empty() {
-            None
-        } else if rule.needs_uncertainty() && !self.is_partial && !spec.teeth_taken_as_exact.is_empty() {
-            Some(format!(
-                "no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact"
-            ))
-        } else {
-            Some(format!("taken as exact, because no uncertainty is given: {names}"))
-        }
+        let beside = self.errors.iter().map(PartDeviation::kind).filter(|kind| !spec.is_uncertain(*kind));
+        let exact: Vec<_> = spec.taken_as_exact().into_iter().chain(beside).collect();
+        let is_refused = self.rule.needs_uncertainty() && !self.is_partial && !spec.teeth_taken_as_exact.is_empty();
+        spec.note_of_exact(&exact, is_refused.then_some(&self.rule))
     }
 
     /// Known teeth and errors of the other part together, by the rule.
@@ -188,8 +177,4 @@ fn note_of_spaces(tables: &MeasuredTables) -> Option<String> {
     (!spaces.is_empty()).then(|| {
         format!("spaces with a row and without values, so that strokes with contacts there are not judged: {listed}")
     })
-}
-
-fn names(kinds: impl Iterator<Item = DeviationKind>) -> String {
-    kinds.map(DeviationKind::key).collect::<Vec<_>>().join(", ")
 }
