@@ -11,7 +11,7 @@ use super::tables::{self, Opened, Opener, ReadArgs};
 use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
 use crate::batch::{Duplicates, TeethJudge};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
@@ -20,7 +20,7 @@ use crate::report::{
     self, EvaluationReport, Format, FormulaAndMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
     UncertaintyPart, WithReading,
 };
-use crate::spec::{MeasuredTables, Spec};
+use crate::spec::Spec;
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
@@ -332,21 +332,16 @@ impl Args {
             let message = format!("{name}, line {}: {}", fault.line, fault.message);
             return Err(Diagnostic::error(Code::BadRow, message).into());
         }
-        let (is_rack, tables) = match part.teeth {
-            Teeth::Rack(rack) => (true, MeasuredTables { rack: Some(rack), pinion: None }),
-            Teeth::Pinion(pinion) => (false, MeasuredTables { rack: None, pinion: Some(pinion) }),
-        };
-        if read.spec.has_other_deviations(is_rack) {
+        if read.spec.has_other_deviations(part.teeth.part()) {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
-        self.spaces(&read, tables, output)
+        self.spaces(&read, part.teeth, output)
     }
 
-    fn spaces(&self, read: &ReadBlock, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
+    fn spaces(&self, read: &ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
         let spec = &read.spec;
-        let is_rack = tables.rack.is_some();
-        let measured = spec.measured(&tables, self.judge.model)?;
+        let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
@@ -360,14 +355,9 @@ impl Args {
             output.diagnostic(&unjudged_teeth(&missing));
             return Ok(Status::Undecided);
         }
-        let judge = TeethJudge::new(spec, is_rack, self.judge.rule(spec), self.partial)?;
+        let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
         let only = judge.measured_only();
-        let mut all = spec_files::measured_tables(only, &self.spec)?;
-        if is_rack {
-            all.rack = tables.rack;
-        } else {
-            all.pinion = tables.pinion;
-        }
+        let all = spec_files::measured_tables(only, &self.spec)?.with(teeth);
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
@@ -375,7 +365,7 @@ impl Args {
         let mut solved = mesh::solved(spec, &input, curve, judged.evaluation)?;
         solved.screen = output.screen();
         solved.notes.extend(judge.notes().into_iter().chain(judged.notes));
-        if is_rack {
+        if measured.part == Part::Rack {
             solved.notes.push(format!(
                 "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
                 covered.start, covered.end

@@ -21,7 +21,7 @@ use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::quantity::{Angle, Length};
-use crate::table::{Measured, PinionTeeth, RackSpaces};
+use crate::table::{Measured, PinionTeeth, RackSpaces, Teeth};
 use crate::trig;
 
 /// The tables that a spec names, read by the caller.
@@ -31,6 +31,17 @@ pub struct MeasuredTables {
     pub rack: Option<RackSpaces>,
     /// `pinion.measured`
     pub pinion: Option<PinionTeeth>,
+}
+
+impl MeasuredTables {
+    /// The same with these teeth in place of what was measured of their part.
+    #[must_use]
+    pub fn with(self, teeth: Teeth) -> Self {
+        match teeth {
+            Teeth::Rack(rack) => Self { rack: Some(rack), ..self },
+            Teeth::Pinion(pinion) => Self { pinion: Some(pinion), ..self },
+        }
+    }
 }
 
 /// Where the deviations of a mesh come from.

@@ -79,7 +79,7 @@ impl Spec {
     /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.
     #[must_use]
     pub fn not_in_tables(&self, part: Part, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        let measured = self.measured_only(part == Part::Rack).known_of_teeth(tables);
+        let measured = self.measured_only(part).known_of_teeth(tables);
         let of_teeth = self.known_of_teeth(&MeasuredTables::default());
         let is_said = |kind: &DeviationKind| self.speaks_of(*kind) || of_teeth.contains(kind);
         DeviationKind::ALL

@@ -48,8 +48,7 @@ impl TeethJudge {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, errors of a part whose teeth the spec knows, and a rule that needs
     /// uncertainties where none is given.
-    pub fn new(spec: &Spec, is_rack: bool, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
-        let part = if is_rack { Part::Rack } else { Part::Pinion };
+    pub fn new(spec: &Spec, part: Part, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
         let (of_part, of_other): (Vec<_>, Vec<_>) =
             DeviationKind::ALL.into_iter().partition(|kind| kind.part() == part);
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
@@ -60,7 +59,7 @@ impl TeethJudge {
                 .help("give what was measured one, such as [errors] rack_pitch = { u = \"0.8 um\" }; or the guard band: --rule guard=VALUE")
                 .into());
         }
-        let measured_only = spec.measured_only(is_rack);
+        let measured_only = spec.measured_only(part);
         Ok(Self {
             errors: spec.errors_of_every_part(&of_part)?,
             lacking: spec.lacking(&of_part),
