@@ -1,6 +1,5 @@
 //! How far an error extends: over one tooth, a run of teeth, or all of them. Written by users, read by the bound.
 
-use std::fmt;
 use std::str::FromStr;
 
 /// On which teeth an error is.
@@ -88,11 +87,7 @@ fn plural(one: &str) -> String {
     format!("{one}{}", if one == "pitch" { "es" } else { "s" })
 }
 
-impl fmt::Display for Extent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Extent);
 
 impl FromStr for Extent {
     type Err = UnknownExtent;

@@ -117,11 +117,7 @@ impl DeviationKind {
     }
 }
 
-impl fmt::Display for DeviationKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(DeviationKind);
 
 /// The value of an error: a length, or an angle for a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]

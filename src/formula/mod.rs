@@ -36,8 +36,6 @@ pub use influence::Influence;
 pub use law::{Geometry, Law};
 pub use part_deviation::PartDeviation;
 
-use std::fmt;
-
 use crate::quantity::Length;
 
 /// Which reading of a formula to use, where the paper's differs from the exact one.
@@ -75,11 +73,7 @@ impl Model {
     }
 }
 
-impl fmt::Display for Model {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Model);
 
 /// One partial derivative of a formula's result.
 #[derive(Debug, Clone, Copy, PartialEq)]

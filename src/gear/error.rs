@@ -1,7 +1,5 @@
 //! Why a geometry cannot be built. Raised by [`Pair::new`](super::Pair::new); holds data, words only in `Display`.
 
-use std::fmt;
-
 use crate::quantity::{Degrees, Rounded};
 
 /// A quantity of the pair's drawing.
@@ -78,11 +76,7 @@ impl PairSize {
     }
 }
 
-impl fmt::Display for PairSize {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(PairSize);
 
 /// Why a rack and pinion with these numbers cannot exist or cannot mesh.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

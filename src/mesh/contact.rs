@@ -96,11 +96,7 @@ impl ContactKind {
     }
 }
 
-impl std::fmt::Display for ContactKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(ContactKind);
 
 /// A flank pair, ready to be asked. `c` and the eccentric offsets are set for each position of the pinion.
 #[derive(Debug, Clone, Copy, Default)]
