@@ -4,7 +4,7 @@
 use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::judge::{LimitTarget, Stack};
 use crate::table::Table;
 
@@ -148,12 +148,12 @@ impl Output {
             }
             if !is_uncertain && Self::would_be_uncertain(name) {
                 let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
-                return Err(Diagnostic::error(Code::Usage, message)
+                return Err(Diagnostic::usage(message)
                     .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
             }
             let known: Vec<_> = all.iter().map(|output| output.name(request.stack)).collect();
             let (known, titles) = (known.join(", "), table.titles_in_words());
-            Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+            Err(Diagnostic::usage(format!("there is no column `{name}` to write"))
                 .help(format!("the results are {known}; {} also has {titles}", table.name)))
         };
         names.iter().map(output).collect()

@@ -132,7 +132,7 @@ impl Args {
             [("--conforming", self.conforming.is_some()), ("--distribution", self.distribution.is_some())];
         if let Some((flag, _)) = only_simulated.iter().find(|(_, is_given)| *is_given && stack != Some("simulation")) {
             let message = format!("{flag} counts for random assemblies, and none are drawn");
-            return Err(Diagnostic::error(Code::Usage, message).help("add --stack simulation").into());
+            return Err(Diagnostic::usage(message).help("add --stack simulation").into());
         }
         Ok(match stack {
             Some("rss") => Summation::Rss,

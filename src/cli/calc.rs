@@ -263,7 +263,7 @@ fn base_unit(value: DeviationValue) -> ResultUnit {
 }
 
 fn usage(message: impl Into<String>) -> Failure {
-    Diagnostic::error(Code::Usage, message).help("`rackmesh calc --help` shows examples").into()
+    Diagnostic::usage(message).help("`rackmesh calc --help` shows examples").into()
 }
 
 impl From<DomainError> for Failure {

@@ -108,7 +108,7 @@ impl Args {
         let Some(standard) = self.standard.or(written) else {
             let known = Standard::ALL.map(Standard::id).join(", ");
             let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
-            return Err(usage("no standard is given, and there is no default").help(help).into());
+            return Err(Diagnostic::usage("no standard is given, and there is no default").help(help).into());
         };
         let doubts = self.doubts(output)?;
         match (&spec, &path) {
@@ -117,7 +117,7 @@ impl Args {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), doubts, output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
-                (None, None) => Err(usage("give --grade, --obtained or --delta-cd").into()),
+                (None, None) => Err(Diagnostic::usage("give --grade, --obtained or --delta-cd").into()),
             },
         }
     }
@@ -183,7 +183,7 @@ impl Args {
             (Part::Rack, Some(RackDiameter::Developed)) => {
                 let length = spec.and_then(|spec| spec.get(keys::RACK_TOOTHED_LENGTH));
                 let length = length.ok_or_else(|| {
-                    usage("a developed diameter needs the toothed length of the rack")
+                    Diagnostic::usage("a developed diameter needs the toothed length of the rack")
                         .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
                 })?;
                 let diameter = class::developed_diameter(length).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
@@ -193,14 +193,16 @@ impl Args {
                 let diameter = pinion_diameter(part, wheel, spec)?;
                 if diameter.is_none() {
                     let message = "the diameter of the mating pinion needs its normal module and number of teeth";
-                    return Err(usage(message).help("give --spec SPEC with them, or the diameter itself").into());
+                    return Err(Diagnostic::usage(message)
+                        .help("give --spec SPEC with them, or the diameter itself")
+                        .into());
                 }
                 Ok((diameter, DiameterSource::MatingPinion))
             }
             (Part::Rack, None) => {
                 let message = "which diameter stands for the rack is not said, and there is no default";
                 let help = "give --diameter pinion, developed or a length, or [tolerance] diameter in the spec";
-                Err(usage(message).help(help).into())
+                Err(Diagnostic::usage(message).help(help).into())
             }
             (Part::Pinion, _) => Ok((pinion_diameter(part, wheel, spec)?, DiameterSource::Own)),
         }
@@ -507,8 +509,4 @@ fn positive(size: Size, length: Option<Length>) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-fn usage(message: &str) -> Diagnostic {
-    Diagnostic::error(Code::Usage, message)
 }

@@ -71,7 +71,7 @@ impl JudgeArgs {
         let draws = match given {
             None => None,
             Some(text) => Some(draws(text).ok_or_else(|| {
-                Diagnostic::error(Code::Usage, format!("--monte-carlo {text}: that is no number of draws"))
+                Diagnostic::usage(format!("--monte-carlo {text}: that is no number of draws"))
                     .help("write it as 1000000 or 1e6, or leave it out for as many as are needed")
             })?),
         };

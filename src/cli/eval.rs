@@ -45,7 +45,7 @@ impl Args {
         let path = match self.spec.take() {
             Some(path) => path,
             None => self.judge.spec_behind_monte_carlo().ok_or_else(|| {
-                Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
+                Diagnostic::usage("no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
         let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;

@@ -63,7 +63,7 @@ impl Args {
             Part::Rack => {
                 if self.first > self.last || self.last.saturating_sub(self.first) >= MOST {
                     let message = format!("--first {} --last {} are no range of spaces", self.first, self.last);
-                    return Err(Diagnostic::error(Code::Usage, message).into());
+                    return Err(Diagnostic::usage(message).into());
                 }
                 let ideal = || {
                     let pair = mesh.pair();
@@ -75,9 +75,7 @@ impl Args {
                 {
                     let (first, last) = (TEETH.start(), TEETH.end() - 1);
                     let message = format!("errors on the worst teeth are put on the spaces {first} to {last} alone");
-                    return Err(Diagnostic::error(Code::Usage, message)
-                        .help("choose --first and --last among them")
-                        .into());
+                    return Err(Diagnostic::usage(message).help("choose --first and --last among them").into());
                 }
                 notes.extend(sensible(output, &[("--pin", self.pin.and_then(|pin| spec.doubted_pin(pin)))])?);
                 let written = self.pin.or(spec.get(keys::RACK_PIN));

@@ -67,7 +67,7 @@ impl Stroke {
         let (from, to) = (self.from.mm(), self.to.mm());
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
-            return Err(Diagnostic::error(Code::Usage, message).into());
+            return Err(Diagnostic::usage(message).into());
         }
         Ok((from, to))
     }
@@ -295,7 +295,7 @@ impl Args {
                 if !(step.mm() > 0.0 && (0.0..=MOST).contains(&intervals)) {
                     let message =
                         format!("--step {step} does not divide the stroke from {from} to {to} mm into 1 to 1e8 steps");
-                    return Err(Diagnostic::error(Code::Usage, message).into());
+                    return Err(Diagnostic::usage(message).into());
                 }
                 (step.mm(), intervals)
             }

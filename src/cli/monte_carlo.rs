@@ -137,7 +137,7 @@ impl Args {
     fn kept(&self, files: &[String]) -> Result<Option<Target>, Failure> {
         if self.study.as_deref() == Some("-") {
             let message = "--study -: standard output has the result";
-            return Err(Diagnostic::error(Code::Usage, message).help("name a file").into());
+            return Err(Diagnostic::usage(message).help("name a file").into());
         }
         self.study.as_deref().map(|path| Target::create(path, files)).transpose()
     }
@@ -177,7 +177,7 @@ impl Args {
             let study = kept_study(path, interruption)?;
             let refused = |error: StudyError| {
                 let message = format!("{} cannot be merged: {error}", stream::name(path));
-                Failure::from(Diagnostic::error(Code::Usage, message))
+                Failure::from(Diagnostic::usage(message))
             };
             if let Some(merged) = &mut merged {
                 merged.merge(&study).map_err(refused)?;
@@ -186,7 +186,7 @@ impl Args {
                 merged = Some(study);
             }
         }
-        let mut merged = merged.ok_or_else(|| Diagnostic::error(Code::Usage, "--merge names no file"))?;
+        let mut merged = merged.ok_or_else(|| Diagnostic::usage("--merge names no file"))?;
         let RackRange { first_rack, .. } = merged.asked();
         let first_rack = self.first_rack.unwrap_or(first_rack);
         let racks = self.racks.unwrap_or(merged.asked().end().saturating_sub(first_rack));

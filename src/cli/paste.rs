@@ -183,7 +183,7 @@ impl Args {
     fn parts(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         if self.mesh {
             let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
-            return Err(Diagnostic::error(Code::Usage, message)
+            return Err(Diagnostic::usage(message)
                 .help("for a part's errors put on its teeth: rackmesh eval --mesh")
                 .into());
         }

@@ -55,7 +55,7 @@ impl Picture {
         if target::ending(path) != "svg" {
             let message = format!("{path}: pictures are written as SVG, to a file");
             let help = "write a name that ends in .svg; a browser or an office program opens the file";
-            return Err(Diagnostic::error(Code::Usage, message).help(help).into());
+            return Err(Diagnostic::usage(message).help(help).into());
         }
         let picture = Self { path: path.to_owned(), inputs };
         target::refuse_inputs(path, &picture.inputs)?;

@@ -170,7 +170,7 @@ impl Args {
     fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         if self.files.iter().any(|file| file == "-") {
             let message = "a report names its inputs and their hashes, and standard input has no name";
-            return Err(Diagnostic::error(Code::Usage, message).help("give a file").into());
+            return Err(Diagnostic::usage(message).help("give a file").into());
         }
         let interruption = long::interrupted(output);
         let spec = Arc::new(spec.clone());

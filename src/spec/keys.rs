@@ -485,7 +485,7 @@ pub(crate) const COLUMN_NAME: Key<String> =
     text("name").with("The column's name in the header, if it is not the error's own.");
 
 const LENGTH_UNIT: AnyKey =
-    key("unit", Kind::ColumnUnit { of_lead: false }, "MeasureUnit of its numbers. Default: the header's, or mm.");
+    key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm.");
 
 pub(crate) const LENGTH_NOMINAL: Key<Length> =
     length("nominal", Domain::any("nominal value", "M_nom")).with("Nominal value of what was measured.");
@@ -533,7 +533,7 @@ pub(crate) const ANGLE_COLUMN: Section = section(
         key(
             "unit",
             Kind::ColumnUnit { of_lead: true },
-            "MeasureUnit of its numbers; a unit of length means f_Hβ. Default: the header's, or degrees.",
+            "Unit of its numbers; a unit of length means f_Hβ. Default: the header's, or degrees.",
         ),
         EVALUATION_LENGTH.any,
         ANGLE_NOMINAL.any,

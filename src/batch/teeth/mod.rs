@@ -23,7 +23,7 @@ use super::run::{Progress, RunError};
 use super::statistics::MovingRange;
 use super::{buffer::Buffer, write};
 use crate::deviation;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::mesh::Summary;
 use crate::parallel;
@@ -100,7 +100,7 @@ fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>
     let Some(names) = names else { return Ok(COLUMNS[..WRITTEN].to_vec()) };
     let column = |name: &String| {
         COLUMNS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-            Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+            Diagnostic::usage(format!("there is no column `{name}` to write"))
                 .help(format!("the results are {}", COLUMNS.map(|(name, _)| name).join(", ")))
         })
     };

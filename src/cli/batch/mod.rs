@@ -179,9 +179,7 @@ impl Args {
             files.push("-");
         }
         if files.contains(&"-") && self.spec == "-" {
-            return Err(
-                Diagnostic::error(Code::Usage, "the spec and the table cannot both come from standard input").into()
-            );
+            return Err(Diagnostic::usage("the spec and the table cannot both come from standard input").into());
         }
         let (rows_format, summary_format) = self.formats()?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
@@ -297,7 +295,7 @@ impl Args {
         let format = self.format()?;
         let refused = |what: &str, help: &str| {
             let message = format!("{what} cannot be written as {}", format.name());
-            Err(Diagnostic::error(Code::Usage, message).help(help).into())
+            Err(Diagnostic::usage(message).help(help).into())
         };
         let rows = match format {
             BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
@@ -329,9 +327,7 @@ impl Args {
             // .txt is any text
             Some(named) if named != format && named != BatchFormat::Table => {
                 let message = format!("--format {} does not fit the name {path}", format.name());
-                Err(Diagnostic::error(Code::Usage, message)
-                    .help("leave out --format, or end the name otherwise")
-                    .into())
+                Err(Diagnostic::usage(message).help("leave out --format, or end the name otherwise").into())
             }
             _ => Ok(format),
         }
@@ -362,7 +358,7 @@ impl Args {
         let repeated = columns.iter().enumerate().find(|(place, name)| columns[..*place].contains(name));
         repeated.map_or(Ok(()), |(_, name)| {
             let message = format!("--columns names `{name}` twice");
-            Err(Diagnostic::error(Code::Usage, message).help("name each column once"))
+            Err(Diagnostic::usage(message).help("name each column once"))
         })
     }
 
