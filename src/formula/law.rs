@@ -14,8 +14,8 @@
 //! shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
 use super::{FormulaPage, Influence, Model, Sensitivity, catalogue, domain};
-use crate::deviation::{DeviationKind, DeviationValue};
-use crate::quantity::{Angle, Domain, DomainError, FM_PER_MM, Length};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::quantity::{Angle, DomainError, FM_PER_MM, Length};
 use crate::trig;
 
 /// How ΔCD depends on one error of a gear; see the [module](self).
@@ -90,9 +90,7 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn rack_pitch(normal_pressure_angle: Angle, rack_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_rack =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: rack_helix_angle, face_width: None };
-        Self::new(DeviationKind::RackPitch, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackPitch, normal_pressure_angle, rack_helix_angle, None)
     }
 
     #[doc = include_str!("rack_lead.md")]
@@ -105,12 +103,7 @@ impl Law {
         face_width: Length,
     ) -> Result<Self, DomainError> {
         domain::FACE_WIDTH.check_length(face_width)?;
-        let of_rack = Geometry {
-            pressure_angle: normal_pressure_angle,
-            helix_angle: rack_helix_angle,
-            face_width: Some(face_width),
-        };
-        Self::new(DeviationKind::RackLead, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackLead, normal_pressure_angle, rack_helix_angle, Some(face_width))
     }
 
     #[doc = include_str!("pinion_radial.md")]
@@ -124,9 +117,7 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn pinion_pitch(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_pinion =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(DeviationKind::PinionPitch, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionPitch, normal_pressure_angle, pinion_helix_angle, None)
     }
 
     #[doc = include_str!("pinion_lead.md")]
@@ -134,17 +125,24 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn pinion_lead(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_pinion =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(DeviationKind::PinionLead, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionLead, normal_pressure_angle, pinion_helix_angle, None)
     }
 
-    fn new(kind: DeviationKind, geometry: Geometry, helix: &Domain) -> Result<Self, DomainError> {
-        domain::NORMAL_PRESSURE_ANGLE.check_angle(geometry.pressure_angle)?;
-        helix.check_angle(geometry.helix_angle)?;
-        let tan_alpha = trig::tan_of(geometry.pressure_angle);
-        let cos_beta = trig::sin_cos_of(geometry.helix_angle).1;
-        let width = geometry.face_width.map_or(1.0, |width| width.fm() as f64);
+    fn new(
+        kind: DeviationKind,
+        pressure_angle: Angle,
+        helix_angle: Angle,
+        face_width: Option<Length>,
+    ) -> Result<Self, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(pressure_angle)?;
+        match kind.part() {
+            Part::Rack => domain::RACK_HELIX_ANGLE.check_angle(helix_angle)?,
+            Part::Pinion => domain::PINION_HELIX_ANGLE.check_angle(helix_angle)?,
+        }
+        let tan_alpha = trig::tan_of(pressure_angle);
+        let cos_beta = trig::sin_cos_of(helix_angle).1;
+        let width = face_width.map_or(1.0, |width| width.fm() as f64);
+        let geometry = Geometry { pressure_angle, helix_angle, face_width };
         let gains = [Model::Exact, Model::Paper].map(|model| width * unit_gain(kind, model, tan_alpha, cos_beta));
         Ok(Self { kind, geometry: Some(geometry), gains })
     }

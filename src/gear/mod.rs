@@ -23,6 +23,7 @@ mod error;
 mod hand;
 mod pair;
 
+pub(crate) use check::clip;
 #[cfg(test)]
 pub(crate) use check::tests::example;
 pub use check::{ContactRatio, GeometryWarning, thickness_offset_mm, undercut_limit};

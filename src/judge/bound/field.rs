@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::Range;
 use super::profile::{Profile, Rolls};
-use crate::gear::{Pair, thickness_offset_mm};
+use crate::gear::{Pair, clip, thickness_offset_mm};
 use crate::trig;
 
 /// Where flank pairs carry, in pitches of stroke: the right flank of tooth i at strokes i + c ± ε/2, the left one at
@@ -119,18 +119,7 @@ impl Field {
 
     /// The part on which a linear function is not negative.
     fn clipped(&self, inside: impl Fn(&Spot) -> f64) -> Self {
-        let mut corners = Vec::with_capacity(self.corners.len() + 2);
-        for (index, here) in self.corners.iter().enumerate() {
-            let next = &self.corners[(index + 1) % self.corners.len()];
-            let (f, g) = (inside(here), inside(next));
-            if f >= 0.0 {
-                corners.push(*here);
-            }
-            if (f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0) {
-                corners.push(here.towards(next, f / (f - g)));
-            }
-        }
-        Self { corners }
+        Self { corners: clip(&self.corners, inside, Spot::towards) }
     }
 
     /// Those that pass between two strokes, in pitches.
