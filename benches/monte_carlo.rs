@@ -15,7 +15,7 @@ use rackmesh::judge::bound::Basis;
 use rackmesh::judge::{Limit, LimitTarget, Stack};
 use rackmesh::mesh::Mesh;
 use rackmesh::quantity::{Angle, Length};
-use rackmesh::uncertainty::{Part, Source, Uncertainties, Uncertainty};
+use rackmesh::uncertainty::{Influence, UncertainPart, Uncertainties, Uncertainty};
 
 fn angle(text: &str) -> Angle {
     text.parse().expect("an angle")
@@ -42,13 +42,19 @@ fn draws(c: &mut Criterion) {
     const DRAWS: u64 = 2_000_000;
     let errors = errors();
     let basis = Basis::default();
-    let part =
-        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &basis, teeth: &[] };
+    let part = UncertainPart {
+        errors: &errors,
+        over_pin: None,
+        model: Model::Exact,
+        stack: Stack::Range,
+        basis: &basis,
+        teeth: &[],
+    };
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.05")))];
     let errors_only: Vec<_> =
-        DeviationKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
+        DeviationKind::ALL.into_iter().map(|kind| (Influence::Error(kind), Uncertainty::standard(0.0008))).collect();
     let mut with_gear = errors_only.clone();
-    with_gear.push((Source::NormalPressureAngle, Uncertainty::standard(0.02)));
+    with_gear.push((Influence::NormalPressureAngle, Uncertainty::standard(0.02)));
     let mut group = c.benchmark_group("draws of five errors");
     group.throughput(Throughput::Elements(DRAWS)).sample_size(10);
     for (name, inputs) in [("errors", errors_only), ("errors and pressure angle", with_gear)] {

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
+use rackmesh::deviation::{FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use rackmesh::formula::{Law, Model};
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Mesh, Support};
@@ -137,7 +137,7 @@ fn simulated(
 
 fn measure(case: &Case) -> Result<Vec<Row>, Box<dyn Error>> {
     let pair = reproduction::pair()?;
-    let teeth = ToothRange::new(Some(reproduction::FIRST_ODD_TOOTH), None)?;
+    let teeth = ToothRange::starting_at(FIRST_ODD_TOOTH);
     let deviations: Vec<_> = case.kinds.iter().map(|kind| RackDeviation { teeth, kind: *kind }).collect();
     let mesh = Mesh::new(pair, RackFlanks::new(&pair, &deviations)?, PinionFlanks::nominal(&pair), Support::Fixed)?;
     let mut rows = Vec::new();

@@ -1,5 +1,5 @@
-//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line, the batch where its
-//! fast way does not decide, and budgets; takes formulas as they are.
+//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line and for parts with their
+//! teeth; takes formulas as they are.
 
 use std::fmt;
 
@@ -55,7 +55,7 @@ impl Contribution {
     /// Its extent in words, with how many steps add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
-        self.extent.words(self.kind.unit(), self.in_contact)
+        self.extent.words(self.kind.counts(), self.in_contact)
     }
 }
 
@@ -145,6 +145,8 @@ pub struct Evaluation {
     pub judged_by: JudgedBy,
     /// What the exact mesh reaches with the errors on the worst teeth that a search finds, if it was asked.
     pub reached: Option<Interval>,
+    /// The decision rule by which the verdicts are reached.
+    pub rule: Rule,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
     /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
@@ -169,6 +171,7 @@ impl Evaluation {
         propagation: Option<&Propagation>,
         simulated: Option<&[f64]>,
     ) -> Result<(), QuantityError> {
+        self.rule = rule.clone();
         for (index, check) in self.limits.iter_mut().enumerate() {
             let Ok(result) = check.result else { continue };
             let ends = propagation.and_then(|propagation| propagation.ends(check.on, result));
@@ -261,7 +264,8 @@ pub fn evaluate(
     let verdict = overall(limits.iter().map(|check| check.verdict));
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
     let notes = stack.notes(&bound);
-    Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached: None, limits, verdict })
+    let (reached, rule) = (None, Rule::Simple);
+    Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached, rule, limits, verdict })
 }
 
 /// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one

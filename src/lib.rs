@@ -75,6 +75,17 @@ assert_eq!(spec.part_deviations()?.len(), 1);
 #[doc = include_str!("../README.md")]
 mod readme {}
 
+/// Writes a value as its name.
+macro_rules! display_by_name {
+    ($type:ty) => {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
+
 #[cfg(feature = "batch")]
 pub mod batch;
 pub mod budget;

@@ -9,7 +9,8 @@
 //! rms: that agreement confirms nothing, and any other pair with those values is as good ([`pair`]).
 
 use crate::deviation::{
-    DeviationError, DeviationValue, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+    DeviationError, DeviationValue, FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
+    ToothRange,
 };
 use crate::formula::{Law, Model};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
@@ -24,8 +25,6 @@ pub const PRESSURE_ANGLE: &str = "19.9°";
 pub const FACE_WIDTH: &str = "19.7 mm";
 /// How far the axis of the rack's cylindrical joint lies below the reference plane, mm; chosen.
 pub const ROLL_AXIS_DEPTH_MM: f64 = 8.0;
-/// The first rack tooth with an error: its space comes under the pinion near 22 mm, the first contact near 15 mm.
-pub const FIRST_ODD_TOOTH: i64 = 4;
 
 /// Which error a table is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -170,7 +169,7 @@ impl Printed {
             PaperTable::Lead => vec![RackDeviationKind::Lead(self.error.parse::<Angle>()?.radians())],
             PaperTable::OverRoller => vec![RackDeviationKind::OverRoller(self.error.parse::<Length>()?.mm())],
         };
-        let teeth = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
+        let teeth = ToothRange::starting_at(FIRST_ODD_TOOTH);
         let deviations: Vec<_> = kinds.into_iter().map(|kind| RackDeviation { teeth, kind }).collect();
         Ok(RackFlanks::new(pair, &deviations)?)
     }
@@ -179,7 +178,7 @@ impl Printed {
     ///
     /// # Errors
     /// If the mesh has no solution somewhere or the simulation did not complete.
-    pub fn simulate(&self) -> Result<Simulated, ReproductionError> {
+    pub fn simulate(&self) -> Result<SimulatedRow, ReproductionError> {
         let pair = pair()?;
         let rack = self.rack(&pair)?;
         let pinion = PinionFlanks::nominal(&pair);
@@ -193,13 +192,13 @@ impl Printed {
         let means = outcome.nominal.and_then(mean).zip(outcome.deviating.and_then(mean));
         let exact_mm = means.map(|(nominal, deviating)| deviating - nominal);
         let multibody_mm = outcome.difference_mm();
-        Ok(Simulated { exact_mm, multibody_mm, outcome })
+        Ok(SimulatedRow { exact_mm, multibody_mm, outcome })
     }
 }
 
 /// A row by the exact mesh and by the multibody model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Simulated {
+pub struct SimulatedRow {
     /// Mean ΔCD of the second rack part less that of the first by the exact mesh, mm.
     pub exact_mm: Option<f64>,
     /// The same by the multibody model, mm.
@@ -210,6 +209,6 @@ pub struct Simulated {
 
 /// Simulates every row, on all cores.
 #[must_use]
-pub fn simulate_all() -> Vec<Result<Simulated, ReproductionError>> {
+pub fn simulate_all() -> Vec<Result<SimulatedRow, ReproductionError>> {
     parallel::map(parallel::cores(), PRINTED.len(), || (), |(), index| PRINTED[index].simulate()).0
 }

@@ -4,7 +4,7 @@
 use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::judge::{LimitTarget, Stack};
 use crate::table::Table;
 
@@ -31,7 +31,7 @@ pub(super) enum Output {
     /// The probability that a limit is met.
     Conformance(LimitTarget),
     /// A statistic of the simulated distribution of a result.
-    Simulated(UncertainOutput, Simulated),
+    Simulated(UncertainOutput, SimulatedStatistic),
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
@@ -71,14 +71,14 @@ impl UncertainOutput {
 
 /// A statistic of a simulated distribution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Simulated {
+pub(super) enum SimulatedStatistic {
     Mean,
     Standard,
     Lower,
     Upper,
 }
 
-impl Simulated {
+impl SimulatedStatistic {
     const ALL: [Self; 4] = [Self::Mean, Self::Standard, Self::Lower, Self::Upper];
 
     pub(super) fn of(self, simulation: &Simulation) -> f64 {
@@ -116,7 +116,7 @@ impl Output {
             all.push(Self::Linear);
             if request.monte_carlo.is_some() {
                 let statistic = |statistic| results().map(move |of| Self::Simulated(of, statistic));
-                all.extend(Simulated::ALL.into_iter().flat_map(statistic));
+                all.extend(SimulatedStatistic::ALL.into_iter().flat_map(statistic));
                 all.push(Self::Validated);
             }
             let is_known = |on: &LimitTarget| match on {
@@ -148,12 +148,12 @@ impl Output {
             }
             if !is_uncertain && Self::would_be_uncertain(name) {
                 let message = format!("there is no column `{name}` to write: the spec gives no uncertainty");
-                return Err(Diagnostic::error(Code::Usage, message)
+                return Err(Diagnostic::usage(message)
                     .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
             }
             let known: Vec<_> = all.iter().map(|output| output.name(request.stack)).collect();
             let (known, titles) = (known.join(", "), table.titles_in_words());
-            Err(Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+            Err(Diagnostic::usage(format!("there is no column `{name}` to write"))
                 .help(format!("the results are {known}; {} also has {titles}", table.name)))
         };
         names.iter().map(output).collect()

@@ -100,7 +100,7 @@ impl Plan {
         let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
         // a rule that needs uncertainties judges nothing of which one is missing
         let uncertainties = spec.uncertainties_of(&present)?;
-        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Source::Error(*kind)).is_none();
+        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Influence::Error(*kind)).is_none();
         let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
         let is_read = |on: LimitTarget| match on {
             _ if lacks_uncertainty => false,
@@ -209,7 +209,7 @@ impl Plan {
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
         let Some(uncertain) = &self.uncertain else { return Vec::new() };
         let known = uncertain.propagator.uncertainties();
-        let given = |kind: &DeviationKind| known.of(crate::uncertainty::Source::Error(*kind)).is_some();
+        let given = |kind: &DeviationKind| known.of(crate::uncertainty::Influence::Error(*kind)).is_some();
         self.errors().filter(|kind| !given(kind)).collect()
     }
 
@@ -308,11 +308,11 @@ impl Plan {
 
     /// Why a part has no verdict.
     fn no_verdict(&self) -> String {
-        let lacking: Vec<_> = self.lacking.iter().map(|kind| kind.key()).collect();
         match self.open() {
             _ if self.limits.is_empty() && self.unjudged.is_empty() => "there are no limits".to_owned(),
-            _ if !lacking.is_empty() && !self.is_partial() => {
-                format!("not judged: the spec asks for {}, and the table has none", lacking.join(", "))
+            _ if !self.lacking.is_empty() && !self.is_partial() => {
+                let lacking = DeviationKind::keys(self.lacking.iter().copied());
+                format!("not judged: the spec asks for {lacking}, and the table has none")
             }
             Some(open) => format!("not judged: {open}"),
             None if !self.taken_as_exact().is_empty() && self.request.rule.needs_uncertainty() => {

@@ -114,11 +114,10 @@ pub(super) fn nominal_of(column: &Column) -> Option<DeviationValue> {
 
 fn no_column(table: &Table) -> Diagnostic {
     let message = format!("{} has no column of an error that is known", table.name);
-    let known: Vec<_> = DeviationKind::ALL.into_iter().map(DeviationKind::key).collect();
     let help = format!(
         "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
         table.titles_in_words(),
-        known.join(", ")
+        DeviationKind::keys(DeviationKind::ALL)
     );
     Diagnostic::error(Code::BadTable, message).help(help)
 }

@@ -13,7 +13,7 @@ use crate::judge::Limits;
 use crate::judge::bound::Basis;
 use crate::quantity::Length;
 use crate::spec::Spec;
-use crate::uncertainty::{Part, Point, Propagator, Spreads, TeethSensitivity};
+use crate::uncertainty::{Point, Propagator, Spreads, TeethSensitivity, UncertainPart};
 
 /// What is known of the uncertainty of a part's results.
 pub(super) struct RowUncertainty {
@@ -75,7 +75,7 @@ impl Uncertain {
             PartDeviation::new(source.law, DeviationValue::zero(source.law.kind())).with_extent(source.extended.extent)
         };
         let errors: Vec<_> = sources.iter().map(zero).collect();
-        let part = Part {
+        let part = UncertainPart {
             errors: &errors,
             over_pin: over_pin.as_ref(),
             model: request.model,
@@ -83,8 +83,7 @@ impl Uncertain {
             basis,
             teeth: &spec.teeth_sensitivities,
         };
-        let propagator = Propagator::new(&part, uncertainties)
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let propagator = Propagator::new(&part, uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
         // every part has a core of its own
         let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
         let teeth = spec.teeth_sensitivities.clone();
@@ -111,7 +110,7 @@ impl Uncertain {
             PartDeviation::new(source.law, *value).with_extent(source.extended.extent)
         };
         let errors: Vec<_> = sources.iter().zip(deviations).map(error).collect();
-        let part = Part {
+        let part = UncertainPart {
             errors: &errors,
             over_pin: self.over_pin.as_ref(),
             model: self.request.model,

@@ -16,7 +16,9 @@ use crate::judge::bound::{Basis, ExtendedError, NoBound};
 use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{DomainError, Length};
 use request::Allocated;
-pub use request::{Budget, BudgetError, Entry, Free, Freedom, Line, Request, Rule, Simulated, Simulation, Spread};
+pub use request::{
+    Budget, BudgetError, Entry, Free, Freedom, Line, RandomAssemblies, Request, Summation, ToleranceDistribution,
+};
 use simulation::Assembly;
 
 fn of_kind(kind: DeviationKind) -> impl Fn(DomainError) -> BudgetError {
@@ -33,9 +35,9 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
         return Err(BudgetError::NoLimit);
     }
     match request.rule {
-        Rule::WorstCase => by_scale(request, &|errors| conforms(request, Stack::Range, errors), None),
-        Rule::Rss => by_scale(request, &|errors| conforms(request, Stack::Rss, errors), None),
-        Rule::Simulation(settings) => {
+        Summation::WorstCase => by_scale(request, &|errors| conforms(request, Stack::Range, errors), None),
+        Summation::Rss => by_scale(request, &|errors| conforms(request, Stack::Rss, errors), None),
+        Summation::Simulation(settings) => {
             let assembly = Assembly::new(request, &settings);
             by_scale(request, &|errors| Ok(assembly.count(errors)? >= assembly.needed()), Some(&assembly))
         }
@@ -73,11 +75,11 @@ fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool
 }
 
 /// The ratio in which a free error's ΔCD stands to the others'.
-fn ratio(freedom: Freedom, rule: Rule) -> f64 {
+fn ratio(freedom: Freedom, rule: Summation) -> f64 {
     match (freedom, rule) {
         (Freedom::Weight(weight), _) => weight,
-        (Freedom::Cost(cost), Rule::WorstCase) => cost.sqrt(),
-        (Freedom::Cost(cost), Rule::Rss | Rule::Simulation(_)) => libm::cbrt(cost),
+        (Freedom::Cost(cost), Summation::WorstCase) => cost.sqrt(),
+        (Freedom::Cost(cost), Summation::Rss | Summation::Simulation(_)) => libm::cbrt(cost),
     }
 }
 
@@ -140,16 +142,16 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
         line.at_own_limit = scaled.is_at_own_limit(index, allocated.scale);
         lines.push(line);
     }
-    set_shares(&mut lines, request.rule != Rule::WorstCase);
+    set_shares(&mut lines, request.rule != Summation::WorstCase);
     let bound = request.basis.bound_of(&allocated.errors);
     let combined = bound
         .combined
         .nearest()
         .map_err(|problem| EvaluationError { error: None, problem: Box::new(problem.into()) })?;
-    let simulated = assembly.map(|assembly| assembly.outcome(&allocated.errors)).transpose()?;
+    let conforming = assembly.map(|assembly| assembly.conforming(&allocated.errors)).transpose()?;
     broken_by.sort();
     broken_by.dedup();
-    Ok(Budget { lines, combined, notes: bound.notes, simulated, broken_by })
+    Ok(Budget { lines, combined, notes: bound.notes, conforming, broken_by })
 }
 
 /// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.

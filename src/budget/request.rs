@@ -12,16 +12,16 @@ use crate::quantity::{DomainError, Length};
 /// How tolerances add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Rule {
+pub enum Summation {
     /// The worst case.
     WorstCase,
     /// The statistical sum.
     Rss,
     /// A fraction of random assemblies.
-    Simulation(Simulation),
+    Simulation(RandomAssemblies),
 }
 
-impl Rule {
+impl Summation {
     /// `worst`, `rss` or `simulation`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -90,7 +90,7 @@ pub struct Request {
     /// Limits of single errors' ΔCD.
     pub own_limits: Vec<(DeviationKind, Limit)>,
     /// How tolerances add up.
-    pub rule: Rule,
+    pub rule: Summation,
     /// The formulas' reading.
     pub model: Model,
     /// What is known of the pair.
@@ -125,8 +125,8 @@ pub struct Budget {
     pub combined: Combined<Interval>,
     /// What their bound rests on.
     pub notes: Vec<Note>,
-    /// What the simulation of these tolerances gave.
-    pub simulated: Option<Simulated>,
+    /// The fraction of random assemblies that conforms, if it was simulated.
+    pub conforming: Option<f64>,
     /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
     pub broken_by: Vec<DeviationKind>,
 }
@@ -175,7 +175,7 @@ pub enum BudgetError {
 /// How errors spread within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
-pub enum Spread {
+pub enum ToleranceDistribution {
     /// Every value alike: all that is known is the tolerance.
     #[default]
     Uniform,
@@ -185,7 +185,7 @@ pub enum Spread {
     Triangular,
 }
 
-impl Spread {
+impl ToleranceDistribution {
     /// The one that is called so, or the usual one.
     #[must_use]
     pub fn of_name(name: &str) -> Self {
@@ -203,33 +203,24 @@ impl Spread {
     }
 }
 
-/// What is simulated.
+/// Random assemblies, some of which must conform.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Simulation {
+pub struct RandomAssemblies {
     /// The fraction of assemblies that must conform, above 0 and at most 1.
     pub conforming: f64,
     /// How errors spread.
-    pub spread: Spread,
+    pub spread: ToleranceDistribution,
     /// The number of assemblies.
     pub draws: u32,
     /// The seed.
     pub seed: u64,
 }
 
-impl Simulation {
+impl RandomAssemblies {
     /// What 3 σ leave of a normal distribution: 99.73 %.
     pub const CONFORMING: f64 = 0.9973;
     /// So many that 1 % of one tolerance is seen in the tail of 0.27 %.
     pub const DRAWS: u32 = 1_000_000;
-}
-
-/// What came of a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Simulated {
-    /// What was simulated.
-    pub settings: Simulation,
-    /// The fraction that conforms.
-    pub conforming: f64,
 }
 
 /// Tolerances and the scale that they stand for.

@@ -7,7 +7,7 @@
 //! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
 //! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
 
-use super::request::{Allocated, BudgetError, Request, Simulated, Simulation, Spread};
+use super::request::{Allocated, BudgetError, RandomAssemblies, Request, ToleranceDistribution};
 use crate::chance::{BLOCK, Random, Ziggurat};
 use crate::deviation::{DeviationKind, Extent};
 use crate::formula::PartDeviation;
@@ -18,7 +18,7 @@ use crate::quantity::Length;
 /// The draws for one request.
 #[derive(Debug)]
 pub(super) struct Assembly {
-    settings: Simulation,
+    settings: RandomAssemblies,
     limit: Range,
     basis: Basis,
     /// Per block, per error: draws in −1 … +1.
@@ -26,7 +26,7 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    pub(super) fn new(request: &Request, settings: &Simulation) -> Self {
+    pub(super) fn new(request: &Request, settings: &RandomAssemblies) -> Self {
         let draws = u64::from(settings.draws.max(1));
         let ziggurat = Ziggurat::new();
         let blocks = (0..draws.div_ceil(BLOCK))
@@ -77,9 +77,9 @@ impl Assembly {
         inside
     }
 
-    pub(super) fn outcome(&self, errors: &[PartDeviation]) -> Result<Simulated, NoBound> {
-        let conforming = self.count(errors)? as f64 / f64::from(self.settings.draws.max(1));
-        Ok(Simulated { settings: self.settings, conforming })
+    /// The fraction of assemblies with these tolerances that conforms.
+    pub(super) fn conforming(&self, errors: &[PartDeviation]) -> Result<f64, NoBound> {
+        Ok(self.count(errors)? as f64 / f64::from(self.settings.draws.max(1)))
     }
 }
 
@@ -93,11 +93,11 @@ const fn drawn_extent(tolerance: &PartDeviation) -> Extent {
 }
 
 /// A draw in −1 … +1.
-fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: Spread) -> f64 {
+fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: ToleranceDistribution) -> f64 {
     match spread {
-        Spread::Uniform => 2.0 * random.uniform() - 1.0,
-        Spread::Triangular => random.uniform() - random.uniform(),
-        Spread::Normal => loop {
+        ToleranceDistribution::Uniform => 2.0 * random.uniform() - 1.0,
+        ToleranceDistribution::Triangular => random.uniform() - random.uniform(),
+        ToleranceDistribution::Normal => loop {
             let value = random.normal(ziggurat) / 3.0;
             if value.abs() <= 1.0 {
                 break value;

@@ -15,7 +15,7 @@ pub(crate) use random::{Random, Ziggurat};
 use thiserror::Error;
 
 use crate::parallel;
-use crate::uncertainty::{Distribution, Linear, Source, Uncertainty, UncertaintyError};
+use crate::uncertainty::{Distribution, Influence, Linear, Uncertainty, UncertaintyError};
 use histogram::Histogram;
 
 /// Draws per block; JCGM 101 asks for 10⁴ at least.
@@ -163,12 +163,12 @@ pub enum MonteCarloError {
     },
     /// A correlated variable that is not normal.
     #[error("{} is correlated, so it must be normal with infinite degrees of freedom to be simulated", .0.key())]
-    CorrelatedNotNormal(Source),
+    CorrelatedNotNormal(Influence),
     /// Too few degrees of freedom for a variance.
     #[error("{} has {dof} degrees of freedom; below 3 its distribution has no standard deviation to simulate", .source_of.key())]
     TooFewFreedom {
         /// Of what.
-        source_of: Source,
+        source_of: Influence,
         /// The number.
         dof: f64,
     },

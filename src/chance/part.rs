@@ -9,7 +9,7 @@ use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::{DomainError, Length};
 use crate::uncertainty::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, range_alone};
-use crate::uncertainty::{Distribution, Part, Source, TeethSensitivity, Uncertainties, UncertaintyError};
+use crate::uncertainty::{Distribution, Influence, TeethSensitivity, UncertainPart, Uncertainties, UncertaintyError};
 
 /// The simulated distributions of a part.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ impl PartSimulation {
 /// # Errors
 /// [`MonteCarloError`] if nothing is uncertain, the settings are out of range, or an uncertainty cannot be drawn from.
 pub fn simulate_part(
-    part: &Part<'_>,
+    part: &UncertainPart<'_>,
     uncertainties: &Uncertainties,
     limits: &Limits,
     settings: &Settings,
@@ -102,11 +102,11 @@ struct PartModel {
     /// How both ends follow from what is uncertain about teeth that are known one by one: linear.
     teeth: Vec<TeethSensitivity>,
     /// The columns that vary, by source.
-    columns: Vec<Source>,
+    columns: Vec<Influence>,
 }
 
 impl PartModel {
-    fn new(part: &Part<'_>, uncertainties: &Uncertainties, limited: Vec<usize>) -> Result<Self, DomainError> {
+    fn new(part: &UncertainPart<'_>, uncertainties: &Uncertainties, limited: Vec<usize>) -> Result<Self, DomainError> {
         let value = |error: &PartDeviation| PartValue {
             law: error.law(),
             value: error.value().base(),
@@ -142,20 +142,20 @@ impl PartModel {
         Some(Band { low, high: low + 1, lower, upper })
     }
 
-    fn best_estimate(&self, source: Source) -> f64 {
+    fn best_estimate(&self, source: Influence) -> f64 {
         match source {
-            Source::Error(kind) => {
+            Influence::Error(kind) => {
                 self.errors.iter().find(|error| error.law.kind() == kind).map_or(0.0, |error| error.value)
             }
             of_gear => { self.gear }.of_source(of_gear).map_or(0.0, |value| *value),
         }
     }
 
-    fn varies(&self, sources: &[Source]) -> bool {
+    fn varies(&self, sources: &[Influence]) -> bool {
         self.columns.iter().any(|source| sources.contains(source))
     }
 
-    fn column<'a>(&self, source: Source, inputs: &'a [Vec<f64>]) -> Option<&'a [f64]> {
+    fn column<'a>(&self, source: Influence, inputs: &'a [Vec<f64>]) -> Option<&'a [f64]> {
         self.columns.iter().position(|other| *other == source).map(|index| inputs[index].as_slice())
     }
 
@@ -177,15 +177,20 @@ impl Simulated for PartModel {
     }
 
     fn evaluate(&self, inputs: &[Vec<f64>], outputs: &mut [Vec<f64>]) {
-        const NOMINAL: [Source; 5] =
-            [Source::NormalPressureAngle, Source::NormalModule, Source::ToothThickness, Source::Datum, Source::Roller];
+        const NOMINAL: [Influence; 5] = [
+            Influence::NormalPressureAngle,
+            Influence::NormalModule,
+            Influence::ToothThickness,
+            Influence::Datum,
+            Influence::Roller,
+        ];
         let laws_vary = self.varies(&OF_LAWS);
         let nominal = self.nominal_mm.filter(|_| self.varies(&NOMINAL));
         let own = nominal.filter(|_| !matches!(self.basis.geometry, GivenGeometry::Known(_)));
         let own = own.map(|_| self.gear.own_delta_cd_mm());
         let (errors, ends) = outputs.split_at_mut(self.errors.len());
         for (PartValue { law, value, .. }, out) in self.errors.iter().zip(errors.iter_mut()) {
-            match self.column(Source::Error(law.kind()), inputs) {
+            match self.column(Influence::Error(law.kind()), inputs) {
                 Some(column) => out.copy_from_slice(column),
                 None => out.fill(*value),
             }
@@ -281,7 +286,7 @@ mod tests {
                 let uncertain = sources.iter().map(|source| (*source, Uncertainty::standard(1.0))).collect();
                 let uncertainties = Uncertainties::new(uncertain, &[]).unwrap();
                 let (errors, over_pin, basis) = (scene.errors(), scene.over_pin(), scene.basis());
-                let part = Part {
+                let part = UncertainPart {
                     errors: &errors,
                     over_pin: Some(&over_pin),
                     model: scene.model,
@@ -298,8 +303,8 @@ mod tests {
                     for (value, source) in drawn.values.iter_mut().zip(SOURCES) {
                         let Some(column) = sources.iter().position(|other| *other == source) else { continue };
                         // a lead error of up to 1.5°
-                        let far = if source == Source::Error(DeviationKind::RackLead) { 60.0 } else { 0.05 };
-                        let absent = source == Source::ToothThickness && !scene.thickness;
+                        let far = if source == Influence::Error(DeviationKind::RackLead) { 60.0 } else { 0.05 };
+                        let absent = source == Influence::ToothThickness && !scene.thickness;
                         assert!(absent || model.best_estimate(source) == *value, "{source:?}");
                         *value *= 1.0
                             + far

@@ -5,7 +5,7 @@ use crate::judge::{Limit, LimitTarget, Stack};
 use crate::quantity::{Angle, Length};
 use crate::statistics::{folded_normal, normal_cdf, normal_quantile};
 use crate::uncertainty::tests::UNKNOWN;
-use crate::uncertainty::{Part, Uncertainties, propagate};
+use crate::uncertainty::{UncertainPart, Uncertainties, propagate};
 
 /// Any function of a few variables.
 struct Function<F>(F);
@@ -120,13 +120,13 @@ fn five(pitch: &str, lead: &str) -> Vec<PartDeviation> {
     ]
 }
 
-fn all_uncertain() -> Vec<(Source, Uncertainty)> {
+fn all_uncertain() -> Vec<(Influence, Uncertainty)> {
     let mut inputs: Vec<_> =
-        DeviationKind::ALL.into_iter().map(|kind| (Source::Error(kind), Uncertainty::standard(0.0008))).collect();
-    inputs.push((Source::NormalPressureAngle, Uncertainty::standard(0.02)));
-    inputs.push((Source::RackHelixAngle, Uncertainty::half_width(0.05, Distribution::Rectangular)));
-    inputs.push((Source::PinionHelixAngle, Uncertainty::half_width(0.05, Distribution::Triangular)));
-    inputs.push((Source::FaceWidth, Uncertainty::half_width(0.1, Distribution::Arcsine)));
+        DeviationKind::ALL.into_iter().map(|kind| (Influence::Error(kind), Uncertainty::standard(0.0008))).collect();
+    inputs.push((Influence::NormalPressureAngle, Uncertainty::standard(0.02)));
+    inputs.push((Influence::RackHelixAngle, Uncertainty::half_width(0.05, Distribution::Rectangular)));
+    inputs.push((Influence::PinionHelixAngle, Uncertainty::half_width(0.05, Distribution::Triangular)));
+    inputs.push((Influence::FaceWidth, Uncertainty::half_width(0.1, Distribution::Arcsine)));
     inputs
 }
 
@@ -134,7 +134,7 @@ fn all_uncertain() -> Vec<(Source, Uncertainty)> {
 fn far_from_zero_linear_and_simulated_results_agree() {
     for (model, stack) in [(Model::Exact, Stack::Range), (Model::Paper, Stack::Range), (Model::Exact, Stack::Rss)] {
         let errors = five("0.012", "-0.0255");
-        let part = Part { errors: &errors, over_pin: None, model, stack, basis: &UNKNOWN, teeth: &[] };
+        let part = UncertainPart { errors: &errors, over_pin: None, model, stack, basis: &UNKNOWN, teeth: &[] };
         let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
         let linear = propagate(&part, &uncertainties).unwrap();
         let settings = Settings { draws: Some(500_000), ..Settings::default() };
@@ -154,7 +154,7 @@ fn far_from_zero_linear_and_simulated_results_agree() {
 #[test]
 fn near_zero_the_simulation_does_not_validate_the_linear_result() {
     let errors = five("0", "0.0255");
-    let part = Part {
+    let part = UncertainPart {
         errors: &errors[1..2],
         over_pin: None,
         model: Model::Exact,
@@ -162,7 +162,7 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
         basis: &UNKNOWN,
         teeth: &[],
     };
-    let inputs = vec![(Source::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
+    let inputs = vec![(Influence::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
     let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
     let linear = propagate(&part, &uncertainties).unwrap();
     let settings = Settings::default();
@@ -179,8 +179,14 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
 #[test]
 fn the_same_bits_at_any_number_of_threads() {
     let errors = five("0.012", "0.0255");
-    let part =
-        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
+    let part = UncertainPart {
+        errors: &errors,
+        over_pin: None,
+        model: Model::Exact,
+        stack: Stack::Range,
+        basis: &UNKNOWN,
+        teeth: &[],
+    };
     let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.047")))];
     for draws in [None, Some(230_000)] {
@@ -202,9 +208,15 @@ fn correlated_draws_and_probabilities_of_conformance() {
         PartDeviation::new(Law::rack_over_roller(), length("0.010")),
         PartDeviation::new(Law::pinion_radial(), length("0.005")).with_extent(Extent::All),
     ];
-    let part =
-        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
-    let (a, b) = (Source::Error(DeviationKind::RackOverRoller), Source::Error(DeviationKind::PinionRadial));
+    let part = UncertainPart {
+        errors: &errors,
+        over_pin: None,
+        model: Model::Exact,
+        stack: Stack::Range,
+        basis: &UNKNOWN,
+        teeth: &[],
+    };
+    let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
     let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.004))];
     let limits = vec![
         (LimitTarget::CenterDistance, Limit { lower: None, upper: Some(length("0.020")) }),
@@ -230,20 +242,26 @@ fn correlated_draws_and_probabilities_of_conformance() {
 #[test]
 fn what_cannot_be_simulated_says_why() {
     let errors = five("0.012", "0.0255");
-    let part =
-        Part { errors: &errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] };
+    let part = UncertainPart {
+        errors: &errors,
+        over_pin: None,
+        model: Model::Exact,
+        stack: Stack::Range,
+        basis: &UNKNOWN,
+        teeth: &[],
+    };
     let try_with = |inputs, settings: &Settings| {
         simulate_part(&part, &Uncertainties::new(inputs, &[]).unwrap(), &Vec::new(), settings).unwrap_err()
     };
     assert_eq!(try_with(Vec::new(), &Settings::default()), MonteCarloError::NothingUncertain);
-    let wide = vec![(Source::NormalPressureAngle, Uncertainty::standard(15.0))];
+    let wide = vec![(Influence::NormalPressureAngle, Uncertainty::standard(15.0))];
     assert!(matches!(try_with(wide, &Settings::default()), MonteCarloError::OutsideDomain { .. }));
     let few = Uncertainty { dof: 2.0, ..Uncertainty::standard(0.001) };
-    let few = vec![(Source::Error(DeviationKind::RackPitch), few)];
+    let few = vec![(Influence::Error(DeviationKind::RackPitch), few)];
     assert!(matches!(try_with(few, &Settings::default()), MonteCarloError::TooFewFreedom { dof: 2.0, .. }));
     // three are enough for a standard deviation
     let three = Uncertainty { dof: 3.0, ..Uncertainty::standard(0.001) };
-    let three = Uncertainties::new(vec![(Source::Error(DeviationKind::RackPitch), three)], &[]).unwrap();
+    let three = Uncertainties::new(vec![(Influence::Error(DeviationKind::RackPitch), three)], &[]).unwrap();
     let once = Settings { draws: Some(10_000), ..Settings::default() };
     assert!(simulate_part(&part, &three, &Vec::new(), &once).is_ok());
     let nine = Settings { digits: 9, ..Settings::default() };

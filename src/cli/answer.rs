@@ -9,7 +9,7 @@ use super::held::{Answer, HeldSpec};
 use super::output::{Failure, Output};
 use super::tables;
 use super::teeth::with_known_teeth;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::spec::Spec;
 
 /// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo` or `budget`, with its options behind. Once
@@ -30,14 +30,18 @@ use crate::spec::Spec;
 pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<AtomicBool>) -> Result<Answer, Diagnostics> {
     const KNOWN: [&str; 5] = ["eval", "mesh", "simulate", "monte-carlo", "budget"];
     if !KNOWN.contains(&command) {
-        return Err(usage(format!("`{command}` is no command with an answer: these are {}", KNOWN.join(", "))));
+        return Err(Diagnostic::usage(format!(
+            "`{command}` is no command with an answer: these are {}",
+            KNOWN.join(", ")
+        ))
+        .into());
     }
     let arguments = ["rackmesh", command, &spec.name].into_iter().chain(options.iter().copied());
     let matches = super::command().try_get_matches_from(arguments.map(OsString::from));
-    let matches = matches.map_err(|error| usage(error.to_string()))?;
+    let matches = matches.map_err(|error| Diagnostic::usage(error.to_string()))?;
     let mut output = Output::held(spec, Arc::clone(stop));
     let Some(called) = super::called(&matches, &mut output) else {
-        return Err(usage("there is no such command".to_owned()));
+        return Err(Diagnostic::usage("there is no such command").into());
     };
     let status = called.map_err(diagnostics)?;
     Ok(Answer { status: status.code(), ..output.into_answer() })
@@ -51,10 +55,6 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
 pub fn judged_spec(spec: &HeldSpec, settings: &[String]) -> Result<Spec, Diagnostics> {
     let read = Spec::parse_with(&spec.name, &spec.text, settings)?;
     with_known_teeth(read, &spec.name).map_err(diagnostics)
-}
-
-fn usage(message: String) -> Diagnostics {
-    Diagnostic::error(Code::Usage, message).into()
 }
 
 fn diagnostics(failure: Failure) -> Diagnostics {

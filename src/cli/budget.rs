@@ -3,17 +3,17 @@
 use clap::builder::PossibleValue;
 
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::files_read;
 use super::teeth::WorstTeeth;
-use crate::budget::{self, Budget, BudgetError, Request, Rule, Simulation, Spread};
+use crate::budget::{self, Budget, BudgetError, RandomAssemblies, Request, Summation, ToleranceDistribution};
 use crate::deviation::Extent;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
 use crate::judge::bound::{Basis, NoBound};
 use crate::judge::class::{ErrorClass, deviation_of};
-use crate::judge::{Interval, Limit, LimitTarget, Rule as DecisionRule};
+use crate::judge::{Interval, Limit, LimitTarget, Rule};
 use crate::quantity::Length;
 use crate::report::{BudgetReport, Format, bound_remarks};
 use crate::spec::{Spec, keys};
@@ -102,19 +102,14 @@ impl Args {
         let report = BudgetReport {
             title: spec.title.as_deref(),
             budget: &budget,
-            limit: &request.limit,
-            rule: request.rule,
-            model: request.model,
+            request: &request,
             classes: &classes,
             grades: &grades,
             reached: if self.no_worst_teeth { None } else { reached(&budget, &request.basis)? },
             notes: [bound_remarks(&budget.notes, &spec.missing_geometry()), remarks(&spec, &decision)].concat(),
             screen: output.screen(),
         };
-        if let Some(picture) = &picture {
-            picture.write(&report.chart())?;
-        }
-        output.picture(|| report.chart());
+        draw(picture.as_ref(), || report.chart(), true, output)?;
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
     }
@@ -131,38 +126,38 @@ impl Args {
         }
     }
 
-    fn rule(&self, spec: &Spec) -> Result<Rule, Failure> {
+    fn rule(&self, spec: &Spec) -> Result<Summation, Failure> {
         let stack = self.stack.as_deref().or(spec.get(keys::BUDGET_STACK));
         let only_simulated =
             [("--conforming", self.conforming.is_some()), ("--distribution", self.distribution.is_some())];
         if let Some((flag, _)) = only_simulated.iter().find(|(_, is_given)| *is_given && stack != Some("simulation")) {
             let message = format!("{flag} counts for random assemblies, and none are drawn");
-            return Err(Diagnostic::error(Code::Usage, message).help("add --stack simulation").into());
+            return Err(Diagnostic::usage(message).help("add --stack simulation").into());
         }
         Ok(match stack {
-            Some("rss") => Rule::Rss,
+            Some("rss") => Summation::Rss,
             Some("simulation") => {
                 let spread = self.distribution.as_deref().or(spec.get(keys::BUDGET_DISTRIBUTION));
                 let conforming = self.conforming.or(spec.get(keys::BUDGET_CONFORMING));
-                Rule::Simulation(Simulation {
-                    conforming: conforming.unwrap_or(Simulation::CONFORMING),
-                    spread: spread.map(Spread::of_name).unwrap_or_default(),
-                    draws: Simulation::DRAWS,
+                Summation::Simulation(RandomAssemblies {
+                    conforming: conforming.unwrap_or(RandomAssemblies::CONFORMING),
+                    spread: spread.map(ToleranceDistribution::of_name).unwrap_or_default(),
+                    draws: RandomAssemblies::DRAWS,
                     seed: self.seed,
                 })
             }
-            _ => Rule::WorstCase,
+            _ => Summation::WorstCase,
         })
     }
 }
 
 /// How a decision rule counts, and what of the spec is no part of a budget.
-fn remarks(spec: &Spec, decision: &DecisionRule) -> Vec<String> {
+fn remarks(spec: &Spec, decision: &Rule) -> Vec<String> {
     let mut remarks = Vec::new();
     match decision {
-        DecisionRule::Simple => {}
-        DecisionRule::Guard(band) => remarks.push(format!("limits are narrowed by the guard band of {band}, as parts will be judged")),
-        DecisionRule::Iso14253 => remarks.push(
+        Rule::Simple => {}
+        Rule::Guard(band) => remarks.push(format!("limits are narrowed by the guard band of {band}, as parts will be judged")),
+        Rule::Iso14253 => remarks.push(
             "the decision rule iso14253 takes the uncertainty of measured values, which tolerances have not: parts near the \
              limit will be indeterminate"
                 .to_owned(),

@@ -263,7 +263,7 @@ fn base_unit(value: DeviationValue) -> ResultUnit {
 }
 
 fn usage(message: impl Into<String>) -> Failure {
-    Diagnostic::error(Code::Usage, message).help("`rackmesh calc --help` shows examples").into()
+    Diagnostic::usage(message).help("`rackmesh calc --help` shows examples").into()
 }
 
 impl From<DomainError> for Failure {
@@ -477,7 +477,7 @@ impl Asked<'_> {
     fn worst_case(&self, error: DeviationValue) -> Result<(WorstCase, Vec<String>), Failure> {
         let kind = self.law.kind();
         let extent = self.given.extent.unwrap_or(kind.usual_extent());
-        if !extent.fits(kind.unit()) {
+        if !extent.fits(kind.counts()) {
             return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
         }
         let bound = Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);

@@ -108,7 +108,7 @@ impl Args {
         let Some(standard) = self.standard.or(written) else {
             let known = Standard::ALL.map(Standard::id).join(", ");
             let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
-            return Err(usage("no standard is given, and there is no default").help(help).into());
+            return Err(Diagnostic::usage("no standard is given, and there is no default").help(help).into());
         };
         let doubts = self.doubts(output)?;
         match (&spec, &path) {
@@ -117,7 +117,7 @@ impl Args {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), doubts, output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
                 // clap requires one of them
-                (None, None) => Err(usage("give --grade, --obtained or --delta-cd").into()),
+                (None, None) => Err(Diagnostic::usage("give --grade, --obtained or --delta-cd").into()),
             },
         }
     }
@@ -155,7 +155,7 @@ impl Args {
         let pressure_angle = meshing.pressure_angle.map(|angle| domain::NORMAL_PRESSURE_ANGLE.check_angle(angle));
         let helix_angle = meshing.helix_angle.map(|angle| domain::RACK_HELIX_ANGLE.check_angle(angle));
         for checked in [pressure_angle, helix_angle].into_iter().flatten() {
-            checked.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+            checked.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
         }
         Ok(Sized { wheel, diameter_source, meshing })
     }
@@ -183,25 +183,26 @@ impl Args {
             (Part::Rack, Some(RackDiameter::Developed)) => {
                 let length = spec.and_then(|spec| spec.get(keys::RACK_TOOTHED_LENGTH));
                 let length = length.ok_or_else(|| {
-                    usage("a developed diameter needs the toothed length of the rack")
+                    Diagnostic::usage("a developed diameter needs the toothed length of the rack")
                         .help("give --spec SPEC with rack.toothed_length, or the diameter itself")
                 })?;
-                let diameter = class::developed_diameter(length)
-                    .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                let diameter = class::developed_diameter(length).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
                 Ok((Some(diameter), DiameterSource::Developed))
             }
             (Part::Rack, Some(RackDiameter::Pinion)) => {
                 let diameter = pinion_diameter(part, wheel, spec)?;
                 if diameter.is_none() {
                     let message = "the diameter of the mating pinion needs its normal module and number of teeth";
-                    return Err(usage(message).help("give --spec SPEC with them, or the diameter itself").into());
+                    return Err(Diagnostic::usage(message)
+                        .help("give --spec SPEC with them, or the diameter itself")
+                        .into());
                 }
                 Ok((diameter, DiameterSource::MatingPinion))
             }
             (Part::Rack, None) => {
                 let message = "which diameter stands for the rack is not said, and there is no default";
                 let help = "give --diameter pinion, developed or a length, or [tolerance] diameter in the spec";
-                Err(usage(message).help(help).into())
+                Err(Diagnostic::usage(message).help(help).into())
             }
             (Part::Pinion, _) => Ok((pinion_diameter(part, wheel, spec)?, DiameterSource::Own)),
         }
@@ -361,7 +362,7 @@ impl Args {
                 }
             })
         })
-        .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        .map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(error) = fatal {
             return Err(no_tolerance(&error).into());
         }
@@ -403,7 +404,7 @@ fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Opt
     };
     let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
     let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
-    Ok(Some(diameter.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?))
+    Ok(Some(diameter.map_err(Diagnostic::with_code(Code::OutOfDomain))?))
 }
 
 /// The warning about a given diameter of a pinion that its module, teeth and helix angle contradict by more than any measuring
@@ -508,8 +509,4 @@ fn positive(size: Size, length: Option<Length>) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-fn usage(message: &str) -> Diagnostic {
-    Diagnostic::error(Code::Usage, message)
 }

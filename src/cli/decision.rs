@@ -9,7 +9,7 @@ use crate::judge::bound::Basis;
 use crate::judge::{Rule, Stack};
 use crate::report::UncertaintyPart;
 use crate::spec::{Spec, keys};
-use crate::uncertainty::{self, Part};
+use crate::uncertainty::{self, UncertainPart};
 
 /// How the errors of a part are judged, and how a verdict is reached under uncertainty.
 #[derive(Debug, Clone, clap::Args)]
@@ -71,7 +71,7 @@ impl JudgeArgs {
         let draws = match given {
             None => None,
             Some(text) => Some(draws(text).ok_or_else(|| {
-                Diagnostic::error(Code::Usage, format!("--monte-carlo {text}: that is no number of draws"))
+                Diagnostic::usage(format!("--monte-carlo {text}: that is no number of draws"))
                     .help("write it as 1000000 or 1e6, or leave it out for as many as are needed")
             })?),
         };
@@ -88,12 +88,13 @@ impl JudgeArgs {
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
+        evaluation.rule = self.rule(spec);
         if evaluation.combined.interval(self.stack).is_err() {
             // what is open has no uncertainty
             return Ok((evaluation, None));
         }
         let over_pin = spec.over_pin();
-        let part = Part {
+        let part = UncertainPart {
             errors,
             over_pin: over_pin.as_ref(),
             model: self.model,
@@ -102,19 +103,19 @@ impl JudgeArgs {
             teeth: &spec.teeth_sensitivities,
         };
         let known = self.known(&part, spec)?;
-        let rule = self.rule(spec);
+        let rule = evaluation.rule.clone();
         if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
             let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
             evaluation
                 .decide_by(&rule, known.as_ref().map(|known| &known.propagation), inside)
-                .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+                .map_err(Diagnostic::with_code(Code::NoResult))?;
         }
         Ok((evaluation, known))
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &Part<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
+    fn known(&self, part: &UncertainPart<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
         let settings = self.settings()?;
         let uncertainties = spec.uncertainties()?;
         if uncertainties.is_empty() {
@@ -128,8 +129,8 @@ impl JudgeArgs {
             }
             return Ok(None);
         }
-        let propagation = uncertainty::propagate(part, &uncertainties)
-            .map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let propagation =
+            uncertainty::propagate(part, &uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
         let simulated = |settings| chance::simulate_part(part, &uncertainties, &spec.limits(), &settings);
         let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {

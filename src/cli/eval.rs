@@ -45,7 +45,7 @@ impl Args {
         let path = match self.spec.take() {
             Some(path) => path,
             None => self.judge.spec_behind_monte_carlo().ok_or_else(|| {
-                Diagnostic::error(Code::Usage, "no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
+                Diagnostic::usage("no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
         let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;
@@ -78,7 +78,6 @@ pub(super) fn evaluated<'a>(
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
     report.classes = spec.classes()?;
     report.notes.extend(spec.suspicions_in_words());
-    report.rule = judge.rule(spec);
     report.uncertainty = uncertainty;
     Ok(report)
 }
@@ -86,12 +85,11 @@ pub(super) fn evaluated<'a>(
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
-    const TOLERANCE_MM: f64 = 1e-6;
     let mut input = spec.mesh(&spec_files::measured_tables(spec, path)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, TOLERANCE_MM)?;
+    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, mesh::TOLERANCE_MM)?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;

@@ -1,14 +1,12 @@
 //! `rackmesh measure`: a virtual measuring machine on the deviated parts of a spec.
 
-use clap::ValueEnum;
-
 use super::calc::sensible;
 use super::mesh::placement;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::spec_files::measured_tables;
 use super::teeth::WorstTeeth;
-use crate::deviation::{self, DeviationKind};
+use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
 use crate::judge::reached::TEETH;
@@ -33,7 +31,7 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: String,
     /// Which part.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value = "rack")]
     part: Part,
     /// Diameter of the pin.
     #[arg(long, allow_hyphen_values = true)]
@@ -51,24 +49,6 @@ pub(super) struct Args {
     format: Format,
 }
 
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum Part {
-    /// The rack's spaces.
-    #[default]
-    Rack,
-    /// The pinion's spaces.
-    Pinion,
-}
-
-impl From<Part> for deviation::Part {
-    fn from(part: Part) -> Self {
-        match part {
-            Part::Rack => Self::Rack,
-            Part::Pinion => Self::Pinion,
-        }
-    }
-}
-
 /// Spaces listed at most.
 const MOST: i64 = 10_000_000;
 
@@ -76,14 +56,14 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
-        let said = put_on_teeth(&spec, self.part.into(), &mut input)?;
+        let said = put_on_teeth(&spec, self.part, &mut input)?;
         let mut notes = said.clone();
         let mesh = &input.mesh;
         let report = match self.part {
             Part::Rack => {
                 if self.first > self.last || self.last.saturating_sub(self.first) >= MOST {
                     let message = format!("--first {} --last {} are no range of spaces", self.first, self.last);
-                    return Err(Diagnostic::error(Code::Usage, message).into());
+                    return Err(Diagnostic::usage(message).into());
                 }
                 let ideal = || {
                     let pair = mesh.pair();
@@ -95,9 +75,7 @@ impl Args {
                 {
                     let (first, last) = (TEETH.start(), TEETH.end() - 1);
                     let message = format!("errors on the worst teeth are put on the spaces {first} to {last} alone");
-                    return Err(Diagnostic::error(Code::Usage, message)
-                        .help("choose --first and --last among them")
-                        .into());
+                    return Err(Diagnostic::usage(message).help("choose --first and --last among them").into());
                 }
                 notes.extend(sensible(output, &[("--pin", self.pin.and_then(|pin| spec.doubted_pin(pin)))])?);
                 let written = self.pin.or(spec.get(keys::RACK_PIN));
@@ -121,7 +99,7 @@ impl Args {
 }
 
 /// Puts errors whose teeth are not told on the worst ones, as `mesh` does; what was done is to be said.
-fn put_on_teeth(spec: &Spec, part: deviation::Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
+fn put_on_teeth(spec: &Spec, part: Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
     let untold = |message: &str| {
         Diagnostic::error(Code::BadTeeth, message)
             .help("give the deviation of each tooth: [[rack.deviation]], [[pinion.deviation]]")

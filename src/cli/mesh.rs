@@ -5,18 +5,19 @@ use std::sync::atomic::Ordering;
 use super::decision::JudgeArgs;
 use super::long;
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{DeviationValue, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
+use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, JudgedMesh, MeshReport, Screen, noted};
+use crate::report::{Format, MeshReport, Screen, noted};
 use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -66,11 +67,14 @@ impl Stroke {
         let (from, to) = (self.from.mm(), self.to.mm());
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
-            return Err(Diagnostic::error(Code::Usage, message).into());
+            return Err(Diagnostic::usage(message).into());
         }
         Ok((from, to))
     }
 }
+
+/// How closely a curve is followed unless the user says otherwise, mm; the default of `--tolerance`.
+pub(super) const TOLERANCE_MM: f64 = 1e-6;
 
 /// The stroke, and how closely it is followed.
 #[derive(Debug, clap::Args)]
@@ -118,7 +122,7 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
         Origin::Errors => {
             let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
             format!(
-                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth 4.., the pinion's pitch as one \
+                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth {FIRST_ODD_TOOTH}.., the pinion's pitch as one \
                  step half way round{lead}"
             )
         }
@@ -140,7 +144,7 @@ pub(super) fn solved<'a>(
     spec: &'a Spec,
     input: &'a MeshInput,
     curve: Curve,
-    judged: JudgedMesh,
+    evaluation: Evaluation,
 ) -> Result<MeshReport<'a>, Failure> {
     Ok(MeshReport {
         title: None,
@@ -150,7 +154,7 @@ pub(super) fn solved<'a>(
         listed: Vec::new(),
         prediction: prediction(input)?,
         limit: spec.limit_on(LimitTarget::CenterDistance),
-        judged,
+        evaluation,
         notes: notes(input),
         screen: Screen::default(),
     })
@@ -262,10 +266,7 @@ impl Args {
                 report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        if let Some(picture) = &picture {
-            picture.write(&report.chart())?;
-        }
-        output.picture(|| report.chart());
+        draw(picture.as_ref(), || report.chart(), true, output)?;
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
             (Some(strokes), Format::Json) => {
@@ -274,7 +275,7 @@ impl Args {
             }
             _ => output.report(&report, self.format).map(|()| None),
         };
-        let status = Status::of(report.judged.verdict, &report.judged.checks);
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         match listed {
             // the verdict is that of the curve, whoever reads the list
             Err(failure) if failure.is_closed_pipe() => Ok(status),
@@ -294,7 +295,7 @@ impl Args {
                 if !(step.mm() > 0.0 && (0.0..=MOST).contains(&intervals)) {
                     let message =
                         format!("--step {step} does not divide the stroke from {from} to {to} mm into 1 to 1e8 steps");
-                    return Err(Diagnostic::error(Code::Usage, message).into());
+                    return Err(Diagnostic::usage(message).into());
                 }
                 (step.mm(), intervals)
             }

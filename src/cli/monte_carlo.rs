@@ -4,7 +4,7 @@ use std::io::{Read as _, Write as _};
 
 use super::long::{self, Bar, Interruption};
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::target::Target;
 use super::teeth::WorstTeeth;
@@ -114,10 +114,7 @@ impl Args {
             notes: mesh::notes(&input).into_iter().chain(unjudged).collect(),
         };
         let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
-        output.picture(|| report.chart(limit));
-        if let Some(picture) = &picture {
-            picture.write_as_far(&report.chart(limit), ended_early.is_none(), output)?;
-        }
+        draw(picture.as_ref(), || report.chart(limit), ended_early.is_none(), output)?;
         if !self.lists_racks() {
             output.report(&report, self.format)?;
         }
@@ -140,7 +137,7 @@ impl Args {
     fn kept(&self, files: &[String]) -> Result<Option<Target>, Failure> {
         if self.study.as_deref() == Some("-") {
             let message = "--study -: standard output has the result";
-            return Err(Diagnostic::error(Code::Usage, message).help("name a file").into());
+            return Err(Diagnostic::usage(message).help("name a file").into());
         }
         self.study.as_deref().map(|path| Target::create(path, files)).transpose()
     }
@@ -180,7 +177,7 @@ impl Args {
             let study = kept_study(path, interruption)?;
             let refused = |error: StudyError| {
                 let message = format!("{} cannot be merged: {error}", stream::name(path));
-                Failure::from(Diagnostic::error(Code::Usage, message))
+                Failure::from(Diagnostic::usage(message))
             };
             if let Some(merged) = &mut merged {
                 merged.merge(&study).map_err(refused)?;
@@ -189,12 +186,12 @@ impl Args {
                 merged = Some(study);
             }
         }
-        let mut merged = merged.ok_or_else(|| Diagnostic::error(Code::Usage, "--merge names no file"))?;
+        let mut merged = merged.ok_or_else(|| Diagnostic::usage("--merge names no file"))?;
         let RackRange { first_rack, .. } = merged.asked();
         let first_rack = self.first_rack.unwrap_or(first_rack);
         let racks = self.racks.unwrap_or(merged.asked().end().saturating_sub(first_rack));
         let asked = RackRange { first_rack, racks };
-        merged.ask(asked).map_err(|error| Diagnostic::error(Code::Usage, error.to_string()))?;
+        merged.ask(asked).map_err(Diagnostic::with_code(Code::Usage))?;
         Ok(merged)
     }
 }

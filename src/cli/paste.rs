@@ -11,16 +11,16 @@ use super::tables::{self, Opened, Opener, ReadArgs};
 use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
 use crate::batch::{Duplicates, TeethJudge};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, FormulaAndMesh, JudgedMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
+    self, EvaluationReport, Format, FormulaAndMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
     UncertaintyPart, WithReading,
 };
-use crate::spec::{MeasuredTables, Spec};
+use crate::spec::Spec;
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
@@ -183,7 +183,7 @@ impl Args {
     fn parts(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         if self.mesh {
             let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
-            return Err(Diagnostic::error(Code::Usage, message)
+            return Err(Diagnostic::usage(message)
                 .help("for a part's errors put on its teeth: rackmesh eval --mesh")
                 .into());
         }
@@ -225,7 +225,6 @@ impl Args {
                 let is_named = read.reading.columns.iter().any(|column| column.role == "part_id");
                 let title = if is_named { format!("part {name}") } else { self.block_name() };
                 let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
-                report.rule = self.judge.rule(&read.spec);
                 report.uncertainty = uncertainty.take();
                 report.without.clone_from(&without);
                 self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
@@ -242,14 +241,12 @@ impl Args {
     fn notes(&self, spec: &Spec, kinds: &[DeviationKind]) -> Vec<String> {
         let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
         let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
-        let exact: Vec<_> = kinds.iter().filter(|kind| !spec.is_uncertain(**kind)).map(|kind| kind.key()).collect();
-        let exact = (!spec.uncertainties.is_empty() && !exact.is_empty())
-            .then(|| format!("taken as exact, because no uncertainty is given: {}", exact.join(", ")));
+        let exact: Vec<_> = kinds.iter().copied().filter(|kind| !spec.is_uncertain(*kind)).collect();
         lacking
             .into_iter()
             .chain(batch::of_every_part(&of_every))
             .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
-            .chain(exact)
+            .chain(spec.note_of_exact(&exact, None))
             .collect()
     }
 
@@ -335,21 +332,16 @@ impl Args {
             let message = format!("{name}, line {}: {}", fault.line, fault.message);
             return Err(Diagnostic::error(Code::BadRow, message).into());
         }
-        let (is_rack, tables) = match part.teeth {
-            Teeth::Rack(rack) => (true, MeasuredTables { rack: Some(rack), pinion: None }),
-            Teeth::Pinion(pinion) => (false, MeasuredTables { rack: None, pinion: Some(pinion) }),
-        };
-        if read.spec.has_other_deviations(is_rack) {
+        if read.spec.has_other_deviations(part.teeth.part()) {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
-        self.spaces(&read, tables, output)
+        self.spaces(&read, part.teeth, output)
     }
 
-    fn spaces(&self, read: &ReadBlock, tables: MeasuredTables, output: &mut Output) -> Result<Status, Failure> {
+    fn spaces(&self, read: &ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
         let spec = &read.spec;
-        let is_rack = tables.rack.is_some();
-        let measured = spec.measured(&tables, self.judge.model)?;
+        let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
@@ -363,29 +355,17 @@ impl Args {
             output.diagnostic(&unjudged_teeth(&missing));
             return Ok(Status::Undecided);
         }
-        let judge = TeethJudge::new(spec, is_rack, self.judge.rule(spec), self.partial)?;
+        let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
         let only = judge.measured_only();
-        let mut all = spec_files::measured_tables(only, &self.spec)?;
-        if is_rack {
-            all.rack = tables.rack;
-        } else {
-            all.pinion = tables.pinion;
-        }
+        let all = spec_files::measured_tables(only, &self.spec)?.with(teeth);
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
-        let curve = input.mesh.curve(covered.start, covered.end, 1e-6)?;
-        let of_mesh = JudgedMesh {
-            range: judged.range,
-            by: judged.by,
-            checks: judged.limits,
-            rule: self.judge.rule(spec),
-            verdict: judged.verdict,
-        };
-        let mut solved = mesh::solved(spec, &input, curve, of_mesh)?;
+        let curve = input.mesh.curve(covered.start, covered.end, mesh::TOLERANCE_MM)?;
+        let mut solved = mesh::solved(spec, &input, curve, judged.evaluation)?;
         solved.screen = output.screen();
         solved.notes.extend(judge.notes().into_iter().chain(judged.notes));
-        if is_rack {
+        if measured.part == Part::Rack {
             solved.notes.push(format!(
                 "the strokes whose contacts were measured are {:.3} to {:.3} mm: the others are not judged",
                 covered.start, covered.end
@@ -393,7 +373,7 @@ impl Args {
         }
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
         self.report(&Shown { report: &both, ..shown }, read, output)?;
-        Ok(Status::of(solved.judged.verdict, &solved.judged.checks))
+        Ok(Status::of(solved.evaluation.verdict, &solved.evaluation.limits))
     }
 }
 

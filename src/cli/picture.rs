@@ -22,6 +22,26 @@ impl PlotArgs {
     }
 }
 
+/// Draws a result to the picture that is asked for, and for a program that holds the answer. Of a run that has not come to its
+/// end the picture is kept under another name.
+pub(super) fn draw(
+    picture: Option<&Picture>,
+    chart: impl Fn() -> Chart,
+    is_complete: bool,
+    output: &mut Output,
+) -> Result<(), Failure> {
+    output.picture(&chart);
+    let Some(picture) = picture else { return Ok(()) };
+    let drawn = picture.drawn(&chart())?;
+    if is_complete {
+        return drawn.finish();
+    }
+    if let Some(partial) = drawn.keep_partial()? {
+        output.remark(&format!("{partial} shows what was computed"));
+    }
+    Ok(())
+}
+
 /// A picture that is to be written.
 pub(super) struct Picture {
     path: String,
@@ -35,7 +55,7 @@ impl Picture {
         if target::ending(path) != "svg" {
             let message = format!("{path}: pictures are written as SVG, to a file");
             let help = "write a name that ends in .svg; a browser or an office program opens the file";
-            return Err(Diagnostic::error(Code::Usage, message).help(help).into());
+            return Err(Diagnostic::usage(message).help(help).into());
         }
         let picture = Self { path: path.to_owned(), inputs };
         target::refuse_inputs(path, &picture.inputs)?;
@@ -45,17 +65,6 @@ impl Picture {
     /// Draws the picture and writes it.
     pub(super) fn write(&self, chart: &Chart) -> Result<(), Failure> {
         self.drawn(chart)?.finish()
-    }
-
-    /// The same of a run that may not have come to its end: its picture is kept under another name.
-    pub(super) fn write_as_far(&self, chart: &Chart, is_complete: bool, output: &mut Output) -> Result<(), Failure> {
-        if is_complete {
-            return self.write(chart);
-        }
-        if let Some(partial) = self.drawn(chart)?.keep_partial()? {
-            output.remark(&format!("{partial} shows what was computed"));
-        }
-        Ok(())
     }
 
     fn drawn(&self, chart: &Chart) -> Result<Target, Failure> {

@@ -137,7 +137,6 @@ impl Args {
         page: &mut Page,
         output: &mut Output,
     ) -> Result<(), Failure> {
-        const TOLERANCE_MM: f64 = 1e-6;
         const HEADING: &str = "Exact mesh along the stroke";
         let unsolved = |why: String| Section::new(HEADING, vec![Block::Note(why)]);
         let tables = spec_files::measured_tables(spec, &self.spec)?;
@@ -153,7 +152,7 @@ impl Args {
         if let Some(worst) = worst {
             worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
         }
-        let curve = match input.mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), TOLERANCE_MM) {
+        let curve = match input.mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), mesh::TOLERANCE_MM) {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
@@ -171,7 +170,7 @@ impl Args {
     fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         if self.files.iter().any(|file| file == "-") {
             let message = "a report names its inputs and their hashes, and standard input has no name";
-            return Err(Diagnostic::error(Code::Usage, message).help("give a file").into());
+            return Err(Diagnostic::usage(message).help("give a file").into());
         }
         let interruption = long::interrupted(output);
         let spec = Arc::new(spec.clone());
@@ -246,9 +245,8 @@ impl Args {
 
     /// Parts with their teeth, by the exact mesh.
     fn toothed(&self, spec: &Arc<Spec>, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
-        const TOLERANCE_MM: f64 = 1e-6;
         let request =
-            TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: TOLERANCE_MM, rows: self.request(spec) };
+            TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: mesh::TOLERANCE_MM, rows: self.request(spec) };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;

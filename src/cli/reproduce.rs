@@ -28,7 +28,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let reproduction = Reproduction::new().map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?;
+        let reproduction = Reproduction::new().map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(folder) = &self.plots {
             std::fs::create_dir_all(folder).map_err(|error| {
                 Diagnostic::error(Code::FileAccess, format!("cannot make the folder {}: {error}", folder.display()))

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::long::Interruption;
 use super::output::{Failure, Output, Status};
-use super::picture::PlotArgs;
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::{files_read, measured_tables};
 use crate::diagnostic::{Code, Diagnostic};
@@ -87,11 +87,9 @@ impl Args {
                 .collect(),
             screen: output.screen(),
         };
-        output.picture(|| chart(&report, &input.mesh));
-        if let Some(picture) = picture.filter(|_| !outcome.samples.is_empty()) {
-            let is_complete = matches!(outcome.end, RunEnd::Completed);
-            picture.write_as_far(&chart(&report, &input.mesh), is_complete, output)?;
-        }
+        let picture = picture.filter(|_| !outcome.samples.is_empty());
+        let is_complete = matches!(outcome.end, RunEnd::Completed);
+        draw(picture.as_ref(), || chart(&report, &input.mesh), is_complete, output)?;
         output.report(&report, self.format)?;
         Ok(match outcome.end {
             RunEnd::Completed => Status::Pass,

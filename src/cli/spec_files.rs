@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::Failure;
 use super::tables;
+use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::MeshError;
 use crate::spec::{Located, MeasuredTables, Spec, keys};
@@ -12,17 +13,7 @@ use crate::table::{self, Source, Teeth};
 /// Why there is no solution.
 impl From<MeshError> for Failure {
     fn from(error: MeshError) -> Self {
-        let diagnostic = Diagnostic::error(Code::NoMesh, error.to_string());
-        let help = match error {
-            MeshError::NoContact { .. } => {
-                "check the diameters, the addendum and the deviations: the teeth do not reach each other"
-            }
-            MeshError::TipOnTip { .. } => {
-                "check the tooth thicknesses and the deviations: the teeth are wider than the spaces"
-            }
-            _ => return diagnostic.into(),
-        };
-        diagnostic.help(help).into()
+        Diagnostic::from(error).into()
     }
 }
 
@@ -56,18 +47,17 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
         Ok(table::of_one_part(&path.display().to_string(), Source::File(opened), &spec.want())?)
     };
     let mut tables = MeasuredTables::default();
-    for (key, is_rack, what) in
-        [(keys::RACK_MEASURED, true, "spaces of a rack"), (keys::PINION_MEASURED, false, "teeth of a pinion")]
-    {
+    for (key, part, what) in [
+        (keys::RACK_MEASURED, Part::Rack, "spaces of a rack"),
+        (keys::PINION_MEASURED, Part::Pinion, "teeth of a pinion"),
+    ] {
         let Some(file) = spec.values.located(key) else { continue };
-        match (read(&file)?, is_rack) {
-            (Teeth::Rack(rack), true) => tables.rack = Some(rack),
-            (Teeth::Pinion(pinion), false) => tables.pinion = Some(pinion),
-            _ => {
-                let message = format!("{} holds no {what}", file.value);
-                return Err(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span, "").into());
-            }
+        let teeth = read(&file)?;
+        if teeth.part() != part {
+            let message = format!("{} holds no {what}", file.value);
+            return Err(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span, "").into());
         }
+        tables = tables.with(teeth);
     }
     Ok(tables)
 }

@@ -118,8 +118,7 @@ impl ReadArgs {
         (want.separator, want.encoding) = (self.separator, self.encoding);
         (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
         if let Some(range) = &self.range {
-            want.range =
-                range.parse().map_err(|problem| Diagnostic::error(Code::Usage, format!("--range: {problem}")))?;
+            want.range = range.parse().map_err(|problem| Diagnostic::usage(format!("--range: {problem}")))?;
         }
         Ok(want)
     }
@@ -289,7 +288,7 @@ pub(super) fn say_readings(readings: &[Reading], output: &mut Output) -> Vec<Rea
 pub(super) fn diagnostics(failure: Failure) -> Vec<Diagnostic> {
     match failure {
         Failure::Diagnostics(diagnostics) => diagnostics,
-        Failure::Usage(error) => vec![Diagnostic::error(Code::Usage, error.to_string())],
+        Failure::Usage(error) => vec![Diagnostic::usage(error.to_string())],
         Failure::Write(error) => vec![Diagnostic::error(Code::FileAccess, error.to_string())],
     }
 }

@@ -225,7 +225,7 @@ pub(super) fn refuse_inputs(path: &str, inputs: &[impl AsRef<str>]) -> Result<()
         input => format!("it is read as {input}"),
     };
     let message = format!("{path} would be written over, and {read}");
-    Err(Diagnostic::error(Code::Usage, message).help("give what is written another name").into())
+    Err(Diagnostic::usage(message).help("give what is written another name").into())
 }
 
 /// A name for what is read: standard input may be a file.
@@ -238,7 +238,7 @@ pub(super) fn refuse_same(paths: &[&str]) -> Result<(), Failure> {
     for (index, path) in paths.iter().enumerate() {
         if let Some(other) = paths[..index].iter().find(|other| same_file(other, path)) {
             let message = format!("{other} and {path} are the same file, and both would be written");
-            return Err(Diagnostic::error(Code::Usage, message).help("give one of them another name").into());
+            return Err(Diagnostic::usage(message).help("give one of them another name").into());
         }
     }
     Ok(())
@@ -316,7 +316,7 @@ fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option
         Some((last, others)) if !others.is_empty() => format!("it ends in {} or {last}", others.join(", ")),
         _ => format!("it ends in {}", endings.concat()),
     };
-    Err(Diagnostic::error(Code::Usage, message).help(help).into())
+    Err(Diagnostic::usage(message).help(help).into())
 }
 
 /// Why a file cannot be written. That the reader of a pipe has seen enough is no fault.

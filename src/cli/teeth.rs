@@ -4,15 +4,13 @@
 use super::decision::JudgeArgs;
 use super::output::Failure;
 use super::spec_files::measured_tables;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::strokes::{StrokesError, extremes, tolerance_mm};
 use crate::judge::{Interval, Limit, PlacedError};
 use crate::mesh::{Mesh, Support};
-use crate::report::JudgedMesh;
 use crate::spec::{MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
@@ -23,27 +21,13 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> 
     let tables = measured_tables(&spec, path)?;
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
-    let strokes = input.judged_strokes().map_err(no_strokes)?;
-    let tolerance_mm = tolerance_mm(&input.mesh);
-    let extremes = extremes(&input.mesh, &strokes, tolerance_mm)?;
-    let sensitivities = spec.teeth_sensitivities(&tables, &input.mesh, &extremes, tolerance_mm)?;
-    let certain = spec.certain_teeth(&tables);
-    Ok(spec.with_known_teeth(extremes.judged(&input.mesh), sensitivities, certain))
+    let strokes = input.judged_strokes().map_err(Diagnostics::from)?;
+    Ok(spec.with_known_teeth(&tables, &input.mesh, &strokes)?)
 }
 
-fn no_strokes(error: StrokesError) -> Failure {
-    match error {
-        StrokesError::Mesh(error) => error.into(),
-        other => Diagnostic::error(Code::NoMesh, other.to_string()).into(),
-    }
-}
-
-/// What is held against the limits of a spec whose known teeth are solved, and what came of it.
-pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<JudgedMesh, Failure> {
-    let (errors, basis) = (spec.part_errors_or_none()?, spec.basis()?);
-    let (evaluation, _) = judge.judged(spec, &errors, &basis)?;
-    let Evaluation { combined, judged_by, limits, verdict, .. } = evaluation;
-    Ok(JudgedMesh { range: combined.range, by: judged_by, checks: limits, rule: judge.rule(spec), verdict })
+/// The errors of a spec whose known teeth are solved, held against its limits.
+pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<Evaluation, Failure> {
+    Ok(judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?)?.0)
 }
 
 /// Errors on the worst teeth that a search finds.
@@ -74,7 +58,7 @@ impl WorstTeeth {
     pub(super) fn interval(&self) -> Result<Interval, Failure> {
         let Reached { lower_mm, upper_mm, .. } = self.reached;
         let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
-        Ok(interval.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()))?)
+        Ok(interval.map_err(Diagnostic::with_code(Code::NoResult))?)
     }
 
     /// Puts the errors of a mesh on these teeth: those of the end that is nearer to the limit, or of the upper one.

@@ -87,10 +87,13 @@ pub enum DeviationError {
 
 /// Longest displacement taken for a deviation, mm; anything near it is a mistake in units, and products with
 /// tooth indices stay finite.
-const MAX_LENGTH_MM: f64 = 1e6;
+pub(crate) const MAX_LENGTH_MM: f64 = 1e6;
 
 /// Largest single lead deviation, rad: 45°, a hundred times what a measuring machine would ever find.
-pub(super) const MAX_LEAD_RAD: f64 = std::f64::consts::FRAC_PI_4;
+pub(crate) const MAX_LEAD_RAD: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Steepest tooth line that a lead deviation may lead to, rad: 85°.
+pub(super) const MAX_HELIX_RAD: f64 = 85.0 * std::f64::consts::PI / 180.0;
 
 pub(super) fn length(quantity: DeviationQuantity, value: f64) -> Result<f64, DeviationError> {
     within(quantity, value, MAX_LENGTH_MM)

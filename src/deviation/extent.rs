@@ -1,6 +1,5 @@
 //! How far an error extends: over one tooth, a run of teeth, or all of them. Written by users, read by the bound.
 
-use std::fmt;
 use std::str::FromStr;
 
 /// On which teeth an error is.
@@ -19,9 +18,9 @@ pub enum Extent {
     Total,
 }
 
-/// What is counted: the words for an extent name it.
+/// What an extent counts, as its words say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Unit {
+pub enum Countable {
     /// A space between teeth, for sizes.
     Space,
     /// A step from tooth to tooth, for pitches.
@@ -56,23 +55,23 @@ impl Extent {
 
     /// Whether an error that counts these can have it: only a pitch has a total.
     #[must_use]
-    pub const fn fits(self, unit: Unit) -> bool {
-        !matches!(self, Self::Total) || matches!(unit, Unit::Pitch)
+    pub const fn fits(self, counted: Countable) -> bool {
+        !matches!(self, Self::Total) || matches!(counted, Countable::Pitch)
     }
 
     /// In words: `one space`, `every pitch, any sign`. Where pitches add up, `in_contact` says how many at most.
     #[must_use]
-    pub fn words(self, unit: Unit, in_contact: Option<u32>) -> String {
-        let unit = match unit {
-            Unit::Space => "space",
-            Unit::Pitch => "pitch",
-            Unit::Tooth => "tooth",
+    pub fn words(self, counted: Countable, in_contact: Option<u32>) -> String {
+        let one = match counted {
+            Countable::Space => "space",
+            Countable::Pitch => "pitch",
+            Countable::Tooth => "tooth",
         };
         let mut words = match self {
-            Self::One => format!("one {unit}"),
-            Self::Part => format!("a run of {}", if unit == "tooth" { "teeth".to_owned() } else { plural(unit) }),
-            Self::All => format!("every {unit}"),
-            Self::Each => format!("every {unit}, any sign"),
+            Self::One => format!("one {one}"),
+            Self::Part => format!("a run of {}", if one == "tooth" { "teeth".to_owned() } else { plural(one) }),
+            Self::All => format!("every {one}"),
+            Self::Each => format!("every {one}, any sign"),
             Self::Total => "in total, either flank side".to_owned(),
         };
         if let Some(count) =
@@ -84,15 +83,11 @@ impl Extent {
     }
 }
 
-fn plural(unit: &str) -> String {
-    format!("{unit}{}", if unit == "pitch" { "es" } else { "s" })
+fn plural(one: &str) -> String {
+    format!("{one}{}", if one == "pitch" { "es" } else { "s" })
 }
 
-impl fmt::Display for Extent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Extent);
 
 impl FromStr for Extent {
     type Err = UnknownExtent;
@@ -117,11 +112,11 @@ mod tests {
 
     #[test]
     fn extents_in_words() {
-        assert_eq!(Extent::One.words(Unit::Space, None), "one space");
-        assert_eq!(Extent::One.words(Unit::Pitch, Some(3)), "one pitch");
-        assert_eq!(Extent::All.words(Unit::Pitch, Some(3)), "every pitch, up to 3 in contact");
-        assert_eq!(Extent::Each.words(Unit::Tooth, None), "every tooth, any sign");
-        assert_eq!(Extent::Part.words(Unit::Tooth, None), "a run of teeth");
-        assert_eq!(Extent::Part.words(Unit::Pitch, None), "a run of pitches");
+        assert_eq!(Extent::One.words(Countable::Space, None), "one space");
+        assert_eq!(Extent::One.words(Countable::Pitch, Some(3)), "one pitch");
+        assert_eq!(Extent::All.words(Countable::Pitch, Some(3)), "every pitch, up to 3 in contact");
+        assert_eq!(Extent::Each.words(Countable::Tooth, None), "every tooth, any sign");
+        assert_eq!(Extent::Part.words(Countable::Tooth, None), "a run of teeth");
+        assert_eq!(Extent::Part.words(Countable::Pitch, None), "a run of pitches");
     }
 }

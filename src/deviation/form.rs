@@ -36,15 +36,9 @@ impl RackForm {
     }
 
     pub(super) fn checked(self, addendum_mm: f64) -> Result<Self, DeviationError> {
-        for value in [self.crowning_mm, self.tip_relief_mm, self.tip_relief_start_mm] {
-            length(DeviationQuantity::Form, value)?;
-        }
-        // removal only: a negative amount would make the flank concave, and contact there is not unique
-        for value in [self.crowning_mm, self.tip_relief_mm] {
-            if value < 0.0 {
-                return Err(DeviationError::NegativeForm { value_mm: value });
-            }
-        }
+        length(DeviationQuantity::Form, self.tip_relief_start_mm)?;
+        removed(self.crowning_mm)?;
+        removed(self.tip_relief_mm)?;
         if self.tip_relief_mm != 0.0 && self.tip_relief_start_mm >= addendum_mm {
             return Err(DeviationError::ReliefStart { start_mm: self.tip_relief_start_mm, addendum_mm });
         }
@@ -61,12 +55,15 @@ impl PinionForm {
 
     pub(super) fn checked(self) -> Result<Self, DeviationError> {
         length(DeviationQuantity::Form, self.profile_slope_mm)?;
-        let value = length(DeviationQuantity::Form, self.crowning_mm)?;
-        if value < 0.0 {
-            return Err(DeviationError::NegativeForm { value_mm: value });
-        }
+        removed(self.crowning_mm)?;
         Ok(self)
     }
+}
+
+/// Checks an amount of material: a negative one would make the flank concave, and contact there is not unique.
+fn removed(value_mm: f64) -> Result<(), DeviationError> {
+    length(DeviationQuantity::Form, value_mm)?;
+    if value_mm < 0.0 { Err(DeviationError::NegativeForm { value_mm }) } else { Ok(()) }
 }
 
 #[cfg(test)]

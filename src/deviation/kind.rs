@@ -3,12 +3,13 @@
 
 use std::fmt;
 
-use super::{Extent, Unit};
+use super::{Countable, Extent};
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
 /// A part of the pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Part {
     /// The rack.
     Rack,
@@ -61,14 +62,14 @@ impl DeviationKind {
     ];
 
     /// Its key, its name, the part that has it, what its extent counts, and the extent where nobody says.
-    const fn row(self) -> (&'static str, &'static str, Part, Unit, Extent) {
+    const fn row(self) -> (&'static str, &'static str, Part, Countable, Extent) {
         match self {
-            Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Unit::Space, Extent::All),
-            Self::RackPitch => ("rack_pitch", "rack pitch", Part::Rack, Unit::Pitch, Extent::One),
-            Self::RackLead => ("rack_lead", "rack lead", Part::Rack, Unit::Tooth, Extent::All),
-            Self::PinionRadial => ("pinion_radial", "pinion radial", Part::Pinion, Unit::Space, Extent::One),
-            Self::PinionPitch => ("pinion_pitch", "pinion pitch", Part::Pinion, Unit::Pitch, Extent::One),
-            Self::PinionLead => ("pinion_lead", "pinion lead", Part::Pinion, Unit::Tooth, Extent::All),
+            Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Countable::Space, Extent::All),
+            Self::RackPitch => ("rack_pitch", "rack pitch", Part::Rack, Countable::Pitch, Extent::One),
+            Self::RackLead => ("rack_lead", "rack lead", Part::Rack, Countable::Tooth, Extent::All),
+            Self::PinionRadial => ("pinion_radial", "pinion radial", Part::Pinion, Countable::Space, Extent::One),
+            Self::PinionPitch => ("pinion_pitch", "pinion pitch", Part::Pinion, Countable::Pitch, Extent::One),
+            Self::PinionLead => ("pinion_lead", "pinion lead", Part::Pinion, Countable::Tooth, Extent::All),
         }
     }
 
@@ -76,6 +77,12 @@ impl DeviationKind {
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.row().0
+    }
+
+    /// The keys of several, as a list in a sentence.
+    #[must_use]
+    pub fn keys(kinds: impl IntoIterator<Item = Self>) -> String {
+        kinds.into_iter().map(Self::key).collect::<Vec<_>>().join(", ")
     }
 
     /// The name that people read: `rack over-roller`.
@@ -92,7 +99,7 @@ impl DeviationKind {
 
     /// What its extent counts.
     #[must_use]
-    pub const fn unit(self) -> Unit {
+    pub const fn counts(self) -> Countable {
         self.row().3
     }
 
@@ -110,11 +117,7 @@ impl DeviationKind {
     }
 }
 
-impl fmt::Display for DeviationKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(DeviationKind);
 
 /// The value of an error: a length, or an angle for a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,6 +131,16 @@ pub enum DeviationValue {
 }
 
 impl DeviationValue {
+    /// A length in mm; `None` if it is none, or beyond the largest one.
+    pub(crate) fn from_mm(mm: f64) -> Option<Self> {
+        Length::from_mm(mm).ok().map(Self::Length)
+    }
+
+    /// An angle in rad; `None` if it is none, or beyond the largest one.
+    pub(crate) fn from_rad(rad: f64) -> Option<Self> {
+        Angle::from_degrees(rad.to_degrees()).ok().map(Self::Angle)
+    }
+
     /// No error of a kind.
     #[must_use]
     pub const fn zero(kind: DeviationKind) -> Self {
@@ -143,7 +156,7 @@ impl DeviationValue {
         match self {
             Self::Length(length) => length.mm(),
             Self::Angle(angle) => angle.degrees(),
-            Self::Slope(slope) => trig::atan(slope) * (180.0 / std::f64::consts::PI),
+            Self::Slope(slope) => trig::atan(slope).to_degrees(),
         }
     }
 

@@ -7,7 +7,6 @@ use std::ops::Sub;
 use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
 use super::{DeviationValue, PinionTooth, RackTooth};
 use crate::gear::Pair;
-use crate::quantity::{Angle, Length};
 use crate::trig;
 
 /// A pin or ball in one space of the rack. Space j lies between the teeth j and j + 1.
@@ -52,12 +51,11 @@ pub struct RowValue {
 
 impl RowValue {
     fn length(what: &'static str, mm: Option<f64>) -> Option<Self> {
-        Some(Self { what, value: DeviationValue::Length(Length::from_mm(mm?).ok()?) })
+        Some(Self { what, value: DeviationValue::from_mm(mm?)? })
     }
 
     fn lead(rad: Option<f64>) -> Option<Self> {
-        let angle = Angle::from_degrees(rad?.to_degrees()).ok()?;
-        Some(Self { what: "lead deviation", value: DeviationValue::Angle(angle) })
+        Some(Self { what: "lead deviation", value: DeviationValue::from_rad(rad?)? })
     }
 }
 

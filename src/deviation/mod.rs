@@ -16,7 +16,8 @@ mod rack;
 mod tooth_range;
 
 pub use error::{DeviationError, DeviationQuantity};
-pub use extent::{Extent, Unit, UnknownExtent};
+pub(crate) use error::{MAX_LEAD_RAD, MAX_LENGTH_MM};
+pub use extent::{Countable, Extent, UnknownExtent};
 pub use form::{PinionForm, RackForm};
 pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{
@@ -24,4 +25,4 @@ pub use measured::{
 };
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
-pub use tooth_range::{ToothRange, ToothRangeError};
+pub use tooth_range::{FIRST_ODD_TOOTH, ToothRange, ToothRangeError};

@@ -1,7 +1,7 @@
 //! Deviations of the pinion, per tooth and flank. Built by the spec layer, read by the mesh and the multibody
 //! model; never knows how the pinion is turned.
 
-use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
+use super::error::{DeviationError, DeviationQuantity, MAX_HELIX_RAD, MAX_LEAD_RAD, length, within};
 use super::{PinionForm, ToothRange};
 use crate::gear::Pair;
 use crate::trig;
@@ -71,9 +71,6 @@ pub struct PinionFlanks {
     helix_angle_rad: f64,
 }
 
-/// Steepest helix a lead deviation may lead to.
-const MAX_HELIX_RAD: f64 = 85.0 * std::f64::consts::PI / 180.0;
-
 impl PinionFlanks {
     /// A pinion without deviations.
     #[must_use]
@@ -96,9 +93,6 @@ impl PinionFlanks {
         let tan_t = trig::tan(pair.pinion().transverse_pressure_angle_rad);
         let z = flanks.teeth.len();
         for deviation in deviations {
-            for tooth in [deviation.teeth.first(), deviation.teeth.last()].into_iter().flatten() {
-                flanks.index(tooth)?;
-            }
             let first = deviation.teeth.first().map_or(Ok(0), |tooth| flanks.index(tooth))?;
             let last = deviation.teeth.last().map_or(Ok(z - 1), |tooth| flanks.index(tooth))?;
             for j in first..=last {
@@ -111,12 +105,6 @@ impl PinionFlanks {
 
     fn apply(&mut self, j: usize, kind: PinionDeviationKind, tan_t: f64) -> Result<(), DeviationError> {
         let z = self.teeth.len();
-        if let PinionDeviationKind::Lead(value) = kind {
-            within(DeviationQuantity::Lead, value, MAX_LEAD_RAD)?;
-            self.teeth[j].left.lead_rad += value;
-            self.teeth[j].right.lead_rad += value;
-            return Ok(());
-        }
         match kind {
             PinionDeviationKind::Shift(value) => {
                 self.teeth[j].left.arc_mm += length(DeviationQuantity::Displacement, value)?;
@@ -137,7 +125,10 @@ impl PinionFlanks {
                 self.teeth[j].right.arc_mm += arc;
                 self.teeth[(j + 1) % z].left.arc_mm -= arc;
             }
-            PinionDeviationKind::Lead(_) => {}
+            PinionDeviationKind::Lead(value) => {
+                self.teeth[j].left.lead_rad += within(DeviationQuantity::Lead, value, MAX_LEAD_RAD)?;
+                self.teeth[j].right.lead_rad += value;
+            }
         }
         Ok(())
     }
@@ -189,7 +180,8 @@ impl PinionFlanks {
     /// The same pinion with flank form.
     ///
     /// # Errors
-    /// [`DeviationError::OutOfDomain`] for a negative crowning.
+    /// [`DeviationError::NegativeForm`] for a negative crowning, [`DeviationError::OutOfDomain`] for a length that is not finite or
+    /// longer than 1 km.
     pub fn with_form(mut self, form: PinionForm) -> Result<Self, DeviationError> {
         self.form = form.checked()?;
         Ok(self)

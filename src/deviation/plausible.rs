@@ -16,7 +16,7 @@
 
 use std::fmt;
 
-use super::DeviationValue;
+use super::{DeviationValue, MAX_LEAD_RAD};
 use crate::quantity::{Angle, Length};
 
 /// A whole number of millimetres.
@@ -30,8 +30,6 @@ const MUCH: Length = mm(1);
 const MUCH_OF_MODULE: i64 = 4;
 /// From here on a lead error is suspicious, degrees.
 const MUCH_LEAD: f64 = 2.0;
-/// A lead error above this is impossible, degrees.
-const LARGEST_LEAD: f64 = 45.0;
 /// A pressure angle below this is suspicious, degrees.
 const SMALL_PRESSURE_ANGLE: f64 = 5.0;
 /// A pressure angle below this is impossible, degrees.
@@ -69,7 +67,7 @@ impl Reach {
     /// What a deviation can be; any length where the module is not known.
     #[must_use]
     pub fn possible(module: Option<Length>) -> Self {
-        Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(LARGEST_LEAD), slope: 1.0 }
+        Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(MAX_LEAD_RAD.to_degrees()), slope: 1.0 }
     }
 
     /// What a deviation is below unless it is suspicious.
@@ -123,7 +121,7 @@ fn degrees(value: f64) -> Angle {
 /// What a value is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Quantity {
+pub enum DoubtedSize {
     /// A deviation of length, with the module if it is known.
     Deviation(Option<Length>),
     /// A lead error.
@@ -169,7 +167,7 @@ pub enum WrittenIn {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doubt {
     /// What it is of.
-    pub quantity: Quantity,
+    pub quantity: DoubtedSize,
     /// The value.
     pub value: DeviationValue,
     /// Whether no part can have it; else it is suspicious.
@@ -186,12 +184,12 @@ pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt>
         return None;
     }
     let (quantity, meant) = match value {
-        DeviationValue::Length(length) => (Quantity::Deviation(module), size_or_micrometres(length, usual.length)),
+        DeviationValue::Length(length) => (DoubtedSize::Deviation(module), size_or_micrometres(length, usual.length)),
         DeviationValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => {
-            (Quantity::Lead, Meant::Unit("arcmin"))
+            (DoubtedSize::Lead, Meant::Unit("arcmin"))
         }
-        DeviationValue::Angle(_) => (Quantity::Lead, Meant::Unknown),
-        DeviationValue::Slope(_) => (Quantity::Lead, Meant::Slope),
+        DeviationValue::Angle(_) => (DoubtedSize::Lead, Meant::Unknown),
+        DeviationValue::Slope(_) => (DoubtedSize::Lead, Meant::Slope),
     };
     let is_impossible = Reach::possible(module).is_exceeded_by(value);
     Some(Doubt { quantity, value, is_impossible, meant })
@@ -213,7 +211,7 @@ fn size_or_micrometres(length: Length, usual: Length) -> Meant {
 pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
     let value = angle.degrees();
     (value > 0.0 && value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
-        quantity: Quantity::PressureAngle,
+        quantity: DoubtedSize::PressureAngle,
         value: DeviationValue::Angle(angle),
         is_impossible: value < SMALLEST_PRESSURE_ANGLE,
         meant: if PRESSURE_ANGLES_RAD.contains(&value) { Meant::Unit("rad") } else { Meant::Unknown },
@@ -224,7 +222,7 @@ pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
 #[must_use]
 pub fn helix_angle(angle: Angle) -> Option<Doubt> {
     HELIX_ANGLES_RAD.contains(&angle.abs().degrees()).then_some(Doubt {
-        quantity: Quantity::HelixAngle,
+        quantity: DoubtedSize::HelixAngle,
         value: DeviationValue::Angle(angle),
         is_impossible: false,
         meant: Meant::Unit("rad"),
@@ -234,7 +232,7 @@ pub fn helix_angle(angle: Angle) -> Option<Doubt> {
 /// The doubt about a normal module.
 #[must_use]
 pub fn normal_module(module: Length) -> Option<Doubt> {
-    (module > LARGE_MODULE).then_some(large(Quantity::NormalModule, module))
+    (module > LARGE_MODULE).then_some(large(DoubtedSize::NormalModule, module))
 }
 
 /// The doubt about a face width.
@@ -242,22 +240,22 @@ pub fn normal_module(module: Length) -> Option<Doubt> {
 pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
     let wide = |module: Length| Length::from_fm(module.fm().saturating_mul(WIDE_IN_MODULES));
     let largest = module.map_or(LARGE_FACE_WIDTH, |module| LARGE_FACE_WIDTH.min(wide(module)));
-    let is_large = (width > largest).then_some(large(Quantity::FaceWidth, width));
-    is_large.or_else(|| small(Quantity::FaceWidth, width, module?))
+    let is_large = (width > largest).then_some(large(DoubtedSize::FaceWidth, width));
+    is_large.or_else(|| small(DoubtedSize::FaceWidth, width, module?))
 }
 
 /// The doubt about the length over which f_Hβ is evaluated, part of a face width: one that was meant in µm would make a lead
 /// of nothing.
 #[must_use]
 pub fn evaluation_length(length: Length) -> Option<Doubt> {
-    let doubt = Doubt { is_impossible: true, ..large(Quantity::FaceWidth, length) };
+    let doubt = Doubt { is_impossible: true, ..large(DoubtedSize::FaceWidth, length) };
     (length > LARGE_FACE_WIDTH).then_some(doubt)
 }
 
 /// The doubt about the addendum of the rack.
 #[must_use]
 pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {
-    small(Quantity::Addendum, height, module?)
+    small(DoubtedSize::Addendum, height, module?)
 }
 
 /// The doubt about a pin that touches flanks so many modules over the reference plane; the tips are at `tips`, if that is known.
@@ -265,7 +263,7 @@ pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {
 pub fn pin(diameter: Length, ideal: Length, touches_at: f64, tips: Option<f64>) -> Option<Doubt> {
     let is_impossible = touches_at > tips.unwrap_or(PIN_FARTHEST) || touches_at < -PIN_FARTHEST;
     (is_impossible || touches_at.abs() > PIN_FAR).then_some(Doubt {
-        quantity: Quantity::Pin(ideal),
+        quantity: DoubtedSize::Pin(ideal),
         value: DeviationValue::Length(diameter),
         is_impossible,
         meant: Meant::Unknown,
@@ -273,7 +271,7 @@ pub fn pin(diameter: Length, ideal: Length, touches_at: f64, tips: Option<f64>) 
 }
 
 /// The doubt about a size that is a small part of the module: metres in place of millimetres.
-fn small(quantity: Quantity, size: Length, module: Length) -> Option<Doubt> {
+fn small(quantity: DoubtedSize, size: Length, module: Length) -> Option<Doubt> {
     let is_small = size > Length::ZERO && size.fm() < module.fm() / SMALL_IN_MODULES;
     is_small.then_some(Doubt {
         quantity,
@@ -283,7 +281,7 @@ fn small(quantity: Quantity, size: Length, module: Length) -> Option<Doubt> {
     })
 }
 
-fn large(quantity: Quantity, value: Length) -> Doubt {
+fn large(quantity: DoubtedSize, value: Length) -> Doubt {
     Doubt { quantity, value: DeviationValue::Length(value), is_impossible: false, meant: Meant::Unit("um") }
 }
 
@@ -345,18 +343,18 @@ impl fmt::Display for Doubt {
         let too = if self.is_impossible { "too " } else { "" };
         let value = shown(self.value);
         match self.quantity {
-            Quantity::Deviation(None) => write!(f, "{value} is {too}much for a deviation"),
-            Quantity::Deviation(Some(module)) => {
+            DoubtedSize::Deviation(None) => write!(f, "{value} is {too}much for a deviation"),
+            DoubtedSize::Deviation(Some(module)) => {
                 write!(f, "{value} is {too}much for a deviation (the module is {module})")
             }
-            Quantity::Lead => write!(f, "{value} is {too}much for a lead error"),
-            Quantity::PressureAngle => write!(f, "{value} is {too}small for a pressure angle"),
-            Quantity::HelixAngle => write!(f, "{value} is {too}small for a helix angle"),
-            Quantity::NormalModule => write!(f, "{value} is {too}large for a module"),
-            Quantity::FaceWidth if self.meant == Meant::Unit("m") => write!(f, "{value} is small for a face width"),
-            Quantity::FaceWidth => write!(f, "{value} is {too}large for a face width"),
-            Quantity::Addendum => write!(f, "{value} is small for an addendum"),
-            Quantity::Pin(ideal) => {
+            DoubtedSize::Lead => write!(f, "{value} is {too}much for a lead error"),
+            DoubtedSize::PressureAngle => write!(f, "{value} is {too}small for a pressure angle"),
+            DoubtedSize::HelixAngle => write!(f, "{value} is {too}small for a helix angle"),
+            DoubtedSize::NormalModule => write!(f, "{value} is {too}large for a module"),
+            DoubtedSize::FaceWidth if self.meant == Meant::Unit("m") => write!(f, "{value} is small for a face width"),
+            DoubtedSize::FaceWidth => write!(f, "{value} is {too}large for a face width"),
+            DoubtedSize::Addendum => write!(f, "{value} is small for an addendum"),
+            DoubtedSize::Pin(ideal) => {
                 let size = if self.value.base() > ideal.mm() { "large" } else { "small" };
                 let ideal = ideal.mm();
                 write!(f, "{value} is {too}{size} for a pin; one that touches at the reference plane has {ideal:.3} mm")

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::error::{DeviationError, DeviationQuantity, MAX_LEAD_RAD, length, within};
+use super::error::{DeviationError, DeviationQuantity, MAX_HELIX_RAD, MAX_LEAD_RAD, length, within};
 use super::{RackForm, ToothRange};
 use crate::gear::Pair;
 use crate::trig;
@@ -68,9 +68,6 @@ pub struct RackFlanks {
     thickness_to_x: f64,
     helix_angle_rad: f64,
 }
-
-/// Steepest tooth line a lead deviation may lead to.
-const MAX_HELIX_RAD: f64 = 85.0 * std::f64::consts::PI / 180.0;
 
 impl RackFlanks {
     /// A rack without deviations.
@@ -152,7 +149,8 @@ impl RackFlanks {
     /// The same rack with flank form.
     ///
     /// # Errors
-    /// [`DeviationError::OutOfDomain`] for a negative amount or a relief that starts above the tip.
+    /// [`DeviationError::NegativeForm`] for a negative amount, [`DeviationError::ReliefStart`] for a relief that starts above the
+    /// tip, [`DeviationError::OutOfDomain`] for a length that is not finite or longer than 1 km.
     pub fn with_form(mut self, pair: &Pair, form: RackForm) -> Result<Self, DeviationError> {
         self.form = form.checked(pair.rack().addendum_mm)?;
         Ok(self)

@@ -10,6 +10,9 @@ pub struct ToothRange {
     last: Option<i64>,
 }
 
+/// The first rack tooth with an error that is one value for its teeth: those before it are sound, as in the paper's model.
+pub const FIRST_ODD_TOOTH: i64 = 4;
+
 /// Largest tooth index either way: 2⁵⁰, far beyond any rack, and exact in every floating-point product.
 const MAX_INDEX: i64 = 1 << 50;
 
@@ -57,6 +60,12 @@ impl ToothRange {
             (Some(first), Some(last)) if last < first => Err(ToothRangeError::Empty { first, last }),
             _ => Ok(Self { first, last }),
         }
+    }
+
+    /// This tooth and all after it; an index beyond ±2⁵⁰ is taken as that.
+    #[must_use]
+    pub fn starting_at(first: i64) -> Self {
+        Self { first: Some(first.clamp(-MAX_INDEX, MAX_INDEX)), last: None }
     }
 
     /// One tooth.

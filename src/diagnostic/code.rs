@@ -1,8 +1,6 @@
 //! The kinds of problems and their documentation. Every diagnostic has one; `explain` prints its page, a test keeps
 //! names unique.
 
-use std::fmt;
-
 /// Declares the codes: each has a variant, a stable name, and a page in `pages/`.
 macro_rules! codes {
     ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
@@ -93,11 +91,7 @@ codes! {
     UnknownTopic = "unknown-topic",
 }
 
-impl fmt::Display for Code {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Code);
 
 #[cfg(test)]
 mod tests {

@@ -100,6 +100,16 @@ impl Diagnostic {
         Self { code, severity: Severity::Error, message: message.into(), place: None, help: None }
     }
 
+    /// An error in what was asked for.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::error(Code::Usage, message)
+    }
+
+    /// What an error of a computation is to the user: `map_err(Diagnostic::with_code(code))`.
+    pub fn with_code<E: std::fmt::Display>(code: Code) -> impl FnOnce(E) -> Self {
+        move |error| Self::error(code, error.to_string())
+    }
+
     /// A file that cannot be read, and why.
     #[must_use]
     pub fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Self {

@@ -9,7 +9,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Input, Sensitivity, domain, femtometres};
+use super::{Influence, Sensitivity, domain, femtometres};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
@@ -49,11 +49,11 @@ pub fn sensitivities(
     let cos = trig::sin_cos_of(normal_pressure_angle).1;
     let by_alpha = diameter_mm * trig::tan_of(normal_pressure_angle);
     let mut all = vec![
-        Sensitivity::new(Input::NormalModule, space_per_module(tooth_thickness.is_some()) / cos),
-        Sensitivity::by_angle(Input::NormalPressureAngle, by_alpha),
+        Sensitivity::new(Influence::NormalModule, space_per_module(tooth_thickness.is_some()) / cos),
+        Sensitivity::by_angle(Influence::NormalPressureAngle, by_alpha),
     ];
     if tooth_thickness.is_some() {
-        all.push(Sensitivity::new(Input::ToothThickness, -1.0 / cos));
+        all.push(Sensitivity::new(Influence::ToothThickness, -1.0 / cos));
     }
     Ok(all)
 }

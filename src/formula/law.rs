@@ -1,6 +1,6 @@
 //! The law of each kind of error: how ΔCD follows from the error, and the error from ΔCD.
 //!
-//! The only place with a gain. `eval`, tables, budgets, uncertainties and simulations all call it.
+//! The only place with the gain of an error. `eval`, tables, budgets, uncertainties and simulations all call it.
 //!
 //! | shape | ΔCD | errors |
 //! |---|---|---|
@@ -13,9 +13,9 @@
 //! In the paper's model cos β is 1; it has no formula for the lead of the pinion, where both models are the exact one. The
 //! shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
-use super::{FormulaPage, Input, Model, Sensitivity, catalogue, domain};
-use crate::deviation::{DeviationKind, DeviationValue};
-use crate::quantity::{Angle, Domain, DomainError, FM_PER_MM, Length};
+use super::{FormulaPage, Influence, Model, Sensitivity, catalogue, domain};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::quantity::{Angle, DomainError, FM_PER_MM, Length};
 use crate::trig;
 
 /// How ΔCD depends on one error of a gear; see the [module](self).
@@ -90,9 +90,7 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn rack_pitch(normal_pressure_angle: Angle, rack_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_rack =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: rack_helix_angle, face_width: None };
-        Self::new(DeviationKind::RackPitch, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackPitch, normal_pressure_angle, rack_helix_angle, None)
     }
 
     #[doc = include_str!("rack_lead.md")]
@@ -105,12 +103,7 @@ impl Law {
         face_width: Length,
     ) -> Result<Self, DomainError> {
         domain::FACE_WIDTH.check_length(face_width)?;
-        let of_rack = Geometry {
-            pressure_angle: normal_pressure_angle,
-            helix_angle: rack_helix_angle,
-            face_width: Some(face_width),
-        };
-        Self::new(DeviationKind::RackLead, of_rack, &domain::RACK_HELIX_ANGLE)
+        Self::new(DeviationKind::RackLead, normal_pressure_angle, rack_helix_angle, Some(face_width))
     }
 
     #[doc = include_str!("pinion_radial.md")]
@@ -124,9 +117,7 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn pinion_pitch(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_pinion =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(DeviationKind::PinionPitch, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionPitch, normal_pressure_angle, pinion_helix_angle, None)
     }
 
     #[doc = include_str!("pinion_lead.md")]
@@ -134,17 +125,24 @@ impl Law {
     /// # Errors
     /// [`DomainError`] if an angle is outside its domain.
     pub fn pinion_lead(normal_pressure_angle: Angle, pinion_helix_angle: Angle) -> Result<Self, DomainError> {
-        let of_pinion =
-            Geometry { pressure_angle: normal_pressure_angle, helix_angle: pinion_helix_angle, face_width: None };
-        Self::new(DeviationKind::PinionLead, of_pinion, &domain::PINION_HELIX_ANGLE)
+        Self::new(DeviationKind::PinionLead, normal_pressure_angle, pinion_helix_angle, None)
     }
 
-    fn new(kind: DeviationKind, geometry: Geometry, helix: &Domain) -> Result<Self, DomainError> {
-        domain::NORMAL_PRESSURE_ANGLE.check_angle(geometry.pressure_angle)?;
-        helix.check_angle(geometry.helix_angle)?;
-        let tan_alpha = trig::tan_of(geometry.pressure_angle);
-        let cos_beta = trig::sin_cos_of(geometry.helix_angle).1;
-        let width = geometry.face_width.map_or(1.0, |width| width.fm() as f64);
+    fn new(
+        kind: DeviationKind,
+        pressure_angle: Angle,
+        helix_angle: Angle,
+        face_width: Option<Length>,
+    ) -> Result<Self, DomainError> {
+        domain::NORMAL_PRESSURE_ANGLE.check_angle(pressure_angle)?;
+        match kind.part() {
+            Part::Rack => domain::RACK_HELIX_ANGLE.check_angle(helix_angle)?,
+            Part::Pinion => domain::PINION_HELIX_ANGLE.check_angle(helix_angle)?,
+        }
+        let tan_alpha = trig::tan_of(pressure_angle);
+        let cos_beta = trig::sin_cos_of(helix_angle).1;
+        let width = face_width.map_or(1.0, |width| width.fm() as f64);
+        let geometry = Geometry { pressure_angle, helix_angle, face_width };
         let gains = [Model::Exact, Model::Paper].map(|model| width * unit_gain(kind, model, tan_alpha, cos_beta));
         Ok(Self { kind, geometry: Some(geometry), gains })
     }
@@ -257,24 +255,25 @@ impl Law {
 
     /// ∂(ln ΔCD)/∂x for each of the gear's x that the gain follows from, per mm or degree: the same for every error.
     #[must_use]
-    pub fn relative_sensitivities(self, model: Model) -> Vec<(Input, f64)> {
+    pub fn relative_sensitivities(self, model: Model) -> Vec<(Influence, f64)> {
         let Some(Geometry { pressure_angle, helix_angle, face_width }) = self.geometry else { return Vec::new() };
         let (sin, cos) = trig::sin_cos_of(pressure_angle);
+        let helix = Influence::helix_angle_of(self.kind.part());
         if self.kind == DeviationKind::PinionLead {
             let (sin_beta, cos_beta) = trig::sin_cos_of(helix_angle);
             // cos² β_b = sin² α + cos² β cos² α
             let base = sin * sin + cos_beta * cos_beta * cos * cos;
             let by_alpha = -RADIANS_PER_DEGREE * cos_beta * cos_beta * cos / (sin * base);
             let by_beta = 0.0 - RADIANS_PER_DEGREE * sin_beta * cos_beta * cos * cos / base;
-            return vec![(Input::NormalPressureAngle, by_alpha), (Input::HelixAngle, by_beta)];
+            return vec![(Influence::NormalPressureAngle, by_alpha), (helix, by_beta)];
         }
         // d(ln cot α)/dα = -1 / (sin α cos α)
-        let mut all = vec![(Input::NormalPressureAngle, -RADIANS_PER_DEGREE / (sin * cos))];
-        all.extend(face_width.map(|width| (Input::FaceWidth, 1.0 / width.mm())));
+        let mut all = vec![(Influence::NormalPressureAngle, -RADIANS_PER_DEGREE / (sin * cos))];
+        all.extend(face_width.map(|width| (Influence::FaceWidth, 1.0 / width.mm())));
         if model == Model::Exact {
             // d(ln cos β)/dβ = -tan β
             let by_beta = RADIANS_PER_DEGREE * trig::tan_of(helix_angle);
-            all.push((Input::HelixAngle, if self.kind == DeviationKind::RackLead { by_beta } else { 0.0 - by_beta }));
+            all.push((helix, if self.kind == DeviationKind::RackLead { by_beta } else { 0.0 - by_beta }));
         }
         all
     }
@@ -291,7 +290,10 @@ impl Law {
         let error = error.into();
         let delta_cd_mm = self.delta_cd(error, model)?.mm();
         let at_kink = self.shape(model) != Shape::Shift && error.is_zero();
-        let own = Sensitivity { input: Input::Error, value: (!at_kink).then(|| self.slope(error.base(), model)) };
+        let own = Sensitivity {
+            input: Influence::Error(self.kind),
+            value: (!at_kink).then(|| self.slope(error.base(), model)),
+        };
         let of_gear = self.relative_sensitivities(model).into_iter();
         let of_gear = of_gear.map(|(input, relative)| Sensitivity { input, value: Some(delta_cd_mm * relative) });
         Ok(std::iter::once(own).chain(of_gear).collect())
@@ -556,9 +558,11 @@ mod tests {
                 for (input, relative) in law.relative_sensitivities(model) {
                     let step = 1e-4;
                     let (above, below) = match input {
-                        Input::NormalPressureAngle => (at(alpha + step, beta, width), at(alpha - step, beta, width)),
-                        Input::HelixAngle => (at(alpha, beta + step, width), at(alpha, beta - step, width)),
-                        _ => (at(alpha, beta, width + step), at(alpha, beta, width - step)),
+                        Influence::NormalPressureAngle => {
+                            (at(alpha + step, beta, width), at(alpha - step, beta, width))
+                        }
+                        Influence::FaceWidth => (at(alpha, beta, width + step), at(alpha, beta, width - step)),
+                        _ => (at(alpha, beta + step, width), at(alpha, beta - step, width)),
                     };
                     let secant = (above - below) / (2.0 * step) / at(alpha, beta, width);
                     assert!((relative / secant - 1.0).abs() < 1e-7, "{law:?} {model} {input:?}: {relative} {secant}");
@@ -576,14 +580,16 @@ mod tests {
         };
         let [shift, step, lead, .., pinion_lead] = laws("20", "15");
         let error = DeviationValue::Length(length("0.02"));
-        assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Input::Error]);
-        assert_eq!(inputs(step, error, Model::Exact), [Input::Error, Input::NormalPressureAngle, Input::HelixAngle]);
-        assert_eq!(inputs(step, error, Model::Paper), [Input::Error, Input::NormalPressureAngle]);
-        let by_pinion = [Input::Error, Input::NormalPressureAngle, Input::HelixAngle];
+        assert_eq!(inputs(shift, Length::ZERO.into(), Model::Exact), [Influence::Error(shift.kind)]);
+        let by_rack = [Influence::Error(step.kind), Influence::NormalPressureAngle, Influence::RackHelixAngle];
+        assert_eq!(inputs(step, error, Model::Exact), by_rack);
+        assert_eq!(inputs(step, error, Model::Paper), by_rack[..2]);
+        let by_pinion =
+            [Influence::Error(pinion_lead.kind), Influence::NormalPressureAngle, Influence::PinionHelixAngle];
         assert_eq!(inputs(pinion_lead, error, Model::Paper), by_pinion);
         assert_eq!(
             inputs(lead, Angle::ZERO.into(), Model::Exact),
-            [Input::NormalPressureAngle, Input::FaceWidth, Input::HelixAngle]
+            [Influence::NormalPressureAngle, Influence::FaceWidth, Influence::RackHelixAngle]
         );
     }
 

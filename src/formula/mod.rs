@@ -26,15 +26,15 @@ pub mod over_pin;
 pub mod roller_change;
 
 mod catalogue;
+mod influence;
 mod part_deviation;
 
 #[cfg(feature = "spec")]
 pub(crate) use catalogue::OVER_PIN;
 pub use catalogue::{CATALOGUE, FormulaPage};
+pub use influence::Influence;
 pub use law::{Geometry, Law};
 pub use part_deviation::PartDeviation;
-
-use std::fmt;
 
 use crate::quantity::Length;
 
@@ -73,52 +73,26 @@ impl Model {
     }
 }
 
-impl fmt::Display for Model {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// An input of a formula, as sensitivities name it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Input {
-    /// The error itself (mm, or degrees for a lead error of the rack).
-    Error,
-    /// Normal pressure angle α_n (degrees).
-    NormalPressureAngle,
-    /// Helix angle β of the part that has the error (degrees).
-    HelixAngle,
-    /// Face width k (mm).
-    FaceWidth,
-    /// Normal module m_n (mm).
-    NormalModule,
-    /// Tooth thickness s_n (mm).
-    ToothThickness,
-    /// Pin diameter d_p (mm).
-    PinDiameter,
-    /// Datum distance K (mm).
-    Datum,
-}
+display_by_name!(Model);
 
 /// One partial derivative of a formula's result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
-    /// The input that varies.
-    pub input: Input,
+    /// The quantity that varies.
+    pub input: Influence,
     /// ∂result/∂input, in mm per mm or mm per degree. `None` at a kink, where there is no
     /// derivative: |Δp| and |sin Δβ| at zero error.
     pub value: Option<f64>,
 }
 
 impl Sensitivity {
-    fn new(input: Input, value: f64) -> Self {
+    fn new(input: Influence, value: f64) -> Self {
         Self { input, value: Some(value) }
     }
 
     /// Degrees are the unit of angles here, radians that of derivatives: ∂/∂degree = π/180 ∂/∂radian.
-    fn by_angle(input: Input, per_radian: f64) -> Self {
-        Self::new(input, per_radian * (std::f64::consts::PI / 180.0))
+    fn by_angle(input: Influence, per_radian: f64) -> Self {
+        Self::new(input, per_radian * law::RADIANS_PER_DEGREE)
     }
 }
 

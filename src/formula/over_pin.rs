@@ -16,7 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Input, Sensitivity, domain, femtometres, ideal_pin};
+use super::{Influence, Sensitivity, domain, femtometres, ideal_pin};
 use crate::deviation::plausible::{self, Doubt};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
@@ -87,13 +87,13 @@ impl OverPin {
         // d(-1/tan)/dα = 1/sin², d(1/sin)/dα = -cos/sin²
         let by_alpha = 0.5 * (space_mm - self.pin_diameter.mm() * cos) / (sin * sin);
         let mut all = vec![
-            Sensitivity::new(Input::Datum, 1.0),
-            Sensitivity::new(Input::PinDiameter, 0.5 * one_and_cosecant(alpha)),
-            Sensitivity::new(Input::NormalModule, by_module),
-            Sensitivity::by_angle(Input::NormalPressureAngle, by_alpha),
+            Sensitivity::new(Influence::Datum, 1.0),
+            Sensitivity::new(Influence::Roller, 0.5 * one_and_cosecant(alpha)),
+            Sensitivity::new(Influence::NormalModule, by_module),
+            Sensitivity::by_angle(Influence::NormalPressureAngle, by_alpha),
         ];
         if self.tooth_thickness.is_some() {
-            all.push(Sensitivity::new(Input::ToothThickness, -by_space));
+            all.push(Sensitivity::new(Influence::ToothThickness, -by_space));
         }
         Ok(all)
     }

@@ -10,7 +10,7 @@
 //! ```
 
 use super::over_pin::one_and_cosecant;
-use super::{Input, Sensitivity, domain, femtometres};
+use super::{Influence, Sensitivity, domain, femtometres};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
@@ -33,8 +33,8 @@ pub fn sensitivities(from: Length, to: Length, normal_pressure_angle: Angle) -> 
     let (sin, cos) = trig::sin_cos_of(normal_pressure_angle);
     let by_alpha = -0.5 * (to - from).mm() * cos / (sin * sin);
     Ok(vec![
-        Sensitivity::new(Input::PinDiameter, 0.5 * one_and_cosecant(normal_pressure_angle)),
-        Sensitivity::by_angle(Input::NormalPressureAngle, by_alpha),
+        Sensitivity::new(Influence::Roller, 0.5 * one_and_cosecant(normal_pressure_angle)),
+        Sensitivity::by_angle(Influence::NormalPressureAngle, by_alpha),
     ])
 }
 

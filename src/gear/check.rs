@@ -1,4 +1,4 @@
-//! What a valid geometry does badly: contact ratio, undercut, interference, thin tips. Called by whoever
+//! How a valid geometry meshes, and what it does badly: contact ratio, undercut, interference, thin tips. Called by whoever
 //! builds a [`Pair`] and wants to warn; forbids nothing.
 
 use super::Pair;
@@ -87,6 +87,21 @@ const THIN_TIP: f64 = 0.2;
 /// Gains above this deserve a warning: 1.4 is usual, 2.9 that of the steepest flanks in use (10°).
 const SENSITIVE: f64 = 3.0;
 
+/// ΔCD, mm, of a tooth that is thicker by so much in the normal section of the rack, t / (2 tan α_n); of a pinion tooth, cos β_p
+/// times its arc at the reference circle counts.
+#[must_use]
+pub fn thickness_offset_mm(thicker_mm: f64, tan_alpha: f64) -> f64 {
+    0.5 * thicker_mm / tan_alpha
+}
+
+/// Smallest profile shift at which a rack cutter with this addendum leaves no undercut on a pinion with this reference
+/// radius: x = (h_a − r sin² α_t) / m_n. Lengths in mm.
+#[must_use]
+pub fn undercut_limit(addendum: f64, reference_radius: f64, transverse_pressure_angle_rad: f64, module: f64) -> f64 {
+    let sin_t = trig::sin(transverse_pressure_angle_rad);
+    (addendum - reference_radius * sin_t * sin_t) / module
+}
+
 impl Pair {
     /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the
     /// condition number of the exact mesh by its flanks, 1 / (2 tan α_n).
@@ -95,12 +110,12 @@ impl Pair {
         0.5 / trig::tan(self.normal_pressure_angle_rad())
     }
 
-    /// Smallest profile shift at which a rack cutter with this rack's addendum leaves no undercut:
-    /// x = (h_a − r sin² α_t) / m_n.
+    /// [`undercut_limit`] for this rack's addendum.
     #[must_use]
     pub fn undercut_limit(&self) -> f64 {
-        let sin_t = trig::sin(self.pinion().transverse_pressure_angle_rad);
-        (self.rack().addendum_mm - self.pinion().reference_radius_mm * sin_t * sin_t) / self.normal_module_mm()
+        let p = self.pinion();
+        let (addendum, module) = (self.rack().addendum_mm, self.normal_module_mm());
+        undercut_limit(addendum, p.reference_radius_mm, p.transverse_pressure_angle_rad, module)
     }
 
     /// Roll angle τ at which the rack's tip plane meets the line of action at a = a_0:
@@ -131,9 +146,10 @@ impl Pair {
         let (sin_t, cos_t) = trig::sin_cos(p.transverse_pressure_angle_rad);
         let (sin_s, cos_s) = trig::sin_cos(self.shaft_angle_rad());
         let (half_b, half_k) = (p.face_width_mm / 2.0, self.rack().face_width_mm / 2.0);
-        let y = |(tau, w): (f64, f64)| p.base_radius_mm * (tau * cos_t - sin_t) * sin_s + w * cos_s;
+        let y = |&(tau, w): &(f64, f64)| p.base_radius_mm * (tau * cos_t - sin_t) * sin_s + w * cos_s;
         let corners = [(low, -half_b), (high, -half_b), (high, half_b), (low, half_b)];
-        let polygon = clip(&clip(&corners, |q| half_k - y(q)), |q| half_k + y(q));
+        let below = clip(&corners, |q| half_k - y(q), between);
+        let polygon = clip(&below, |q| half_k + y(q), between);
         if polygon.is_empty() {
             return ContactRatio::NONE;
         }
@@ -185,21 +201,26 @@ impl Pair {
     }
 }
 
-/// The part of a convex polygon on which a linear function is not negative.
-fn clip(polygon: &[(f64, f64)], inside: impl Fn((f64, f64)) -> f64) -> Vec<(f64, f64)> {
+/// The part of a convex polygon on which a linear function is not negative; `towards` is the point at a share of the way from
+/// one corner to another.
+pub(crate) fn clip<P: Copy>(polygon: &[P], inside: impl Fn(&P) -> f64, towards: impl Fn(&P, &P, f64) -> P) -> Vec<P> {
     let mut kept = Vec::with_capacity(polygon.len() + 2);
-    for (index, &here) in polygon.iter().enumerate() {
-        let next = polygon[(index + 1) % polygon.len()];
+    for (index, here) in polygon.iter().enumerate() {
+        let next = &polygon[(index + 1) % polygon.len()];
         let (f, g) = (inside(here), inside(next));
         if f >= 0.0 {
-            kept.push(here);
+            kept.push(*here);
         }
         if (f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0) {
-            let t = f / (f - g);
-            kept.push((here.0 + t * (next.0 - here.0), here.1 + t * (next.1 - here.1)));
+            kept.push(towards(here, next, f / (f - g)));
         }
     }
     kept
+}
+
+/// The point at a share of the way.
+fn between(a: &(f64, f64), b: &(f64, f64), share: f64) -> (f64, f64) {
+    (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1))
 }
 
 #[cfg(test)]
@@ -428,9 +449,9 @@ pub(crate) mod tests {
     #[test]
     fn clipping_a_square() {
         let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)];
-        assert_eq!(clip(&square, |(x, _)| 1.0 - x), [(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 2.0)]);
-        assert_eq!(clip(&square, |(x, y)| 2.0 - x - y), [(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)]);
-        assert_eq!(clip(&square, |(x, y)| x - 2.0 * y), [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]);
-        assert_eq!(clip(&square, |_| -1.0), []);
+        assert_eq!(clip(&square, |(x, _)| 1.0 - x, between), [(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 2.0)]);
+        assert_eq!(clip(&square, |(x, y)| 2.0 - x - y, between), [(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)]);
+        assert_eq!(clip(&square, |(x, y)| x - 2.0 * y, between), [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)]);
+        assert_eq!(clip(&square, |_| -1.0, between), []);
     }
 }

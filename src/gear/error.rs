@@ -1,13 +1,11 @@
 //! Why a geometry cannot be built. Raised by [`Pair::new`](super::Pair::new); holds data, words only in `Display`.
 
-use std::fmt;
-
 use crate::quantity::{Degrees, Rounded};
 
 /// A quantity of the pair's drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Quantity {
+pub enum PairSize {
     /// Normal module m_n.
     NormalModule,
     /// Normal pressure angle α_n.
@@ -36,7 +34,7 @@ pub enum Quantity {
     PinionToothThicknessDeviation,
 }
 
-impl Quantity {
+impl PairSize {
     /// The name that people read.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -68,7 +66,7 @@ impl Quantity {
     }
 }
 
-impl Quantity {
+impl PairSize {
     /// A value of it, with its unit; angles in degrees.
     fn shown(self, value: f64) -> String {
         match self.unit() {
@@ -78,11 +76,7 @@ impl Quantity {
     }
 }
 
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(PairSize);
 
 /// Why a rack and pinion with these numbers cannot exist or cannot mesh.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -92,7 +86,7 @@ pub enum GeometryError {
     #[error("{quantity} = {} is outside {} .. {}", .quantity.shown(*.value), .quantity.shown(*.min), .quantity.shown(*.max))]
     OutOfDomain {
         /// Which number.
-        quantity: Quantity,
+        quantity: PairSize,
         /// Its value, in the quantity's unit.
         value: f64,
         /// Smallest allowed value.
@@ -146,18 +140,18 @@ mod tests {
     #[test]
     fn what_is_outside_its_domain_is_said_in_its_unit() {
         let said = |quantity, value, min, max| GeometryError::OutOfDomain { quantity, value, min, max }.to_string();
-        assert_eq!(said(Quantity::PinionTeeth, 0.0, 1.0, 10_000.0), "pinion number of teeth = 0 is outside 1 .. 10000");
+        assert_eq!(said(PairSize::PinionTeeth, 0.0, 1.0, 10_000.0), "pinion number of teeth = 0 is outside 1 .. 10000");
         assert_eq!(
-            said(Quantity::PinionProfileShift, 11.0, -10.0, 10.0),
+            said(PairSize::PinionProfileShift, 11.0, -10.0, 10.0),
             "pinion profile shift = 11 is outside -10 .. 10"
         );
-        assert_eq!(said(Quantity::RackFaceWidth, 0.0, 0.5, 20.0), "rack face width = 0 mm is outside 0.5 mm .. 20 mm");
+        assert_eq!(said(PairSize::RackFaceWidth, 0.0, 0.5, 20.0), "rack face width = 0 mm is outside 0.5 mm .. 20 mm");
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(
-            said(Quantity::PinionHelixAngle, quarter, -0.5 * quarter, 0.5 * quarter),
+            said(PairSize::PinionHelixAngle, quarter, -0.5 * quarter, 0.5 * quarter),
             "pinion helix angle = 90° is outside -45° .. 45°"
         );
-        let units = [Quantity::PinionTeeth, Quantity::RackHelixAngle, Quantity::RackAddendum].map(Quantity::unit);
+        let units = [PairSize::PinionTeeth, PairSize::RackHelixAngle, PairSize::RackAddendum].map(PairSize::unit);
         assert_eq!(units, ["", "rad", "mm"]);
     }
 }

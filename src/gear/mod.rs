@@ -23,10 +23,11 @@ mod error;
 mod hand;
 mod pair;
 
+pub(crate) use check::clip;
 #[cfg(test)]
 pub(crate) use check::tests::example;
-pub use check::{ContactRatio, GeometryWarning};
+pub use check::{ContactRatio, GeometryWarning, thickness_offset_mm, undercut_limit};
 pub use data::{PairData, PinionData, RackData};
-pub use error::{GeometryError, Quantity};
+pub use error::{GeometryError, PairSize};
 pub use hand::Hand;
 pub use pair::{MOST_TEETH, Pair, Pinion, Rack};

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{GeometryError, PairData, Quantity};
+use super::{GeometryError, PairData, PairSize};
 use crate::trig;
 
 /// The rack of a [`Pair`].
@@ -82,7 +82,7 @@ const TEETH: (f64, f64) = (1.0, MOST_TEETH as f64);
 /// Profile shift coefficients.
 const SHIFT: (f64, f64) = (-10.0, 10.0);
 
-fn within(quantity: Quantity, value: f64, (min, max): (f64, f64)) -> Result<f64, GeometryError> {
+fn within(quantity: PairSize, value: f64, (min, max): (f64, f64)) -> Result<f64, GeometryError> {
     if value >= min && value <= max { Ok(value) } else { Err(GeometryError::OutOfDomain { quantity, value, min, max }) }
 }
 
@@ -94,8 +94,8 @@ impl Pair {
     /// that a tooth has no tip, no space or no involute. Geometry that meshes badly but does mesh passes; see
     /// [`Pair::warnings`].
     pub fn new(data: &PairData) -> Result<Self, GeometryError> {
-        let m_n = within(Quantity::NormalModule, data.normal_module_mm, MODULE_MM)?;
-        let alpha_n = within(Quantity::NormalPressureAngle, data.normal_pressure_angle_rad, PRESSURE_ANGLE_RAD)?;
+        let m_n = within(PairSize::NormalModule, data.normal_module_mm, MODULE_MM)?;
+        let alpha_n = within(PairSize::NormalPressureAngle, data.normal_pressure_angle_rad, PRESSURE_ANGLE_RAD)?;
         let tan_n = trig::tan(alpha_n);
         let rack = Self::rack_of(data, m_n, tan_n)?;
         let pinion = Self::pinion_of(data, m_n, alpha_n)?;
@@ -104,12 +104,12 @@ impl Pair {
 
     fn rack_of(data: &PairData, m_n: f64, tan_n: f64) -> Result<Rack, GeometryError> {
         let raw = &data.rack;
-        let beta = within(Quantity::RackHelixAngle, raw.helix_angle_rad, HELIX_RAD)?;
-        let face = within(Quantity::RackFaceWidth, raw.face_width_mm, LENGTH_MM)?;
-        let addendum = within(Quantity::RackAddendum, raw.addendum_mm, (-10.0 * m_n, 10.0 * m_n))?;
+        let beta = within(PairSize::RackHelixAngle, raw.helix_angle_rad, HELIX_RAD)?;
+        let face = within(PairSize::RackFaceWidth, raw.face_width_mm, LENGTH_MM)?;
+        let addendum = within(PairSize::RackAddendum, raw.addendum_mm, (-10.0 * m_n, 10.0 * m_n))?;
         let thickness = match raw.tooth_thickness_mm {
             None => FRAC_PI_2 * m_n,
-            Some(value) => within(Quantity::RackToothThickness, value, (1e-6 * m_n, 10.0 * m_n))?,
+            Some(value) => within(PairSize::RackToothThickness, value, (1e-6 * m_n, 10.0 * m_n))?,
         };
         if thickness >= PI * m_n {
             return Err(GeometryError::NoRackSpace { tooth_thickness_mm: thickness, pitch_mm: PI * m_n });
@@ -133,15 +133,15 @@ impl Pair {
         let raw = &data.pinion;
         let (sin_n, cos_n) = trig::sin_cos(alpha_n);
         let tan_n = sin_n / cos_n;
-        let z = within(Quantity::PinionTeeth, f64::from(raw.teeth), TEETH)?;
-        let beta = within(Quantity::PinionHelixAngle, raw.helix_angle_rad, HELIX_RAD)?;
-        let x = within(Quantity::PinionProfileShift, raw.profile_shift, SHIFT)?;
-        let face = within(Quantity::PinionFaceWidth, raw.face_width_mm, LENGTH_MM)?;
+        let z = within(PairSize::PinionTeeth, f64::from(raw.teeth), TEETH)?;
+        let beta = within(PairSize::PinionHelixAngle, raw.helix_angle_rad, HELIX_RAD)?;
+        let x = within(PairSize::PinionProfileShift, raw.profile_shift, SHIFT)?;
+        let face = within(PairSize::PinionFaceWidth, raw.face_width_mm, LENGTH_MM)?;
         let (sin_beta, cos_beta) = trig::sin_cos(beta);
         let r = m_n * z / (2.0 * cos_beta);
-        let tip = within(Quantity::PinionTipDiameter, raw.tip_diameter_mm, (1e-6, 4.0 * r + 40.0 * m_n))?;
+        let tip = within(PairSize::PinionTipDiameter, raw.tip_diameter_mm, (1e-6, 4.0 * r + 40.0 * m_n))?;
         let deviation = within(
-            Quantity::PinionToothThicknessDeviation,
+            PairSize::PinionToothThicknessDeviation,
             raw.tooth_thickness_deviation_mm,
             (-10.0 * m_n, 10.0 * m_n),
         )?;
@@ -149,7 +149,7 @@ impl Pair {
         let r_b = r * trig::cos(alpha_t);
         let start = match raw.root_form_diameter_mm {
             None => r_b,
-            Some(value) => (within(Quantity::PinionRootFormDiameter, value, (0.0, 1e9))? / 2.0).max(r_b),
+            Some(value) => (within(PairSize::PinionRootFormDiameter, value, (0.0, 1e9))? / 2.0).max(r_b),
         };
         let r_a = tip / 2.0;
         if start >= r_a {
@@ -256,40 +256,40 @@ mod tests {
     #[test]
     fn each_number_has_its_bounds() {
         type Set = fn(&mut PairData, f64);
-        let cases: [(Quantity, Set, f64, f64); 12] = [
-            (Quantity::NormalModule, |data, value| data.normal_module_mm = value, 1e-3, 1e3),
+        let cases: [(PairSize, Set, f64, f64); 12] = [
+            (PairSize::NormalModule, |data, value| data.normal_module_mm = value, 1e-3, 1e3),
             (
-                Quantity::NormalPressureAngle,
+                PairSize::NormalPressureAngle,
                 |data, value| data.normal_pressure_angle_rad = value,
                 0.017_453_292_519_943_295,
                 1.047_197_551_196_597_6,
             ),
             (
-                Quantity::RackHelixAngle,
+                PairSize::RackHelixAngle,
                 |data, value| data.rack.helix_angle_rad = value,
                 -1.396_263_401_595_463_6,
                 1.396_263_401_595_463_6,
             ),
-            (Quantity::RackFaceWidth, |data, value| data.rack.face_width_mm = value, 1e-6, 1e9),
-            (Quantity::RackAddendum, |data, value| data.rack.addendum_mm = value, -20.0, 20.0),
-            (Quantity::RackToothThickness, |data, value| data.rack.tooth_thickness_mm = Some(value), 2e-6, 20.0),
+            (PairSize::RackFaceWidth, |data, value| data.rack.face_width_mm = value, 1e-6, 1e9),
+            (PairSize::RackAddendum, |data, value| data.rack.addendum_mm = value, -20.0, 20.0),
+            (PairSize::RackToothThickness, |data, value| data.rack.tooth_thickness_mm = Some(value), 2e-6, 20.0),
             (
-                Quantity::PinionHelixAngle,
+                PairSize::PinionHelixAngle,
                 |data, value| data.pinion.helix_angle_rad = value,
                 -1.396_263_401_595_463_6,
                 1.396_263_401_595_463_6,
             ),
-            (Quantity::PinionProfileShift, |data, value| data.pinion.profile_shift = value, -10.0, 10.0),
-            (Quantity::PinionFaceWidth, |data, value| data.pinion.face_width_mm = value, 1e-6, 1e9),
+            (PairSize::PinionProfileShift, |data, value| data.pinion.profile_shift = value, -10.0, 10.0),
+            (PairSize::PinionFaceWidth, |data, value| data.pinion.face_width_mm = value, 1e-6, 1e9),
             // four reference radii and forty modules
-            (Quantity::PinionTipDiameter, |data, value| data.pinion.tip_diameter_mm = value, 1e-6, 160.0),
+            (PairSize::PinionTipDiameter, |data, value| data.pinion.tip_diameter_mm = value, 1e-6, 160.0),
             (
-                Quantity::PinionToothThicknessDeviation,
+                PairSize::PinionToothThicknessDeviation,
                 |data, value| data.pinion.tooth_thickness_deviation_mm = value,
                 -20.0,
                 20.0,
             ),
-            (Quantity::PinionRootFormDiameter, |data, value| data.pinion.root_form_diameter_mm = Some(value), 0.0, 1e9),
+            (PairSize::PinionRootFormDiameter, |data, value| data.pinion.root_form_diameter_mm = Some(value), 0.0, 1e9),
         ];
         let error = |set: Set, value| {
             let mut data = example(20, 0.0, 0.0);
@@ -310,7 +310,7 @@ mod tests {
         }
         for teeth in [0, 10_001] {
             let expected = GeometryError::OutOfDomain {
-                quantity: Quantity::PinionTeeth,
+                quantity: PairSize::PinionTeeth,
                 value: f64::from(teeth),
                 min: 1.0,
                 max: 10_000.0,

@@ -4,17 +4,14 @@
 //! measures it would find it.
 
 use crate::deviation::{
-    DeviationError, Eccentricity, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation,
-    RackDeviationKind, RackFlanks, ToothRange,
+    DeviationError, Eccentricity, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
+    PinionForm, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
 };
 use crate::gear::Pair;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::mesh::{Mesh, MeshPoint, Support};
 use crate::standard::Deviation;
 use crate::trig;
-
-/// The teeth of a rack that are off start here; those before are sound.
-const FIRST: i64 = 4;
 
 /// A deviation of one part that is put on its teeth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,12 +56,12 @@ impl ArrangedDeviation {
     }
 
     fn rack(&self, pair: &Pair) -> Option<(&'static str, RackFlanks)> {
-        let later = ToothRange::new(Some(FIRST), None).unwrap_or(ToothRange::ALL);
+        let later = ToothRange::starting_at(FIRST_ODD_TOOTH);
         let pitches = self.sector(pair);
         let (words, teeth, kind) = match self.deviation {
             Deviation::SinglePitch => ("one pitch step, at tooth 4", later, RackDeviationKind::Shift(self.amount_mm)),
             Deviation::SectorPitch => {
-                let range = ToothRange::new(Some(FIRST), Some(FIRST + pitches - 1)).unwrap_or(later);
+                let range = ToothRange::new(Some(FIRST_ODD_TOOTH), Some(FIRST_ODD_TOOTH + pitches - 1)).ok()?;
                 let each = RackDeviationKind::Pitch(self.amount_mm / pitches as f64);
                 ("spread evenly over its k pitches", range, each)
             }

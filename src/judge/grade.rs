@@ -118,7 +118,7 @@ impl GradeSearch {
     /// Combines the tolerances that `errors` gives for each grade of `standard`, of a pair of which this is known.
     ///
     /// # Errors
-    /// [`QuantityError`] if a sum is beyond the range of `f64`.
+    /// [`QuantityError`] if a sum is beyond the largest length.
     pub fn new(
         standard: Standard,
         limit: Length,

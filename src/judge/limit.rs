@@ -72,6 +72,11 @@ impl Verdict {
 }
 
 impl Limit {
+    /// The ends that it has, the lower one first.
+    pub fn ends(self) -> impl Iterator<Item = Length> {
+        self.lower.into_iter().chain(self.upper)
+    }
+
     /// From `-magnitude` to `+magnitude`.
     #[must_use]
     pub fn symmetric(magnitude: Length) -> Self {

@@ -1,7 +1,7 @@
 //! A rack measured space by space, or a pinion tooth by tooth, and what each deviation does by its formula. Built by
 //! the spec layer from a table, written by the reports.
 
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::Model;
 use crate::quantity::Length;
 
@@ -81,8 +81,8 @@ pub struct MeasuredRow {
 /// A measured rack or pinion, by the formulas.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPart {
-    /// Whether it is a rack; a pinion otherwise.
-    pub is_rack: bool,
+    /// Which part it is.
+    pub part: Part,
     /// The model of the formulas.
     pub model: Model,
     /// What was measured.
@@ -141,7 +141,7 @@ mod tests {
     fn the_largest_of_equals_is_the_first_and_pitches_of_both_flanks_add_up() {
         let rows = [(3, "0.01", "-0.02", "0.03"), (4, "-0.02", "0.01", "0.05"), (5, "0.02", "-0.01", "0.01")];
         let part = MeasuredPart {
-            is_rack: false,
+            part: Part::Pinion,
             model: Model::Exact,
             features: vec![Feature::Radial, Feature::LeftPitch, Feature::RightPitch],
             rows: rows

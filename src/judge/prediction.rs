@@ -8,8 +8,8 @@ use super::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use super::reached::Run;
 use super::reached::placed::TEETH;
 use crate::deviation::{
-    DeviationKind, DeviationValue, Eccentricity, Extent, Part, PinionDeviation, PinionDeviationKind, PinionToothRow,
-    RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, Unit, pitch_steps,
+    Countable, DeviationKind, DeviationValue, Eccentricity, Extent, Part, PinionDeviation, PinionDeviationKind,
+    PinionToothRow, RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, pitch_steps,
 };
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Model, PartDeviation};
@@ -69,14 +69,14 @@ impl PlacedError {
 
     fn place(&self, run: &Run, pair: &Pair) -> String {
         let kind = self.error.kind();
-        let unit = match kind.unit() {
-            Unit::Pitch if self.error.extent() == Extent::Total => Unit::Tooth,
-            unit => unit,
+        let counted = match kind.counts() {
+            Countable::Pitch if self.error.extent() == Extent::Total => Countable::Tooth,
+            counted => counted,
         };
-        let (every, one, several) = match unit {
-            Unit::Space => ("every space", "space", "spaces"),
-            Unit::Pitch => ("every pitch", "before tooth", "before teeth"),
-            Unit::Tooth => ("every tooth", "tooth", "teeth"),
+        let (every, one, several) = match counted {
+            Countable::Space => ("every space", "space", "spaces"),
+            Countable::Pitch => ("every pitch", "before tooth", "before teeth"),
+            Countable::Tooth => ("every tooth", "tooth", "teeth"),
         };
         let flank = match run.side {
             Some(FlankSide::Left) => "left flank of ",

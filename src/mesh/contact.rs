@@ -40,7 +40,8 @@ use self::form::OnGenerator;
 use self::reach::Reach;
 use crate::trig;
 
-/// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − w_coefficient w − ζ`.
+/// A plane of the rack tooth, scaled so that it asks for the centre distance `d − t ξ − k_w w − ζ`, with k_w
+/// in the field `w`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Plane {
     pub(super) d: f64,
@@ -48,7 +49,7 @@ pub(super) struct Plane {
     pub(super) w: f64,
 }
 
-/// The coordinate across the rack: `t ξ + w_coefficient w + z ζ + pose.across`.
+/// The coordinate across the rack: `t ξ + k_w w + z ζ + pose.across`, with k_w in the field `w`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Across {
     pub(super) t: f64,
@@ -95,11 +96,7 @@ impl ContactKind {
     }
 }
 
-impl std::fmt::Display for ContactKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(ContactKind);
 
 /// A flank pair, ready to be asked. `c` and the eccentric offsets are set for each position of the pinion.
 #[derive(Debug, Clone, Copy, Default)]

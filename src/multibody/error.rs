@@ -1,8 +1,6 @@
 //! Why a simulation cannot be set up or cannot go on. Raised by the scene and the runs; holds data, words only in
 //! `Display`, and always names what to change.
 
-use std::fmt;
-
 use crate::mesh::MeshError;
 use crate::quantity::Rounded;
 
@@ -44,11 +42,7 @@ pub enum ParameterName {
     BushStiffness,
 }
 
-impl fmt::Display for ParameterName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(ParameterName);
 
 /// A value with its unit, and the domain that it is outside of.
 fn outside(name: ParameterName, value: f64, min: f64, max: f64) -> String {

@@ -9,7 +9,7 @@ use super::{Angle, Length, QuantityError};
 
 /// One end of a domain, in the quantity's base unit (mm or degrees).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bound {
+pub enum DomainEnd {
     /// No bound.
     None,
     /// The bound itself is not in the domain.
@@ -26,9 +26,9 @@ pub struct Domain {
     /// Its symbol: `α_n`.
     pub symbol: &'static str,
     /// The lower end.
-    pub lower: Bound,
+    pub lower: DomainEnd,
     /// The upper end.
-    pub upper: Bound,
+    pub upper: DomainEnd,
 }
 
 /// A value outside its domain, or a result outside the numbers.
@@ -80,27 +80,27 @@ impl Domain {
     /// The domain of a length or angle that has none but being a number.
     #[must_use]
     pub const fn any(name: &'static str, symbol: &'static str) -> Self {
-        Self { name, symbol, lower: Bound::None, upper: Bound::None }
+        Self { name, symbol, lower: DomainEnd::None, upper: DomainEnd::None }
     }
 
     /// The domain of everything above 0.
     #[must_use]
     pub const fn positive(name: &'static str, symbol: &'static str) -> Self {
-        Self { name, symbol, lower: Bound::Exclusive(0), upper: Bound::None }
+        Self { name, symbol, lower: DomainEnd::Exclusive(0), upper: DomainEnd::None }
     }
 
     /// Whether `value`, in the base unit, lies in the domain.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         let above = match self.lower {
-            Bound::None => true,
-            Bound::Exclusive(bound) => value > bound as f64,
-            Bound::Inclusive(bound) => value >= bound as f64,
+            DomainEnd::None => true,
+            DomainEnd::Exclusive(bound) => value > bound as f64,
+            DomainEnd::Inclusive(bound) => value >= bound as f64,
         };
         let below = match self.upper {
-            Bound::None => true,
-            Bound::Exclusive(bound) => value < bound as f64,
-            Bound::Inclusive(bound) => value <= bound as f64,
+            DomainEnd::None => true,
+            DomainEnd::Exclusive(bound) => value < bound as f64,
+            DomainEnd::Inclusive(bound) => value <= bound as f64,
         };
         above && below
     }
@@ -132,14 +132,14 @@ impl Domain {
     #[must_use]
     pub fn in_words(&self, unit: &'static str) -> String {
         let lower = match self.lower {
-            Bound::None => None,
-            Bound::Exclusive(bound) => Some(format!("above {bound}{unit}")),
-            Bound::Inclusive(bound) => Some(format!("at least {bound}{unit}")),
+            DomainEnd::None => None,
+            DomainEnd::Exclusive(bound) => Some(format!("above {bound}{unit}")),
+            DomainEnd::Inclusive(bound) => Some(format!("at least {bound}{unit}")),
         };
         let upper = match self.upper {
-            Bound::None => None,
-            Bound::Exclusive(bound) => Some(format!("below {bound}{unit}")),
-            Bound::Inclusive(bound) => Some(format!("at most {bound}{unit}")),
+            DomainEnd::None => None,
+            DomainEnd::Exclusive(bound) => Some(format!("below {bound}{unit}")),
+            DomainEnd::Inclusive(bound) => Some(format!("at most {bound}{unit}")),
         };
         let bounds: Vec<_> = lower.into_iter().chain(upper).collect();
         if bounds.is_empty() { "a finite number".to_owned() } else { bounds.join(" and ") }
@@ -155,8 +155,8 @@ mod tests {
         let domain = Domain {
             name: "normal pressure angle",
             symbol: "α_n",
-            lower: Bound::Exclusive(0),
-            upper: Bound::Inclusive(45),
+            lower: DomainEnd::Exclusive(0),
+            upper: DomainEnd::Inclusive(45),
         };
         let angle = |text: &str| text.parse::<Angle>().unwrap();
         assert_eq!(domain.check_angle(angle("45")), Ok(()));

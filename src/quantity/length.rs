@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
 use super::unit::LengthUnit;
-use super::{QuantityError, grid_quantity};
+use super::{FM_PER_MM, QuantityError, grid_quantity};
 
 /// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
 ///
@@ -88,7 +88,7 @@ impl Length {
     /// The length in mm.
     #[must_use]
     pub fn mm(self) -> f64 {
-        self.fm as f64 / 1e12
+        self.fm as f64 / FM_PER_MM
     }
 
     /// The length in `unit`.

@@ -27,7 +27,7 @@ mod rounded;
 mod unit;
 
 pub use angle::Angle;
-pub use domain::{Bound, Domain, DomainError};
+pub use domain::{Domain, DomainEnd, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]
 pub(crate) use error::shown;
@@ -42,6 +42,8 @@ pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, tidy};
 #[cfg(feature = "report")]
 pub(crate) use plain::{plain, plain_padded};
 pub(crate) use rounded::{Degrees, Rounded};
+#[cfg(feature = "spec")]
+pub(crate) use unit::spelling_pattern;
 pub use unit::{AngleUnit, LengthUnit, Unit};
 
 impl Decimal {

@@ -206,6 +206,14 @@ impl Unit {
 /// `grad` a gon to some.
 const CASE_COUNTS: [&str; 4] = ["m", "nm", "mrad", "Grad"];
 
+/// The letters of a spelling in any case where that changes nothing, as a regular expression.
+#[cfg(feature = "spec")]
+pub(crate) fn spelling_pattern(spelling: &str) -> String {
+    let letter = |letter: char| format!("[{}{}]", letter.to_ascii_lowercase(), letter.to_ascii_uppercase());
+    let has_case = |letter: char| letter.is_ascii_alphabetic() && !CASE_COUNTS.contains(&spelling);
+    spelling.chars().map(|part| if has_case(part) { letter(part) } else { part.into() }).collect()
+}
+
 /// Whether a symbol is one of a unit's spellings, in any case where that changes nothing.
 pub(super) fn is_spelt(symbol: &str, spellings: &[&str]) -> bool {
     spellings.iter().any(|spelling| {

@@ -111,7 +111,7 @@ impl RunChart {
             return None;
         }
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
-        let limits = limit.into_iter().flat_map(|(_, limit)| [limit.lower, limit.upper]).flatten().map(Length::mm);
+        let limits = limit.into_iter().flat_map(|(_, limit)| limit.ends()).map(Length::mm);
         let at = |index: usize| (index as u64 * self.size + 1) as f64;
         let groups = self.groups.iter().enumerate();
         let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();

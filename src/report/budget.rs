@@ -7,11 +7,11 @@ use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{ON_WORST_TEETH, class_fact, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
-use crate::budget::{Budget, Line, Rule};
-use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
-use crate::formula::{Input, Model, Sensitivity};
+use crate::budget::{Budget, Line, Request, Summation};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::formula::{Influence, Sensitivity, domain};
 use crate::judge::class::ErrorClass;
-use crate::judge::{Interval, Limit, Stack, Verdict};
+use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 
 /// A budget with what it was asked for.
@@ -21,12 +21,8 @@ pub struct BudgetReport<'a> {
     pub title: Option<&'a str>,
     /// The budget.
     pub budget: &'a Budget,
-    /// The limit of ΔCD.
-    pub limit: &'a Limit,
-    /// How tolerances add up.
-    pub rule: Rule,
-    /// The formulas' reading.
-    pub model: Model,
+    /// What was asked for.
+    pub request: &'a Request,
     /// What fixed classes came to.
     pub classes: &'a [ErrorClass],
     /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
@@ -39,17 +35,16 @@ pub struct BudgetReport<'a> {
     pub screen: Screen,
 }
 
-/// What an input is called, with its unit.
-fn input_name(kind: DeviationKind, input: Input) -> (String, &'static str) {
-    match input {
-        Input::Error if kind == DeviationKind::RackLead => (kind.to_string(), "mm/°"),
-        Input::Error => (kind.to_string(), "mm/mm"),
-        Input::NormalPressureAngle => ("normal pressure angle α_n".to_owned(), "mm/°"),
-        Input::HelixAngle if kind.part() == Part::Pinion => ("helix angle of the pinion β_p".to_owned(), "mm/°"),
-        Input::HelixAngle => ("helix angle of the rack β_r".to_owned(), "mm/°"),
-        Input::FaceWidth => ("face width of the rack k".to_owned(), "mm/mm"),
-        other => (format!("{other:?}"), "mm/mm"),
-    }
+/// What a quantity is called.
+fn input_name(input: Influence) -> String {
+    let gear = match input {
+        Influence::NormalPressureAngle => domain::NORMAL_PRESSURE_ANGLE,
+        Influence::PinionHelixAngle => domain::PINION_HELIX_ANGLE,
+        Influence::RackHelixAngle => domain::RACK_HELIX_ANGLE,
+        Influence::FaceWidth => domain::FACE_WIDTH,
+        other => return other.to_string(),
+    };
+    format!("{} {}", gear.name, gear.symbol)
 }
 
 /// ∂ΔCD/∂input.
@@ -61,9 +56,9 @@ struct SensitivityFact {
 }
 
 impl SensitivityFact {
-    fn of(kind: DeviationKind, Sensitivity { input, value }: &Sensitivity) -> Self {
-        let (input, unit) = input_name(kind, *input);
-        Self { input, unit, value: *value }
+    fn of(Sensitivity { input, value }: &Sensitivity) -> Self {
+        let unit = if input.is_angle() { "mm/°" } else { "mm/mm" };
+        Self { input: input_name(*input), unit, value: *value }
     }
 }
 
@@ -72,7 +67,7 @@ fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
     let mut all: Vec<SensitivityFact> = Vec::new();
     for line in &budget.lines {
         let known = line.sensitivities.iter().filter(|sensitivity| sensitivity.value.is_some());
-        for one in known.map(|sensitivity| SensitivityFact::of(line.error.kind(), sensitivity)) {
+        for one in known.map(SensitivityFact::of) {
             match all.iter_mut().find(|sum| sum.input == one.input) {
                 Some(sum) => sum.value = sum.value.zip(one.value).map(|(sum, value)| sum + value),
                 None => all.push(one),
@@ -126,7 +121,7 @@ impl BudgetReport<'_> {
             };
             Shape::Bars(rows.map(bar).collect())
         };
-        let limits = [self.limit.lower, self.limit.upper].into_iter().flatten().map(Length::mm).collect();
+        let limits = self.request.limit.ends().map(Length::mm).collect();
         Chart {
             title: self.title.unwrap_or("ΔCD by error").to_owned(),
             x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
@@ -147,20 +142,20 @@ impl BudgetReport<'_> {
     /// What the free tolerances add up to, in words.
     fn sentence(&self) -> String {
         let budget = self.budget;
-        match (&self.rule, &budget.simulated) {
-            (Rule::Simulation(settings), Some(simulated)) => format!(
+        match (&self.request.rule, budget.conforming) {
+            (Summation::Simulation(settings), Some(conforming)) => format!(
                 "{} % of {} random assemblies conform (at least {} % wanted; {} within tolerances; seed {})",
-                plain(percent(simulated.conforming)),
+                plain(percent(conforming)),
                 settings.draws,
                 plain(percent(settings.conforming)),
                 settings.spread.name(),
                 settings.seed
             ),
             (rule, _) => {
-                let stack = if *rule == Rule::Rss { Stack::Rss } else { Stack::Range };
+                let stack = if *rule == Summation::Rss { Stack::Rss } else { Stack::Range };
                 let interval = budget.combined.interval(stack);
                 let text = interval.map_or_else(|_| "open".to_owned(), |interval| interval_text(&interval));
-                format!("{stack} {text} mm, within {}", self.limit)
+                format!("{stack} {text} mm, within {}", self.request.limit)
             }
         }
     }
@@ -231,7 +226,7 @@ impl Report for BudgetReport<'_> {
                 let class = self.classes.iter().find(|class| class.kind == kind);
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
-                let of_line = line.sensitivities.iter().map(|sensitivity| SensitivityFact::of(kind, sensitivity));
+                let of_line = line.sensitivities.iter().map(SensitivityFact::of);
                 json!({
                     "error": kind.key(),
                     "fixed": line.is_fixed,
@@ -247,28 +242,29 @@ impl Report for BudgetReport<'_> {
                 })
             })
             .collect();
-        let simulated = budget.simulated.map(|simulated| {
-            json!({
-                "conforming": simulated.conforming,
-                "target": simulated.settings.conforming,
-                "distribution": simulated.settings.spread.name(),
-                "draws": simulated.settings.draws,
-                "seed": simulated.settings.seed,
-            })
-        });
+        let simulation = match self.request.rule {
+            Summation::Simulation(settings) => json!({
+                "conforming": budget.conforming,
+                "target": settings.conforming,
+                "distribution": settings.spread.name(),
+                "draws": settings.draws,
+                "seed": settings.seed,
+            }),
+            _ => Value::Null,
+        };
         json!({
             "title": self.title,
-            "stack": self.rule.name(),
-            "model": self.model.name(),
-            "limit_lower_mm": self.limit.lower,
-            "limit_upper_mm": self.limit.upper,
+            "stack": self.request.rule.name(),
+            "model": self.request.model.name(),
+            "limit_lower_mm": self.request.limit.lower,
+            "limit_upper_mm": self.request.limit.upper,
             "feasible": feasible,
             "broken_by": budget.broken_by.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
             "tolerances": tolerances,
             "worst_case_mm": budget.combined.range.ok(),
             "rss_mm": budget.combined.rss.ok(),
             "reached_mm": self.reached,
-            "simulation": simulated,
+            "simulation": simulation,
             "sensitivities": sensitivities(budget),
             "notes": self.notes,
         })
@@ -283,7 +279,7 @@ impl Report for BudgetReport<'_> {
     fn blocks(&self) -> Vec<Block> {
         let budget = self.budget;
         let feasible = budget.is_feasible();
-        let share = if self.rule == Rule::WorstCase { "share" } else { "share of\nsquares" };
+        let share = if self.request.rule == Summation::WorstCase { "share" } else { "share of\nsquares" };
         let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
         let if_known = |line: &Line, text: String| (feasible || line.is_fixed).then_some(text);
         let grade = |line: &Line| self.grades.iter().find(|grade| grade.kind == line.error.kind());
@@ -298,7 +294,7 @@ impl Report for BudgetReport<'_> {
             .number("ΔCD alone\n[mm]", |line| if_known(line, interval_text(&line.range)))
             .number(share, |line| number::percent(line.share))
             .column_if(has_extents, Column::text("on"), |line| {
-                line.error.extent().words(line.error.kind().unit(), None)
+                line.error.extent().words(line.error.kind().counts(), None)
             })
             .column_if(!self.grades.is_empty(), Column::number("grade\nwithin"), |line| {
                 grade(line).map(|grade| grade.permissible.grade.to_string())
@@ -313,7 +309,7 @@ impl Report for BudgetReport<'_> {
         blocks.extend(sensitivities.block_if_any());
         blocks.extend(self.classes.iter().map(|class| Block::Note(format!("class: {}", class.in_words()))));
         blocks.extend(self.grades.iter().map(|class| Block::Note(format!("within: {}", class.in_words()))));
-        if let Rule::Simulation(settings) = &self.rule
+        if let Summation::Simulation(settings) = &self.request.rule
             && (1.0 - settings.conforming) * f64::from(settings.draws) < FEWEST_SEEN
         {
             blocks.push(Block::Remark(format!(

@@ -47,7 +47,7 @@ pub struct WorstCase {
 impl WorstCase {
     /// Its extent in words.
     fn on(&self) -> String {
-        self.extent.words(self.kind.unit(), None)
+        self.extent.words(self.kind.counts(), None)
     }
 }
 

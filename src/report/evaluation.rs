@@ -10,7 +10,7 @@ use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged
 use crate::formula::law::equation;
 use crate::judge::bound::{AssumedHeight, HeightFrom, Note};
 use crate::judge::class::ErrorClass;
-use crate::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
+use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
 
@@ -29,8 +29,6 @@ pub struct EvaluationReport<'a> {
     pub mesh: Option<MeshPart>,
     /// What errors given as classes came to.
     pub classes: Vec<ErrorClass>,
-    /// The decision rule.
-    pub rule: Rule,
     /// The uncertainty of the results, where uncertainties are given.
     pub uncertainty: Option<UncertaintyPart>,
     /// Errors that the spec asks for and the part was judged without.
@@ -185,7 +183,7 @@ impl EvaluationReport<'_> {
             return Some(Block::Verdict(None, why));
         }
         if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
-            let sentence = indeterminate_sentence(open, &self.rule, evaluation.stack);
+            let sentence = indeterminate_sentence(open, &self.evaluation.rule, evaluation.stack);
             return Some(Block::Verdict(Some(Verdict::Indeterminate), format!("{sentence}{without}")));
         }
         let count = match evaluation.limits.len() {
@@ -193,7 +191,7 @@ impl EvaluationReport<'_> {
             1 => "the limit is met".to_owned(),
             count => format!("all {count} limits are met"),
         };
-        let by = format!("{}{}", evaluation.judged_by, rule_words(&self.rule));
+        let by = format!("{}{}", evaluation.judged_by, rule_words(&self.evaluation.rule));
         Some(Block::Verdict(Some(Verdict::Pass), format!("{count} (judged by {by}){without}")))
     }
 }
@@ -350,7 +348,7 @@ impl Report for EvaluationReport<'_> {
             "stack": evaluation.stack.name(),
             "judged_by": evaluation.judged_by.name(),
             "reached_mm": evaluation.reached,
-            "rule": self.rule.to_string(),
+            "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(limit_fact).collect::<Vec<_>>(),
             "verdict": evaluation.verdict.map(Verdict::name),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
@@ -400,7 +398,7 @@ impl Report for EvaluationReport<'_> {
         blocks.push(self.combination_table());
         blocks.extend(self.limit_table());
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
-        blocks.extend(UncertaintyPart::decision_blocks(&self.rule, &self.evaluation.limits));
+        blocks.extend(UncertaintyPart::decision_blocks(&self.evaluation.rule, &self.evaluation.limits));
         blocks.extend(self.rests_on.iter().cloned().map(Block::Remark));
         blocks.extend(self.class_notes().map(Block::Note));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
@@ -422,7 +420,6 @@ impl<'a> EvaluationReport<'a> {
             notes: Vec::new(),
             mesh: None,
             classes: Vec::new(),
-            rule: Rule::Simple,
             uncertainty: None,
             without: Vec::new(),
         }

@@ -3,7 +3,6 @@
 
 use serde_json::{Value, json};
 
-use super::mesh_points::DEGREES_PER_RADIAN;
 use super::number::tidy;
 use super::{Block, Table};
 use crate::gear::{Hand, Pair};
@@ -33,7 +32,7 @@ pub(super) fn json(pair: &Pair, over_pin: Option<Length>) -> Value {
     json!({
         "rack_hand": Hand::of(rack.helix_angle_rad).name(),
         "pinion_hand": Hand::of(pinion.helix_angle_rad).name(),
-        "shaft_angle_deg": tidy(pair.shaft_angle_rad().abs() * DEGREES_PER_RADIAN),
+        "shaft_angle_deg": tidy(pair.shaft_angle_rad().abs().to_degrees()),
         "contact_ratio": tidy(ratio.total),
         "contact_offset": tidy(ratio.offset),
         "nominal_center_distance_mm": pair.nominal_center_distance_mm(),
@@ -56,11 +55,12 @@ fn millimetres(mm: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formula::law::RADIANS_PER_DEGREE;
     use crate::gear::example;
 
     #[test]
     fn hands_and_the_shaft_angle_between_them() {
-        let degrees = |degrees: f64| degrees / DEGREES_PER_RADIAN;
+        let degrees = |degrees: f64| degrees * RADIANS_PER_DEGREE;
         for (rack, pinion, hands, shaft_angle) in [
             (-12.5, 25.0, ["left 12.5°", "right 25°"], "12.5°"),
             (12.5, 25.0, ["right 12.5°", "right 25°"], "37.5°"),

@@ -4,13 +4,12 @@ use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
 use super::evaluation::interval_text;
-use super::mesh_points::{self, DEGREES_PER_RADIAN, ListedPoint, Trust};
+use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
 use crate::deviation::Part;
-use crate::evaluation::{JudgedBy, LimitCheck, Unjudged};
-use crate::judge::bound::NoBound;
-use crate::judge::{Interval, Limit, LimitTarget, Prediction, Rule, Verdict};
+use crate::evaluation::{Evaluation, LimitCheck, Unjudged};
+use crate::judge::{Limit, LimitTarget, Prediction, Rule, Verdict};
 use crate::mesh::{Curve, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
 
@@ -31,27 +30,13 @@ pub struct MeshReport<'a> {
     pub prediction: Prediction,
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
-    /// What is held against the limits, and what came of it.
-    pub judged: JudgedMesh,
+    /// What is held against the limits, over all strokes at which a deviated tooth can carry or wherever errors are, and what
+    /// came of it.
+    pub evaluation: Evaluation,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
     pub screen: Screen,
-}
-
-/// What is held against limits, and what came of it.
-#[derive(Debug)]
-pub struct JudgedMesh {
-    /// Over all strokes at which a deviated tooth can carry, or wherever errors are.
-    pub range: Result<Interval, NoBound>,
-    /// Who says so.
-    pub by: JudgedBy,
-    /// One for each limit.
-    pub checks: Vec<LimitCheck>,
-    /// The rule that came to them.
-    pub rule: Rule,
-    /// Of all of them; `None` if there is none, or one has nothing to hold against it.
-    pub verdict: Option<Verdict>,
 }
 
 impl MeshReport<'_> {
@@ -62,7 +47,7 @@ impl MeshReport<'_> {
     /// What came of one limit, in a sentence.
     fn verdict_block(&self, check: &LimitCheck) -> Block {
         let (subject, by) = match check.on {
-            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.judged.by)),
+            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.evaluation.judged_by)),
             LimitTarget::Error(kind) => (format!("ΔCD of {kind}"), String::new()),
         };
         match (check.result, check.verdict) {
@@ -72,7 +57,7 @@ impl MeshReport<'_> {
                     Verdict::Fail => "not within",
                     Verdict::Indeterminate => "too near",
                 };
-                let rule = &self.judged.rule;
+                let rule = &self.evaluation.rule;
                 let rule = if *rule == Rule::Simple { String::new() } else { format!(" by the rule {rule}") };
                 let result = interval_text(&result);
                 let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
@@ -103,13 +88,13 @@ impl MeshReport<'_> {
             };
             Some(Mark { x: kink.stroke_mm, y: kink.delta_cd_mm, text })
         });
-        let limits = self.limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]);
+        let limits = self.limit.copied().into_iter().flat_map(Limit::ends);
         let points: Vec<_> = self.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
         let (low, high) = self.prediction.range_mm();
         let ends = points.first().into_iter().chain(points.last());
         let layers = vec![
             Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
-            Layer::new("limits", Shape::Limits(limits.flatten().map(Length::mm).collect())),
+            Layer::new("limits", Shape::Limits(limits.map(Length::mm).collect())),
             Layer::new("exact mesh", Shape::Line(points)),
             Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
         ];
@@ -136,7 +121,7 @@ fn millimetres(mm: f64) -> String {
     super::number::millimetres(tidy(mm))
 }
 
-/// Why one number of the summary stands where it stands.
+/// The numbers of the summary, and where the extremes are.
 fn summary_table(summary: &Summary) -> Block {
     let mm = |value: f64| format!("{} mm", millimetres(value));
     let plain_mm = |value: f64| format!("{} mm", unsigned(tidy(value)));
@@ -182,7 +167,7 @@ impl MeshReport<'_> {
                 "tooth_to_tooth_mm": tidy(summary.tooth_to_tooth_mm),
                 "largest_rate": tidy(summary.largest_rate),
                 "transmission_error_mm": tidy(summary.transmission_error_mm),
-                "transmission_error_deg": tidy(summary.transmission_error_rad * DEGREES_PER_RADIAN),
+                "transmission_error_deg": tidy(summary.transmission_error_rad.to_degrees()),
             })
         });
         let (lower, upper) = self.prediction.range_mm();
@@ -194,9 +179,9 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.judged.range.ok(),
-            "judged_by": self.judged.by.name(),
-            "verdict": self.judged.verdict.map(Verdict::name),
+            "judged_mm": self.evaluation.combined.range.ok(),
+            "judged_by": self.evaluation.judged_by.name(),
+            "verdict": self.evaluation.verdict.map(Verdict::name),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
                 "delta_cd_mm": tidy(kink.delta_cd_mm),
@@ -245,7 +230,7 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             ))));
         }
-        blocks.extend(self.judged.checks.iter().map(|check| self.verdict_block(check)));
+        blocks.extend(self.evaluation.limits.iter().map(|check| self.verdict_block(check)));
         blocks
     }
 }
@@ -273,7 +258,7 @@ impl MeasureReport {
         let columns = ["space"].into_iter().chain(over_pin).chain(DEVIATIONS).collect();
         let row = |reading: &RackReading| {
             let over_pin = datum_mm.map(|datum| datum + reading.over_pin_mm);
-            let lead_deg = reading.lead_rad * DEGREES_PER_RADIAN;
+            let lead_deg = reading.lead_rad.to_degrees();
             let deviations =
                 [reading.height_deviation_mm, reading.position_mm, reading.position_deviation_mm, lead_deg];
             (reading.space, over_pin.into_iter().chain(deviations).collect())

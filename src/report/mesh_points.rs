@@ -15,8 +15,6 @@ pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
 pub(super) const COLUMNS: &str =
     "stroke_mm delta_cd_mm center_distance_mm pinion_angle_deg right_tooth left_tooth right_contact left_contact";
 
-pub(super) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
-
 /// What a list of points amounts to as far as it can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Trust {
@@ -72,7 +70,7 @@ impl Trust {
                 "at {} the rack's roll is not known to be the one with the smallest centre distance, which may be \
                  smaller than given; rolls up to {:.1}° are searched",
                 strokes(self.roll_not_found),
-                LARGEST_ROLL_RAD * DEGREES_PER_RADIAN
+                LARGEST_ROLL_RAD.to_degrees()
             ));
         }
         notes
@@ -125,7 +123,7 @@ pub fn csv_lines(points: &[ListedPoint]) -> String {
 
 /// ΔCD, centre distance and angle as they are printed.
 fn numbers(point: &MeshPoint) -> [f64; 3] {
-    [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad * DEGREES_PER_RADIAN].map(tidy)
+    [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad.to_degrees()].map(tidy)
 }
 
 pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
@@ -160,7 +158,7 @@ pub fn json_elements(points: &[ListedPoint]) -> String {
 pub(super) fn table(points: &[ListedPoint]) -> Option<Block> {
     let cell =
         |point: &ListedPoint, text: fn(&MeshPoint) -> String| point.1.as_ref().map_or_else(|_| "–".to_owned(), text);
-    let degrees = |point: &MeshPoint| format!("{:.4}", point.pinion_angle_rad * DEGREES_PER_RADIAN);
+    let degrees = |point: &MeshPoint| format!("{:.4}", point.pinion_angle_rad.to_degrees());
     let flank = |of: fn(&MeshPoint) -> Carrier| {
         move |(_, point): &&ListedPoint| match point {
             Ok(point) => format!("{}, {}", of(point).rack_tooth, of(point).contact),

@@ -52,7 +52,7 @@ pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
-pub use mesh::{JudgedMesh, MeasureReport, MeshReport};
+pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
 pub use paste::{FormulaAndMesh, PartRow, PartsReport, SpacesReport};

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
 use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
 use crate::judge::{Interval, MeasuredPart, Stack, Verdict};
@@ -195,8 +195,8 @@ pub struct SpacesReport<'a> {
 }
 
 impl SpacesReport<'_> {
-    const fn place(&self) -> &'static str {
-        if self.measured.is_rack { "space" } else { "tooth" }
+    fn place(&self) -> &'static str {
+        if self.measured.part == Part::Rack { "space" } else { "tooth" }
     }
 }
 
@@ -227,7 +227,7 @@ impl Report for SpacesReport<'_> {
         let (low, high) = measured.range();
         json!({
             "title": self.title,
-            "part": if measured.is_rack { "rack" } else { "pinion" },
+            "part": measured.part.name(),
             "model": measured.model.name(),
             "rows": rows,
             "formula_range_mm": { "lower": low.mm(), "upper": high.mm() },

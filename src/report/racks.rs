@@ -122,7 +122,7 @@ impl RacksReport<'_> {
     pub fn chart(&self, limit: Option<&Limit>) -> Chart {
         let RacksSummary { smallest, mean, largest, .. } = self.summary;
         let outline = |name, of: &RackStatistics| Layer::new(name, Shape::Line(outline(&of.histogram)));
-        let ends = limit.into_iter().flat_map(|limit| [limit.lower, limit.upper]).flatten();
+        let ends = limit.copied().into_iter().flat_map(Limit::ends);
         Chart {
             title: self.title.unwrap_or("ΔCD of random racks").to_owned(),
             x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },

@@ -4,10 +4,11 @@ use serde_json::{Value, json};
 
 use super::number::{signed, tidy};
 use super::{Block, Report, Table, fact};
+use crate::deviation::FIRST_ODD_TOOTH;
 use crate::formula::Model;
 use crate::reproduction::{
-    FACE_WIDTH, FIRST_ODD_TOOTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError,
-    Simulated, pair, simulate_all,
+    FACE_WIDTH, PRESSURE_ANGLE, PRINTED, PaperTable, Printed, ROLL_AXIS_DEPTH_MM, ReproductionError, SimulatedRow,
+    pair, simulate_all,
 };
 
 /// Where the pair comes from, which the paper does not publish.
@@ -21,7 +22,7 @@ struct Row {
     rounded: String,
     paper_mm: f64,
     exact_mm: f64,
-    simulated: Result<Simulated, ReproductionError>,
+    simulated: Result<SimulatedRow, ReproductionError>,
 }
 
 /// The paper's Tables 1 to 3, recomputed.

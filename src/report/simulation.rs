@@ -31,8 +31,6 @@ pub struct SimulationReport<'a> {
     pub screen: Screen,
 }
 
-const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
-
 /// A column of the listing: its name, and the value at a position.
 type Listed = (&'static str, fn(&Sample) -> f64);
 
@@ -41,8 +39,8 @@ const COLUMNS: &[Listed] = &[
     ("stroke_mm", |s| s.stroke_mm),
     ("delta_cd_mm", |s| s.delta_cd_mm),
     ("center_distance_mm", |s| s.center_distance_mm),
-    ("pinion_angle_deg", |s| s.pinion_angle_rad * DEGREES_PER_RADIAN),
-    ("roll_deg", |s| s.roll_rad * DEGREES_PER_RADIAN),
+    ("pinion_angle_deg", |s| s.pinion_angle_rad.to_degrees()),
+    ("roll_deg", |s| s.roll_rad.to_degrees()),
     ("normal_force_right_n", |s| s.normal_force_right_n),
     ("normal_force_left_n", |s| s.normal_force_left_n),
     ("contacts", |s| f64::from(s.contacts)),

@@ -6,10 +6,11 @@ use std::f64::consts::FRAC_PI_2;
 use super::{Spec, keys, said_of};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, KnownTeeth, OwnCurve};
+use crate::gear::{thickness_offset_mm, undercut_limit};
+use crate::judge::bound::{Basis, ContactPath, GivenGeometry, GivenPair, KnownPairs, OwnCurve};
 use crate::quantity::Length;
 use crate::trig;
-use crate::uncertainty::{Source, TeethSensitivity};
+use crate::uncertainty::Influence;
 
 /// The keys of a pair's geometry, but for how its rack is held.
 pub const GEOMETRY_KEYS: [&str; 7] = [
@@ -57,7 +58,7 @@ impl Spec {
     fn own_curve(&self) -> OwnCurve {
         let has_form = !self.rack_form().is_plain() || !self.pinion_form().is_plain();
         // without the pair, only the nominal measure over a roller takes the thickness of the rack for what it may be
-        let thickness = [Source::ToothThickness, Source::NormalModule, Source::NormalPressureAngle];
+        let thickness = [Influence::ToothThickness, Influence::NormalModule, Influence::NormalPressureAngle];
         let pinion_is_thicker = !self.or_zero(keys::PINION_TOOTH_THICKNESS_DEVIATION).is_zero();
         let is_thicker = pinion_is_thicker || self.get(keys::RACK_TOOTH_THICKNESS).is_some();
         let is_followed = self.over_pin().is_some() && !pinion_is_thicker;
@@ -80,7 +81,7 @@ impl Spec {
         if thicker == 0.0 {
             return Some(0.0);
         }
-        Some(0.5 * thicker / trig::tan_of(self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?))
+        Some(thickness_offset_mm(thicker, trig::tan_of(self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?)))
     }
 
     /// Whether the rack's tips reach below the pinion's involute; `None` if that is not known.
@@ -89,22 +90,9 @@ impl Spec {
         let pressure_angle = self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?;
         let cos_p = trig::sin_cos_of(self.or_zero(keys::PINION_HELIX_ANGLE)).1;
         let radius = 0.5 * module * f64::from(self.get(keys::PINION_TEETH)?) / cos_p;
-        let sin_t = trig::sin(trig::atan2(trig::tan_of(pressure_angle), cos_p));
+        let transverse = trig::atan2(trig::tan_of(pressure_angle), cos_p);
         let addendum = self.get(keys::RACK_ADDENDUM)?.mm();
-        Some(addendum - self.or_zero(keys::PINION_PROFILE_SHIFT) * module > radius * sin_t * sin_t)
-    }
-
-    /// The same spec with what the exact mesh says of the teeth that it knows one by one, without any other error, and
-    /// how that follows from what is uncertain: see [`Spec::teeth_sensitivities`] and
-    /// [`Spec::certain_teeth`].
-    #[must_use]
-    pub fn with_known_teeth(
-        self,
-        known_teeth: KnownTeeth,
-        teeth_sensitivities: Vec<TeethSensitivity>,
-        teeth_taken_as_exact: Vec<DeviationKind>,
-    ) -> Self {
-        Self { known_teeth: Some(known_teeth), teeth_sensitivities, teeth_taken_as_exact, ..self }
+        Some(self.or_zero(keys::PINION_PROFILE_SHIFT) < undercut_limit(addendum, radius, transverse, module))
     }
 
     /// Whether the teeth of a part are known one by one.

@@ -68,11 +68,11 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
 }
 
 fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<BatchColumn>> {
-    let section: &'static Section = match (kind, kind.unit()) {
+    let section: &'static Section = match (kind, kind.counts()) {
         (DeviationKind::RackLead, _) => &keys::ANGLE_COLUMN,
-        (_, deviation::Unit::Space) => &keys::SIZE_COLUMN,
-        (_, deviation::Unit::Pitch) => &keys::PITCH_COLUMN,
-        (_, deviation::Unit::Tooth) => &keys::SLOPE_COLUMN,
+        (_, deviation::Countable::Space) => &keys::SIZE_COLUMN,
+        (_, deviation::Countable::Pitch) => &keys::PITCH_COLUMN,
+        (_, deviation::Countable::Tooth) => &keys::SLOPE_COLUMN,
     };
     reader.table(kind.key(), section, |reader| {
         let unit = reader.column_unit("unit", kind == DeviationKind::RackLead);
@@ -226,7 +226,7 @@ impl Spec {
     pub fn extents_in_words(&self, errors: &[DeviationKind]) -> Option<String> {
         let stated = errors.iter().filter_map(|kind| {
             let extent = said_of(&self.extents, *kind)?;
-            Some(format!("{} {} ({})", kind.key(), extent.value, extent.value.words(kind.unit(), None)))
+            Some(format!("{} {} ({})", kind.key(), extent.value, extent.value.words(kind.counts(), None)))
         });
         let stated: Vec<_> = stated.collect();
         (!stated.is_empty()).then(|| format!("extent: {}", stated.join("; ")))

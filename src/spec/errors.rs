@@ -15,7 +15,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::judge::bound::ErrorInputError;
 use crate::quantity::Length;
-use crate::uncertainty as uncertain;
+use crate::uncertainty::Influence;
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +86,7 @@ pub(super) fn read_extent_value(
         return reader.wrong_type(keys::EXTENT, value, "text in quotes");
     };
     let refusal = match text.parse::<Extent>() {
-        Ok(extent) if extent.fits(kind.unit()) => return Some(Located { value: extent, span: value.span() }),
+        Ok(extent) if extent.fits(kind.counts()) => return Some(Located { value: extent, span: value.span() }),
         Ok(_) => ErrorInputError::NoTotal.to_string(),
         Err(unknown) => unknown.to_string(),
     };
@@ -153,7 +153,7 @@ fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<L
         reader.diagnostics.truncate(known);
     } else {
         // the uncertainty of the measured values to come
-        let source = uncertain::Source::Error(kind);
+        let source = Influence::Error(kind);
         reader.note_uncertainty(kind.key(), entry, value.span(), source, None);
     }
     Some(Located { value: nominal?, span: value.span() })
@@ -167,7 +167,7 @@ fn read_unmeasured(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Optio
     if !only {
         return None;
     }
-    let source = uncertain::Source::Error(kind);
+    let source = Influence::Error(kind);
     reader.note_uncertainty(kind.key(), entry, written.span(), source, None);
     Some(written.span())
 }
@@ -232,7 +232,7 @@ fn read_error_table(
     span: Range<usize>,
 ) -> Option<WrittenError> {
     let form = error_form(reader, kind, entry, span.clone())?;
-    let noted = uncertain::Source::Error(kind);
+    let noted = Influence::Error(kind);
     if form == ["class"] {
         if keys::UNCERTAINTY_KEYS.iter().any(|key| entry.contains_key(*key)) {
             let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
@@ -255,7 +255,7 @@ fn read_error_table(
                 Ok(tangent) => {
                     // d(atan(f/L))/df = L/(L² + f²)
                     let (f, l) = (slope.mm(), over.mm());
-                    let degrees_per_mm = (180.0 / std::f64::consts::PI) * l / (l * l + f * f);
+                    let degrees_per_mm = l.to_degrees() / (l * l + f * f);
                     reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
                     Some(WrittenError::Value(tangent))
                 }
@@ -265,7 +265,7 @@ fn read_error_table(
         ["measured", "roller"] => {
             let measured = length("measured");
             let roller = entry.get("roller")?;
-            let roller = reader.uncertain("roller", roller, Some(uncertain::Source::Roller))?;
+            let roller = reader.uncertain("roller", roller, Some(Influence::Roller))?;
             let roller = reader.length_value("roller", roller)?;
             let roller_span = entry.get("roller").map_or(span, Spanned::span);
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;

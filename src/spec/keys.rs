@@ -8,7 +8,7 @@ use crate::formula::domain;
 use crate::gear::MOST_TEETH;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
-use crate::quantity::{Angle, Bound, Domain, Length};
+use crate::quantity::{Angle, Domain, DomainEnd, Length};
 use crate::standard::Standard;
 
 /// The coarsest grade of any standard.
@@ -28,7 +28,7 @@ pub(crate) enum Kind {
     /// A whole number.
     Count(Domain),
     /// A number in a unit, or text that names one of its other units.
-    Measure(Domain, Unit),
+    Measure(Domain, MeasureUnit),
     /// A deviation, or a table from which one follows.
     Error(DeviationKind),
     /// Limits of ΔCD.
@@ -43,7 +43,7 @@ pub(crate) enum Kind {
         of_lead: bool,
     },
     /// On which teeth an error is that counts these.
-    Extent(deviation::Unit),
+    Extent(deviation::Countable),
     /// One of these words.
     Word(&'static [&'static str]),
     /// The name of an accuracy standard and its edition.
@@ -76,7 +76,7 @@ pub(crate) enum Kind {
 
 /// A unit that is neither a length nor an angle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Unit {
+pub(crate) struct MeasureUnit {
     /// What bare numbers are in; empty for numbers without a unit.
     pub(crate) symbol: &'static str,
     /// The same after a number, with the space that goes between.
@@ -85,7 +85,7 @@ pub(crate) struct Unit {
     pub(crate) others: &'static [(&'static str, f64, f64)],
 }
 
-impl Unit {
+impl MeasureUnit {
     const NONE: Self = Self { symbol: "", after: "", others: &[] };
     const SPEED: Self = Self { symbol: "mm/s", after: " mm/s", others: &[("m/s", 1000.0, 1.0)] };
     const FORCE: Self = Self { symbol: "N", after: " N", others: &[("kN", 1000.0, 1.0)] };
@@ -201,7 +201,7 @@ const fn number(path: &'static str, domain: Domain) -> Key<f64> {
     Key::new(path, Kind::Number(domain))
 }
 
-const fn measure(path: &'static str, domain: Domain, unit: Unit) -> Key<f64> {
+const fn measure(path: &'static str, domain: Domain, unit: MeasureUnit) -> Key<f64> {
     Key::new(path, Kind::Measure(domain, unit))
 }
 
@@ -228,11 +228,11 @@ const fn key(name: &'static str, kind: Kind, doc: &'static str) -> AnyKey {
 }
 
 const fn between(name: &'static str, symbol: &'static str, lower: i64, upper: i64) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(lower), upper: Bound::Inclusive(upper) }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(lower), upper: DomainEnd::Inclusive(upper) }
 }
 
 const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(0), upper: Bound::None }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(0), upper: DomainEnd::None }
 }
 
 section! {
@@ -499,7 +499,7 @@ pub(crate) const EVALUATION_LENGTH: Key<Length> =
 pub(crate) const PART_ID: Key<String> =
     text("part_id").with("Name of the column that names the part. Default part_id.");
 
-const fn column_extent(unit: deviation::Unit) -> AnyKey {
+const fn column_extent(unit: deviation::Countable) -> AnyKey {
     key(
         EXTENT,
         Kind::Extent(unit),
@@ -510,19 +510,19 @@ const fn column_extent(unit: deviation::Unit) -> AnyKey {
 pub(crate) const SIZE_COLUMN: Section = section(
     "batch.columns.(size)",
     "A column of sizes.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Space)],
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Space)],
 );
 
 pub(crate) const PITCH_COLUMN: Section = section(
     "batch.columns.(pitch)",
     "A column of pitches.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Pitch)],
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Pitch)],
 );
 
 pub(crate) const SLOPE_COLUMN: Section = section(
     "batch.columns.pinion_lead",
     "A column of helix slope deviations f_Hβ.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Unit::Tooth)],
+    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Tooth)],
 );
 
 pub(crate) const ANGLE_COLUMN: Section = section(
@@ -538,7 +538,7 @@ pub(crate) const ANGLE_COLUMN: Section = section(
         EVALUATION_LENGTH.any,
         ANGLE_NOMINAL.any,
         COLUMN_KIND.any,
-        column_extent(deviation::Unit::Tooth),
+        column_extent(deviation::Countable::Tooth),
     ],
 );
 
@@ -572,8 +572,8 @@ section! {
 const FRACTION: Domain = Domain {
     name: "fraction of conforming assemblies",
     symbol: "P",
-    lower: Bound::Exclusive(0),
-    upper: Bound::Inclusive(1),
+    lower: DomainEnd::Exclusive(0),
+    upper: DomainEnd::Inclusive(1),
 };
 
 section! {

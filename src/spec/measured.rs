@@ -3,61 +3,57 @@
 
 use std::collections::BTreeMap;
 
-use super::{MeasuredTables, Spec, keys};
+use super::{Spec, keys};
 use crate::deviation::{DeviationValue, Part, pitch_steps};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::{Effect, Feature, MeasuredPart, MeasuredRow};
-use crate::quantity::Length;
-use crate::table::{Measured, PinionTooth, RackSpace};
+use crate::quantity::{FM_PER_MM, Length};
+use crate::table::{Measured, PinionTooth, RackSpace, Teeth};
 use crate::trig;
 
 impl Spec {
-    /// The same spec with the rack (or the pinion) as measured and nothing else wrong with it.
+    /// The same spec with a part as measured and nothing else wrong with it.
     #[must_use]
-    pub fn measured_only(&self, rack: bool) -> Self {
+    pub fn measured_only(&self, part: Part) -> Self {
         let mut spec = Self { errors: Vec::new(), ..self.clone() };
-        if rack {
-            spec.rack_deviations.clear();
-            spec.values.remove(keys::RACK_MEASURED);
-        } else {
-            spec.pinion_deviations.clear();
-            spec.values.remove(keys::PINION_MEASURED);
+        match part {
+            Part::Rack => {
+                spec.rack_deviations.clear();
+                spec.values.remove(keys::RACK_MEASURED);
+            }
+            Part::Pinion => {
+                spec.pinion_deviations.clear();
+                spec.values.remove(keys::PINION_MEASURED);
+            }
         }
         spec
     }
 
-    /// Whether the spec says that something is wrong with the rack (or the pinion), which a measured table replaces.
+    /// Whether the spec says that something is wrong with a part, which a measured table replaces.
     #[must_use]
-    pub fn has_other_deviations(&self, rack: bool) -> bool {
-        let part = if rack { Part::Rack } else { Part::Pinion };
+    pub fn has_other_deviations(&self, part: Part) -> bool {
         self.knows_teeth(part) || self.errors.iter().any(|(kind, _)| kind.part() == part)
     }
 
-    /// What a measured rack or pinion does by the formulas: the rack of `tables`, or else its pinion.
+    /// What a measured rack or pinion does by the formulas.
     ///
     /// # Errors
     /// Diagnostics for missing keys, or a value that its formula does not take.
-    pub fn measured(&self, tables: &MeasuredTables, model: Model) -> Result<MeasuredPart, Diagnostics> {
-        let (is_rack, features, values) = match (&tables.rack, &tables.pinion) {
-            (Some(rack), _) => {
-                let (features, values) = self.rack_values(&rack.rows)?;
-                (true, features, values)
-            }
-            (None, Some(pinion)) => {
-                let (features, values) = self.pinion_values(&pinion.rows)?;
-                (false, features, values)
-            }
-            (None, None) => (true, Vec::new(), Vec::new()),
+    pub fn measured(&self, teeth: &Teeth, model: Model) -> Result<MeasuredPart, Diagnostics> {
+        let part = teeth.part();
+        let (features, values) = match teeth {
+            Teeth::Rack(rack) => self.rack_values(&rack.rows)?,
+            Teeth::Pinion(pinion) => self.pinion_values(&pinion.rows)?,
         };
         let zero = |feature: &Feature| (feature.error(), DeviationValue::zero(feature.error()));
         let kinds: Vec<_> = features.iter().map(zero).collect();
         let formulas = if kinds.is_empty() {
             Vec::new()
         } else {
-            self.measured_only(is_rack).with_errors(&kinds).part_deviations()?
+            self.measured_only(part).with_errors(&kinds).part_deviations()?
         };
-        let place = if is_rack { "space" } else { "tooth" };
+        let place = if part == Part::Rack { "space" } else { "tooth" };
         let effect = |number: i64, deviation: DeviationValue, formula: &PartDeviation| {
             let delta_cd = PartDeviation::new(formula.law(), deviation).delta_cd(model);
             let delta_cd = delta_cd.map_err(|problem| {
@@ -75,7 +71,7 @@ impl Spec {
             rows.push(MeasuredRow { number, effects: effects.collect::<Result<_, _>>()? });
         }
         rows.sort_by_key(|row| row.number);
-        Ok(MeasuredPart { is_rack, model, features, rows })
+        Ok(MeasuredPart { part, model, features, rows })
     }
 
     /// The transverse pitch along the rack, p_x = π m_n / cos β_r.
@@ -88,7 +84,7 @@ impl Spec {
         };
         let beta = self.or_zero(keys::RACK_HELIX_ANGLE);
         let pitch_mm = std::f64::consts::PI * module.mm() / trig::sin_cos_of(beta).1;
-        Length::nearest(pitch_mm * 1e12, "the pitch")
+        Length::nearest(pitch_mm * FM_PER_MM, "the pitch")
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 

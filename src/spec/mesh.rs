@@ -9,19 +9,19 @@ use super::resolve::Problems;
 use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
-    DeviationError, DeviationKind, DeviationValue, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
-    PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
+    DeviationError, DeviationKind, DeviationValue, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind,
+    PinionFlanks, PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
     pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
-use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PinionData, Quantity, RackData};
+use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PairSize, PinionData, RackData};
 use crate::judge::PlacedError;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, MeshError, Support};
 use crate::quantity::{Angle, Length};
-use crate::table::{Measured, PinionTeeth, RackSpaces};
+use crate::table::{Measured, PinionTeeth, RackSpaces, Teeth};
 use crate::trig;
 
 /// The tables that a spec names, read by the caller.
@@ -31,6 +31,17 @@ pub struct MeasuredTables {
     pub rack: Option<RackSpaces>,
     /// `pinion.measured`
     pub pinion: Option<PinionTeeth>,
+}
+
+impl MeasuredTables {
+    /// The same with these teeth in place of what was measured of their part.
+    #[must_use]
+    pub fn with(self, teeth: Teeth) -> Self {
+        match teeth {
+            Teeth::Rack(rack) => Self { rack: Some(rack), ..self },
+            Teeth::Pinion(pinion) => Self { pinion: Some(pinion), ..self },
+        }
+    }
 }
 
 /// Where the deviations of a mesh come from.
@@ -73,10 +84,6 @@ pub struct MeshInput {
     /// The first tooth of a measured pinion of which something was not measured.
     pub unmeasured_tooth: Option<i64>,
 }
-
-/// The first rack tooth with a pitch or lead error that `[errors]` gives as one value: teeth before it are
-/// sound, as in the paper's model.
-const FIRST_ODD_TOOTH: i64 = 4;
 
 impl MeshInput {
     /// The strokes at which a deviated tooth can carry.
@@ -156,7 +163,7 @@ impl Spec {
     /// The mesh of the pair with everything that the spec says is wrong with it.
     ///
     /// Without deviations per tooth, the values in `[errors]` are put on the teeth: over-roller and radial
-    /// errors on all of them, the rack's pitch and lead errors on the teeth from number 4 on, the pinion's
+    /// errors on all of them, the rack's pitch and lead errors on the teeth from [`FIRST_ODD_TOOTH`] on, the pinion's
     /// pitch error as one step half way round, its lead error on all of its teeth.
     ///
     /// # Errors
@@ -188,8 +195,7 @@ impl Spec {
         let rack = self.rack_flanks(&pair, &rack_deviations, &rack_rows, tables)?;
         let pinion = self.pinion_flanks(&pair, &pinion_deviations, &pinion_rows, tables)?;
         let support = self.support()?;
-        let mesh = Mesh::new(pair, rack, pinion, support)
-            .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+        let mesh = Mesh::new(pair, rack, pinion, support).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
         let warnings = pair.warnings();
         Ok(MeshInput {
             mesh,
@@ -396,10 +402,10 @@ impl Spec {
     fn bad_geometry(&self, error: &GeometryError) -> Diagnostic {
         let span = match error {
             GeometryError::OutOfDomain { quantity, .. } => self.span_of(*quantity),
-            GeometryError::PointedRack { .. } => self.span_of(Quantity::RackAddendum),
-            GeometryError::NoRackSpace { .. } => self.span_of(Quantity::RackToothThickness),
-            GeometryError::PointedPinion { .. } => self.span_of(Quantity::PinionTipDiameter),
-            GeometryError::NoInvolute { .. } => self.span_of(Quantity::PinionRootFormDiameter),
+            GeometryError::PointedRack { .. } => self.span_of(PairSize::RackAddendum),
+            GeometryError::NoRackSpace { .. } => self.span_of(PairSize::RackToothThickness),
+            GeometryError::PointedPinion { .. } => self.span_of(PairSize::PinionTipDiameter),
+            GeometryError::NoInvolute { .. } => self.span_of(PairSize::PinionRootFormDiameter),
         };
         let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string());
         match span {
@@ -408,21 +414,50 @@ impl Spec {
         }
     }
 
-    fn span_of(&self, quantity: Quantity) -> Option<Range<usize>> {
+    fn span_of(&self, quantity: PairSize) -> Option<Range<usize>> {
         match quantity {
-            Quantity::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
-            Quantity::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
-            Quantity::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
-            Quantity::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
-            Quantity::RackAddendum => self.place(keys::RACK_ADDENDUM),
-            Quantity::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
-            Quantity::PinionTeeth => self.place(keys::PINION_TEETH),
-            Quantity::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
-            Quantity::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
-            Quantity::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
-            Quantity::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
-            Quantity::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
-            Quantity::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
+            PairSize::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
+            PairSize::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
+            PairSize::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
+            PairSize::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
+            PairSize::RackAddendum => self.place(keys::RACK_ADDENDUM),
+            PairSize::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
+            PairSize::PinionTeeth => self.place(keys::PINION_TEETH),
+            PairSize::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
+            PairSize::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
+            PairSize::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
+            PairSize::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
+            PairSize::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
+            PairSize::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
+        }
+    }
+}
+
+impl From<MeshError> for Diagnostic {
+    fn from(error: MeshError) -> Self {
+        let diagnostic = Self::error(Code::NoMesh, error.to_string());
+        match error {
+            MeshError::NoContact { .. } => diagnostic
+                .help("check the diameters, the addendum and the deviations: the teeth do not reach each other"),
+            MeshError::TipOnTip { .. } => {
+                diagnostic.help("check the tooth thicknesses and the deviations: the teeth are wider than the spaces")
+            }
+            _ => diagnostic,
+        }
+    }
+}
+
+impl From<MeshError> for Diagnostics {
+    fn from(error: MeshError) -> Self {
+        Diagnostic::from(error).into()
+    }
+}
+
+impl From<StrokesError> for Diagnostics {
+    fn from(error: StrokesError) -> Self {
+        match error {
+            StrokesError::Mesh(error) => error.into(),
+            other => Diagnostic::error(Code::NoMesh, other.to_string()).into(),
         }
     }
 }
@@ -446,8 +481,8 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
 
 /// One value per error, put on the teeth as the formulas understand them.
 fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
-    let later = ToothRange::new(Some(FIRST_ODD_TOOTH), None).unwrap_or(ToothRange::ALL);
-    let half_turn = ToothRange::new(Some(i64::from(pair.pinion().teeth / 2)), None).unwrap_or(ToothRange::ALL);
+    let later = ToothRange::starting_at(FIRST_ODD_TOOTH);
+    let half_turn = ToothRange::starting_at(i64::from(pair.pinion().teeth / 2));
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     let mut on_rack = |teeth, kind| rack.push(RackDeviation { teeth, kind });
     let mut on_pinion = |teeth, kind| pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }));

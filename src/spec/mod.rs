@@ -58,7 +58,7 @@ use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget};
 use crate::multibody::Parameters;
 use crate::quantity::Length;
-use crate::uncertainty::{self as uncertain, TeethSensitivity};
+use crate::uncertainty::{Influence, TeethSensitivity, Uncertainty};
 use keys::{SECTIONS, Section};
 use reader::SectionReader;
 
@@ -115,7 +115,7 @@ pub struct Spec {
     /// `[scatter]`.
     pub scatter: ScatterSection,
     /// The uncertainties, wherever they stand.
-    pub uncertainties: Vec<(uncertain::Source, Located<uncertain::Uncertainty>)>,
+    pub uncertainties: Vec<(Influence, Located<Uncertainty>)>,
     /// `[[correlation]]`
     pub correlations: Vec<Located<WrittenCorrelation>>,
     /// What the teeth do that the spec knows one by one, once their mesh is solved: see [`Spec::with_known_teeth`].

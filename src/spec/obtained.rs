@@ -8,7 +8,7 @@ use crate::deviation::{DeviationKind, DeviationValue, Extent, Part, pitch_steps}
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use crate::judge::class::NO_OVER_ROLLER_CLASS;
-use crate::quantity::{Angle, Length};
+use crate::quantity::{Angle, FM_PER_MM, Length};
 use crate::standard::Deviation;
 use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
@@ -88,7 +88,7 @@ impl Spec {
 }
 
 fn slope(mm: f64) -> Result<Length, Diagnostics> {
-    Length::nearest(mm * 1e12, "f_Hβ").map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
+    Length::nearest(mm * FM_PER_MM, "f_Hβ").map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
 }
 
 /// What a table and its largest f_Hβ tell, with the name of the table.
@@ -190,7 +190,7 @@ fn spread(values: &[Length]) -> Option<Length> {
 /// Sums of single pitch deviations around a turn, of which the mean pitch deviation is removed, because a turn closes.
 fn sums_over_a_turn(pitches: &[Length]) -> Vec<Length> {
     let mean = pitches.iter().map(|pitch| pitch.mm()).sum::<f64>() / pitches.len().max(1) as f64;
-    let mean = Length::nearest(mean * 1e12, "the mean pitch deviation").unwrap_or(Length::ZERO);
+    let mean = Length::nearest(mean * FM_PER_MM, "the mean pitch deviation").unwrap_or(Length::ZERO);
     let mut total = Length::ZERO;
     pitches
         .iter()

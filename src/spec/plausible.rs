@@ -14,7 +14,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::formula::over_pin::OverPin;
 use crate::judge::{LimitTarget, Rule};
 use crate::quantity::{Angle, Length, parse_f64};
-use crate::uncertainty::{Source, Uncertainty};
+use crate::uncertainty::{Influence, Uncertainty};
 
 /// A doubt about the value of a key.
 struct DoubtedKey {
@@ -122,8 +122,8 @@ impl Spec {
 
     /// The doubts about uncertainties of errors, which are smaller than any error.
     fn doubted_uncertainties(&self) -> impl Iterator<Item = DoubtedKey> {
-        let doubted = |(source, written): &(Source, Located<Uncertainty>)| {
-            let Source::Error(kind) = *source else { return None };
+        let doubted = |(source, written): &(Influence, Located<Uncertainty>)| {
+            let Influence::Error(kind) = *source else { return None };
             let standard = written.value.standard;
             let value = match DeviationValue::zero(kind) {
                 DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(standard).ok()?),
@@ -208,8 +208,8 @@ impl Spec {
 fn of_rack(kind: RackDeviationKind) -> Option<DeviationValue> {
     use RackDeviationKind::{Lead, Left, OverRoller, Pitch, Right, Shift, Thickness};
     match kind {
-        OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => length(mm),
-        Lead(rad) => angle(rad),
+        OverRoller(mm) | Pitch(mm) | Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) => DeviationValue::from_mm(mm),
+        Lead(rad) => DeviationValue::from_rad(rad),
     }
 }
 
@@ -218,19 +218,11 @@ fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<DeviationValue> {
     use PinionDeviationKind::{Lead, Left, Radial, Right, Shift, Thickness};
     match deviation {
         WrittenPinionDeviation::Teeth(of_teeth) => match of_teeth.kind {
-            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => length(mm),
-            Lead(rad) => angle(rad),
+            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => DeviationValue::from_mm(mm),
+            Lead(rad) => DeviationValue::from_rad(rad),
         },
-        WrittenPinionDeviation::Eccentricity(eccentricity) => length(eccentricity.amount_mm),
+        WrittenPinionDeviation::Eccentricity(eccentricity) => DeviationValue::from_mm(eccentricity.amount_mm),
     }
-}
-
-fn length(mm: f64) -> Option<DeviationValue> {
-    Length::from_mm(mm).ok().map(DeviationValue::Length)
-}
-
-fn angle(rad: f64) -> Option<DeviationValue> {
-    Angle::from_degrees(rad * (180.0 / std::f64::consts::PI)).ok().map(DeviationValue::Angle)
 }
 
 #[cfg(test)]

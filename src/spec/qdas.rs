@@ -8,7 +8,7 @@ use crate::formula::Model;
 use crate::judge::{Limit, LimitTarget};
 use crate::quantity::{Angle, Length};
 use crate::table::qdas::{Characteristic, Qdas};
-use crate::uncertainty::{Source, Uncertainty};
+use crate::uncertainty::{Influence, Uncertainty};
 
 /// What to do where parts have limits or uncertainties of their own.
 const APART: &str = "evaluate them apart, or write in the spec what holds for all parts";
@@ -89,7 +89,7 @@ impl Spec {
         OfValues {
             nominal: said_of(&self.nominals, kind).map(|nominal| nominal.value),
             limit: self.limit_on(LimitTarget::Error(kind)).copied(),
-            uncertainty: said_of(&self.uncertainties, Source::Error(kind)).map(|uncertainty| uncertainty.value),
+            uncertainty: said_of(&self.uncertainties, Influence::Error(kind)).map(|uncertainty| uncertainty.value),
         }
     }
 
@@ -114,7 +114,7 @@ impl Spec {
     /// An expanded uncertainty, whose coverage factor the format does not tell: 2, as is usual.
     fn take_uncertainty(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
         const COVERAGE: f64 = 2.0;
-        let source = Source::Error(kind);
+        let source = Influence::Error(kind);
         let Some(text) = found.uncertainty.as_deref() else { return };
         if said_of(&self.uncertainties, source).is_some() {
             return;

@@ -10,14 +10,14 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Located;
-use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, SECTIONS, Section, Unit};
+use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTIONS, Section};
 use super::value::{KeyType, Value, Values};
 use crate::deviation::ToothRange;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
-use crate::uncertainty::{Source as UncertainSource, Uncertainty};
+use crate::uncertainty::{Influence, Uncertainty};
 
 /// A table of the spec while it is being read.
 pub(super) struct SectionReader<'a> {
@@ -26,7 +26,7 @@ pub(super) struct SectionReader<'a> {
     pub(super) table: &'a DeTable<'a>,
     pub(super) diagnostics: &'a mut Vec<Diagnostic>,
     /// The uncertainties found so far.
-    pub(super) uncertainties: &'a mut Vec<(UncertainSource, Located<Uncertainty>)>,
+    pub(super) uncertainties: &'a mut Vec<(Influence, Located<Uncertainty>)>,
 }
 
 impl<'a> SectionReader<'a> {
@@ -85,7 +85,7 @@ impl<'a> SectionReader<'a> {
         let name = key.name();
         let written = self.table.get(name)?;
         let written = match key.kind {
-            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, UncertainSource::of_gear(key.path))?,
+            Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, Influence::of_gear(key.path))?,
             _ => written,
         };
         let span = written.span();
@@ -240,7 +240,7 @@ impl<'a> SectionReader<'a> {
     }
 
     /// A number in the key's unit, or text that names another.
-    fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: Unit) -> Option<f64> {
+    fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: MeasureUnit) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else { return self.plain_number(name, value) };
         self.accept(name, in_unit(text, unit), Code::BadQuantity, value.span())
     }
@@ -298,7 +298,7 @@ impl<'a> SectionReader<'a> {
 }
 
 /// A number with one of a unit's symbols.
-fn in_unit(text: &str, unit: Unit) -> Result<f64, String> {
+fn in_unit(text: &str, unit: MeasureUnit) -> Result<f64, String> {
     let (written, symbol) = split_number(text);
     let number = parse_f64(written).map_err(|error| format!("`{text}` is not a number: {error}"))?;
     if symbol.is_empty() || symbol == unit.symbol {

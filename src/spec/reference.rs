@@ -3,7 +3,7 @@
 
 use super::keys::{Kind, SECTIONS, Section, TOP};
 use crate::deviation::Extent;
-use crate::quantity::{Bound, Domain};
+use crate::quantity::{Domain, DomainEnd};
 
 /// A key of the spec.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,7 +74,7 @@ fn in_words(kind: Kind) -> String {
 
 fn within(what: &str, domain: &Domain, unit: &'static str) -> String {
     match (domain.lower, domain.upper) {
-        (Bound::None, Bound::None) => what.to_owned(),
+        (DomainEnd::None, DomainEnd::None) => what.to_owned(),
         _ => format!("{what}, {}", domain.in_words(unit)),
     }
 }

@@ -9,6 +9,7 @@ use super::{Located, Spec};
 use crate::chance::racks::Scatter;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::class::ErrorClass;
 use crate::uncertainty::{Distribution, Uncertainty};
 
@@ -97,8 +98,7 @@ impl Spec {
                 }
                 (WrittenSpread::Class(_), None) => None,
             };
-            let radians = std::f64::consts::PI / 180.0;
-            let scale = if is_angle { radians } else { 1.0 };
+            let scale = if is_angle { RADIANS_PER_DEGREE } else { 1.0 };
             let spread = spread.map(|spread| Uncertainty { standard: spread.standard * scale, ..spread });
             match *name {
                 "rack_pitch" => scatter.rack_pitch = spread,

@@ -6,10 +6,10 @@ use serde_json::{Map, Value, json};
 
 use super::errors::{error_table_forms, is_of_a_part};
 use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
-use crate::deviation::{DeviationKind, Extent, Unit};
-use crate::quantity::{AngleUnit, Bound, Domain, LengthUnit};
+use crate::deviation::{Countable, DeviationKind, Extent};
+use crate::quantity::{AngleUnit, Domain, DomainEnd, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
-use crate::uncertainty::Source;
+use crate::uncertainty::Influence;
 
 /// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
 #[must_use]
@@ -49,7 +49,7 @@ fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
 }
 
 fn property(key: &AnyKey) -> Value {
-    let source = Source::of_gear(key.path);
+    let source = Influence::of_gear(key.path);
     let mut schema = match key.kind {
         Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Number(domain) => typed("number", &domain),
@@ -69,7 +69,7 @@ fn property(key: &AnyKey) -> Value {
         }
         Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
         Kind::Error(kind) => error(kind),
-        Kind::Extent(unit) => extent(unit),
+        Kind::Extent(counted) => extent(counted),
         Kind::Word(words) => json!({ "enum": words }),
         Kind::Tolerance(kind) => tolerance(kind),
         Kind::Standard => json!({ "anyOf": [
@@ -120,12 +120,12 @@ fn spread(is_angle: bool, has_class: bool) -> Value {
 /// An entry of `[budget]`.
 fn tolerance(kind: DeviationKind) -> Value {
     let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.unit()) }), &[name]);
+    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.counts()) }), &[name]);
     json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
 }
 
 /// The forms of a value, with one that carries an uncertainty where that means anything.
-fn forms(mut forms: Vec<Value>, source: Option<Source>) -> Vec<Value> {
+fn forms(mut forms: Vec<Value>, source: Option<Influence>) -> Vec<Value> {
     if source.is_some() {
         let mut properties = uncertainty_properties();
         properties.insert("value".to_owned(), json!({ "anyOf": forms }));
@@ -151,8 +151,8 @@ fn uncertainty_properties() -> Map<String, Value> {
 }
 
 /// The extents that an error that counts these may have.
-fn extent(unit: Unit) -> Value {
-    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name).collect::<Vec<_>>() })
+fn extent(counted: Countable) -> Value {
+    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Extent::name).collect::<Vec<_>>() })
 }
 
 fn grade() -> Value {
@@ -165,7 +165,8 @@ fn length_text() -> Value {
 
 /// A length as text, behind what `sign` matches.
 fn length_pattern(sign: &str) -> String {
-    let units: Vec<_> = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).copied().collect();
+    let spellings = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
+    let units: Vec<_> = spellings.map(|spelling| spelling_pattern(spelling)).collect();
     format!(r"^\s*{sign}[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"))
 }
 
@@ -180,7 +181,7 @@ fn error(kind: DeviationKind) -> Value {
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(uncertainty_properties());
-            properties.insert(EXTENT.to_owned(), extent(kind.unit()));
+            properties.insert(EXTENT.to_owned(), extent(kind.counts()));
         }
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
@@ -189,7 +190,7 @@ fn error(kind: DeviationKind) -> Value {
     }
     // the uncertainty and extent of values that come from a table
     let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent(kind.unit()));
+    properties.insert(EXTENT.to_owned(), extent(kind.counts()));
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,
@@ -204,9 +205,9 @@ fn typed(name: &str, domain: &Domain) -> Value {
     let ends = [(domain.lower, "minimum", "exclusiveMinimum"), (domain.upper, "maximum", "exclusiveMaximum")];
     for (end, inclusive, exclusive) in ends {
         match end {
-            Bound::None => {}
-            Bound::Exclusive(bound) => schema[exclusive] = bound.into(),
-            Bound::Inclusive(bound) => schema[inclusive] = bound.into(),
+            DomainEnd::None => {}
+            DomainEnd::Exclusive(bound) => schema[exclusive] = bound.into(),
+            DomainEnd::Inclusive(bound) => schema[inclusive] = bound.into(),
         }
     }
     schema

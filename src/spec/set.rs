@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::reader::type_in_words;
-use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::diagnostic::{Diagnostic, Source};
 
 /// What stands before a setting on the command line.
 const OPTION: &str = "--set ";
@@ -58,7 +58,7 @@ pub(super) fn set_all<'t>(top: &mut DeTable<'t>, settings: &'t [Setting<'_>], so
         };
         let help = "write --set KEY=VALUE once for each key, such as --set errors.rack_pitch=12um; what is no table is set \
                     as a whole: --set 'errors.rack_pitch={ value = \"12um\", extent = \"each\" }'";
-        Some(Diagnostic::error(Code::Usage, problem).help(help).at(source, setting.key.span(), ""))
+        Some(Diagnostic::usage(problem).help(help).at(source, setting.key.span(), ""))
     });
     refused.collect()
 }

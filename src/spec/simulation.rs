@@ -115,10 +115,9 @@ impl Spec {
         if let mesh::Support::FreeRoll { axis_depth_mm } = mesh.support() {
             if matches!(parameters.support, Support::Yoke(_)) {
                 let span = self.place(keys::SUPPORT_ROLL).unwrap_or(0..0);
-                let diagnostic =
-                    Diagnostic::error(Code::Usage, "a rack carried by a yoke is not solved with free roll")
-                        .at(&self.source, span, "")
-                        .help("write roll = \"fixed\", or simulation.support = \"slider\"");
+                let diagnostic = Diagnostic::usage("a rack carried by a yoke is not solved with free roll")
+                    .at(&self.source, span, "")
+                    .help("write roll = \"fixed\", or simulation.support = \"slider\"");
                 return Err(diagnostic.into());
             }
             parameters.support = Support::FreeRoll { axis_depth_mm };

@@ -15,7 +15,8 @@ use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
-use crate::uncertainty::{Distribution, Source, Uncertainties, Uncertainty, UncertaintyError};
+use crate::judge::Rule;
+use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, UncertaintyError};
 
 const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
                     \"triangular\", \"arcsine\" or \"normal\"";
@@ -24,7 +25,7 @@ const HELP: &str = "write u = …, or U = … with k = …, or half_width = … 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrittenCorrelation {
     /// Between which two.
-    pub between: (Source, Source),
+    pub between: (Influence, Influence),
     /// The correlation coefficient.
     pub coefficient: f64,
 }
@@ -35,7 +36,7 @@ impl SectionReader<'_> {
         &mut self,
         name: &str,
         value: &'v Spanned<DeValue<'t>>,
-        source: Option<Source>,
+        source: Option<Influence>,
     ) -> Option<&'v Spanned<DeValue<'t>>> {
         let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else { return Some(value) };
         let known = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
@@ -56,7 +57,7 @@ impl SectionReader<'_> {
         name: &str,
         table: &DeTable<'_>,
         span: Range<usize>,
-        source: Source,
+        source: Influence,
         degrees_per_mm: Option<f64>,
     ) {
         let (is_angle, scale) = (source.is_angle() && degrees_per_mm.is_none(), degrees_per_mm.unwrap_or(1.0));
@@ -195,22 +196,22 @@ fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> 
 }
 
 /// The source of a name: its whole key, or the part behind the section if that is clear.
-fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Source> {
+fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Influence> {
     let DeValue::String(text) = name.get_ref() else {
         return reader.wrong_type("between", name, "the name of a value in quotes");
     };
     let text = text.as_ref();
-    let short = |source: &Source| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
-    if let Some(source) = Source::ALL.into_iter().find(|source| source.key() == text) {
+    let short = |source: &Influence| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
+    if let Some(source) = Influence::ALL.into_iter().find(|source| source.key() == text) {
         return Some(source);
     }
-    let mut matching = Source::ALL.into_iter().filter(|source| short(source) == text);
+    let mut matching = Influence::ALL.into_iter().filter(|source| short(source) == text);
     if let (Some(source), None) = (matching.next(), matching.next()) {
         return Some(source);
     }
     let message = format!("\"{text}\" names no value that may be uncertain");
-    let names = Source::ALL.iter().flat_map(|source| [source.key(), short(source)]);
-    let help = format!("the names are {}", Source::ALL.map(Source::key).join(", "));
+    let names = Influence::ALL.iter().flat_map(|source| [source.key(), short(source)]);
+    let help = format!("the names are {}", Influence::ALL.map(Influence::key).join(", "));
     reader.refuse(unknown(message, text, names, help), name.span())
 }
 
@@ -242,16 +243,16 @@ impl Spec {
         let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
         // the path of contact follows from them
         let of_pair = !kinds.is_empty() && self.missing_geometry().is_empty();
-        let of_known_teeth = |source: Source| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
-        let counts = |source: Source| match source {
+        let of_known_teeth = |source: Influence| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
+        let counts = |source: Influence| match source {
             _ if of_known_teeth(source) => true,
-            Source::Error(kind) => given(kind),
-            Source::NormalPressureAngle => of_pair || pitch || of_pinion || nominal,
-            Source::RackHelixAngle => of_pair || pitch,
-            Source::FaceWidth => of_pair || given(DeviationKind::RackLead),
-            Source::PinionHelixAngle => of_pair || of_pinion,
-            Source::NormalModule | Source::ToothThickness => of_pair || nominal,
-            Source::Datum | Source::Roller => nominal,
+            Influence::Error(kind) => given(kind),
+            Influence::NormalPressureAngle => of_pair || pitch || of_pinion || nominal,
+            Influence::RackHelixAngle => of_pair || pitch,
+            Influence::FaceWidth => of_pair || given(DeviationKind::RackLead),
+            Influence::PinionHelixAngle => of_pair || of_pinion,
+            Influence::NormalModule | Influence::ToothThickness => of_pair || nominal,
+            Influence::Datum | Influence::Roller => nominal,
         };
         let inputs: Vec<_> = self
             .uncertainties
@@ -284,7 +285,25 @@ impl Spec {
     /// Whether values of this kind of error have an uncertainty.
     #[must_use]
     pub fn is_uncertain(&self, kind: DeviationKind) -> bool {
-        said_of(&self.uncertainties, Source::Error(kind)).is_some()
+        said_of(&self.uncertainties, Influence::Error(kind)).is_some()
+    }
+
+    /// What is said of values without an uncertainty, where others have one: that they are taken as exact, or that a rule
+    /// refuses them.
+    #[must_use]
+    pub fn note_of_exact(&self, kinds: &[DeviationKind], refused_by: Option<&Rule>) -> Option<String> {
+        if self.uncertainties.is_empty() || kinds.is_empty() {
+            return None;
+        }
+        let keys = DeviationKind::keys(kinds.iter().copied());
+        Some(match refused_by {
+            None => format!("taken as exact, because no uncertainty is given: {keys}"),
+            Some(rule) => {
+                format!(
+                    "no uncertainty is given, and the rule {rule} needs one: {keys}; --partial takes these as exact"
+                )
+            }
+        })
     }
 
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
@@ -300,7 +319,7 @@ impl Spec {
 mod tests {
     use super::*;
 
-    fn standard(entry: &str, source: Source) -> Uncertainty {
+    fn standard(entry: &str, source: Influence) -> Uncertainty {
         let text = format!(
             "[pair]\nnormal_module = 2\nnormal_pressure_angle = {{ value = 20, u = 0.01 }}\n[rack]\ndatum = 22\n\
              face_width = {{ value = 20, half_width = 0.3, distribution = \"rectangular\" }}\n[errors]\n{entry}\n"
@@ -311,7 +330,7 @@ mod tests {
 
     #[test]
     fn every_way_to_write_an_uncertainty() {
-        let pitch = Source::Error(DeviationKind::RackPitch);
+        let pitch = Influence::Error(DeviationKind::RackPitch);
         for (entry, expected) in [
             ("rack_pitch = { value = 0.01, u = \"0.8 um\" }", 0.0008),
             ("rack_pitch = { measured = 6.3, nominal = 6.29, U = \"1.6 um\", k = 2 }", 0.0008),
@@ -321,7 +340,7 @@ mod tests {
             assert!((standard(entry, pitch).standard - expected).abs() < 1e-15, "{entry}");
         }
         assert_eq!(standard("rack_pitch = { value = 0.01, u = 0.001, dof = 9 }", pitch).dof, 9.0);
-        let lead = Source::Error(DeviationKind::RackLead);
+        let lead = Influence::Error(DeviationKind::RackLead);
         // Δβ = atan(f/L): u(Δβ) = u(f) L/(L² + f²)
         let slope = standard("rack_lead = { f_h_beta = \"8 um\", length = 20, u = \"1 um\" }", lead).standard;
         let expected = 0.001 * 20.0 / (400.0 + 0.008 * 0.008) * 180.0 / std::f64::consts::PI;
@@ -329,11 +348,11 @@ mod tests {
         let angle = standard("rack_lead = { value = \"1 arcmin\", u = \"6 arcsec\" }", lead).standard;
         assert!((angle - 6.0 / 3600.0).abs() < 1e-15);
         // sizes of the gear, and the roller
-        let face = standard("rack_lead = 0.01", Source::FaceWidth);
+        let face = standard("rack_lead = 0.01", Influence::FaceWidth);
         assert!((face.standard - 0.3 / 3.0_f64.sqrt()).abs() < 1e-15);
         let over_roller = "rack_over_roller = { measured = 25.5, roller = { value = 4, u = \"0.5 um\" }, u = 0.001 }";
-        assert_eq!(standard(over_roller, Source::Roller).standard, 0.0005);
-        assert_eq!(standard(over_roller, Source::Error(DeviationKind::RackOverRoller)).standard, 0.001);
+        assert_eq!(standard(over_roller, Influence::Roller).standard, 0.0005);
+        assert_eq!(standard(over_roller, Influence::Error(DeviationKind::RackOverRoller)).standard, 0.001);
     }
 
     #[test]
@@ -342,7 +361,7 @@ mod tests {
             "[rack]\nface_width = { value = 20, u = 0.1 }\n[errors]\npinion_radial = { value = 0.01, u = 0.001 }\n";
         let spec = Spec::parse("test", text).unwrap();
         let sources: Vec<_> = spec.uncertainties().unwrap().inputs().iter().map(|(source, _)| *source).collect();
-        assert_eq!(sources, [Source::Error(DeviationKind::PinionRadial)]);
+        assert_eq!(sources, [Influence::Error(DeviationKind::PinionRadial)]);
         assert!(spec.taken_as_exact().is_empty());
     }
 

@@ -1,17 +1,19 @@
 //! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
 //! Solves nothing.
 
+use std::ops::Range;
+
 use super::value::Value;
 use super::{MeasuredTables, Spec, WrittenPinionDeviation};
 use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::bound::pinion_lead_angle_rad;
-use crate::judge::strokes::Extremes;
+use crate::judge::strokes::{extremes, tolerance_mm};
 use crate::mesh::Mesh;
 use crate::quantity::{Angle, DomainError, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
-use crate::uncertainty::{Source, TeethSensitivity, VariedTeeth, teeth_sensitivities};
+use crate::uncertainty::{Influence, VariedTeeth, teeth_sensitivities};
 
 /// By how much a value is off at least, mm or degrees, so that a curve tells it.
 const LEAST: f64 = 1e-3;
@@ -48,38 +50,36 @@ impl Variable<'_> {
 }
 
 impl Spec {
-    /// How the extremes of known teeth follow from what is uncertain: of the mesh of this spec and its tables.
+    /// The same spec with what the teeth do that it or `tables` know one by one, without any other error: over `strokes`, by
+    /// `mesh`, which is that of both. With it how that follows from what is uncertain.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh), or if a stroke has no solution.
-    pub fn teeth_sensitivities(
-        &self,
+    pub fn with_known_teeth(
+        mut self,
         tables: &MeasuredTables,
         mesh: &Mesh,
-        extremes: &Extremes,
-        tolerance_mm: f64,
-    ) -> Result<Vec<TeethSensitivity>, Diagnostics> {
-        teeth_sensitivities(mesh, extremes, tolerance_mm, &self.varied(tables)?)
-            .map_err(|error| Diagnostic::error(Code::NoMesh, error.to_string()).into())
+        strokes: &[Range<f64>],
+    ) -> Result<Self, Diagnostics> {
+        let tolerance_mm = tolerance_mm(mesh);
+        let extremes = extremes(mesh, strokes, tolerance_mm)?;
+        self.teeth_sensitivities = teeth_sensitivities(mesh, &extremes, tolerance_mm, &self.varied(tables)?)?;
+        let known = self.known_of_teeth(tables).into_iter();
+        self.teeth_taken_as_exact = known.filter(|kind| !self.is_uncertain(*kind)).collect();
+        self.known_teeth = Some(extremes.judged(mesh));
+        Ok(self)
     }
 
     /// What this spec or its tables know of single teeth.
-    #[must_use]
-    pub fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
+    fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
-        DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Source::Error(*kind)).is_empty()).collect()
-    }
-
-    /// What was measured of teeth that this spec or its tables know one by one, and has no uncertainty.
-    #[must_use]
-    pub fn certain_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        self.known_of_teeth(tables).into_iter().filter(|kind| !self.is_uncertain(*kind)).collect()
+        DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Influence::Error(*kind)).is_empty()).collect()
     }
 
     /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.
     #[must_use]
     pub fn not_in_tables(&self, part: Part, tables: &MeasuredTables) -> Vec<DeviationKind> {
-        let measured = self.measured_only(part == Part::Rack).known_of_teeth(tables);
+        let measured = self.measured_only(part).known_of_teeth(tables);
         let of_teeth = self.known_of_teeth(&MeasuredTables::default());
         let is_said = |kind: &DeviationKind| self.speaks_of(*kind) || of_teeth.contains(kind);
         DeviationKind::ALL
@@ -104,7 +104,7 @@ impl Spec {
             let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
             // f_Hβ of a pinion is a length, and its teeth have the angle that this is
             let step = match source {
-                Source::Error(DeviationKind::PinionLead) => {
+                Influence::Error(DeviationKind::PinionLead) => {
                     pinion_lead_angle_rad(&self.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
                 }
                 _ => by,
@@ -114,7 +114,7 @@ impl Spec {
                 let mut off = whole.clone();
                 if let Some(value) = off.values(source).into_iter().nth(index) {
                     let varied = value.add(step);
-                    varied.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()))?;
+                    varied.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
                 }
                 varied.push(VariedTeeth { source, by, mesh: off.spec.mesh(&off.tables)?.mesh });
             }
@@ -125,18 +125,18 @@ impl Spec {
 
 impl Whole {
     /// The values of this kind.
-    fn values(&mut self, source: Source) -> Vec<Variable<'_>> {
+    fn values(&mut self, source: Influence) -> Vec<Variable<'_>> {
         let (spec, tables) = (&mut self.spec, &mut self.tables);
         match source {
             // of errors that are given as one value
-            Source::Roller => Vec::new(),
-            Source::Error(kind) if kind.part() == Part::Rack => {
+            Influence::Roller => Vec::new(),
+            Influence::Error(kind) if kind.part() == Part::Rack => {
                 let written = spec.rack_deviations.iter_mut();
                 let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
                 let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
                 written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
             }
-            Source::Error(kind) => {
+            Influence::Error(kind) => {
                 let written = spec.pinion_deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
                     WrittenPinionDeviation::Teeth(of_teeth) => of_pinion(kind, &mut of_teeth.kind),
                     WrittenPinionDeviation::Eccentricity(_) => None,

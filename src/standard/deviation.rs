@@ -1,7 +1,5 @@
 //! The deviations that the standards limit, with their symbols. Named by all files of standards; holds no values.
 
-use std::fmt;
-
 /// A deviation of a toothed wheel that a standard limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -91,8 +89,4 @@ impl Deviation {
     }
 }
 
-impl fmt::Display for Deviation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Deviation);

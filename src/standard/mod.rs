@@ -56,7 +56,6 @@ pub use error::{StandardError, UnknownStandard};
 pub use permissible::{Permissible, RangeUse, Remark};
 pub use range::SizeRange;
 
-use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -177,11 +176,7 @@ impl Standard {
     }
 }
 
-impl fmt::Display for Standard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+display_by_name!(Standard);
 
 /// Reads a standard's name however it is written: `iso1328-1:1995`, `ISO 1328-1:1995`, `ANSI/AGMA ISO 1328-1`,
 /// `DIN ISO 1328-1:2018`, `JIS B 1702-1976`.

@@ -8,7 +8,7 @@ use super::block::{Block, Fault};
 use super::column::{Column, Nominal};
 use super::names::{Field, ValueKind};
 use super::{Container, Source, Table, Want};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
 
@@ -135,6 +135,17 @@ pub enum Teeth {
     Rack(RackSpaces),
     /// The teeth of a pinion.
     Pinion(PinionTeeth),
+}
+
+impl Teeth {
+    /// The part that has them.
+    #[must_use]
+    pub const fn part(&self) -> Part {
+        match self {
+            Self::Rack(_) => Part::Rack,
+            Self::Pinion(_) => Part::Pinion,
+        }
+    }
 }
 
 /// The rows of one part.

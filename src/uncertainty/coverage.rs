@@ -7,7 +7,7 @@ use crate::statistics::student_quantile;
 pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
 
 /// The Welch-Satterthwaite formula: ν_eff = u⁴ / Σ (c_i u_i)⁴ / ν_i for independent contributions c_i u_i; infinite
-/// where every ν_i is. Source: JCGM 100:2008, clause G.4.1.
+/// where every ν_i is. Influence: JCGM 100:2008, clause G.4.1.
 #[must_use]
 pub fn effective_dof(combined: f64, contributions: &[f64], dofs: &[f64]) -> f64 {
     if combined == 0.0 {

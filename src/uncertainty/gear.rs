@@ -2,12 +2,12 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Part, Source, Uncertainties, Uncertainty};
+use super::{Influence, UncertainPart, Uncertainties, Uncertainty};
 use crate::deviation::{self, DeviationKind};
 use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, PartDeviation};
-use crate::gear::PairData;
+use crate::gear::{PairData, thickness_offset_mm};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, KnownPairs, Range};
 use crate::quantity::Length;
@@ -28,8 +28,8 @@ pub(crate) struct Gear {
 }
 
 /// The sources that laws follow from.
-pub(crate) const OF_LAWS: [Source; 4] =
-    [Source::NormalPressureAngle, Source::RackHelixAngle, Source::PinionHelixAngle, Source::FaceWidth];
+pub(crate) const OF_LAWS: [Influence; 4] =
+    [Influence::NormalPressureAngle, Influence::RackHelixAngle, Influence::PinionHelixAngle, Influence::FaceWidth];
 
 impl Gear {
     /// That the errors' laws were made for, and the pair if it is known.
@@ -71,17 +71,17 @@ impl Gear {
     }
 
     /// The number that a source is about, if it is one of these.
-    pub(crate) fn of_source(&mut self, source: Source) -> Option<&mut f64> {
+    pub(crate) fn of_source(&mut self, source: Influence) -> Option<&mut f64> {
         match source {
-            Source::NormalPressureAngle => Some(&mut self.alpha),
-            Source::RackHelixAngle => Some(&mut self.rack_helix),
-            Source::PinionHelixAngle => Some(&mut self.pinion_helix),
-            Source::FaceWidth => Some(&mut self.face_width),
-            Source::NormalModule => Some(&mut self.module),
-            Source::ToothThickness => self.thickness.as_mut(),
-            Source::Roller => Some(&mut self.pin),
-            Source::Datum => Some(&mut self.datum),
-            Source::Error(_) => None,
+            Influence::NormalPressureAngle => Some(&mut self.alpha),
+            Influence::RackHelixAngle => Some(&mut self.rack_helix),
+            Influence::PinionHelixAngle => Some(&mut self.pinion_helix),
+            Influence::FaceWidth => Some(&mut self.face_width),
+            Influence::NormalModule => Some(&mut self.module),
+            Influence::ToothThickness => self.thickness.as_mut(),
+            Influence::Roller => Some(&mut self.pin),
+            Influence::Datum => Some(&mut self.datum),
+            Influence::Error(_) => None,
         }
     }
 
@@ -136,7 +136,7 @@ impl VariedError {
 /// teeth they hold, and where thicker teeth put the pair are then others.
 #[derive(Debug, Clone)]
 pub(crate) struct VariedPair {
-    pub(crate) source: Source,
+    pub(crate) source: Influence,
     by: f64,
     /// `None` if so much leaves no pair.
     below: Option<Basis>,
@@ -147,7 +147,7 @@ impl VariedPair {
     /// Of each uncertain size of a pair, if its geometry is known.
     pub(crate) fn all(basis: &Basis, uncertainties: &Uncertainties) -> Vec<Self> {
         let GivenGeometry::Known(pairs) = &basis.geometry else { return Vec::new() };
-        let of = |(source, uncertainty): &(Source, Uncertainty)| {
+        let of = |(source, uncertainty): &(Influence, Uncertainty)| {
             let (resize, by) = (resized(*source)?, uncertainty.standard);
             let off = |by: f64| {
                 let by = if source.is_angle() { by * RADIANS_PER_DEGREE } else { by };
@@ -173,18 +173,18 @@ impl VariedPair {
 }
 
 /// What a source that is off by so much, in mm or rad, does to the sizes of a pair.
-fn resized(source: Source) -> Option<fn(&mut PairData, f64)> {
+fn resized(source: Influence) -> Option<fn(&mut PairData, f64)> {
     /// How near to half a pitch a rack tooth is that nobody made thicker, mm.
     const STANDARD_MM: f64 = 1e-9;
     match source {
-        Source::NormalPressureAngle => Some(|data, by| data.normal_pressure_angle_rad += by),
-        Source::RackHelixAngle => Some(|data, by| data.rack.helix_angle_rad += by),
-        Source::PinionHelixAngle => Some(|data, by| data.pinion.helix_angle_rad += by),
-        Source::FaceWidth => Some(|data, by| data.rack.face_width_mm += by),
-        Source::ToothThickness => {
+        Influence::NormalPressureAngle => Some(|data, by| data.normal_pressure_angle_rad += by),
+        Influence::RackHelixAngle => Some(|data, by| data.rack.helix_angle_rad += by),
+        Influence::PinionHelixAngle => Some(|data, by| data.pinion.helix_angle_rad += by),
+        Influence::FaceWidth => Some(|data, by| data.rack.face_width_mm += by),
+        Influence::ToothThickness => {
             Some(|data, by| data.rack.tooth_thickness_mm = data.rack.tooth_thickness_mm.map(|s| s + by))
         }
-        Source::NormalModule => Some(|data, by| {
+        Influence::NormalModule => Some(|data, by| {
             let half_pitch = FRAC_PI_2 * data.normal_module_mm;
             let thickness = data.rack.tooth_thickness_mm;
             data.rack.tooth_thickness_mm = thickness.filter(|s| (s - half_pitch).abs() > STANDARD_MM);
@@ -197,11 +197,11 @@ fn resized(source: Source) -> Option<fn(&mut PairData, f64)> {
 /// ΔCD, mm, at which a pair of unknown geometry stays whose rack teeth have a given thickness, (s_n − π m_n / 2) / (2 tan α_n);
 /// the angle in degrees.
 fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
-    0.5 * (thickness_mm - FRAC_PI_2 * module_mm) / trig::tan(alpha * RADIANS_PER_DEGREE)
+    thickness_offset_mm(thickness_mm - FRAC_PI_2 * module_mm, trig::tan(alpha * RADIANS_PER_DEGREE))
 }
 
 /// What a source does to [`own_delta_cd_mm`], per mm or degree: nothing if the geometry is known, which then tells.
-pub(crate) fn own_slope(source: Source, part: &Part<'_>) -> f64 {
+pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
     let (GivenGeometry::Unknown | GivenGeometry::BothFlanks, Some(over_pin)) = (&part.basis.geometry, part.over_pin)
     else {
         return 0.0;
@@ -210,9 +210,9 @@ pub(crate) fn own_slope(source: Source, part: &Part<'_>) -> f64 {
     let alpha = over_pin.normal_pressure_angle.degrees();
     let (sin, cos) = trig::sin_cos(alpha * RADIANS_PER_DEGREE);
     match source {
-        Source::ToothThickness => 0.5 * cos / sin,
-        Source::NormalModule => -0.5 * FRAC_PI_2 * cos / sin,
-        Source::NormalPressureAngle => {
+        Influence::ToothThickness => 0.5 * cos / sin,
+        Influence::NormalModule => -0.5 * FRAC_PI_2 * cos / sin,
+        Influence::NormalPressureAngle => {
             -RADIANS_PER_DEGREE * own_delta_cd_mm(thickness.mm(), over_pin.normal_module.mm(), alpha) / (sin * cos)
         }
         _ => 0.0,
@@ -256,7 +256,7 @@ mod tests {
             });
             let geometry = GivenGeometry::Known(KnownPairs::new(given.unwrap()));
             let basis = Basis { geometry, ..Basis::default() };
-            let width = (Source::FaceWidth, Uncertainty::standard(0.1));
+            let width = (Influence::FaceWidth, Uncertainty::standard(0.1));
             let uncertainties = Uncertainties::new(vec![width], &[]).unwrap();
             let [pair] = &VariedPair::all(&basis, &uncertainties)[..] else { panic!("the pair is known") };
             pair.steepest(of(&basis), of).upper

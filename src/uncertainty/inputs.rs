@@ -3,13 +3,13 @@
 
 use thiserror::Error;
 
-use super::{Source, Uncertainty};
+use super::{Influence, Uncertainty};
 use crate::quantity::DomainError;
 
 /// What is known of the uncertainties of a part's inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Uncertainties {
-    inputs: Vec<(Source, Uncertainty)>,
+    inputs: Vec<(Influence, Uncertainty)>,
     /// Correlation coefficients, a full matrix by rows.
     correlation: Vec<f64>,
     /// Its Cholesky factor, by rows; empty where nothing is correlated.
@@ -24,7 +24,7 @@ pub enum UncertaintyError {
     #[error("the standard uncertainty of {} is {value}; it must be 0 or more", .source_of.key())]
     Negative {
         /// Of what.
-        source_of: Source,
+        source_of: Influence,
         /// The number.
         value: f64,
     },
@@ -32,30 +32,30 @@ pub enum UncertaintyError {
     #[error("{} has {dof} degrees of freedom; at least 1 is needed", .source_of.key())]
     Freedom {
         /// Of what.
-        source_of: Source,
+        source_of: Influence,
         /// The number.
         dof: f64,
     },
     /// The same quantity twice.
     #[error("{} has two uncertainties", .0.key())]
-    Twice(Source),
+    Twice(Influence),
     /// A correlation of something that has no uncertainty.
     #[error("{} is correlated but has no uncertainty", .0.key())]
-    Unknown(Source),
+    Unknown(Influence),
     /// A correlation coefficient beyond ±1, or of a quantity with itself.
     #[error("the correlation of {} and {} is {coefficient}; it must be between -1 and 1, of two different quantities", .of.0.key(), .of.1.key())]
     Coefficient {
         /// Of which two.
-        of: (Source, Source),
+        of: (Influence, Influence),
         /// The number.
         coefficient: f64,
     },
     /// Correlations that cannot be at the same time.
     #[error("the correlations contradict each other at {}: their matrix is not positive semidefinite", .0.key())]
-    Contradiction(Source),
+    Contradiction(Influence),
     /// A quantity that has no bound of ΔCD beside it.
     #[error("no bound of ΔCD is known where {} is off by its uncertainty", .0.key())]
-    NoBound(Source),
+    NoBound(Influence),
     /// A ΔCD or a derivative outside its domain.
     #[error(transparent)]
     Domain(#[from] DomainError),
@@ -68,8 +68,8 @@ impl Uncertainties {
     /// [`UncertaintyError`] if a number is out of its domain, a quantity is named twice or not at all, or the
     /// correlation matrix is not positive semidefinite.
     pub fn new(
-        inputs: Vec<(Source, Uncertainty)>,
-        correlations: &[(Source, Source, f64)],
+        inputs: Vec<(Influence, Uncertainty)>,
+        correlations: &[(Influence, Influence, f64)],
     ) -> Result<Self, UncertaintyError> {
         let n = inputs.len();
         for (index, (source, uncertainty)) in inputs.iter().enumerate() {
@@ -113,13 +113,13 @@ impl Uncertainties {
 
     /// The quantities and their uncertainties.
     #[must_use]
-    pub fn inputs(&self) -> &[(Source, Uncertainty)] {
+    pub fn inputs(&self) -> &[(Influence, Uncertainty)] {
         &self.inputs
     }
 
     /// The uncertainty of a quantity.
     #[must_use]
-    pub fn of(&self, source: Source) -> Option<&Uncertainty> {
+    pub fn of(&self, source: Influence) -> Option<&Uncertainty> {
         self.inputs.iter().find(|(other, _)| *other == source).map(|(_, uncertainty)| uncertainty)
     }
 
@@ -136,7 +136,7 @@ impl Uncertainties {
     }
 
     /// The quantities that are correlated with another one.
-    pub fn correlated_sources(&self) -> impl Iterator<Item = Source> + '_ {
+    pub fn correlated_sources(&self) -> impl Iterator<Item = Influence> + '_ {
         self.inputs.iter().enumerate().filter(|(i, _)| self.correlated(*i)).map(|(_, (source, _))| *source)
     }
 
@@ -178,7 +178,7 @@ fn cholesky(matrix: &[f64], n: usize) -> Result<Vec<f64>, usize> {
 mod tests {
     use super::*;
 
-    const SOURCES: [Source; 3] = [Source::NormalPressureAngle, Source::FaceWidth, Source::RackHelixAngle];
+    const SOURCES: [Influence; 3] = [Influence::NormalPressureAngle, Influence::FaceWidth, Influence::RackHelixAngle];
 
     fn correlated([r_01, r_02, r_12]: [f64; 3]) -> Result<Uncertainties, UncertaintyError> {
         let [a, b, c] = SOURCES;

@@ -5,20 +5,21 @@
 //! Where a result is folded at zero, [`Linear::folded`] says so.
 
 mod coverage;
+mod distribution;
 pub(super) mod gear;
 mod inputs;
 mod propagation;
 mod result;
-mod source;
 mod teeth;
 #[cfg(test)]
 pub(super) mod tests;
 
+pub use crate::formula::Influence;
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
+pub use distribution::{Distribution, Uncertainty};
 pub use inputs::{Uncertainties, UncertaintyError};
-pub use propagation::{Part, Point, Propagator, propagate};
+pub use propagation::{Point, Propagator, UncertainPart, propagate};
 pub use result::{EndWeights, InputContribution, Linear, Propagation, Spread, Spreads};
-pub use source::{Distribution, Source, Uncertainty};
 pub use teeth::{TeethSensitivity, VariedTeeth, teeth_sensitivities};
 
 /// A magnitude whose error is nearer to zero than this many standard uncertainties is not linear: at three the ends of

@@ -16,12 +16,12 @@ use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_slope, range_alone};
 use super::result::KINDS;
 use super::{
-    EndWeights, FOLD, InputContribution, Linear, Propagation, Source, Spread, Spreads, TeethSensitivity, Uncertainties,
+    EndWeights, FOLD, InputContribution, Linear, Propagation, Spread, Spreads, TeethSensitivity, Uncertainties,
     UncertaintyError,
 };
-use crate::deviation::{self, DeviationKind, Extent};
+use crate::deviation::{DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
-use crate::formula::{Input, Law, Model, PartDeviation, Sensitivity};
+use crate::formula::{Influence, Law, Model, PartDeviation, Sensitivity};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ExtendedError, Range};
 
@@ -31,7 +31,7 @@ const KEPT_FACTORS: u32 = 256;
 /// What the uncertainties of a part's inputs are about: its errors and, if the nominal of the over-roller measure is
 /// computed, from what.
 #[derive(Debug, Clone, Copy)]
-pub struct Part<'a> {
+pub struct UncertainPart<'a> {
     /// The errors.
     pub errors: &'a [PartDeviation],
     /// The inputs of the over-roller error's nominal, if that is computed.
@@ -50,7 +50,7 @@ pub struct Part<'a> {
 ///
 /// # Errors
 /// [`UncertaintyError::Domain`] if a law or one of its derivatives has no value there.
-pub fn propagate(part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Propagation, UncertaintyError> {
+pub fn propagate(part: &UncertainPart<'_>, uncertainties: &Uncertainties) -> Result<Propagation, UncertaintyError> {
     Propagator::new(part, uncertainties.clone())?.propagation(part.errors)
 }
 
@@ -142,7 +142,7 @@ impl Propagator {
     ///
     /// # Errors
     /// [`UncertaintyError::Domain`] if a derivative has no value.
-    pub fn new(part: &Part<'_>, uncertainties: Uncertainties) -> Result<Self, UncertaintyError> {
+    pub fn new(part: &UncertainPart<'_>, uncertainties: Uncertainties) -> Result<Self, UncertaintyError> {
         let derivatives =
             part.errors.iter().map(|error| Derivatives::new(error, part, &uncertainties)).collect::<Result<_, _>>()?;
         let inputs = uncertainties.inputs();
@@ -326,7 +326,7 @@ impl Propagator {
         let standard_mm = self.variance(&gradient.by_input).sqrt();
         let mut gauge = gradient.by_input.clone();
         for (derivative, (source, _)) in gauge.iter_mut().zip(self.uncertainties.inputs()) {
-            if !matches!(source, Source::Error(_)) {
+            if !matches!(source, Influence::Error(_)) {
                 *derivative = 0.0;
             }
         }
@@ -393,43 +393,33 @@ impl Propagator {
 }
 
 impl Derivatives {
-    fn new(error: &PartDeviation, part: &Part<'_>, uncertainties: &Uncertainties) -> Result<Self, UncertaintyError> {
+    fn new(
+        error: &PartDeviation,
+        part: &UncertainPart<'_>,
+        uncertainties: &Uncertainties,
+    ) -> Result<Self, UncertaintyError> {
         let (law, kind) = (error.law(), error.kind());
         let inputs = uncertainties.inputs();
-        let index = |source: Source| inputs.iter().position(|(other, _)| *other == source);
+        let index = |source: Influence| inputs.iter().position(|(other, _)| *other == source);
         let (mut relative, mut constant) = (vec![0.0; inputs.len()], vec![0.0; inputs.len()]);
         for (input, derivative) in law.relative_sensitivities(part.model) {
-            if let Some(at) = index(source_of(kind, input)) {
+            if let Some(at) = index(input) {
                 relative[at] += derivative;
             }
         }
         if let (DeviationKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
             for Sensitivity { input, value } in over_pin.sensitivities()? {
-                if let (Some(at), Some(value)) = (index(source_of(kind, input)), value) {
+                if let (Some(at), Some(value)) = (index(input), value) {
                     // M − M_nom falls as the nominal rises
                     constant[at] -= value;
                 }
             }
         }
-        let own = index(Source::Error(kind)).map(|own| (own, inputs[own].1.standard));
+        let own = index(Influence::Error(kind)).map(|own| (own, inputs[own].1.standard));
         Ok(Self { law, extent: error.extent(), varied: VariedError::new(error), own, relative, constant })
     }
 }
 
 fn values(points: &[Point]) -> Vec<f64> {
     points.iter().map(|point| point.error).collect()
-}
-
-fn source_of(kind: DeviationKind, input: Input) -> Source {
-    match input {
-        Input::Error => Source::Error(kind),
-        Input::NormalPressureAngle => Source::NormalPressureAngle,
-        Input::HelixAngle if kind.part() == deviation::Part::Pinion => Source::PinionHelixAngle,
-        Input::HelixAngle => Source::RackHelixAngle,
-        Input::FaceWidth => Source::FaceWidth,
-        Input::NormalModule => Source::NormalModule,
-        Input::ToothThickness => Source::ToothThickness,
-        Input::Datum => Source::Datum,
-        Input::PinDiameter => Source::Roller,
-    }
 }

@@ -1,7 +1,7 @@
 //! What the propagation gives: a value with its standard uncertainty, coverage factor and what each input contributes.
 //! Written by the propagation, read by the rules and the reports; it computes no derivative.
 
-use super::Source;
+use super::Influence;
 use super::coverage::whole_dof;
 use crate::deviation::DeviationKind;
 use crate::judge::bound::Range;
@@ -15,7 +15,7 @@ pub(super) const KINDS: usize = DeviationKind::ALL.len();
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputContribution {
     /// The input.
-    pub source: Source,
+    pub source: Influence,
     /// Its standard uncertainty u(x_i), mm or degrees.
     pub standard: f64,
     /// Its degrees of freedom.

@@ -1,7 +1,7 @@
 //! How the curve of teeth that are known one by one follows from uncertain values: at both of its extremes, by differences
 //! of the exact mesh.
 
-use super::Source;
+use super::Influence;
 use crate::judge::bound::Range;
 use crate::judge::strokes::{Extremes, extremes};
 use crate::mesh::{Mesh, MeshError};
@@ -11,7 +11,7 @@ use crate::mesh::{Mesh, MeshError};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TeethSensitivity {
     /// x
-    pub source: Source,
+    pub source: Influence,
     /// Of the lowest and of the highest ΔCD.
     pub slope: Range,
 }
@@ -20,7 +20,7 @@ pub struct TeethSensitivity {
 #[derive(Debug, Clone)]
 pub struct VariedTeeth {
     /// What the value is.
-    pub source: Source,
+    pub source: Influence,
     /// By how much it is off, mm or degrees.
     pub by: f64,
     /// The mesh.

@@ -39,26 +39,26 @@ pub(crate) static UNKNOWN: Basis = Basis {
     addendum_mm: None,
 };
 
-fn part(errors: &[PartDeviation]) -> Part<'_> {
-    Part { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] }
+fn part(errors: &[PartDeviation]) -> UncertainPart<'_> {
+    UncertainPart { errors, over_pin: None, model: Model::Exact, stack: Stack::Range, basis: &UNKNOWN, teeth: &[] }
 }
 
 /// Every quantity that can be uncertain, in the order of a [`Scene`]'s values.
-pub(crate) const SOURCES: [Source; 14] = [
-    Source::Error(DeviationKind::RackOverRoller),
-    Source::Error(DeviationKind::RackPitch),
-    Source::Error(DeviationKind::RackLead),
-    Source::Error(DeviationKind::PinionRadial),
-    Source::Error(DeviationKind::PinionPitch),
-    Source::NormalPressureAngle,
-    Source::RackHelixAngle,
-    Source::PinionHelixAngle,
-    Source::FaceWidth,
-    Source::NormalModule,
-    Source::Datum,
-    Source::Roller,
-    Source::ToothThickness,
-    Source::Error(DeviationKind::PinionLead),
+pub(crate) const SOURCES: [Influence; 14] = [
+    Influence::Error(DeviationKind::RackOverRoller),
+    Influence::Error(DeviationKind::RackPitch),
+    Influence::Error(DeviationKind::RackLead),
+    Influence::Error(DeviationKind::PinionRadial),
+    Influence::Error(DeviationKind::PinionPitch),
+    Influence::NormalPressureAngle,
+    Influence::RackHelixAngle,
+    Influence::PinionHelixAngle,
+    Influence::FaceWidth,
+    Influence::NormalModule,
+    Influence::Datum,
+    Influence::Roller,
+    Influence::ToothThickness,
+    Influence::Error(DeviationKind::PinionLead),
 ];
 
 /// A part of which every quantity may change; mm and degrees.
@@ -143,7 +143,7 @@ fn sensitivities_are_those_of_differences() {
     for scene in Scene::all() {
         let inputs = SOURCES.map(|source| (source, Uncertainty::standard(1e-7))).to_vec();
         let (errors, over_pin, basis) = (scene.errors(), scene.over_pin(), scene.basis());
-        let part = Part {
+        let part = UncertainPart {
             errors: &errors,
             over_pin: Some(&over_pin),
             model: scene.model,
@@ -182,7 +182,7 @@ fn sensitivities_are_those_of_differences() {
 #[test]
 fn the_ends_at_no_error() {
     let errors = five("0", "0.0255");
-    let inputs = vec![(Source::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
+    let inputs = vec![(Influence::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
     let result = propagate(&part(&errors[1..2]), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     let expected = 0.001 * 1.343_719_222_954_923;
     assert!((result.upper.standard_mm - expected).abs() < 1e-12 && (result.lower.standard_mm - expected).abs() < 1e-12);
@@ -194,8 +194,8 @@ fn the_ends_at_no_error() {
 #[test]
 fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
     let errors = five("0.012", "0.0255");
-    let (a, b) = (Source::Error(DeviationKind::RackOverRoller), Source::Error(DeviationKind::PinionRadial));
-    let pitch = Source::Error(DeviationKind::RackPitch);
+    let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
+    let pitch = Influence::Error(DeviationKind::RackPitch);
     let few = |dof| Uncertainty { dof, ..Uncertainty::standard(0.001) };
     let inputs = vec![(a, few(5.0)), (b, Uncertainty::standard(0.002)), (pitch, few(7.0))];
     let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, 0.5)]).unwrap()).unwrap();
@@ -238,11 +238,11 @@ fn contributions_add_up_in_squares() {
     let errors = five("0.012", "0.0255");
     let u = |standard| Uncertainty::standard(standard);
     let inputs = vec![
-        (Source::Error(DeviationKind::RackOverRoller), u(0.0008)),
-        (Source::Error(DeviationKind::RackPitch), u(0.0006)),
-        (Source::Error(DeviationKind::RackLead), u(0.001)),
-        (Source::NormalPressureAngle, u(0.05)),
-        (Source::FaceWidth, u(0.1)),
+        (Influence::Error(DeviationKind::RackOverRoller), u(0.0008)),
+        (Influence::Error(DeviationKind::RackPitch), u(0.0006)),
+        (Influence::Error(DeviationKind::RackLead), u(0.001)),
+        (Influence::NormalPressureAngle, u(0.05)),
+        (Influence::FaceWidth, u(0.1)),
     ];
     let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     let shares: f64 = result.upper.contributions.iter().filter_map(|c| c.share).sum();
@@ -266,7 +266,7 @@ fn contributions_add_up_in_squares() {
 #[test]
 fn correlations_add_or_cancel() {
     let errors = five("0.012", "0.0255");
-    let (a, b) = (Source::Error(DeviationKind::RackOverRoller), Source::Error(DeviationKind::PinionRadial));
+    let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
     let inputs = vec![(a, Uncertainty::standard(0.001)), (b, Uncertainty::standard(0.001))];
     for (r, expected) in [(1.0, 0.002), (0.0, 0.001 * 2.0_f64.sqrt()), (-1.0, 0.0)] {
         let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
@@ -284,7 +284,7 @@ fn correlations_add_or_cancel() {
 #[test]
 fn correlations_that_cannot_be_are_refused() {
     let sources =
-        [DeviationKind::RackOverRoller, DeviationKind::PinionRadial, DeviationKind::RackPitch].map(Source::Error);
+        [DeviationKind::RackOverRoller, DeviationKind::PinionRadial, DeviationKind::RackPitch].map(Influence::Error);
     let inputs = sources.map(|source| (source, Uncertainty::standard(0.001))).to_vec();
     let [a, b, c] = sources;
     let contradiction = Uncertainties::new(inputs.clone(), &[(a, b, 0.9), (b, c, 0.9), (a, c, -0.9)]);
@@ -297,7 +297,7 @@ fn near_zero_the_linear_result_says_that_it_is_none() {
     let u = 0.001;
     for (pitch, folded) in [("0", true), ("0.0029", true), ("-0.0029", true), ("0.0031", false), ("-0.0031", false)] {
         let errors = five(pitch, "0.0255");
-        let inputs = vec![(Source::Error(DeviationKind::RackPitch), Uncertainty::standard(u))];
+        let inputs = vec![(Influence::Error(DeviationKind::RackPitch), Uncertainty::standard(u))];
         let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
         assert_eq!(result.folded().contains(&DeviationKind::RackPitch), folded, "{pitch}");
         // and is still an upper bound: the gain times u
@@ -309,7 +309,7 @@ fn near_zero_the_linear_result_says_that_it_is_none() {
 fn degrees_of_freedom_widen_the_interval() {
     let errors = [PartDeviation::new(Law::rack_over_roller(), length("0.01"))];
     let four = Uncertainty { dof: 4.0, ..Uncertainty::standard(0.001) };
-    let uncertainties = Uncertainties::new(vec![(Source::Error(DeviationKind::RackOverRoller), four)], &[]).unwrap();
+    let uncertainties = Uncertainties::new(vec![(Influence::Error(DeviationKind::RackOverRoller), four)], &[]).unwrap();
     let result = propagate(&part(&errors), &uncertainties).unwrap().upper;
     assert_eq!(result.dof, Some(4.0));
     // JCGM 100:2008, Table G.2: 2.87
@@ -329,8 +329,8 @@ fn half_widths_and_expanded_uncertainties() {
 fn what_does_not_reach_a_result_leaves_it_certain() {
     let errors = [PartDeviation::new(Law::pinion_radial(), length("0.004"))];
     let inputs = vec![
-        (Source::PinionHelixAngle, Uncertainty::standard(0.04)),
-        (Source::Error(DeviationKind::PinionRadial), Uncertainty::standard(0.0)),
+        (Influence::PinionHelixAngle, Uncertainty::standard(0.04)),
+        (Influence::Error(DeviationKind::PinionRadial), Uncertainty::standard(0.0)),
     ];
     let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.spreads.end_correlation), (0.0, 0.0, 0.0));

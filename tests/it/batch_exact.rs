@@ -13,7 +13,7 @@ use rackmesh::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
 use rackmesh::quantity::Length;
 use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source};
-use rackmesh::uncertainty::{Linear, Part, propagate};
+use rackmesh::uncertainty::{Linear, UncertainPart, propagate};
 
 const COLUMNS: [&str; 5] = ["rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch"];
 
@@ -321,7 +321,7 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     let mut evaluation =
         evaluate(&errors, &spec.limits(), Model::Exact, stack, &basis).expect("the errors are in their domain");
     let uncertainties = spec.uncertainties().expect("they are consistent");
-    let part = Part { errors: &errors, over_pin: None, model: Model::Exact, stack, basis: &basis, teeth: &[] };
+    let part = UncertainPart { errors: &errors, over_pin: None, model: Model::Exact, stack, basis: &basis, teeth: &[] };
     let propagation = propagate(&part, &uncertainties).expect("the formulas are smooth");
     evaluation.decide_by(rule, Some(&propagation), None).expect("numbers in range");
     let number = |value: f64| Length::from_mm(value).expect("finite").to_decimal_text(6);

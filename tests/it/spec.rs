@@ -104,6 +104,7 @@ fn the_schema_and_the_reader_accept_the_same() {
     for text in [
         "[rack]\nface_width = \"1.97 cm\"",
         "[rack]\nface_width = \"0.5″\"",
+        "[rack]\nface_width = \"19.7 MM\"",
         "[limits]\ncenter_distance = \"±5 thou\"",
         "[errors]\nrack_pitch = { value = \"12 microns\", every_part = true }",
         "[errors]\nrack_lead = { f_h_beta = 0.008, length = 18, u = 0.001, every_part = false }",

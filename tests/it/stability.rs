@@ -8,7 +8,7 @@
 use crate::common::pairs::spur;
 use crate::common::random::{self, Random};
 use rackmesh::deviation::*;
-use rackmesh::formula::{Input, Law, Model};
+use rackmesh::formula::{Influence, Law, Model};
 use rackmesh::gear::{GeometryWarning, Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::{ContactKind, Mesh, MeshError, Sampler, Support, Work};
 use rackmesh::quantity::{Angle, DomainError, Length};
@@ -146,7 +146,8 @@ fn formulas_report_their_conditioning() {
         let at =
             |alpha: f64| Law::rack_pitch(deg(alpha), deg(12.0)).unwrap().delta_cd(error, Model::Exact).unwrap().mm();
         let reported = Law::rack_pitch(deg(alpha), deg(12.0)).unwrap().sensitivities(error, Model::Exact).unwrap();
-        let reported = reported.iter().find(|s| s.input == Input::NormalPressureAngle).and_then(|s| s.value).unwrap();
+        let reported =
+            reported.iter().find(|s| s.input == Influence::NormalPressureAngle).and_then(|s| s.value).unwrap();
         let seen = (at(alpha + step) - at(alpha - step)) / (2.0 * step);
         assert!((reported / seen - 1.0).abs() < 1e-6, "α_n = {alpha}°: {reported} {seen}");
     }

@@ -5,11 +5,10 @@ use std::ops::Range;
 
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::{Evaluation, JudgedBy, LimitCheck, evaluate};
+use crate::evaluation::{Evaluation, evaluate};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, NoBound};
-use crate::judge::strokes::{extremes, tolerance_mm};
-use crate::judge::{Interval, LimitTarget, Limits, Rule, Stack, Verdict};
+use crate::judge::bound::Basis;
+use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::spec::{MeasuredTables, MeshInput, Spec};
 use crate::uncertainty::{self, propagate};
 
@@ -37,14 +36,8 @@ pub struct TeethJudge {
 pub struct JudgedTeeth {
     /// From the first to the last stroke that was judged, mm.
     pub strokes: Range<f64>,
-    /// What is held against the limit.
-    pub range: Result<Interval, NoBound>,
-    /// Who says so.
-    pub by: JudgedBy,
-    /// One for each limit of the spec.
-    pub limits: Vec<LimitCheck>,
-    /// Of all limits; `None` without one, or if something is missing.
-    pub verdict: Option<Verdict>,
+    /// Its teeth with the errors of the other part, held against the limits of the spec.
+    pub evaluation: Evaluation,
     /// What was not measured though the spec asks for it, and what is taken as exact beside values that are uncertain.
     pub notes: Vec<String>,
 }
@@ -55,8 +48,7 @@ impl TeethJudge {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, errors of a part whose teeth the spec knows, and a rule that needs
     /// uncertainties where none is given.
-    pub fn new(spec: &Spec, is_rack: bool, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
-        let part = if is_rack { Part::Rack } else { Part::Pinion };
+    pub fn new(spec: &Spec, part: Part, rule: Rule, is_partial: bool) -> Result<Self, Diagnostics> {
         let (of_part, of_other): (Vec<_>, Vec<_>) =
             DeviationKind::ALL.into_iter().partition(|kind| kind.part() == part);
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
@@ -67,7 +59,7 @@ impl TeethJudge {
                 .help("give what was measured one, such as [errors] rack_pitch = { u = \"0.8 um\" }; or the guard band: --rule guard=VALUE")
                 .into());
         }
-        let measured_only = spec.measured_only(is_rack);
+        let measured_only = spec.measured_only(part);
         Ok(Self {
             errors: spec.errors_of_every_part(&of_part)?,
             lacking: spec.lacking(&of_part),
@@ -90,8 +82,8 @@ impl TeethJudge {
     /// What is not counted, and what follows; what every part has.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let lacking = names(self.lacking.iter().copied());
-        let every = names(self.errors.iter().map(PartDeviation::kind));
+        let lacking = DeviationKind::keys(self.lacking.iter().copied());
+        let every = DeviationKind::keys(self.errors.iter().map(PartDeviation::kind));
         let mut notes = Vec::new();
         if !every.is_empty() {
             notes.push(format!("every part meets the value in [errors]: {every}"));
@@ -112,14 +104,8 @@ impl TeethJudge {
     /// # Errors
     /// Diagnostics if there are no strokes to judge, or one of them has no solution.
     pub fn judge(&self, input: &MeshInput, tables: &MeasuredTables) -> Result<JudgedTeeth, Diagnostics> {
-        let no_mesh = |message: String| Diagnostic::error(Code::NoMesh, message);
-        let strokes = input.judged_strokes().map_err(|error| no_mesh(error.to_string()))?;
-        let tolerance_mm = tolerance_mm(&input.mesh);
-        let extremes = extremes(&input.mesh, &strokes, tolerance_mm).map_err(|error| no_mesh(error.to_string()))?;
-        let spec = &self.measured_only;
-        let sensitivities = spec.teeth_sensitivities(tables, &input.mesh, &extremes, tolerance_mm)?;
-        let (known, certain) = (extremes.judged(&input.mesh), spec.certain_teeth(tables));
-        let spec = spec.clone().with_known_teeth(known, sensitivities, certain);
+        let strokes = input.judged_strokes()?;
+        let spec = self.measured_only.clone().with_known_teeth(tables, &input.mesh, &strokes)?;
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);
         let mut evaluation = self.evaluated(&spec)?;
@@ -129,10 +115,7 @@ impl TeethJudge {
         let ends = strokes.first().zip(strokes.last());
         Ok(JudgedTeeth {
             strokes: ends.map_or(0.0..0.0, |(first, last)| first.start..last.end),
-            range: evaluation.combined.range,
-            by: evaluation.judged_by,
-            limits: evaluation.limits,
-            verdict: evaluation.verdict,
+            evaluation,
             notes: [self.note_of_unmeasured(&unmeasured), self.note_of_certain(&spec), note_of_spaces(tables)]
                 .into_iter()
                 .flatten()
@@ -142,7 +125,7 @@ impl TeethJudge {
 
     /// What the spec says of the measured part and its table does not tell, and what follows.
     fn note_of_unmeasured(&self, unmeasured: &[DeviationKind]) -> Option<String> {
-        let kinds = names(unmeasured.iter().copied());
+        let kinds = DeviationKind::keys(unmeasured.iter().copied());
         let part = self.part.name();
         if kinds.is_empty() {
             None
@@ -158,21 +141,10 @@ impl TeethJudge {
 
     /// What has no uncertainty where others have one, and what follows.
     fn note_of_certain(&self, spec: &Spec) -> Option<String> {
-        let is_certain = |kind: &DeviationKind| {
-            spec.uncertainties.iter().all(|(source, _)| *source != uncertainty::Source::Error(*kind))
-        };
-        let beside = self.errors.iter().map(PartDeviation::kind).filter(is_certain);
-        let names = names(spec.taken_as_exact().into_iter().chain(beside));
-        let rule = &self.rule;
-        if spec.uncertainties.is_empty() || names.is_empty() {
-            None
-        } else if rule.needs_uncertainty() && !self.is_partial && !spec.teeth_taken_as_exact.is_empty() {
-            Some(format!(
-                "no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact"
-            ))
-        } else {
-            Some(format!("taken as exact, because no uncertainty is given: {names}"))
-        }
+        let beside = self.errors.iter().map(PartDeviation::kind).filter(|kind| !spec.is_uncertain(*kind));
+        let exact: Vec<_> = spec.taken_as_exact().into_iter().chain(beside).collect();
+        let is_refused = self.rule.needs_uncertainty() && !self.is_partial && !spec.teeth_taken_as_exact.is_empty();
+        spec.note_of_exact(&exact, is_refused.then_some(&self.rule))
     }
 
     /// Known teeth and errors of the other part together, by the rule.
@@ -188,7 +160,7 @@ impl TeethJudge {
         let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
         let (uncertainties, over_pin) = (spec.uncertainties_of(&kinds)?, spec.over_pin());
         let teeth = &spec.teeth_sensitivities;
-        let part = uncertainty::Part { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
+        let part = uncertainty::UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
         let propagation = (!uncertainties.is_empty()).then(|| propagate(&part, &uncertainties)).transpose();
         let propagation = propagation.map_err(|error| no_result(error.to_string()))?;
         let decided = evaluation.decide_by(&self.rule, propagation.as_ref(), None);
@@ -204,8 +176,4 @@ fn note_of_spaces(tables: &MeasuredTables) -> Option<String> {
     (!spaces.is_empty()).then(|| {
         format!("spaces with a row and without values, so that strokes with contacts there are not judged: {listed}")
     })
-}
-
-fn names(kinds: impl Iterator<Item = DeviationKind>) -> String {
-    kinds.map(DeviationKind::key).collect::<Vec<_>>().join(", ")
 }

@@ -22,13 +22,14 @@ use super::request::Request;
 use super::run::{Progress, RunError};
 use super::statistics::MovingRange;
 use super::{buffer::Buffer, write};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::deviation;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::mesh::Summary;
 use crate::parallel;
 use crate::quantity::{Length, tidy};
 use crate::spec::{MeasuredTables, Spec};
-use crate::table::{self, AsideReading, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
+use crate::table::{AsideReading, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
 #[derive(Debug, Clone, Default)]
@@ -81,8 +82,8 @@ const COLUMNS: [(&str, Column); 14] = [
     ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
     ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
-    ("lower_mm", Column::End(|solved| Some(solved.judged.range.ok()?.lower.mm()))),
-    ("upper_mm", Column::End(|solved| Some(solved.judged.range.ok()?.upper.mm()))),
+    ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.lower.mm()))),
+    ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.upper.mm()))),
     ("verdict", Column::Verdict),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
     ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
@@ -99,7 +100,7 @@ fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>
     let Some(names) = names else { return Ok(COLUMNS[..WRITTEN].to_vec()) };
     let column = |name: &String| {
         COLUMNS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-            Diagnostic::error(Code::Usage, format!("there is no column `{name}` to write"))
+            Diagnostic::usage(format!("there is no column `{name}` to write"))
                 .help(format!("the results are {}", COLUMNS.map(|(name, _)| name).join(", ")))
         })
     };
@@ -173,18 +174,18 @@ impl<'a> Teeth<'a> {
     pub fn take(&mut self, table: Table) -> Result<Result<(), RunError>, Diagnostics> {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
-        let is_rack = gatherer.is_rack();
-        let judge = TeethJudge::new(self.spec, is_rack, self.request.rows.rule.clone(), self.request.rows.partial)?;
+        let part = if gatherer.is_rack() { deviation::Part::Rack } else { deviation::Part::Pinion };
+        let judge = TeethJudge::new(self.spec, part, self.request.rows.rule.clone(), self.request.rows.partial)?;
         self.note(judge.notes());
         let mut reading = table.reading.clone();
-        if self.spec.has_other_deviations(is_rack) {
+        if self.spec.has_other_deviations(part) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
         let place = Where { file: name, unit: table.place, encoding: table.encoding };
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
         let gathered = self.gathered(table, gatherer, &mut reading.asides);
         self.ledger.outcome.readings.push(reading);
-        Ok(gathered.map(|parts| self.lots.push(Lot { parts, is_rack, has_names, place, header, judge })))
+        Ok(gathered.map(|parts| self.lots.push(Lot { parts, part, has_names, place, header, judge })))
     }
 
     /// Keeps notes that are new.
@@ -288,7 +289,7 @@ impl<'a> Teeth<'a> {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, place),
         };
-        let verdict = solved.judged.verdict;
+        let verdict = solved.judged.evaluation.verdict;
         self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
@@ -342,10 +343,11 @@ impl<'a> Teeth<'a> {
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
     fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where) -> Part {
-        let JudgedTeeth { range, verdict, .. } = &solved.judged;
+        let evaluation = &solved.judged.evaluation;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
-        let (lowest, highest) = range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
+        let (lowest, highest) =
+            evaluation.combined.range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
         let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - highest);
         let below = self.limit.and_then(|limit| limit.lower).map(|end| lowest - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);
@@ -355,7 +357,7 @@ impl<'a> Teeth<'a> {
             line: part.line,
             record: part.record,
             place: place.unit.in_words(part.line),
-            verdict: *verdict,
+            verdict: evaluation.verdict,
             margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
             result_mm: (lowest, highest),
@@ -368,7 +370,7 @@ impl<'a> Teeth<'a> {
         let cells = self.columns.iter().map(|(_, column)| match column {
             Column::Id => ResultCell::Text(part.name.as_bytes().into()),
             Column::Number(_) | Column::End(_) => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
-            Column::Verdict => match solved.judged.verdict {
+            Column::Verdict => match solved.judged.evaluation.verdict {
                 Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
                 None => ResultCell::Nothing,
             },
@@ -404,7 +406,7 @@ struct Where {
 /// The parts of one table.
 struct Lot {
     parts: Vec<ToothedPart>,
-    is_rack: bool,
+    part: deviation::Part,
     /// Whether the table names its parts.
     has_names: bool,
     place: Where,
@@ -415,16 +417,16 @@ struct Lot {
 
 /// Refuses parts that two tables name: neither has all of their rows.
 fn refuse_in_two(lots: &mut [Lot]) {
-    let mut tables: HashMap<(bool, String), Vec<usize>> = HashMap::new();
+    let mut tables: HashMap<(deviation::Part, String), Vec<usize>> = HashMap::new();
     for (number, lot) in lots.iter().enumerate().filter(|(_, lot)| lot.has_names) {
         for part in &lot.parts {
-            tables.entry((lot.is_rack, part.name.clone())).or_default().push(number);
+            tables.entry((lot.part, part.name.clone())).or_default().push(number);
         }
     }
     let files: Vec<_> = lots.iter().map(|lot| Arc::clone(&lot.place.file)).collect();
     for (number, lot) in lots.iter_mut().enumerate() {
         for part in &mut lot.parts {
-            let named = tables.get(&(lot.is_rack, part.name.clone())).filter(|_| lot.has_names);
+            let named = tables.get(&(lot.part, part.name.clone())).filter(|_| lot.has_names);
             let Some(other) = named.and_then(|tables| tables.iter().find(|other| **other != number)) else { continue };
             let message = format!("{} has rows of this part, too: put all of them into one table", files[*other]);
             part.fault.get_or_insert(LineFault { line: part.line, message });
@@ -457,19 +459,17 @@ impl Solver<'_> {
         }
         let bad = |message: String| LineFault { line: part.line, message };
         let (from, to) = self.stroke_mm;
-        let mut tables = self.tables.clone();
-        let is_rack = matches!(part.teeth, table::Teeth::Rack(_));
-        match &part.teeth {
-            table::Teeth::Rack(rack) => tables.rack = Some(rack.clone()),
-            table::Teeth::Pinion(pinion) => tables.pinion = Some(pinion.clone()),
-        }
+        let tables = self.tables.clone().with(part.teeth.clone());
         let first = |problems: Diagnostics| {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
         };
         let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
         let judged = self.judge.judge(&input, &tables).map_err(first)?;
         // every tooth of a pinion is measured; of a rack there are the strokes at which measured spaces carry
-        let covered = if is_rack { judged.strokes.clone() } else { from..to };
+        let covered = match part.teeth.part() {
+            deviation::Part::Rack => judged.strokes.clone(),
+            deviation::Part::Pinion => from..to,
+        };
         let strokes = from.max(covered.start)..to.min(covered.end);
         if strokes.start > strokes.end {
             return Err(bad(format!(

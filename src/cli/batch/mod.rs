@@ -179,9 +179,7 @@ impl Args {
             files.push("-");
         }
         if files.contains(&"-") && self.spec == "-" {
-            return Err(
-                Diagnostic::error(Code::Usage, "the spec and the table cannot both come from standard input").into()
-            );
+            return Err(Diagnostic::usage("the spec and the table cannot both come from standard input").into());
         }
         let (rows_format, summary_format) = self.formats()?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
@@ -297,7 +295,7 @@ impl Args {
         let format = self.format()?;
         let refused = |what: &str, help: &str| {
             let message = format!("{what} cannot be written as {}", format.name());
-            Err(Diagnostic::error(Code::Usage, message).help(help).into())
+            Err(Diagnostic::usage(message).help(help).into())
         };
         let rows = match format {
             BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
@@ -329,9 +327,7 @@ impl Args {
             // .txt is any text
             Some(named) if named != format && named != BatchFormat::Table => {
                 let message = format!("--format {} does not fit the name {path}", format.name());
-                Err(Diagnostic::error(Code::Usage, message)
-                    .help("leave out --format, or end the name otherwise")
-                    .into())
+                Err(Diagnostic::usage(message).help("leave out --format, or end the name otherwise").into())
             }
             _ => Ok(format),
         }
@@ -362,7 +358,7 @@ impl Args {
         let repeated = columns.iter().enumerate().find(|(place, name)| columns[..*place].contains(name));
         repeated.map_or(Ok(()), |(_, name)| {
             let message = format!("--columns names `{name}` twice");
-            Err(Diagnostic::error(Code::Usage, message).help("name each column once"))
+            Err(Diagnostic::usage(message).help("name each column once"))
         })
     }
 
@@ -479,7 +475,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
 
 /// What the tables lack of what the spec asks for, and what follows.
 pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
-    let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
+    let keys = DeviationKind::keys(kinds.iter().copied());
     let consequence = if is_partial {
         "parts are judged without, as told by --partial"
     } else if kinds.iter().all(|kind| class(spec, *kind).is_some()) {
@@ -487,13 +483,13 @@ pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partia
     } else {
         "the sum is shown without and not judged; every_part = true beside a value of [errors] says that every part has it, --partial judges without"
     };
-    (!names.is_empty()).then(|| format!("the {who} {}, which the spec asks for: {consequence}", names.join(", ")))
+    (!kinds.is_empty()).then(|| format!("the {who} {keys}, which the spec asks for: {consequence}"))
 }
 
 /// Which values of the spec every part has.
 pub(super) fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
-    let names: Vec<_> = kinds.iter().map(|kind| kind.key()).collect();
-    (!names.is_empty()).then(|| format!("every part has the value in [errors]: {}", names.join(", ")))
+    let keys = DeviationKind::keys(kinds.iter().copied());
+    (!kinds.is_empty()).then(|| format!("every part has the value in [errors]: {keys}"))
 }
 
 /// What the plan leaves to say with the result.
@@ -508,16 +504,8 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
     notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
     notes.extend(plan.extents_in_words());
-    let exact: Vec<_> = plan.taken_as_exact().iter().map(|kind| kind.key()).collect();
-    if !exact.is_empty() {
-        let names = exact.join(", ");
-        let rule = &plan.request.rule;
-        notes.push(if rule.needs_uncertainty() && !plan.unjudged.is_empty() {
-            format!("no uncertainty is given, and the rule {rule} needs one: {names}; --partial takes these as exact")
-        } else {
-            format!("taken as exact, because no uncertainty is given: {names}")
-        });
-    }
+    let refused_by = Some(&plan.request.rule).filter(|rule| rule.needs_uncertainty() && !plan.unjudged.is_empty());
+    notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
     if let Some(open) = plan.open() {
         let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
         notes.push(format!("no part has a range or a verdict: {open}: {}", missing.join(", ")));

@@ -8,7 +8,7 @@ use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, S
 use crate::cli::office;
 use crate::cli::output::{Failure, Output};
 use crate::cli::target::{self, Target};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::spec::Spec;
 
 /// Rows that are not written to their file as they come.
@@ -98,5 +98,5 @@ fn refuse_other_format(path: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let message = format!("--rejects {path}: rejected rows are written as lines of text, and not as .{ending}");
-    Err(Diagnostic::error(Code::Usage, message).help("give a name that ends in .csv or .txt").into())
+    Err(Diagnostic::usage(message).help("give a name that ends in .csv or .txt").into())
 }

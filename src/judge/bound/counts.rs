@@ -1,10 +1,7 @@
 //! How many steps between teeth act at once, by the length of the path of contact. Made once for a pair; knows no error.
 
 use super::field::ContactPath;
-use super::levels::Levels;
-
-/// Paths of contact this near to a whole number of pitches are taken for the worse.
-const SLACK: f64 = 1e-9;
+use super::levels::{Levels, SLACK};
 
 /// Steps of a part one way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

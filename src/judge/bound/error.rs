@@ -2,7 +2,7 @@
 //! bound; computes no range.
 
 use super::NoBound;
-use crate::deviation::{DeviationKind, DeviationValue, Extent, Part};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, MAX_LEAD_RAD, MAX_LENGTH_MM, Part};
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Law, Model, PartDeviation};
 use crate::gear::Pair;
@@ -74,7 +74,7 @@ pub enum ErrorInputError {
     /// An angle where a length belongs, or a length where an angle does.
     #[error("the value is a length where an angle belongs, or an angle where a length does")]
     WrongDimension,
-    /// A value that is not finite, or a lead of 45° and more.
+    /// A value that is not finite, a lead of 45° and more, or a length of 1 km and more.
     #[error("{value} is no error that a bound can be given for")]
     OutOfDomain {
         /// The value, mm or rad.
@@ -91,10 +91,6 @@ impl From<ErrorInputError> for NoBound {
     }
 }
 
-/// Largest lead, rad, and longest deviation, mm.
-const LARGEST_LEAD: f64 = std::f64::consts::FRAC_PI_4;
-const LONGEST: f64 = 1e6;
-
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
     pub(crate) const NONE: Self =
@@ -107,18 +103,20 @@ impl ExtendedError {
     /// [`ErrorInputError`] if value and law or extent do not fit.
     pub fn new(law: Law, value: impl Into<DeviationValue>, extent: Extent) -> Result<Self, ErrorInputError> {
         let (effect, largest) = match (law.kind(), law.geometry()) {
-            (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => (ErrorEffect::Size, LONGEST),
+            (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => (ErrorEffect::Size, MAX_LENGTH_MM),
             (DeviationKind::RackPitch | DeviationKind::PinionPitch, _) => {
-                (ErrorEffect::Pitch { gain: law.slope(1.0, Model::Exact), cap: None }, LONGEST)
+                (ErrorEffect::Pitch { gain: law.slope(1.0, Model::Exact), cap: None }, MAX_LENGTH_MM)
             }
-            (DeviationKind::PinionLead, _) => (ErrorEffect::PinionLead { gain: law.slope(1.0, Model::Exact) }, LONGEST),
+            (DeviationKind::PinionLead, _) => {
+                (ErrorEffect::PinionLead { gain: law.slope(1.0, Model::Exact) }, MAX_LENGTH_MM)
+            }
             (DeviationKind::RackLead, Some(gear)) => {
                 let rack = RackLines {
                     tan_alpha: trig::tan_of(gear.pressure_angle),
                     helix: gear.helix_angle.radians(),
                     face_width: gear.face_width.map_or(0.0, Length::mm),
                 };
-                (ErrorEffect::RackLead(rack), LARGEST_LEAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
+                (ErrorEffect::RackLead(rack), MAX_LEAD_RAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }
             (DeviationKind::RackLead, None) => return Err(ErrorInputError::WrongDimension),
         };

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::Range;
 use super::profile::{Profile, Rolls};
-use crate::gear::Pair;
+use crate::gear::{Pair, clip, thickness_offset_mm};
 use crate::trig;
 
 /// Where flank pairs carry, in pitches of stroke: the right flank of tooth i at strokes i + c ± ε/2, the left one at
@@ -119,18 +119,7 @@ impl Field {
 
     /// The part on which a linear function is not negative.
     fn clipped(&self, inside: impl Fn(&Spot) -> f64) -> Self {
-        let mut corners = Vec::with_capacity(self.corners.len() + 2);
-        for (index, here) in self.corners.iter().enumerate() {
-            let next = &self.corners[(index + 1) % self.corners.len()];
-            let (f, g) = (inside(here), inside(next));
-            if f >= 0.0 {
-                corners.push(*here);
-            }
-            if (f > 0.0 && g < 0.0) || (f < 0.0 && g > 0.0) {
-                corners.push(here.towards(next, f / (f - g)));
-            }
-        }
-        Self { corners }
+        Self { corners: clip(&self.corners, inside, Spot::towards) }
     }
 
     /// Those that pass between two strokes, in pitches.
@@ -165,7 +154,7 @@ pub(in crate::judge) fn line_distance(pair: &Pair) -> f64 {
 pub(in crate::judge) fn thickness_offset(pair: &Pair) -> f64 {
     let thicker = pair.rack().tooth_thickness_mm - 0.5 * PI * pair.normal_module_mm();
     let cos_p = trig::cos(pair.pinion().helix_angle_rad);
-    (thicker + thickness_deviation(pair) * cos_p) / (2.0 * trig::tan(pair.normal_pressure_angle_rad()))
+    thickness_offset_mm(thicker + thickness_deviation(pair) * cos_p, trig::tan(pair.normal_pressure_angle_rad()))
 }
 
 /// How much thicker the pinion's teeth are than standard ones, as an arc at the reference circle, mm.
@@ -176,11 +165,15 @@ pub(in crate::judge) fn thickness_deviation(pair: &Pair) -> f64 {
     pinion.tooth_thickness_mm - standard / trig::cos(pinion.helix_angle_rad)
 }
 
+/// What one side asks for when the pinion turns away from it, mm of centre distance per rad: m_n z / (2 tan α_n).
+pub(in crate::judge) fn mm_per_rad(pair: &Pair) -> f64 {
+    0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / trig::tan(pair.normal_pressure_angle_rad())
+}
+
 /// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
 /// much.
 pub(super) fn shift_rad(pair: &Pair, delta_cd_mm: f64) -> f64 {
-    let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth);
-    2.0 * delta_cd_mm * trig::tan(pair.normal_pressure_angle_rad()) / per_rad
+    2.0 * delta_cd_mm / mm_per_rad(pair)
 }
 
 /// How far such a shift moves a contact line across the rack, mm.

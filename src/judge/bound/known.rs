@@ -6,7 +6,9 @@ use std::ops::Range as Strokes;
 use std::sync::OnceLock;
 
 use super::counts::{Counts, StepDirection};
-use super::field::{ContactPath, Field, line_distance, shift_rad, skew, thickness_deviation, thickness_offset};
+use super::field::{
+    ContactPath, Field, line_distance, mm_per_rad, shift_rad, skew, thickness_deviation, thickness_offset,
+};
 use super::lead_tables::LeadTables;
 use super::levels::Levels;
 use super::profile::{Profile, Rolls};
@@ -359,7 +361,7 @@ fn own_curve(mesh: &Mesh, strokes: Strokes<f64>, tolerance_mm: f64) -> Result<Ve
 fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, NoBound> {
     let pair = mesh.pair();
     let (teeth, pitch) = (f64::from(pair.pinion().teeth), pair.rack().pitch_mm);
-    let per_rad = 0.5 * pair.normal_module_mm() * teeth / trig::tan(pair.normal_pressure_angle_rad());
+    let per_rad = mm_per_rad(pair);
     let window = pitch * shift_rad * teeth / (2.0 * PI);
     let offset = thickness_offset(pair);
     // a pitch, and on either side as much as a shift brings in

@@ -24,8 +24,8 @@ pub(super) struct Levels(Vec<Level>);
 /// The first level, mm, and the ratio from one to the next, up to four times the reach.
 const FIRST_LEVEL_MM: f64 = 1e-5;
 const LEVEL_RATIO: f64 = 1.2;
-/// Lengths this near to a whole number of pitches are taken for it.
-const SLACK: f64 = 1e-9;
+/// Lengths this near to a whole number of pitches are taken for the worse.
+pub(super) const SLACK: f64 = 1e-9;
 
 impl Levels {
     /// Where flanks carry that stand out more and more, up to four times the errors: these move ΔCD by `largest_mm` either

@@ -2,11 +2,9 @@
 
 use super::counts::{Counts, StepDirection};
 use super::known::KnownPair;
+use super::levels::SLACK;
 use super::{ErrorRange, Extent};
 use crate::deviation::Part;
-
-/// Paths of contact this near to a whole number of pitches are taken for the worse.
-const SLACK: f64 = 1e-9;
 
 /// Steps of ΔCD `step` each, of a pair.
 pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known: &KnownPair) -> ErrorRange {

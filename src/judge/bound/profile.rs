@@ -71,16 +71,10 @@ impl Profile {
         if tip >= flank || last <= first {
             return flank.min(tip);
         }
-        let (mut low, mut high) = (first, last);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            let (flank, tip) = ends(middle);
-            if tip >= flank {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
+        let Rolls { low, high } = end_between(first, last, |delta| {
+            let (flank, tip) = ends(delta);
+            tip < flank
+        });
         // the larger of both at either end: never too little
         ends(low).0.min(ends(high).1)
     }
@@ -144,7 +138,12 @@ impl Profile {
 
 /// The end of what holds from 0 on, rounded up.
 fn last_within(farthest: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, farthest);
+    end_between(0.0, farthest, holds).high
+}
+
+/// The end of what holds from the first roll angle on and not at the last one, from below and from above.
+fn end_between(first: f64, last: f64, holds: impl Fn(f64) -> bool) -> Rolls {
+    let (mut low, mut high) = (first, last);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         if holds(middle) {
@@ -153,7 +152,7 @@ fn last_within(farthest: f64, holds: impl Fn(f64) -> bool) -> f64 {
             high = middle;
         }
     }
-    high
+    Rolls { low, high }
 }
 
 /// Roll angles from one to another.

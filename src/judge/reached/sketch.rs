@@ -5,10 +5,12 @@
 //! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the most that right and left flanks ask for.
 
 use super::placed::{BySide, FlankDemand, Placed, ReachedError};
-use crate::deviation::Part;
+use crate::deviation::{DeviationKind, Part};
+use crate::formula::Model;
+use crate::formula::law::unit_gain;
 use crate::gear::Pair;
 use crate::judge::bound::error::ErrorEffect;
-use crate::judge::bound::field::{ContactPath, Field};
+use crate::judge::bound::field::{ContactPath, Field, mm_per_rad};
 use crate::judge::bound::lead::Slopes;
 use crate::judge::bound::{ExtendedError, GivenPair, Range};
 use crate::mesh::{FlankSide, MeshPoint, Sampler};
@@ -59,7 +61,7 @@ impl Sketch {
         let mesh = placed.mesh(given)?;
         let mut sampler = Sampler::new(&mesh);
         let end = STEPS * (0.5 * path.ratio + path.offset.abs() + BEYOND).min(FARTHEST).ceil() as i64;
-        let per_rad = 0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / tan;
+        let per_rad = mm_per_rad(&pair);
         let field = Field::nominal(&pair);
         let mut sample = |index: i64| {
             let point = sampler.at(stroke(index) * pair.rack().pitch_mm).ok().filter(MeshPoint::is_solved);
@@ -108,9 +110,8 @@ impl Sketch {
         let tan = trig::tan(self.pair.normal_pressure_angle_rad());
         let rack = Slopes::of_rack(asked.rack_turn_rad, tan, self.pair.rack().helix_angle_rad);
         let pinion = self.pair.pinion();
-        let cos_b = trig::cos(pinion.base_helix_angle_rad);
-        let over_face = asked.pinion_slope_mm * cos_b / (2.0 * trig::sin(self.pair.normal_pressure_angle_rad()));
-        let slopes = rack.with(&Slopes::of_pinion(over_face, 0.5 * pinion.face_width_mm));
+        let gain = unit_gain(DeviationKind::PinionLead, Model::Exact, tan, trig::cos(pinion.helix_angle_rad));
+        let slopes = rack.with(&Slopes::of_pinion(gain * asked.pinion_slope_mm, 0.5 * pinion.face_width_mm));
         spots.extremes(|spot| slopes.at(spot)).map_or(0.0, |range| range.upper)
     }
 }

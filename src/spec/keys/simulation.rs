@@ -1,26 +1,26 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, Section, Unit, between, composite, count, from_zero, length, measure, section, word};
-use crate::quantity::{Bound, Domain, Length};
+use super::{Key, Kind, MeasureUnit, Section, between, composite, count, from_zero, length, measure, section, word};
+use crate::quantity::{Domain, DomainEnd, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
     between(name, symbol, 2, 100_000)
 }
 
 const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: Bound::Inclusive(1), upper: Bound::None }
+    Domain { name, symbol, lower: DomainEnd::Inclusive(1), upper: DomainEnd::None }
 }
 
 section! {
     YOKE = "simulation.yoke", "The sprung yoke behind the mesh and the bush at the rack's other end." {
         SIMULATION_YOKE_PRELOAD: f64 = measure(
             "simulation.yoke.preload",
-            Domain::positive("preload of the yoke's spring", "F_y"), Unit::FORCE,
+            Domain::positive("preload of the yoke's spring", "F_y"), MeasureUnit::FORCE,
         ),
             "Force of the yoke's spring with the rack in its nominal place. Default simulation.preload.";
         SIMULATION_YOKE_RATE: f64 = measure(
             "simulation.yoke.rate",
-            from_zero("rate of the yoke's spring", "c_y"), Unit::RATE,
+            from_zero("rate of the yoke's spring", "c_y"), MeasureUnit::RATE,
         ),
             "Rate of the spring. Default 100 N/mm.";
         SIMULATION_YOKE_CLEARANCE: Length = length(
@@ -30,12 +30,12 @@ section! {
             "Travel until the yoke meets its stop. Default 0.15 mm.";
         SIMULATION_YOKE_STOP: f64 = measure(
             "simulation.yoke.stop",
-            from_zero("stiffness of the yoke's stop", "c_s"), Unit::RATE,
+            from_zero("stiffness of the yoke's stop", "c_s"), MeasureUnit::RATE,
         ),
             "Stiffness of the stop. Default 1e5 N/mm.";
         SIMULATION_YOKE_BUSH: f64 = measure(
             "simulation.yoke.bush",
-            from_zero("stiffness of the bush", "c_b"), Unit::RATE,
+            from_zero("stiffness of the bush", "c_b"), MeasureUnit::RATE,
         ),
             "Stiffness of the flexible bush as it is felt at the mesh. Default 20 N/mm.";
     }
@@ -47,11 +47,11 @@ section! {
             "Stroke at which the run starts. Default 0.";
         SIMULATION_STROKE: Length = length("simulation.stroke", Domain::positive("stroke", "s")),
             "How far the rack travels. Default 50 mm.";
-        SIMULATION_SPEED: f64 = measure("simulation.speed", Domain::positive("speed of the rack", "v"), Unit::SPEED),
+        SIMULATION_SPEED: f64 = measure("simulation.speed", Domain::positive("speed of the rack", "v"), MeasureUnit::SPEED),
             "Speed of the rack. Default 20 mm/s.";
         SIMULATION_RAMP: Length = length("simulation.ramp", Domain::positive("ramp", "s_r")),
             "Travel during which the speed is reached. Default 1 mm.";
-        SIMULATION_PRELOAD: f64 = measure("simulation.preload", Domain::positive("preload", "F"), Unit::FORCE),
+        SIMULATION_PRELOAD: f64 = measure("simulation.preload", Domain::positive("preload", "F"), MeasureUnit::FORCE),
             "Force that presses the pinion on. Default 500 N.";
         SIMULATION_SUPPORT: &'static str = word("simulation.support", &["slider", "yoke"]),
             "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis \
@@ -60,30 +60,30 @@ section! {
         SIMULATION_CONTACT: &'static str = word("simulation.contact", &["spheres", "analytic"]),
             "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the \
              load spread over the contact line. Default spheres.";
-        SIMULATION_STIFFNESS: f64 = measure("simulation.stiffness", Domain::positive("contact stiffness", "k"), Unit::NONE),
+        SIMULATION_STIFFNESS: f64 = measure("simulation.stiffness", Domain::positive("contact stiffness", "k"), MeasureUnit::NONE),
             "Contact stiffness k, N/mm^a; of one sphere, or of 1 mm of contact line.";
         SIMULATION_STIFFNESS_EXPONENT: f64 = measure(
             "simulation.stiffness_exponent",
-            exponent("stiffness exponent", "a"), Unit::NONE,
+            exponent("stiffness exponent", "a"), MeasureUnit::NONE,
         ),
             "Exponent of the penetration, 1 to 2.5.";
-        SIMULATION_DAMPING: f64 = measure("simulation.damping", from_zero("contact damping", "c"), Unit::NONE),
+        SIMULATION_DAMPING: f64 = measure("simulation.damping", from_zero("contact damping", "c"), MeasureUnit::NONE),
             "Contact damping c.";
         SIMULATION_DAMPING_EXPONENT: f64 = measure(
             "simulation.damping_exponent",
-            exponent("damping exponent", "b"), Unit::NONE,
+            exponent("damping exponent", "b"), MeasureUnit::NONE,
         ),
             "Exponent of the penetration's rate, 1 to 2.5.";
         SIMULATION_INDENTATION_EXPONENT: f64 = measure(
             "simulation.indentation_exponent",
-            exponent("indentation exponent", "e"), Unit::NONE,
+            exponent("indentation exponent", "e"), MeasureUnit::NONE,
         ),
             "Exponent of the penetration in the damping term, 1 to 2.5.";
-        SIMULATION_FRICTION: f64 = measure("simulation.friction", from_zero("friction coefficient", "μ"), Unit::NONE),
+        SIMULATION_FRICTION: f64 = measure("simulation.friction", from_zero("friction coefficient", "μ"), MeasureUnit::NONE),
             "Friction coefficient μ. Default 0.";
         SIMULATION_FRICTION_SPEED: f64 = measure(
             "simulation.friction_speed",
-            Domain::positive("friction regularisation speed", "v_f"), Unit::SPEED,
+            Domain::positive("friction regularisation speed", "v_f"), MeasureUnit::SPEED,
         ),
             "Sliding speed below which friction fades.";
         SIMULATION_PROFILE_NODES: u32 = count(
@@ -104,19 +104,19 @@ section! {
             "Strips over the width, with contact = \"analytic\".";
         SIMULATION_PINION_MASS: f64 = measure(
             "simulation.pinion_mass",
-            from_zero("mass of the pinion", "m_p"), Unit::MASS,
+            from_zero("mass of the pinion", "m_p"), MeasureUnit::MASS,
         ),
             "Mass of the pinion. Default that of its cylinder in steel.";
         SIMULATION_PINION_INERTIA: f64 = measure(
             "simulation.pinion_inertia",
-            from_zero("inertia of the pinion", "J_p"), Unit::INERTIA,
+            from_zero("inertia of the pinion", "J_p"), MeasureUnit::INERTIA,
         ),
             "Moment of inertia of the pinion about its axis. Default that of its cylinder in steel.";
-        SIMULATION_RACK_MASS: f64 = measure("simulation.rack_mass", from_zero("mass of the rack", "m_r"), Unit::MASS),
+        SIMULATION_RACK_MASS: f64 = measure("simulation.rack_mass", from_zero("mass of the rack", "m_r"), MeasureUnit::MASS),
             "Mass of the rack. Default that of a round bar in steel.";
         SIMULATION_RACK_INERTIA: f64 = measure(
             "simulation.rack_inertia",
-            from_zero("inertia of the rack", "J_r"), Unit::INERTIA,
+            from_zero("inertia of the rack", "J_r"), MeasureUnit::INERTIA,
         ),
             "Moment of inertia of the rack about its roll axis. Default that of a round bar in steel.";
         SIMULATION_INTEGRATOR: &'static str = word("simulation.integrator", &["implicit", "explicit"]),

@@ -1,12 +1,11 @@
-//! The quantities that ΔCD follows from, and how uncertain one of them is. Built by the spec layer and by callers;
-//! holds numbers only, and knows nothing of formulas.
+//! The quantities that ΔCD follows from. Named by derivatives and by uncertainties; holds no value.
 
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 
-/// A quantity that ΔCD follows from and that may be uncertain.
+/// A quantity that ΔCD follows from, and that may be uncertain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
-pub enum Source {
+pub enum Influence {
     /// A measured error.
     Error(DeviationKind),
     /// Normal module m_n, where an over-roller nominal is computed or the pair's geometry is known.
@@ -27,7 +26,7 @@ pub enum Source {
     PinionHelixAngle,
 }
 
-impl Source {
+impl Influence {
     /// All of them.
     pub const ALL: [Self; 14] = [
         Self::Error(DeviationKind::RackOverRoller),
@@ -46,10 +45,18 @@ impl Source {
         Self::PinionHelixAngle,
     ];
 
+    /// The helix angle of a part.
+    pub(super) const fn helix_angle_of(part: Part) -> Self {
+        match part {
+            Part::Rack => Self::RackHelixAngle,
+            Part::Pinion => Self::PinionHelixAngle,
+        }
+    }
+
     /// The quantity of the gear whose size stands under a key of a spec.
     #[must_use]
     pub fn of_gear(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|source| !matches!(source, Self::Error(_)) && source.key() == key)
+        Self::ALL.into_iter().find(|influence| !matches!(influence, Self::Error(_)) && influence.key() == key)
     }
 
     /// Its key, its words, and whether it is an angle.
@@ -85,78 +92,9 @@ impl Source {
     }
 }
 
-impl std::fmt::Display for Source {
+impl std::fmt::Display for Influence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.facts().1)
-    }
-}
-
-/// How the values that a quantity may have are distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Distribution {
-    /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
-    Normal,
-    /// Any value within the half-width alike: u = a/√3.
-    Rectangular,
-    /// Falling linearly from the middle: u = a/√6.
-    Triangular,
-    /// As of a sine wave, mostly near the ends: u = a/√2.
-    Arcsine,
-}
-
-impl Distribution {
-    /// Its name in specs.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Rectangular => "rectangular",
-            Self::Triangular => "triangular",
-            Self::Arcsine => "arcsine",
-        }
-    }
-
-    /// Half-width in standard uncertainties; of a normal distribution, that of 95.45 %.
-    #[must_use]
-    pub fn half_width(self) -> f64 {
-        match self {
-            Self::Normal => 2.0,
-            Self::Rectangular => 3.0_f64.sqrt(),
-            Self::Triangular => 6.0_f64.sqrt(),
-            Self::Arcsine => std::f64::consts::SQRT_2,
-        }
-    }
-}
-
-/// The uncertainty of one quantity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertainty {
-    /// Standard uncertainty u, mm or degrees.
-    pub standard: f64,
-    /// How its values are distributed.
-    pub distribution: Distribution,
-    /// Degrees of freedom ν of u; infinite if u is known well.
-    pub dof: f64,
-}
-
-impl Uncertainty {
-    /// A standard uncertainty that is known well, normal.
-    #[must_use]
-    pub const fn standard(u: f64) -> Self {
-        Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY }
-    }
-
-    /// From an expanded uncertainty U = k u.
-    #[must_use]
-    pub fn expanded(expanded: f64, k: f64) -> Self {
-        Self::standard(expanded / k)
-    }
-
-    /// From a half-width and its distribution.
-    #[must_use]
-    pub fn half_width(half_width: f64, distribution: Distribution) -> Self {
-        Self { standard: half_width / distribution.half_width(), distribution, dof: f64::INFINITY }
     }
 }
 
@@ -168,8 +106,8 @@ mod tests {
     #[test]
     fn errors_have_the_keys_of_their_section() {
         for kind in DeviationKind::ALL {
-            assert_eq!(Source::Error(kind).key(), format!("errors.{}", kind.key()));
+            assert_eq!(Influence::Error(kind).key(), format!("errors.{}", kind.key()));
         }
-        assert_eq!(Source::FaceWidth.key(), "rack.face_width");
+        assert_eq!(Influence::FaceWidth.key(), "rack.face_width");
     }
 }

@@ -1,0 +1,71 @@
+//! How uncertain a quantity is, and how its values are distributed. Built by the spec layer and by callers; holds numbers
+//! only, and knows nothing of formulas.
+
+/// How the values that a quantity may have are distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Distribution {
+    /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
+    Normal,
+    /// Any value within the half-width alike: u = a/√3.
+    Rectangular,
+    /// Falling linearly from the middle: u = a/√6.
+    Triangular,
+    /// As of a sine wave, mostly near the ends: u = a/√2.
+    Arcsine,
+}
+
+impl Distribution {
+    /// Its name in specs.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Rectangular => "rectangular",
+            Self::Triangular => "triangular",
+            Self::Arcsine => "arcsine",
+        }
+    }
+
+    /// Half-width in standard uncertainties; of a normal distribution, that of 95.45 %.
+    #[must_use]
+    pub fn half_width(self) -> f64 {
+        match self {
+            Self::Normal => 2.0,
+            Self::Rectangular => 3.0_f64.sqrt(),
+            Self::Triangular => 6.0_f64.sqrt(),
+            Self::Arcsine => std::f64::consts::SQRT_2,
+        }
+    }
+}
+
+/// The uncertainty of one quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// Standard uncertainty u, mm or degrees.
+    pub standard: f64,
+    /// How its values are distributed.
+    pub distribution: Distribution,
+    /// Degrees of freedom ν of u; infinite if u is known well.
+    pub dof: f64,
+}
+
+impl Uncertainty {
+    /// A standard uncertainty that is known well, normal.
+    #[must_use]
+    pub const fn standard(u: f64) -> Self {
+        Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY }
+    }
+
+    /// From an expanded uncertainty U = k u.
+    #[must_use]
+    pub fn expanded(expanded: f64, k: f64) -> Self {
+        Self::standard(expanded / k)
+    }
+
+    /// From a half-width and its distribution.
+    #[must_use]
+    pub fn half_width(half_width: f64, distribution: Distribution) -> Self {
+        Self { standard: half_width / distribution.half_width(), distribution, dof: f64::INFINITY }
+    }
+}
