@@ -1,46 +1,55 @@
-//! The results of one part, and what they say about the limits. Called by the row evaluator; `eval` combines and judges
-//! by the same functions.
+//! The results of some rows of a block, column by column, and what they say about the limits. Called by the evaluator of
+//! blocks; `eval` combines and judges by the same functions.
 
+use super::layout::Layout;
 use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
 use super::source::{KINDS, index_of};
-use super::uncertain::RowUncertainty;
-use crate::deviation::DeviationValue;
+use super::uncertain::{RowUncertainty, Uncertain};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::overall;
-use crate::judge::bound::{ChangingErrors, ExtendedError, GivenGeometry, Range};
+use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
-use crate::judge::rule::{Ends, verdict};
+use crate::judge::rule::{self, Ends};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::trig;
 use crate::uncertainty::{Spread, Spreads};
 
-/// The results of one part.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Results {
+/// A result by row; `None` where a row has none.
+type Column = Vec<Option<Length>>;
+
+/// Both ends of a result by row.
+#[derive(Debug, Default)]
+struct EndColumns {
+    lower: Column,
+    upper: Column,
+}
+
+/// The results of some rows.
+pub(super) struct Results<'a> {
+    plan: &'a Plan,
+    layout: &'a Layout,
+    /// Why a row makes no part.
+    pub(super) refusals: Vec<Option<Box<Refusal>>>,
     /// ΔCD of each kind of error, by its number.
-    pub(super) each: [Length; KINDS],
+    each: [Column; KINDS],
     /// What each can do alone, where that is held against a limit.
-    alone: [Option<Interval>; KINDS],
-    range: Option<Interval>,
-    rss: Option<Interval>,
-    reached: Option<Interval>,
+    alone: [EndColumns; KINDS],
+    range: EndColumns,
+    rss: EndColumns,
+    reached: EndColumns,
+    uncertainties: Vec<Option<RowUncertainty>>,
+    verdicts: Vec<Option<Verdict>>,
 }
 
 /// Why a row makes no part.
 pub(super) struct Refusal {
+    /// The column of the table that is to blame, if one is.
+    pub(super) column: Option<usize>,
+    /// What stands there, if that is what is wrong.
+    pub(super) text: String,
     pub(super) message: String,
-    /// The source that is to blame, by its index, if one is.
-    pub(super) source: Option<usize>,
-}
-
-impl Refusal {
-    /// A source whose ΔCD has no value, or the combination.
-    #[cold]
-    fn of(plan: &Plan, source: Option<usize>, problem: &DomainError) -> Self {
-        let name = source.map_or("combination", |source| plan.sources[source].law.kind().name());
-        Self { message: format!("{name}: {problem}"), source }
-    }
 }
 
 /// How far a part is inside the nearest limit, which that is, and what is held against it.
@@ -49,6 +58,30 @@ pub(super) struct Margin {
     pub(super) inside_by: Length,
     pub(super) on: Option<LimitTarget>,
     pub(super) result: Interval,
+}
+
+impl Refusal {
+    /// Something that is wrong with the row as a whole.
+    #[cold]
+    fn of_row(message: String) -> Self {
+        Self { column: None, text: String::new(), message }
+    }
+}
+
+impl EndColumns {
+    /// The ends of a row.
+    #[inline]
+    fn at(&self, row: usize) -> Option<Interval> {
+        Some(Interval { lower: (*self.lower.get(row)?)?, upper: self.upper[row]? })
+    }
+}
+
+impl FromIterator<Option<Interval>> for EndColumns {
+    fn from_iter<I: IntoIterator<Item = Option<Interval>>>(rows: I) -> Self {
+        let ends = |ends: Option<Interval>| (ends.map(|ends| ends.lower), ends.map(|ends| ends.upper));
+        let (lower, upper) = rows.into_iter().map(ends).unzip();
+        Self { lower, upper }
+    }
 }
 
 /// The value of an error as the bound takes it, mm or rad.
@@ -61,80 +94,184 @@ fn plain_value(value: DeviationValue) -> f64 {
     }
 }
 
-impl Results {
-    /// The results of the deviations, one per source of the plan, whose errors get these values. What has no bound is
-    /// left out.
-    #[inline]
+/// The errors with the values of a row.
+#[inline]
+fn in_row<'e, 'b>(
+    errors: &'e mut ChangingErrors<'b>,
+    deviations: &[&[DeviationValue]],
+    row: usize,
+) -> &'e ChangingErrors<'b> {
+    for (index, deviations) in deviations.iter().enumerate() {
+        errors.set(index, plain_value(deviations[row]));
+    }
+    errors
+}
+
+/// The nearest decimals of a range; nothing of one that is open.
+#[inline]
+fn nearest(range: Result<Range, NoBound>) -> Result<Option<Interval>, QuantityError> {
+    range.ok().map(Interval::nearest).transpose()
+}
+
+impl<'a> Results<'a> {
+    /// The results of the deviations, a column per source of the plan, but for rows that are refused already. What has no
+    /// bound is left out.
     pub(super) fn new(
-        plan: &Plan,
-        deviations: &[DeviationValue; KINDS],
+        plan: &'a Plan,
+        layout: &'a Layout,
+        refusals: Vec<Option<Box<Refusal>>>,
+        deviations: &[&[DeviationValue]],
         errors: &mut ChangingErrors<'_>,
-    ) -> Result<Self, Refusal> {
-        let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
-        let mut results =
-            Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
-        for (index, source) in plan.sources.iter().enumerate() {
-            let kind = source.law.kind() as usize;
-            let delta_cd = source.law.delta_cd(deviations[index], plan.request.model);
-            results.each[kind] = delta_cd.map_err(|problem| of_source(index, problem))?;
-            errors.set(index, plain_value(deviations[index]));
-            if source.is_limited {
-                let alone = errors.alone(index).ok();
-                let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
-                results.alone[kind] = alone.map_err(|problem| of_source(index, problem.into()))?;
-            }
+    ) -> Self {
+        let mut results = Self {
+            plan,
+            layout,
+            refusals,
+            each: Default::default(),
+            alone: Default::default(),
+            range: EndColumns::default(),
+            rss: EndColumns::default(),
+            reached: EndColumns::default(),
+            uncertainties: Vec::new(),
+            verdicts: Vec::new(),
+        };
+        for (index, deviations) in deviations.iter().enumerate() {
+            results.take_error(index, deviations, errors);
         }
+        results.take_sums(deviations, errors);
+        if let Some(uncertain) = &plan.uncertain {
+            results.uncertainties = results.by_row(|results, row| results.uncertainty_of(uncertain, deviations, row));
+        }
+        results.verdicts = results.by_row(Self::judge);
+        if plan.request.strict {
+            let first = results.refusals.iter().position(Option::is_some);
+            results.refusals.truncate(first.map_or(usize::MAX, |first| first + 1));
+        }
+        results
+    }
+
+    /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
+    #[inline]
+    fn by_row<T, C: FromIterator<Option<T>>>(
+        &mut self,
+        mut of: impl FnMut(&Self, usize) -> Result<Option<T>, Refusal>,
+    ) -> C {
+        let mut refusals = std::mem::take(&mut self.refusals);
+        let come_to = |(row, refusal): (usize, &mut Option<Box<Refusal>>)| match refusal {
+            Some(_) => None,
+            None => of(self, row).unwrap_or_else(|reason| {
+                *refusal = Some(Box::new(reason));
+                None
+            }),
+        };
+        let column = refusals.iter_mut().enumerate().map(come_to).collect();
+        self.refusals = refusals;
+        column
+    }
+
+    /// ΔCD of an error, and what the error can do alone if that has a limit.
+    fn take_error(&mut self, index: usize, deviations: &[DeviationValue], errors: &mut ChangingErrors<'_>) {
+        let (source, column) = (&self.plan.sources[index], self.layout.columns[index]);
+        let (kind, model) = (source.law.kind(), self.plan.request.model);
+        let refused =
+            |problem: DomainError| Refusal { column, ..Refusal::of_row(format!("{}: {problem}", kind.name())) };
+        self.each[kind as usize] =
+            self.by_row(|_, row| source.law.delta_cd(deviations[row], model).map(Some).map_err(refused));
+        if source.is_limited {
+            self.alone[kind as usize] = self.by_row(|_, row| {
+                errors.set(index, plain_value(deviations[row]));
+                nearest(errors.alone(index).map(ErrorRange::alone)).map_err(|problem| refused(problem.into()))
+            });
+        }
+    }
+
+    /// What all errors do together.
+    fn take_sums(&mut self, deviations: &[&[DeviationValue]], errors: &mut ChangingErrors<'_>) {
+        let plan = self.plan;
         if plan.needs_range || plan.needs_rss {
-            let together = errors.together();
-            let of = |stack: Stack| {
-                let ends = together.interval(stack).ok().map(Interval::nearest).transpose();
-                ends.map_err(|problem| Refusal::of(plan, None, &problem.into()))
+            let together: Vec<_> = self.by_row(|_, row| Ok(Some(in_row(errors, deviations, row).together())));
+            let sum = |row: usize, stack: Stack| match together[row] {
+                Some(together) => nearest(together.interval(stack))
+                    .map_err(|problem| Refusal::of_row(format!("combination: {}", DomainError::from(problem)))),
+                None => Ok(None),
             };
             if plan.needs_range {
-                results.range = of(Stack::Range)?;
+                self.range = self.by_row(|_, row| sum(row, Stack::Range));
             }
             if plan.needs_rss {
-                results.rss = of(Stack::Rss)?;
+                self.rss = self.by_row(|_, row| sum(row, Stack::Rss));
             }
         }
         if plan.needs_reached {
-            results.reached = reached(plan, errors.errors());
+            self.reached = self.by_row(|_, row| Ok(reached(plan, in_row(errors, deviations, row).errors())));
         }
-        Ok(results)
     }
 
-    /// The verdict on the part; `None` if a limit could not be judged.
-    #[inline]
-    pub(super) fn judge(
+    /// The uncertainties of a part.
+    fn uncertainty_of(
         &self,
-        plan: &Plan,
-        uncertainty: Option<&RowUncertainty>,
-    ) -> Result<Option<Verdict>, QuantityError> {
+        uncertain: &Uncertain,
+        deviations: &[&[DeviationValue]],
+        row: usize,
+    ) -> Result<Option<RowUncertainty>, Refusal> {
+        let zero = DeviationValue::zero(DeviationKind::RackOverRoller);
+        let deviations = std::array::from_fn(|index| deviations.get(index).map_or(zero, |column| column[row]));
+        let delta_cd = self.each.each_ref().map(|column| column.get(row).copied().flatten().unwrap_or_default());
+        let known = uncertain.of_row(&self.plan.sources, &deviations, &delta_cd, &self.plan.limits);
+        known.map(Some).map_err(|error| Refusal::of_row(error.to_string()))
+    }
+
+    /// The uncertainties of a part, if they are known.
+    pub(super) fn uncertainty(&self, row: usize) -> Option<&RowUncertainty> {
+        self.uncertainties.get(row)?.as_ref()
+    }
+
+    /// The uncertainties of all parts.
+    pub(super) fn uncertainties(&self) -> impl Iterator<Item = &RowUncertainty> {
+        self.uncertainties
+            .iter()
+            .zip(&self.refusals)
+            .filter(|(_, refusal)| refusal.is_none())
+            .filter_map(|(known, _)| known.as_ref())
+    }
+
+    /// The verdict on a part; `None` if a limit could not be judged.
+    #[inline]
+    pub(super) fn verdict(&self, row: usize) -> Option<Verdict> {
+        self.verdicts[row]
+    }
+
+    #[inline]
+    fn judge(&self, row: usize) -> Result<Option<Verdict>, Refusal> {
+        let plan = self.plan;
+        let uncertainty = self.uncertainty(row);
         let mut verdicts = [None; 1 + KINDS];
         for (index, (on, limit)) in plan.limits.iter().enumerate() {
-            let Some(result) = self.judged(plan, *on) else { continue };
+            let Some(result) = self.judged(*on, row) else { continue };
             let standard = uncertainty.map_or((0.0, 0.0), |known| {
                 let ends = ends(plan, &known.spreads, *on, result);
                 (ends.lower_standard_mm, ends.upper_standard_mm)
             });
             let simulated = uncertainty.and_then(|known| known.inside(index));
-            verdicts[index] = Some(verdict(&plan.request.rule, limit, result, standard, simulated)?.0);
+            let verdict = rule::verdict(&plan.request.rule, limit, result, standard, simulated);
+            verdicts[index] = Some(verdict.map_err(|error| Refusal::of_row(error.to_string()))?.0);
         }
         let judged = verdicts[..plan.limits.len()].iter().copied();
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
     }
 
     /// The probability that a limit is met, simulated or by the linear uncertainties; `None` without a result.
-    pub(super) fn conformance(&self, plan: &Plan, known: &RowUncertainty, on: LimitTarget) -> Option<f64> {
+    pub(super) fn conformance(&self, known: &RowUncertainty, on: LimitTarget, row: usize) -> Option<f64> {
+        let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
-        let linear = || Some(ends(plan, &known.spreads, on, self.judged(plan, on)?).conformance(&plan.limits[index].1));
+        let linear = || Some(ends(plan, &known.spreads, on, self.judged(on, row)?).conformance(&plan.limits[index].1));
         known.inside(index).or_else(linear)
     }
 
-    /// How far the part is inside the nearest limit; without limits, how far its largest result is from 0.
-    pub(super) fn margin(&self, plan: &Plan) -> Margin {
-        let of_limits = plan.limits.iter().filter_map(|(on, limit)| {
-            let result = self.judged(plan, *on)?;
+    /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0.
+    pub(super) fn margin(&self, row: usize) -> Margin {
+        let of_limits = self.plan.limits.iter().filter_map(|(on, limit)| {
+            let result = self.judged(*on, row)?;
             let above = limit.upper.map(|end| end - result.upper);
             let below = limit.lower.map(|end| result.lower - end);
             let inside_by = above.into_iter().chain(below).min()?;
@@ -144,34 +281,46 @@ impl Results {
         of_limits
             .reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest })
             .unwrap_or_else(|| {
-                let results = plan.quantities().filter_map(|output| self.of(output));
+                let results = self.plan.quantities().filter_map(|output| self.of(output, row));
                 let largest = results.max_by_key(|value| value.abs()).unwrap_or(Length::ZERO);
                 Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) }
             })
     }
 
+    /// The results of an output that is a length, by row; nothing if it is none.
+    #[inline]
+    fn column(&self, output: &Output) -> &[Option<Length>] {
+        match output {
+            Output::Error(kind) => &self.each[*kind as usize],
+            Output::RangeLower => &self.range.lower,
+            Output::RangeUpper => &self.range.upper,
+            Output::RssLower => &self.rss.lower,
+            Output::RssUpper => &self.rss.upper,
+            Output::ReachedLower => &self.reached.lower,
+            Output::ReachedUpper => &self.reached.upper,
+            _ => &[],
+        }
+    }
+
     /// The result of an output that is a length; `None` if there is none.
     #[inline]
-    pub(super) fn of(&self, output: &Output) -> Option<Length> {
-        match output {
-            Output::Error(kind) => Some(self.each[*kind as usize]),
-            Output::RangeLower => Some(self.range?.lower),
-            Output::RangeUpper => Some(self.range?.upper),
-            Output::RssLower => Some(self.rss?.lower),
-            Output::RssUpper => Some(self.rss?.upper),
-            Output::ReachedLower => Some(self.reached?.lower),
-            Output::ReachedUpper => Some(self.reached?.upper),
-            _ => None,
-        }
+    pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
+        *self.column(output).get(row)?
+    }
+
+    /// The results of an output of all parts.
+    pub(super) fn all_of(&self, output: &Output) -> impl Iterator<Item = Length> + Clone {
+        let of_part = |(result, refusal): (&Option<Length>, &Option<_>)| result.filter(|_| refusal.is_none());
+        self.column(output).iter().zip(&self.refusals).filter_map(of_part)
     }
 
     /// What is held against a limit.
     #[inline]
-    fn judged(&self, plan: &Plan, on: LimitTarget) -> Option<Interval> {
+    fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance if plan.request.stack == Stack::Rss => self.rss,
-            LimitTarget::CenterDistance => self.range,
-            LimitTarget::Error(kind) => self.alone[kind as usize],
+            LimitTarget::CenterDistance if self.plan.request.stack == Stack::Rss => self.rss.at(row),
+            LimitTarget::CenterDistance => self.range.at(row),
+            LimitTarget::Error(kind) => self.alone[kind as usize].at(row),
         }
     }
 }

@@ -18,17 +18,18 @@ impl Default for LengthMoments {
 }
 
 impl LengthMoments {
-    /// Those of a single length.
+    /// Those of some lengths, fm.
     #[cfg(feature = "batch")]
-    #[inline]
-    pub(crate) fn of(fm: i64) -> Self {
-        let fm = i128::from(fm);
-        Self { count: 1, sum_fm: fm, squares_fm2: Some(fm * fm) }
+    pub(crate) fn of(lengths: impl Iterator<Item = i64>) -> Self {
+        lengths.map(i128::from).fold(Self::default(), |Self { count, sum_fm, squares_fm2 }, fm| Self {
+            count: count + 1,
+            sum_fm: sum_fm + fm,
+            squares_fm2: squares_fm2.and_then(|squares| squares.checked_add(fm * fm)),
+        })
     }
 
     /// Adds other lengths.
     #[cfg(feature = "batch")]
-    #[inline]
     pub(crate) fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.sum_fm += other.sum_fm;
