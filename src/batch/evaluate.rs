@@ -79,7 +79,7 @@ impl<'a> Evaluator<'a> {
             let rows = first..block.rows().min(first + TOGETHER);
             let refusals = refusals(block, &rows);
             let deviations: Vec<_> = columns.iter().map(|column| &column[rows.clone()]).collect();
-            let results = Results::new(self.plan, self.layout, refusals, &deviations, &mut self.errors);
+            let results = Results::new(self.plan, self.layout, refusals, &deviations, &self.errors);
             self.take(&results, Row { block, index: first, records_before });
             if self.plan.request.strict && self.tally.counts.rejected > 0 {
                 break;

@@ -76,11 +76,21 @@ impl EndColumns {
     }
 }
 
+impl Extend<Option<Interval>> for EndColumns {
+    #[inline]
+    fn extend<I: IntoIterator<Item = Option<Interval>>>(&mut self, rows: I) {
+        for ends in rows {
+            self.lower.push(ends.map(|ends| ends.lower));
+            self.upper.push(ends.map(|ends| ends.upper));
+        }
+    }
+}
+
 impl FromIterator<Option<Interval>> for EndColumns {
     fn from_iter<I: IntoIterator<Item = Option<Interval>>>(rows: I) -> Self {
-        let ends = |ends: Option<Interval>| (ends.map(|ends| ends.lower), ends.map(|ends| ends.upper));
-        let (lower, upper) = rows.into_iter().map(ends).unzip();
-        Self { lower, upper }
+        let mut columns = Self::default();
+        columns.extend(rows);
+        columns
     }
 }
 
@@ -92,19 +102,6 @@ fn plain_value(value: DeviationValue) -> f64 {
         DeviationValue::Angle(angle) => angle.radians(),
         DeviationValue::Slope(slope) => trig::atan(slope),
     }
-}
-
-/// The errors with the values of a row.
-#[inline]
-fn in_row<'e, 'b>(
-    errors: &'e mut ChangingErrors<'b>,
-    deviations: &[&[DeviationValue]],
-    row: usize,
-) -> &'e ChangingErrors<'b> {
-    for (index, deviations) in deviations.iter().enumerate() {
-        errors.set(index, plain_value(deviations[row]));
-    }
-    errors
 }
 
 /// The nearest decimals of a range; nothing of one that is open.
@@ -121,7 +118,7 @@ impl<'a> Results<'a> {
         layout: &'a Layout,
         refusals: Vec<Option<Box<Refusal>>>,
         deviations: &[&[DeviationValue]],
-        errors: &mut ChangingErrors<'_>,
+        errors: &ChangingErrors<'_>,
     ) -> Self {
         let mut results = Self {
             plan,
@@ -152,16 +149,13 @@ impl<'a> Results<'a> {
 
     /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
     #[inline]
-    fn by_row<T, C: FromIterator<Option<T>>>(
-        &mut self,
-        mut of: impl FnMut(&Self, usize) -> Result<Option<T>, Refusal>,
-    ) -> C {
+    fn by_row<T: Default, C: FromIterator<T>>(&mut self, of: impl Fn(&Self, usize) -> Result<T, Refusal>) -> C {
         let mut refusals = std::mem::take(&mut self.refusals);
         let come_to = |(row, refusal): (usize, &mut Option<Box<Refusal>>)| match refusal {
-            Some(_) => None,
+            Some(_) => T::default(),
             None => of(self, row).unwrap_or_else(|reason| {
                 *refusal = Some(Box::new(reason));
-                None
+                T::default()
             }),
         };
         let column = refusals.iter_mut().enumerate().map(come_to).collect();
@@ -170,7 +164,7 @@ impl<'a> Results<'a> {
     }
 
     /// ΔCD of an error, and what the error can do alone if that has a limit.
-    fn take_error(&mut self, index: usize, deviations: &[DeviationValue], errors: &mut ChangingErrors<'_>) {
+    fn take_error(&mut self, index: usize, deviations: &[DeviationValue], errors: &ChangingErrors<'_>) {
         let (source, column) = (&self.plan.sources[index], self.layout.columns[index]);
         let (kind, model) = (source.law.kind(), self.plan.request.model);
         let refused =
@@ -179,31 +173,28 @@ impl<'a> Results<'a> {
             self.by_row(|_, row| source.law.delta_cd(deviations[row], model).map(Some).map_err(refused));
         if source.is_limited {
             self.alone[kind as usize] = self.by_row(|_, row| {
-                errors.set(index, plain_value(deviations[row]));
-                nearest(errors.alone(index).map(ErrorRange::alone)).map_err(|problem| refused(problem.into()))
+                let range = errors.alone(index, plain_value(deviations[row])).map(ErrorRange::alone);
+                nearest(range).map_err(|problem| refused(problem.into()))
             });
         }
     }
 
     /// What all errors do together.
-    fn take_sums(&mut self, deviations: &[&[DeviationValue]], errors: &mut ChangingErrors<'_>) {
+    fn take_sums(&mut self, deviations: &[&[DeviationValue]], errors: &ChangingErrors<'_>) {
         let plan = self.plan;
+        let values = |row: usize| deviations.iter().map(move |column| plain_value(column[row]));
         if plan.needs_range || plan.needs_rss {
-            let together: Vec<_> = self.by_row(|_, row| Ok(Some(in_row(errors, deviations, row).together())));
-            let sum = |row: usize, stack: Stack| match together[row] {
-                Some(together) => nearest(together.interval(stack))
-                    .map_err(|problem| Refusal::of_row(format!("combination: {}", DomainError::from(problem)))),
-                None => Ok(None),
-            };
-            if plan.needs_range {
-                self.range = self.by_row(|_, row| sum(row, Stack::Range));
-            }
-            if plan.needs_rss {
-                self.rss = self.by_row(|_, row| sum(row, Stack::Rss));
-            }
+            (self.range, self.rss) = self.by_row(|_, row| {
+                let together = errors.together(values(row));
+                let range = if plan.needs_range { nearest(together.range) } else { Ok(None) };
+                let rss = if plan.needs_rss { nearest(together.rss) } else { Ok(None) };
+                range
+                    .and_then(|range| Ok((range, rss?)))
+                    .map_err(|problem| Refusal::of_row(format!("combination: {}", DomainError::from(problem))))
+            });
         }
         if plan.needs_reached {
-            self.reached = self.by_row(|_, row| Ok(reached(plan, in_row(errors, deviations, row).errors())));
+            self.reached = self.by_row(|_, row| Ok(reached(plan, &errors.with(values(row)))));
         }
     }
 

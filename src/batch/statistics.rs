@@ -94,9 +94,9 @@ impl Statistics {
     pub(super) fn add(&mut self, values: impl Iterator<Item = Length> + Clone) {
         let units = values.map(Length::fm);
         self.moments.merge(&LengthMoments::of(units.clone()));
+        self.smallest = units.clone().fold(self.smallest, i64::min);
+        self.largest = units.clone().fold(self.largest, i64::max);
         for units in units {
-            self.smallest = self.smallest.min(units);
-            self.largest = self.largest.max(units);
             self.magnitudes[usize::from(units < 0)].add(units.unsigned_abs());
         }
     }
