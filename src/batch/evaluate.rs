@@ -9,7 +9,7 @@ use super::layout::Layout;
 use super::outcome::{KeptPart, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
 use super::request::Rows;
-use super::results::{Margin, Refusal, Results, spread_of};
+use super::results::{Margin, Refusals, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
 use super::statistics::Statistics;
 use crate::deviation::DeviationValue;
@@ -17,7 +17,7 @@ use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
 use crate::quantity::shown;
-use crate::table::Block;
+use crate::table::{Block, Fault};
 use crate::uncertainty::Spreads;
 
 /// Rows that are evaluated together: their columns stay near at hand.
@@ -81,12 +81,10 @@ impl<'a> Evaluator<'a> {
             let deviations: Vec<_> = columns.iter().map(|column| &column[rows.clone()]).collect();
             let results = Results::new(self.plan, self.layout, refusals, &deviations, &self.errors);
             self.take(&results, Row { block, index: first, records_before });
-            if self.plan.request.strict && self.tally.counts.rejected > 0 {
-                break;
+            let counts = &self.tally.counts;
+            if self.plan.request.strict && counts.rejected > 0 && counts.rows < block.rows() as u64 {
+                return;
             }
-        }
-        if self.tally.counts.rows < block.rows() as u64 {
-            return;
         }
         self.write_no_parts(block, block.record_count);
         if keeps_names {
@@ -141,7 +139,7 @@ impl<'a> Evaluator<'a> {
     /// Takes a part, whose results are in that row of them.
     #[inline]
     fn take_part(&mut self, row: Row<'_>, results: &Results<'_>, index: usize) {
-        let verdict = results.verdict(index);
+        let verdict = results.verdicts[index];
         if self.plan.request.rows.has(verdict) {
             self.written.row(Some(row), &WrittenRow::Part { results, row: index });
         }
@@ -166,12 +164,12 @@ impl<'a> Evaluator<'a> {
     /// Takes results into the statistics.
     fn count(&mut self, results: &Results<'_>) {
         for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            statistics.add(results.all_of(output));
+            statistics.add(&results.all_of(output));
         }
         for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            results.all_of(output).for_each(|result| moving.add(result));
+            results.all_of(output).into_iter().for_each(|result| moving.add(result));
         }
-        for known in results.uncertainties() {
+        for known in results.parts().filter_map(|row| results.uncertainty(row)) {
             self.add_gauge(&known.spreads);
         }
     }
@@ -206,8 +204,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// A row with a cell that is no value, that is no row at all, or whose values have no results.
-    fn refuse(&mut self, row: Row<'_>, refusal: &Refusal) {
-        let Refusal { column, text, message } = refusal;
+    fn refuse(&mut self, row: Row<'_>, Fault { column, text, message, .. }: &Fault) {
         self.tally.counts.rejected += 1;
         if self.plan.request.rows == Rows::Every {
             self.written.row(Some(row), &WrittenRow::None { reason: message });
@@ -237,16 +234,12 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Why rows of a block are refused that have a cell that is no value, or are no rows at all.
-fn refusals(block: &Block, rows: &Range<usize>) -> Vec<Option<Box<Refusal>>> {
-    let mut refusals: Vec<Option<Box<Refusal>>> = rows.clone().map(|_| None).collect();
+/// Why rows of a block are refused that have a cell that is no value, or are no rows at all: the first reason of each.
+fn refusals(block: &Block, rows: &Range<usize>) -> Refusals {
+    let mut refusals: Refusals = rows.clone().map(|_| None).collect();
     let first = block.faults().partition_point(|fault| fault.row < rows.start);
     for fault in block.faults()[first..].iter().take_while(|fault| fault.row < rows.end) {
-        let refusal = &mut refusals[fault.row - rows.start];
-        if refusal.is_none() {
-            let (text, message) = (fault.text.clone(), fault.message.clone());
-            *refusal = Some(Box::new(Refusal { column: fault.column, text, message }));
-        }
+        refusals[fault.row - rows.start].get_or_insert_with(|| Box::new(fault.clone()));
     }
     refusals
 }

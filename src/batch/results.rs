@@ -5,7 +5,7 @@ use super::layout::Layout;
 use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
 use super::source::{KINDS, index_of};
-use super::uncertain::{RowUncertainty, Uncertain};
+use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::overall;
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
@@ -13,44 +13,31 @@ use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Ends};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
+use crate::table::Fault;
 use crate::trig;
 use crate::uncertainty::{Spread, Spreads};
-
-/// A result by row; `None` where a row has none.
-type Column = Vec<Option<Length>>;
-
-/// Both ends of a result by row.
-#[derive(Debug, Default)]
-struct EndColumns {
-    lower: Column,
-    upper: Column,
-}
 
 /// The results of some rows.
 pub(super) struct Results<'a> {
     plan: &'a Plan,
     layout: &'a Layout,
     /// Why a row makes no part.
-    pub(super) refusals: Vec<Option<Box<Refusal>>>,
+    pub(super) refusals: Refusals,
     /// ΔCD of each kind of error, by its number.
-    each: [Column; KINDS],
+    each: [Vec<Option<Length>>; KINDS],
     /// What each can do alone, where that is held against a limit.
-    alone: [EndColumns; KINDS],
-    range: EndColumns,
-    rss: EndColumns,
-    reached: EndColumns,
+    alone: [Vec<Option<Interval>>; KINDS],
+    range: Vec<Option<Interval>>,
+    rss: Vec<Option<Interval>>,
+    reached: Vec<Option<Interval>>,
+    /// What is uncertain about each part, if that is computed.
     uncertainties: Vec<Option<RowUncertainty>>,
-    verdicts: Vec<Option<Verdict>>,
+    /// The verdict on each part; `None` if a limit could not be judged.
+    pub(super) verdicts: Vec<Option<Verdict>>,
 }
 
-/// Why a row makes no part.
-pub(super) struct Refusal {
-    /// The column of the table that is to blame, if one is.
-    pub(super) column: Option<usize>,
-    /// What stands there, if that is what is wrong.
-    pub(super) text: String,
-    pub(super) message: String,
-}
+/// By row, why it makes no part.
+pub(super) type Refusals = Vec<Option<Box<Fault>>>;
 
 /// How far a part is inside the nearest limit, which that is, and what is held against it.
 #[derive(Debug, Clone, Copy)]
@@ -60,38 +47,10 @@ pub(super) struct Margin {
     pub(super) result: Interval,
 }
 
-impl Refusal {
-    /// Something that is wrong with the row as a whole.
-    #[cold]
-    fn of_row(message: String) -> Self {
-        Self { column: None, text: String::new(), message }
-    }
-}
-
-impl EndColumns {
-    /// The ends of a row.
-    #[inline]
-    fn at(&self, row: usize) -> Option<Interval> {
-        Some(Interval { lower: (*self.lower.get(row)?)?, upper: self.upper[row]? })
-    }
-}
-
-impl Extend<Option<Interval>> for EndColumns {
-    #[inline]
-    fn extend<I: IntoIterator<Item = Option<Interval>>>(&mut self, rows: I) {
-        for ends in rows {
-            self.lower.push(ends.map(|ends| ends.lower));
-            self.upper.push(ends.map(|ends| ends.upper));
-        }
-    }
-}
-
-impl FromIterator<Option<Interval>> for EndColumns {
-    fn from_iter<I: IntoIterator<Item = Option<Interval>>>(rows: I) -> Self {
-        let mut columns = Self::default();
-        columns.extend(rows);
-        columns
-    }
+/// What is wrong with a row; `column` is to blame, if one is.
+#[cold]
+fn fault(column: Option<usize>, message: String) -> Fault {
+    Fault { row: 0, column, is_missing: false, text: String::new(), message }
 }
 
 /// The value of an error as the bound takes it, mm or rad.
@@ -116,7 +75,7 @@ impl<'a> Results<'a> {
     pub(super) fn new(
         plan: &'a Plan,
         layout: &'a Layout,
-        refusals: Vec<Option<Box<Refusal>>>,
+        refusals: Refusals,
         deviations: &[&[DeviationValue]],
         errors: &ChangingErrors<'_>,
     ) -> Self {
@@ -126,18 +85,23 @@ impl<'a> Results<'a> {
             refusals,
             each: Default::default(),
             alone: Default::default(),
-            range: EndColumns::default(),
-            rss: EndColumns::default(),
-            reached: EndColumns::default(),
+            range: Vec::new(),
+            rss: Vec::new(),
+            reached: Vec::new(),
             uncertainties: Vec::new(),
             verdicts: Vec::new(),
         };
         for (index, deviations) in deviations.iter().enumerate() {
-            results.take_error(index, deviations, errors);
+            results.take_error(index, deviations);
         }
         results.take_sums(deviations, errors);
         if let Some(uncertain) = &plan.uncertain {
-            results.uncertainties = results.by_row(|results, row| results.uncertainty_of(uncertain, deviations, row));
+            results.uncertainties = results.by_row(|results, row| {
+                let deviations: Vec<_> = deviations.iter().map(|column| column[row]).collect();
+                let delta_cd = |kind: DeviationKind| results.each[kind as usize][row].unwrap_or_default();
+                let known = uncertain.of_row(&plan.sources, &deviations, delta_cd, &plan.limits);
+                known.map(Some).map_err(|error| fault(None, error.to_string()))
+            });
         }
         results.verdicts = results.by_row(Self::judge);
         if plan.request.strict {
@@ -149,9 +113,9 @@ impl<'a> Results<'a> {
 
     /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
     #[inline]
-    fn by_row<T: Default, C: FromIterator<T>>(&mut self, of: impl Fn(&Self, usize) -> Result<T, Refusal>) -> C {
+    fn by_row<T: Default, C: FromIterator<T>>(&mut self, of: impl Fn(&Self, usize) -> Result<T, Fault>) -> C {
         let mut refusals = std::mem::take(&mut self.refusals);
-        let come_to = |(row, refusal): (usize, &mut Option<Box<Refusal>>)| match refusal {
+        let come_to = |(row, refusal): (usize, &mut Option<Box<Fault>>)| match refusal {
             Some(_) => T::default(),
             None => of(self, row).unwrap_or_else(|reason| {
                 *refusal = Some(Box::new(reason));
@@ -164,17 +128,17 @@ impl<'a> Results<'a> {
     }
 
     /// ΔCD of an error, and what the error can do alone if that has a limit.
-    fn take_error(&mut self, index: usize, deviations: &[DeviationValue], errors: &ChangingErrors<'_>) {
-        let (source, column) = (&self.plan.sources[index], self.layout.columns[index]);
-        let (kind, model) = (source.law.kind(), self.plan.request.model);
-        let refused =
-            |problem: DomainError| Refusal { column, ..Refusal::of_row(format!("{}: {problem}", kind.name())) };
+    fn take_error(&mut self, index: usize, deviations: &[DeviationValue]) {
+        let plan = self.plan;
+        let (source, column) = (&plan.sources[index], self.layout.columns[index]);
+        let kind = source.law.kind();
+        let refused = |problem: DomainError| fault(column, format!("{}: {problem}", kind.name()));
         self.each[kind as usize] =
-            self.by_row(|_, row| source.law.delta_cd(deviations[row], model).map(Some).map_err(refused));
+            self.by_row(|_, row| source.law.delta_cd(deviations[row], plan.request.model).map(Some).map_err(refused));
         if source.is_limited {
             self.alone[kind as usize] = self.by_row(|_, row| {
-                let range = errors.alone(index, plain_value(deviations[row])).map(ErrorRange::alone);
-                nearest(range).map_err(|problem| refused(problem.into()))
+                let error = source.extended.with_value(plain_value(deviations[row]));
+                nearest(plan.basis.alone(&error).map(ErrorRange::alone)).map_err(|problem| refused(problem.into()))
             });
         }
     }
@@ -190,7 +154,7 @@ impl<'a> Results<'a> {
                 let rss = if plan.needs_rss { nearest(together.rss) } else { Ok(None) };
                 range
                     .and_then(|range| Ok((range, rss?)))
-                    .map_err(|problem| Refusal::of_row(format!("combination: {}", DomainError::from(problem))))
+                    .map_err(|problem| fault(None, format!("combination: {}", DomainError::from(problem))))
             });
         }
         if plan.needs_reached {
@@ -198,42 +162,13 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// The uncertainties of a part.
-    fn uncertainty_of(
-        &self,
-        uncertain: &Uncertain,
-        deviations: &[&[DeviationValue]],
-        row: usize,
-    ) -> Result<Option<RowUncertainty>, Refusal> {
-        let zero = DeviationValue::zero(DeviationKind::RackOverRoller);
-        let deviations = std::array::from_fn(|index| deviations.get(index).map_or(zero, |column| column[row]));
-        let delta_cd = self.each.each_ref().map(|column| column.get(row).copied().flatten().unwrap_or_default());
-        let known = uncertain.of_row(&self.plan.sources, &deviations, &delta_cd, &self.plan.limits);
-        known.map(Some).map_err(|error| Refusal::of_row(error.to_string()))
-    }
-
     /// The uncertainties of a part, if they are known.
     pub(super) fn uncertainty(&self, row: usize) -> Option<&RowUncertainty> {
         self.uncertainties.get(row)?.as_ref()
     }
 
-    /// The uncertainties of all parts.
-    pub(super) fn uncertainties(&self) -> impl Iterator<Item = &RowUncertainty> {
-        self.uncertainties
-            .iter()
-            .zip(&self.refusals)
-            .filter(|(_, refusal)| refusal.is_none())
-            .filter_map(|(known, _)| known.as_ref())
-    }
-
-    /// The verdict on a part; `None` if a limit could not be judged.
     #[inline]
-    pub(super) fn verdict(&self, row: usize) -> Option<Verdict> {
-        self.verdicts[row]
-    }
-
-    #[inline]
-    fn judge(&self, row: usize) -> Result<Option<Verdict>, Refusal> {
+    fn judge(&self, row: usize) -> Result<Option<Verdict>, Fault> {
         let plan = self.plan;
         let uncertainty = self.uncertainty(row);
         let mut verdicts = [None; 1 + KINDS];
@@ -245,7 +180,7 @@ impl<'a> Results<'a> {
             });
             let simulated = uncertainty.and_then(|known| known.inside(index));
             let verdict = rule::verdict(&plan.request.rule, limit, result, standard, simulated);
-            verdicts[index] = Some(verdict.map_err(|error| Refusal::of_row(error.to_string()))?.0);
+            verdicts[index] = Some(verdict.map_err(|error| fault(None, error.to_string()))?.0);
         }
         let judged = verdicts[..plan.limits.len()].iter().copied();
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
@@ -278,42 +213,48 @@ impl<'a> Results<'a> {
             })
     }
 
-    /// The results of an output that is a length, by row; nothing if it is none.
-    #[inline]
-    fn column(&self, output: &Output) -> &[Option<Length>] {
-        match output {
-            Output::Error(kind) => &self.each[*kind as usize],
-            Output::RangeLower => &self.range.lower,
-            Output::RangeUpper => &self.range.upper,
-            Output::RssLower => &self.rss.lower,
-            Output::RssUpper => &self.rss.upper,
-            Output::ReachedLower => &self.reached.lower,
-            Output::ReachedUpper => &self.reached.upper,
-            _ => &[],
-        }
+    /// The rows that are parts.
+    pub(super) fn parts(&self) -> impl Iterator<Item = usize> {
+        (0..self.refusals.len()).filter(|row| self.refusals[*row].is_none())
+    }
+
+    /// The results of an output that is a length, of all parts that have one.
+    pub(super) fn all_of(&self, output: &Output) -> Vec<Length> {
+        let mut all = Vec::with_capacity(self.refusals.len());
+        all.extend(self.parts().filter_map(|row| self.of(output, row)));
+        all
     }
 
     /// The result of an output that is a length; `None` if there is none.
     #[inline]
     pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
-        *self.column(output).get(row)?
-    }
-
-    /// The results of an output of all parts.
-    pub(super) fn all_of(&self, output: &Output) -> impl Iterator<Item = Length> + Clone {
-        let of_part = |(result, refusal): (&Option<Length>, &Option<_>)| result.filter(|_| refusal.is_none());
-        self.column(output).iter().zip(&self.refusals).filter_map(of_part)
+        match output {
+            Output::Error(kind) => self.each[*kind as usize][row],
+            Output::RangeLower => Some(at(&self.range, row)?.lower),
+            Output::RangeUpper => Some(at(&self.range, row)?.upper),
+            Output::RssLower => Some(at(&self.rss, row)?.lower),
+            Output::RssUpper => Some(at(&self.rss, row)?.upper),
+            Output::ReachedLower => Some(at(&self.reached, row)?.lower),
+            Output::ReachedUpper => Some(at(&self.reached, row)?.upper),
+            _ => None,
+        }
     }
 
     /// What is held against a limit.
     #[inline]
     fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance if self.plan.request.stack == Stack::Rss => self.rss.at(row),
-            LimitTarget::CenterDistance => self.range.at(row),
-            LimitTarget::Error(kind) => self.alone[kind as usize].at(row),
+            LimitTarget::CenterDistance if self.plan.request.stack == Stack::Rss => at(&self.rss, row),
+            LimitTarget::CenterDistance => at(&self.range, row),
+            LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
     }
+}
+
+/// A row of a column, which may not be computed.
+#[inline]
+fn at(column: &[Option<Interval>], row: usize) -> Option<Interval> {
+    *column.get(row)?
 }
 
 /// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.

@@ -1,4 +1,4 @@
-//! The row that is written for a part, as text or in columns. Called by the row evaluator; computes nothing.
+//! The row that is written for a part, as text or in columns. Called by the evaluator; computes nothing.
 
 use std::borrow::Cow;
 
@@ -110,13 +110,13 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
             ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
         }
         (Output::Reason, WrittenRow::None { reason }) => text(reason),
-        (Output::Reason, WrittenRow::Part { results, row }) if results.verdict(*row).is_none() => {
+        (Output::Reason, WrittenRow::Part { results, row }) if results.verdicts[*row].is_none() => {
             text(&plan.without_verdict)
         }
         (_, WrittenRow::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
         (Output::Without, _) => text(&plan.without),
         (Output::Verdict, WrittenRow::Part { results, row }) => {
-            results.verdict(*row).map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
+            results.verdicts[*row].map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
         }
         (output, WrittenRow::Part { results, row }) if output.is_uncertain() => {
             uncertain(plan, output, results, *row).unwrap_or(ResultCell::Nothing)

@@ -91,12 +91,11 @@ impl Default for Statistics {
 
 impl Statistics {
     /// Takes values.
-    pub(super) fn add(&mut self, values: impl Iterator<Item = Length> + Clone) {
-        let units = values.map(Length::fm);
-        self.moments.merge(&LengthMoments::of(units.clone()));
-        self.smallest = units.clone().fold(self.smallest, i64::min);
-        self.largest = units.clone().fold(self.largest, i64::max);
-        for units in units {
+    pub(super) fn add(&mut self, values: &[Length]) {
+        self.moments.merge(&LengthMoments::of(values));
+        for units in values.iter().map(|value| value.fm()) {
+            self.smallest = self.smallest.min(units);
+            self.largest = self.largest.max(units);
             self.magnitudes[usize::from(units < 0)].add(units.unsigned_abs());
         }
     }
@@ -294,7 +293,7 @@ mod tests {
     fn of(values: impl IntoIterator<Item = i64>) -> Statistics {
         let mut statistics = Statistics::default();
         let values: Vec<_> = values.into_iter().map(Length::from_fm).collect();
-        statistics.add(values.into_iter());
+        statistics.add(&values);
         statistics
     }
 

@@ -1,5 +1,8 @@
 //! Exact moments of lengths on their grid: whatever the order, and however small the spread is against the mean.
 
+#[cfg(feature = "batch")]
+use crate::quantity::Length;
+
 /// How many lengths there are, their sum and that of their squares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct LengthMoments {
@@ -18,14 +21,12 @@ impl Default for LengthMoments {
 }
 
 impl LengthMoments {
-    /// Those of some lengths, fm.
+    /// Those of some lengths.
     #[cfg(feature = "batch")]
-    pub(crate) fn of(lengths: impl Iterator<Item = i64>) -> Self {
-        lengths.map(i128::from).fold(Self::default(), |Self { count, sum_fm, squares_fm2 }, fm| Self {
-            count: count + 1,
-            sum_fm: sum_fm + fm,
-            squares_fm2: squares_fm2.and_then(|squares| squares.checked_add(fm * fm)),
-        })
+    pub(crate) fn of(lengths: &[Length]) -> Self {
+        let each = || lengths.iter().map(|length| i128::from(length.fm()));
+        let squares_fm2 = each().try_fold(0_i128, |squares, fm| squares.checked_add(fm * fm));
+        Self { count: lengths.len() as u64, sum_fm: each().sum(), squares_fm2 }
     }
 
     /// Adds other lengths.

@@ -7,7 +7,7 @@ use super::lead;
 use super::moments::{Moments, moments};
 use super::single::{assumed_height, range_of};
 use super::sum::{Combined, StatisticalSum, Sum, larger, own, parts_with_several_leads};
-use super::{Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, NoBound, Range};
+use super::{Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, Range};
 
 /// Errors whose values change, and what follows from each whatever its value.
 #[derive(Debug, Clone)]
@@ -46,14 +46,6 @@ impl<'a> ChangingErrors<'a> {
     #[must_use]
     pub fn with(&self, values: impl Iterator<Item = f64>) -> Vec<ExtendedError> {
         self.errors.iter().zip(values).map(|(error, value)| error.with_value(value)).collect()
-    }
-
-    /// What the error with this index can do alone if it has this value, mm or rad, as [`Basis::alone`].
-    ///
-    /// # Errors
-    /// [`NoBound`] if there is no bound.
-    pub fn alone(&self, index: usize, value: f64) -> Result<ErrorRange, NoBound> {
-        self.basis.alone(&self.errors[index].with_value(value))
     }
 
     /// What all can do with these values, mm or rad, as [`Basis::together`].

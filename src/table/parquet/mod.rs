@@ -29,7 +29,7 @@ use column::{StoredColumn, Values};
 use pages::CheckedPages;
 
 /// Rows that are read together.
-const RANGE_ROWS: usize = 1 << 13;
+const RANGE_ROWS: usize = 1 << 15;
 
 /// A Parquet file that was opened.
 pub struct ParquetTable {
