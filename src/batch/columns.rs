@@ -1,4 +1,4 @@
-//! Results as columns: for Parquet files, and for programs that have columns. Filled by the row evaluator; knows no
+//! Results as columns: for Parquet files, and for programs that have columns. Filled by the evaluator; knows no
 //! format.
 
 use std::borrow::Cow;

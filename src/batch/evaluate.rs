@@ -1,24 +1,27 @@
-//! One row after another: deviations to results, results to text and counts. A worker has an [`Evaluator`] and gives it
-//! blocks; where their columns are from, it does not know.
+//! Blocks: columns of deviations to columns of results, results to text and counts. A worker has an [`Evaluator`] and gives
+//! it blocks; where their columns are from, it does not know.
 
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::layout::Layout;
 use super::outcome::{KeptPart, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
 use super::request::Rows;
-use super::results::{Margin, Refusal, Results, spread_of};
+use super::results::{Margin, Refusals, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
-use super::source::KINDS;
 use super::statistics::Statistics;
-use super::uncertain::RowUncertainty;
+use crate::deviation::DeviationValue;
 use crate::deviation::plausible::Reach;
-use crate::deviation::{DeviationKind, DeviationValue};
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
 use crate::quantity::shown;
-use crate::table::Block;
+use crate::table::{Block, Fault};
 use crate::uncertainty::Spreads;
+
+/// Rows that are evaluated together: their columns stay near at hand.
+const TOGETHER: usize = 512;
 
 /// Evaluates the rows of blocks.
 pub(super) struct Evaluator<'a> {
@@ -30,8 +33,7 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
-    deviations: [DeviationValue; KINDS],
-    /// The same on the teeth that their extents allow.
+    /// The errors on the teeth that their extents allow.
     errors: ChangingErrors<'a>,
     /// Which deviations are not suspicious.
     usual: Reach,
@@ -42,10 +44,6 @@ pub(super) struct Evaluator<'a> {
 impl<'a> Evaluator<'a> {
     pub(super) fn new(plan: &'a Plan, layout: &'a Layout, file: &Arc<str>, keeps_rejects: bool) -> Self {
         let quantities = if plan.request.statistics { plan.quantities().count() } else { 0 };
-        let mut deviations = [DeviationValue::zero(DeviationKind::RackOverRoller); KINDS];
-        for (deviation, source) in deviations.iter_mut().zip(&plan.sources) {
-            *deviation = source.of_every_part.unwrap_or(*deviation);
-        }
         Self {
             plan,
             layout,
@@ -54,7 +52,6 @@ impl<'a> Evaluator<'a> {
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
-            deviations,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
@@ -74,32 +71,19 @@ impl<'a> Evaluator<'a> {
         if block.is_rest {
             self.keep_raw(block, 0);
         }
-        let mut faults = block.faults().iter().peekable();
-        let columns: Vec<_> =
-            self.layout.columns.iter().map(|column| column.map(|column| block.values(column))).collect();
-        for (doubted, column) in self.tally.doubted.iter_mut().zip(&columns) {
-            *doubted = column.map_or(0, |values| self.usual.doubted(values));
+        for (doubted, column) in self.tally.doubted.iter_mut().zip(&self.layout.columns) {
+            *doubted = column.map_or(0, |column| self.usual.doubted(block.values(column)));
         }
-        for index in 0..block.rows() {
-            if self.plan.request.strict && self.tally.counts.rejected > 0 {
+        let columns = self.columns(block);
+        for first in (0..block.rows()).step_by(TOGETHER) {
+            let rows = first..block.rows().min(first + TOGETHER);
+            let refusals = refusals(block, &rows);
+            let deviations: Vec<_> = columns.iter().map(|column| &column[rows.clone()]).collect();
+            let results = Results::new(self.plan, self.layout, refusals, &deviations, &self.errors);
+            self.take(&results, Row { block, index: first, records_before });
+            let counts = &self.tally.counts;
+            if self.plan.request.strict && counts.rejected > 0 && counts.rows < block.rows() as u64 {
                 return;
-            }
-            let row = Row { block, index, records_before };
-            self.write_no_parts(block, row.record() - 1);
-            self.tally.counts.rows += 1;
-            if let Some(fault) = faults.next_if(|fault| fault.row == index) {
-                while faults.next_if(|fault| fault.row == index).is_some() {}
-                self.refuse(row, fault.column, &fault.text, &fault.message);
-                continue;
-            }
-            for (deviation, column) in self.deviations.iter_mut().zip(&columns) {
-                if let Some(column) = column {
-                    *deviation = column[index];
-                }
-            }
-            if let Err(Refusal { message, source }) = self.evaluate(row) {
-                let column = source.and_then(|source| self.layout.columns[source]);
-                self.refuse(row, column, "", &message);
             }
         }
         self.write_no_parts(block, block.record_count);
@@ -126,49 +110,66 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    #[inline]
-    fn evaluate(&mut self, row: Row<'_>) -> Result<(), Refusal> {
-        let plan = self.plan;
-        let refused = |message: String| Refusal { message, source: None };
-        let results = Results::new(plan, &self.deviations, &mut self.errors)?;
-        let uncertainty = match &plan.uncertain {
-            Some(uncertain) => {
-                let known = uncertain.of_row(&plan.sources, &self.deviations, &results.each, &plan.limits);
-                Some(known.map_err(|error| refused(error.to_string()))?)
-            }
-            None => None,
-        };
-        let verdict = results.judge(plan, uncertainty.as_ref()).map_err(|error| refused(error.to_string()))?;
-        if plan.request.rows.has(verdict) {
-            let uncertainty = uncertainty.as_ref();
-            self.written.row(Some(row), &WrittenRow::Part { results: &results, uncertainty, verdict });
-        }
-        self.tally.counts.judge(verdict);
-        if plan.request.statistics {
-            self.count(&results, uncertainty.as_ref());
-            let margin = results.margin(plan);
-            let full = self.tally.worst.len() == WORST;
-            if !full || self.tally.worst.last().is_some_and(|last| margin.inside_by < last.margin) {
-                let part = self.kept(row, verdict, margin);
-                keep_worst(&mut self.tally.worst, KeptPart { part, margin: margin.inside_by });
-            }
-        }
-        if self.keeps_failure(verdict) {
-            let part = self.kept(row, verdict, results.margin(plan));
-            self.tally.failures.push(part);
-        }
-        Ok(())
+    /// The deviations of each source in the rows of a block.
+    fn columns<'b>(&self, block: &'b Block) -> Vec<Cow<'b, [DeviationValue]>> {
+        let columns = self.plan.sources.iter().zip(&self.layout.columns);
+        let values = columns.map(|(source, column)| match (column, source.of_every_part) {
+            (Some(column), _) => block.values(*column).into(),
+            (None, value) => value.map(|value| vec![value; block.rows()]).unwrap_or_default().into(),
+        });
+        values.collect()
     }
 
-    /// Takes the results into the statistics.
-    fn count(&mut self, results: &Results, uncertainty: Option<&RowUncertainty>) {
+    /// Takes the results of some rows, of which this is the first.
+    fn take(&mut self, results: &Results<'_>, first: Row<'_>) {
+        if self.plan.request.statistics {
+            self.count(results);
+        }
+        for (index, refusal) in results.refusals.iter().enumerate() {
+            let row = Row { index: first.index + index, ..first };
+            self.write_no_parts(row.block, row.record() - 1);
+            self.tally.counts.rows += 1;
+            match refusal {
+                Some(refusal) => self.refuse(row, refusal),
+                None => self.take_part(row, results, index),
+            }
+        }
+    }
+
+    /// Takes a part, whose results are in that row of them.
+    #[inline]
+    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>, index: usize) {
+        let verdict = results.verdicts[index];
+        if self.plan.request.rows.has(verdict) {
+            self.written.row(Some(row), &WrittenRow::Part { results, row: index });
+        }
+        self.tally.counts.judge(verdict);
+        let is_failure = self.keeps_failure(verdict);
+        if !is_failure && !self.plan.request.statistics {
+            return;
+        }
+        let margin = results.margin(index);
+        let worst = &self.tally.worst;
+        let is_worst = worst.len() < WORST || worst.last().is_some_and(|last| margin.inside_by < last.margin);
+        if self.plan.request.statistics && is_worst {
+            let part = self.kept(row, verdict, margin);
+            keep_worst(&mut self.tally.worst, KeptPart { part, margin: margin.inside_by });
+        }
+        if is_failure {
+            let part = self.kept(row, verdict, margin);
+            self.tally.failures.push(part);
+        }
+    }
+
+    /// Takes results into the statistics.
+    fn count(&mut self, results: &Results<'_>) {
         for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            results.of(output).into_iter().for_each(|result| statistics.add(result));
+            statistics.add(&results.all_of(output));
         }
         for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            results.of(output).into_iter().for_each(|result| moving.add(result));
+            results.all_of(output).into_iter().for_each(|result| moving.add(result));
         }
-        if let Some(known) = uncertainty {
+        for known in results.parts().filter_map(|row| results.uncertainty(row)) {
             self.add_gauge(&known.spreads);
         }
     }
@@ -203,7 +204,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// A row with a cell that is no value, that is no row at all, or whose values have no results.
-    fn refuse(&mut self, row: Row<'_>, column: Option<usize>, text: &str, message: &str) {
+    fn refuse(&mut self, row: Row<'_>, Fault { column, text, message, .. }: &Fault) {
         self.tally.counts.rejected += 1;
         if self.plan.request.rows == Rows::Every {
             self.written.row(Some(row), &WrittenRow::None { reason: message });
@@ -217,8 +218,8 @@ impl<'a> Evaluator<'a> {
                 place: None,
                 part: row.block.name(row.index).filter(|name| !name.is_empty()).map(|name| shown(&name)),
                 column: column.and_then(|column| self.layout.titles.get(column)).cloned(),
-                text: text.to_owned(),
-                message: message.to_owned(),
+                text: text.clone(),
+                message: message.clone(),
             });
         }
     }
@@ -231,4 +232,14 @@ impl<'a> Evaluator<'a> {
             self.rejects.push(b'\n');
         }
     }
+}
+
+/// Why rows of a block are refused that have a cell that is no value, or are no rows at all: the first reason of each.
+fn refusals(block: &Block, rows: &Range<usize>) -> Refusals {
+    let mut refusals: Refusals = rows.clone().map(|_| None).collect();
+    let first = block.faults().partition_point(|fault| fault.row < rows.start);
+    for fault in block.faults()[first..].iter().take_while(|fault| fault.row < rows.end) {
+        refusals[fault.row - rows.start].get_or_insert_with(|| Box::new(fault.clone()));
+    }
+    refusals
 }

@@ -1,5 +1,5 @@
 //! Columns that a program has in memory, some rows at a time: the batch for hosts such as data frames and query engines.
-//! Called by them; each piece is read by the rules for any table and evaluated by the row evaluator.
+//! Called by them; each piece is read by the rules for any table and evaluated as blocks of any table.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

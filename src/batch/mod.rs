@@ -10,7 +10,7 @@
 //! | `layout`, `plan`, `source`, `output` | which column holds what; what is computed and written |
 //! | `uncertain` | how certain results are |
 //! | `number`, `buffer`, `write`, `rows` | results as text |
-//! | `evaluate`, `results` | one row: its deviations, what follows from them, the verdict |
+//! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
 //! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
 //! | `columns`, `parquet` | results in columns, and those as Parquet |
 //! | `in_memory` | columns that a program has, in place of files |

@@ -1,4 +1,4 @@
-//! Lengths as the text of a row: what a batch writes most. Called by the row evaluator.
+//! Lengths as the text of a row: what a batch writes most. Called by the evaluator.
 
 use super::buffer::{Buffer, eight_digits};
 use crate::quantity::Length;

@@ -1,47 +1,43 @@
-//! The results of one part, and what they say about the limits. Called by the row evaluator; `eval` combines and judges
-//! by the same functions.
+//! The results of some rows of a block, column by column, and what they say about the limits. Called by the evaluator of
+//! blocks; `eval` combines and judges by the same functions.
 
+use super::layout::Layout;
 use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
-use crate::deviation::DeviationValue;
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::evaluation::overall;
-use crate::judge::bound::{ChangingErrors, ExtendedError, GivenGeometry, Range};
+use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
-use crate::judge::rule::{Ends, verdict};
+use crate::judge::rule::{self, Ends};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
+use crate::table::Fault;
 use crate::trig;
 use crate::uncertainty::{Spread, Spreads};
 
-/// The results of one part.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Results {
+/// The results of some rows.
+pub(super) struct Results<'a> {
+    plan: &'a Plan,
+    layout: &'a Layout,
+    /// Why a row makes no part.
+    pub(super) refusals: Refusals,
     /// ΔCD of each kind of error, by its number.
-    pub(super) each: [Length; KINDS],
+    each: [Vec<Option<Length>>; KINDS],
     /// What each can do alone, where that is held against a limit.
-    alone: [Option<Interval>; KINDS],
-    range: Option<Interval>,
-    rss: Option<Interval>,
-    reached: Option<Interval>,
+    alone: [Vec<Option<Interval>>; KINDS],
+    range: Vec<Option<Interval>>,
+    rss: Vec<Option<Interval>>,
+    reached: Vec<Option<Interval>>,
+    /// What is uncertain about each part, if that is computed.
+    uncertainties: Vec<Option<RowUncertainty>>,
+    /// The verdict on each part; `None` if a limit could not be judged.
+    pub(super) verdicts: Vec<Option<Verdict>>,
 }
 
-/// Why a row makes no part.
-pub(super) struct Refusal {
-    pub(super) message: String,
-    /// The source that is to blame, by its index, if one is.
-    pub(super) source: Option<usize>,
-}
-
-impl Refusal {
-    /// A source whose ΔCD has no value, or the combination.
-    #[cold]
-    fn of(plan: &Plan, source: Option<usize>, problem: &DomainError) -> Self {
-        let name = source.map_or("combination", |source| plan.sources[source].law.kind().name());
-        Self { message: format!("{name}: {problem}"), source }
-    }
-}
+/// By row, why it makes no part.
+pub(super) type Refusals = Vec<Option<Box<Fault>>>;
 
 /// How far a part is inside the nearest limit, which that is, and what is held against it.
 #[derive(Debug, Clone, Copy)]
@@ -49,6 +45,12 @@ pub(super) struct Margin {
     pub(super) inside_by: Length,
     pub(super) on: Option<LimitTarget>,
     pub(super) result: Interval,
+}
+
+/// What is wrong with a row; `column` is to blame, if one is.
+#[cold]
+fn fault(column: Option<usize>, message: String) -> Fault {
+    Fault { row: 0, column, is_missing: false, text: String::new(), message }
 }
 
 /// The value of an error as the bound takes it, mm or rad.
@@ -61,80 +63,141 @@ fn plain_value(value: DeviationValue) -> f64 {
     }
 }
 
-impl Results {
-    /// The results of the deviations, one per source of the plan, whose errors get these values. What has no bound is
-    /// left out.
-    #[inline]
+/// The nearest decimals of a range; nothing of one that is open.
+#[inline]
+fn nearest(range: Result<Range, NoBound>) -> Result<Option<Interval>, QuantityError> {
+    range.ok().map(Interval::nearest).transpose()
+}
+
+impl<'a> Results<'a> {
+    /// The results of the deviations, a column per source of the plan, but for rows that are refused already. What has no
+    /// bound is left out.
     pub(super) fn new(
-        plan: &Plan,
-        deviations: &[DeviationValue; KINDS],
-        errors: &mut ChangingErrors<'_>,
-    ) -> Result<Self, Refusal> {
-        let of_source = |index, problem| Refusal::of(plan, Some(index), &problem);
-        let mut results =
-            Self { each: [Length::ZERO; KINDS], alone: [None; KINDS], range: None, rss: None, reached: None };
-        for (index, source) in plan.sources.iter().enumerate() {
-            let kind = source.law.kind() as usize;
-            let delta_cd = source.law.delta_cd(deviations[index], plan.request.model);
-            results.each[kind] = delta_cd.map_err(|problem| of_source(index, problem))?;
-            errors.set(index, plain_value(deviations[index]));
-            if source.is_limited {
-                let alone = errors.alone(index).ok();
-                let alone = alone.map(|alone| Interval::nearest(alone.alone())).transpose();
-                results.alone[kind] = alone.map_err(|problem| of_source(index, problem.into()))?;
-            }
+        plan: &'a Plan,
+        layout: &'a Layout,
+        refusals: Refusals,
+        deviations: &[&[DeviationValue]],
+        errors: &ChangingErrors<'_>,
+    ) -> Self {
+        let mut results = Self {
+            plan,
+            layout,
+            refusals,
+            each: Default::default(),
+            alone: Default::default(),
+            range: Vec::new(),
+            rss: Vec::new(),
+            reached: Vec::new(),
+            uncertainties: Vec::new(),
+            verdicts: Vec::new(),
+        };
+        for (index, deviations) in deviations.iter().enumerate() {
+            results.take_error(index, deviations);
         }
-        if plan.needs_range || plan.needs_rss {
-            let together = errors.together();
-            let of = |stack: Stack| {
-                let ends = together.interval(stack).ok().map(Interval::nearest).transpose();
-                ends.map_err(|problem| Refusal::of(plan, None, &problem.into()))
-            };
-            if plan.needs_range {
-                results.range = of(Stack::Range)?;
-            }
-            if plan.needs_rss {
-                results.rss = of(Stack::Rss)?;
-            }
+        results.take_sums(deviations, errors);
+        if let Some(uncertain) = &plan.uncertain {
+            results.uncertainties = results.by_row(|results, row| {
+                let deviations: Vec<_> = deviations.iter().map(|column| column[row]).collect();
+                let delta_cd = |kind: DeviationKind| results.each[kind as usize][row].unwrap_or_default();
+                let known = uncertain.of_row(&plan.sources, &deviations, delta_cd, &plan.limits);
+                known.map(Some).map_err(|error| fault(None, error.to_string()))
+            });
         }
-        if plan.needs_reached {
-            results.reached = reached(plan, errors.errors());
+        results.verdicts = results.by_row(Self::judge);
+        if plan.request.strict {
+            let first = results.refusals.iter().position(Option::is_some);
+            results.refusals.truncate(first.map_or(usize::MAX, |first| first + 1));
         }
-        Ok(results)
+        results
     }
 
-    /// The verdict on the part; `None` if a limit could not be judged.
+    /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
     #[inline]
-    pub(super) fn judge(
-        &self,
-        plan: &Plan,
-        uncertainty: Option<&RowUncertainty>,
-    ) -> Result<Option<Verdict>, QuantityError> {
+    fn by_row<T: Default, C: FromIterator<T>>(&mut self, of: impl Fn(&Self, usize) -> Result<T, Fault>) -> C {
+        let mut refusals = std::mem::take(&mut self.refusals);
+        let come_to = |(row, refusal): (usize, &mut Option<Box<Fault>>)| match refusal {
+            Some(_) => T::default(),
+            None => of(self, row).unwrap_or_else(|reason| {
+                *refusal = Some(Box::new(reason));
+                T::default()
+            }),
+        };
+        let column = refusals.iter_mut().enumerate().map(come_to).collect();
+        self.refusals = refusals;
+        column
+    }
+
+    /// ΔCD of an error, and what the error can do alone if that has a limit.
+    fn take_error(&mut self, index: usize, deviations: &[DeviationValue]) {
+        let plan = self.plan;
+        let (source, column) = (&plan.sources[index], self.layout.columns[index]);
+        let kind = source.law.kind();
+        let refused = |problem: DomainError| fault(column, format!("{}: {problem}", kind.name()));
+        self.each[kind as usize] =
+            self.by_row(|_, row| source.law.delta_cd(deviations[row], plan.request.model).map(Some).map_err(refused));
+        if source.is_limited {
+            self.alone[kind as usize] = self.by_row(|_, row| {
+                let error = source.extended.with_value(plain_value(deviations[row]));
+                nearest(plan.basis.alone(&error).map(ErrorRange::alone)).map_err(|problem| refused(problem.into()))
+            });
+        }
+    }
+
+    /// What all errors do together.
+    fn take_sums(&mut self, deviations: &[&[DeviationValue]], errors: &ChangingErrors<'_>) {
+        let plan = self.plan;
+        let values = |row: usize| deviations.iter().map(move |column| plain_value(column[row]));
+        if plan.needs_range || plan.needs_rss {
+            (self.range, self.rss) = self.by_row(|_, row| {
+                let together = errors.together(values(row));
+                let range = if plan.needs_range { nearest(together.range) } else { Ok(None) };
+                let rss = if plan.needs_rss { nearest(together.rss) } else { Ok(None) };
+                range
+                    .and_then(|range| Ok((range, rss?)))
+                    .map_err(|problem| fault(None, format!("combination: {}", DomainError::from(problem))))
+            });
+        }
+        if plan.needs_reached {
+            self.reached = self.by_row(|_, row| Ok(reached(plan, &errors.with(values(row)))));
+        }
+    }
+
+    /// The uncertainties of a part, if they are known.
+    pub(super) fn uncertainty(&self, row: usize) -> Option<&RowUncertainty> {
+        self.uncertainties.get(row)?.as_ref()
+    }
+
+    #[inline]
+    fn judge(&self, row: usize) -> Result<Option<Verdict>, Fault> {
+        let plan = self.plan;
+        let uncertainty = self.uncertainty(row);
         let mut verdicts = [None; 1 + KINDS];
         for (index, (on, limit)) in plan.limits.iter().enumerate() {
-            let Some(result) = self.judged(plan, *on) else { continue };
+            let Some(result) = self.judged(*on, row) else { continue };
             let standard = uncertainty.map_or((0.0, 0.0), |known| {
                 let ends = ends(plan, &known.spreads, *on, result);
                 (ends.lower_standard_mm, ends.upper_standard_mm)
             });
             let simulated = uncertainty.and_then(|known| known.inside(index));
-            verdicts[index] = Some(verdict(&plan.request.rule, limit, result, standard, simulated)?.0);
+            let verdict = rule::verdict(&plan.request.rule, limit, result, standard, simulated);
+            verdicts[index] = Some(verdict.map_err(|error| fault(None, error.to_string()))?.0);
         }
         let judged = verdicts[..plan.limits.len()].iter().copied();
         Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
     }
 
     /// The probability that a limit is met, simulated or by the linear uncertainties; `None` without a result.
-    pub(super) fn conformance(&self, plan: &Plan, known: &RowUncertainty, on: LimitTarget) -> Option<f64> {
+    pub(super) fn conformance(&self, known: &RowUncertainty, on: LimitTarget, row: usize) -> Option<f64> {
+        let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
-        let linear = || Some(ends(plan, &known.spreads, on, self.judged(plan, on)?).conformance(&plan.limits[index].1));
+        let linear = || Some(ends(plan, &known.spreads, on, self.judged(on, row)?).conformance(&plan.limits[index].1));
         known.inside(index).or_else(linear)
     }
 
-    /// How far the part is inside the nearest limit; without limits, how far its largest result is from 0.
-    pub(super) fn margin(&self, plan: &Plan) -> Margin {
-        let of_limits = plan.limits.iter().filter_map(|(on, limit)| {
-            let result = self.judged(plan, *on)?;
+    /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0.
+    pub(super) fn margin(&self, row: usize) -> Margin {
+        let of_limits = self.plan.limits.iter().filter_map(|(on, limit)| {
+            let result = self.judged(*on, row)?;
             let above = limit.upper.map(|end| end - result.upper);
             let below = limit.lower.map(|end| result.lower - end);
             let inside_by = above.into_iter().chain(below).min()?;
@@ -144,36 +207,54 @@ impl Results {
         of_limits
             .reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest })
             .unwrap_or_else(|| {
-                let results = plan.quantities().filter_map(|output| self.of(output));
+                let results = self.plan.quantities().filter_map(|output| self.of(output, row));
                 let largest = results.max_by_key(|value| value.abs()).unwrap_or(Length::ZERO);
                 Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) }
             })
     }
 
+    /// The rows that are parts.
+    pub(super) fn parts(&self) -> impl Iterator<Item = usize> {
+        (0..self.refusals.len()).filter(|row| self.refusals[*row].is_none())
+    }
+
+    /// The results of an output that is a length, of all parts that have one.
+    pub(super) fn all_of(&self, output: &Output) -> Vec<Length> {
+        let mut all = Vec::with_capacity(self.refusals.len());
+        all.extend(self.parts().filter_map(|row| self.of(output, row)));
+        all
+    }
+
     /// The result of an output that is a length; `None` if there is none.
     #[inline]
-    pub(super) fn of(&self, output: &Output) -> Option<Length> {
+    pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
         match output {
-            Output::Error(kind) => Some(self.each[*kind as usize]),
-            Output::RangeLower => Some(self.range?.lower),
-            Output::RangeUpper => Some(self.range?.upper),
-            Output::RssLower => Some(self.rss?.lower),
-            Output::RssUpper => Some(self.rss?.upper),
-            Output::ReachedLower => Some(self.reached?.lower),
-            Output::ReachedUpper => Some(self.reached?.upper),
+            Output::Error(kind) => self.each[*kind as usize][row],
+            Output::RangeLower => Some(at(&self.range, row)?.lower),
+            Output::RangeUpper => Some(at(&self.range, row)?.upper),
+            Output::RssLower => Some(at(&self.rss, row)?.lower),
+            Output::RssUpper => Some(at(&self.rss, row)?.upper),
+            Output::ReachedLower => Some(at(&self.reached, row)?.lower),
+            Output::ReachedUpper => Some(at(&self.reached, row)?.upper),
             _ => None,
         }
     }
 
     /// What is held against a limit.
     #[inline]
-    fn judged(&self, plan: &Plan, on: LimitTarget) -> Option<Interval> {
+    fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance if plan.request.stack == Stack::Rss => self.rss,
-            LimitTarget::CenterDistance => self.range,
-            LimitTarget::Error(kind) => self.alone[kind as usize],
+            LimitTarget::CenterDistance if self.plan.request.stack == Stack::Rss => at(&self.rss, row),
+            LimitTarget::CenterDistance => at(&self.range, row),
+            LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
     }
+}
+
+/// A row of a column, which may not be computed.
+#[inline]
+fn at(column: &[Option<Interval>], row: usize) -> Option<Interval> {
+    *column.get(row)?
 }
 
 /// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.

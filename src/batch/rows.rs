@@ -1,4 +1,4 @@
-//! The row that is written for a part, as text or in columns. Called by the row evaluator; computes nothing.
+//! The row that is written for a part, as text or in columns. Called by the evaluator; computes nothing.
 
 use std::borrow::Cow;
 
@@ -8,15 +8,13 @@ use super::output::Output;
 use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
-use super::uncertain::RowUncertainty;
 use super::write;
-use crate::judge::Verdict;
 use crate::table::Block;
 
 /// What came of a row.
 pub(super) enum WrittenRow<'a> {
-    /// A part with its results.
-    Part { results: &'a Results, uncertainty: Option<&'a RowUncertainty>, verdict: Option<Verdict> },
+    /// A part with its row of the results.
+    Part { results: &'a Results<'a>, row: usize },
     /// No results, and why.
     None { reason: &'a str },
 }
@@ -81,7 +79,7 @@ impl<'a> RowWriter<'a> {
             write::start(&mut self.out, index, start, format);
             match (written, plan.places) {
                 // a quarter of the time of a table is writing its lengths
-                (WrittenRow::Part { results, .. }, Some(places)) if let Some(length) = results.of(output) => {
+                (WrittenRow::Part { results, row }, Some(places)) if let Some(length) = results.of(output, *row) => {
                     places.write(&mut self.out, length);
                 }
                 _ => {
@@ -112,31 +110,34 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
             ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
         }
         (Output::Reason, WrittenRow::None { reason }) => text(reason),
-        (Output::Reason, WrittenRow::Part { verdict: None, .. }) => text(&plan.without_verdict),
+        (Output::Reason, WrittenRow::Part { results, row }) if results.verdicts[*row].is_none() => {
+            text(&plan.without_verdict)
+        }
         (_, WrittenRow::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
         (Output::Without, _) => text(&plan.without),
-        (Output::Verdict, WrittenRow::Part { verdict, .. }) => {
-            verdict.map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
+        (Output::Verdict, WrittenRow::Part { results, row }) => {
+            results.verdicts[*row].map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
         }
-        (output, WrittenRow::Part { results, uncertainty, .. }) if output.is_uncertain() => {
-            uncertainty.and_then(|known| uncertain(plan, output, results, known)).unwrap_or(ResultCell::Nothing)
+        (output, WrittenRow::Part { results, row }) if output.is_uncertain() => {
+            uncertain(plan, output, results, *row).unwrap_or(ResultCell::Nothing)
         }
-        (output, WrittenRow::Part { results, .. }) => {
-            results.of(output).map_or(ResultCell::Nothing, ResultCell::Length)
+        (output, WrittenRow::Part { results, row }) => {
+            results.of(output, *row).map_or(ResultCell::Nothing, ResultCell::Length)
         }
     }
 }
 
 /// What stands in an output that takes the uncertainties; `None` where there is none.
 #[inline(never)]
-fn uncertain(plan: &Plan, output: &Output, results: &Results, known: &RowUncertainty) -> Option<ResultCell<'static>> {
+fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) -> Option<ResultCell<'static>> {
+    let known = results.uncertainty(row)?;
     Some(match output {
         Output::Standard(of) => ResultCell::Number(spread_of(plan, &known.spreads, *of)?.standard_mm),
         Output::Expanded(of) => {
             let spread = spread_of(plan, &known.spreads, *of)?;
             ResultCell::Number(spread.coverage_factor * spread.standard_mm)
         }
-        Output::Conformance(on) => ResultCell::Number(results.conformance(plan, known, *on)?),
+        Output::Conformance(on) => ResultCell::Number(results.conformance(known, *on, row)?),
         Output::Simulated(of, statistic) => ResultCell::Number(statistic.of(known.simulation_of(&plan.sources, *of)?)),
         Output::Validated => ResultCell::Flag(known.validated?),
         _ => ResultCell::Flag(!known.spreads.upper.folded),

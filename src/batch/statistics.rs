@@ -13,14 +13,14 @@ use crate::statistics::capability::{FEWEST_PARTS, Normality};
 const BIN_BITS: u32 = 11;
 const BINS: usize = 1 << BIN_BITS;
 
-/// Statistics of values given one by one.
-#[derive(Debug, Clone, Default)]
+/// Statistics of values given some at a time.
+#[derive(Debug, Clone)]
 pub struct Statistics {
     moments: LengthMoments,
     smallest: i64,
     largest: i64,
-    negative: Histogram,
-    positive: Histogram,
+    /// Of the values that are not negative, and of those that are.
+    magnitudes: [Histogram; 2],
     /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
     gauge: (u128, u64),
     /// Sum of the magnitudes of the differences of successive values, in 1e-12 mm, and how many there are.
@@ -75,19 +75,29 @@ struct Histogram {
 /// The quantiles that are reported.
 pub const QUANTILES: [f64; 9] = [0.00135, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.99865];
 
-impl Statistics {
-    /// Takes a value.
-    #[inline]
-    pub(super) fn add(&mut self, value: Length) {
-        let units = value.fm();
-        if self.count() == 0 {
-            (self.smallest, self.largest) = (units, units);
+impl Default for Statistics {
+    /// Of no values.
+    fn default() -> Self {
+        Self {
+            moments: LengthMoments::default(),
+            smallest: i64::MAX,
+            largest: i64::MIN,
+            magnitudes: Default::default(),
+            gauge: (0, 0),
+            moving: (0, 0),
         }
-        self.moments.merge(&LengthMoments::of(units));
-        self.smallest = self.smallest.min(units);
-        self.largest = self.largest.max(units);
-        let magnitude = units.unsigned_abs();
-        if units < 0 { self.negative.add(magnitude) } else { self.positive.add(magnitude) }
+    }
+}
+
+impl Statistics {
+    /// Takes values.
+    pub(super) fn add(&mut self, values: &[Length]) {
+        self.moments.merge(&LengthMoments::of(values));
+        for units in values.iter().map(|value| value.fm()) {
+            self.smallest = self.smallest.min(units);
+            self.largest = self.largest.max(units);
+            self.magnitudes[usize::from(units < 0)].add(units.unsigned_abs());
+        }
     }
 
     /// Takes what measuring contributes to the variance of a value, mm².
@@ -132,23 +142,21 @@ impl Statistics {
             let half = (middle / f64::from(1 << BIN_BITS)).max(0.5e-12);
             (sign * middle - half, sign * middle + half, count)
         };
-        let below = self.negative.descending().map(|bin| edges(bin, -1.0));
-        let groups: Vec<_> = below.chain(self.positive.ascending().map(|bin| edges(bin, 1.0))).collect();
+        let [positive, negative] = &self.magnitudes;
+        let below = negative.ascending().rev().map(|bin| edges(bin, -1.0));
+        let groups: Vec<_> = below.chain(positive.ascending().map(|bin| edges(bin, 1.0))).collect();
         Normality::of_groups(&groups, mean, deviation)
     }
 
     /// Takes what another has.
     pub(super) fn merge(&mut self, other: &Self) {
-        if self.count() == 0 {
-            (self.smallest, self.largest) = (other.smallest, other.largest);
-        } else if other.count() > 0 {
-            self.smallest = self.smallest.min(other.smallest);
-            self.largest = self.largest.max(other.largest);
-        }
+        self.smallest = self.smallest.min(other.smallest);
+        self.largest = self.largest.max(other.largest);
         self.moments.merge(&other.moments);
         self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
-        self.negative.merge(&other.negative);
-        self.positive.merge(&other.positive);
+        for (magnitudes, more) in self.magnitudes.iter_mut().zip(&other.magnitudes) {
+            magnitudes.merge(more);
+        }
     }
 
     /// How many values there are.
@@ -190,8 +198,7 @@ impl Statistics {
         }
         let rank = ((q * self.count() as f64).ceil() as u64).clamp(1, self.count());
         let mut before = 0;
-        let bins = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
-        for (value, count) in bins {
+        for (value, count) in self.bins() {
             before += count;
             if before >= rank {
                 return Some(value.clamp(millimetres(self.smallest), millimetres(self.largest)));
@@ -200,13 +207,18 @@ impl Statistics {
         self.max_mm()
     }
 
+    /// The middle of each bin that is not empty, mm, and its count.
+    fn bins(&self) -> impl Iterator<Item = (f64, u64)> {
+        let [positive, negative] = &self.magnitudes;
+        negative.ascending().rev().map(|(magnitude, count)| (-magnitude, count)).chain(positive.ascending())
+    }
+
     /// The values between two ends (mm) counted in bins of equal width; a value within 0.05 % of the edge of
     /// a bin may be counted in its neighbour.
     #[must_use]
     pub fn histogram(&self, from_mm: f64, to_mm: f64, bins: usize) -> Vec<u64> {
         let mut counts = vec![0; bins];
-        let all = self.negative.descending().map(|(value, count)| (-value, count)).chain(self.positive.ascending());
-        for (value, count) in all {
+        for (value, count) in self.bins() {
             // the middle of a quantile's bin may lie beyond the values
             let value = value.clamp(millimetres(self.smallest), millimetres(self.largest));
             let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
@@ -272,10 +284,6 @@ impl Histogram {
             })
         })
     }
-
-    fn descending(&self) -> impl Iterator<Item = (f64, u64)> + '_ {
-        self.ascending().rev()
-    }
 }
 
 #[cfg(test)]
@@ -284,7 +292,8 @@ mod tests {
 
     fn of(values: impl IntoIterator<Item = i64>) -> Statistics {
         let mut statistics = Statistics::default();
-        values.into_iter().for_each(|fm| statistics.add(Length::from_fm(fm)));
+        let values: Vec<_> = values.into_iter().map(Length::from_fm).collect();
+        statistics.add(&values);
         statistics
     }
 

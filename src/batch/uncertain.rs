@@ -1,9 +1,9 @@
-//! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the row
+//! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the
 //! evaluator; decides nothing.
 
 use super::output::UncertainOutput;
 use super::request::Request;
-use super::source::{KINDS, Source, index_of};
+use super::source::{Source, index_of};
 use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -94,15 +94,16 @@ impl Uncertain {
     pub(super) fn of_row(
         &self,
         sources: &[Source],
-        deviations: &[DeviationValue; KINDS],
-        delta_cd: &[Length; KINDS],
+        deviations: &[DeviationValue],
+        delta_cd: impl Fn(DeviationKind) -> Length,
         limits: &Limits,
     ) -> Result<RowUncertainty, MonteCarloError> {
-        let mut points = [Point::default(); KINDS];
-        for ((point, deviation), source) in points.iter_mut().zip(deviations).zip(sources) {
-            *point = Point { error: deviation.base(), delta_cd_mm: delta_cd[source.law.kind() as usize].mm() };
-        }
-        let spreads = self.propagator.spreads(&points[..sources.len()]);
+        let point = |(source, deviation): (&Source, &DeviationValue)| Point {
+            error: deviation.base(),
+            delta_cd_mm: delta_cd(source.law.kind()).mm(),
+        };
+        let points: Vec<_> = sources.iter().zip(deviations).map(point).collect();
+        let spreads = self.propagator.spreads(&points);
         let Some(settings) = &self.monte_carlo else {
             return Ok(RowUncertainty { spreads, simulation: None, validated: None });
         };

@@ -198,29 +198,12 @@ impl Law {
     #[inline]
     pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
-        let gain = self.gain(model);
-        let fm = match (self.shape(model), error) {
+        let function = match (self.shape(model), error) {
             (Shape::Shift, DeviationValue::Length(length)) => return Ok(length),
-            (Shape::Step, DeviationValue::Length(length)) => gain * length.abs().fm() as f64,
-            (Shape::Sine, DeviationValue::Angle(angle)) => {
-                domain::LEAD_ERROR.check_angle(angle)?;
-                gain * trig::sin_of(angle.abs())
-            }
-            (Shape::Tangent, DeviationValue::Angle(angle)) => {
-                domain::LEAD_ERROR.check_angle(angle)?;
-                gain * trig::tan_of(angle.abs())
-            }
-            // sin(atan t) = t / √(1 + t²)
-            (Shape::Sine, DeviationValue::Slope(slope)) => gain * (slope.abs() / (1.0 + slope * slope).sqrt()),
-            (Shape::Tangent, DeviationValue::Slope(slope)) => gain * slope.abs(),
-            (_, error) => return Err(self.wrong_dimension(error)),
+            (Shape::Step, DeviationValue::Length(length)) => (length.fm() as f64).abs(),
+            (shape, error) => of_turn(self.kind, shape, error)?,
         };
-        Ok(Length::nearest(fm, "ΔCD")?)
-    }
-
-    #[cold]
-    fn wrong_dimension(self, error: DeviationValue) -> DomainError {
-        DomainError::WrongDimension { error: self.kind.name(), value: error.to_string() }
+        Ok(Length::nearest(self.gain(model) * function, "ΔCD")?)
     }
 
     /// ΔCD in mm of an error in mm or degrees, for draws that lie on no grid. Not checked against the domain.
@@ -403,6 +386,26 @@ pub fn page_of(kind: DeviationKind) -> &'static FormulaPage {
         DeviationKind::PinionPitch => &catalogue::PINION_PITCH,
         DeviationKind::PinionLead => &catalogue::PINION_LEAD,
     }
+}
+
+/// The sine or tangent that ΔCD is in proportion to.
+fn of_turn(kind: DeviationKind, shape: Shape, error: DeviationValue) -> Result<f64, DomainError> {
+    Ok(match (shape, error) {
+        (Shape::Sine, DeviationValue::Angle(angle)) => {
+            domain::LEAD_ERROR.check_angle(angle)?;
+            trig::sin_of(angle.abs())
+        }
+        (Shape::Tangent, DeviationValue::Angle(angle)) => {
+            domain::LEAD_ERROR.check_angle(angle)?;
+            trig::tan_of(angle.abs())
+        }
+        // sin(atan t) = t / √(1 + t²)
+        (Shape::Sine, DeviationValue::Slope(slope)) => slope.abs() / (1.0 + slope * slope).sqrt(),
+        (Shape::Tangent, DeviationValue::Slope(slope)) => slope.abs(),
+        (_, error) => {
+            return Err(DomainError::WrongDimension { error: kind.name(), value: error.to_string() });
+        }
+    })
 }
 
 /// The right-hand side of a law's equation, as its page prints it: `|Δp| cos β_r / (2 tan α_n)`.

@@ -56,8 +56,12 @@ impl Length {
         let whole = fm as i64;
         // what lies between is exact in a double
         let between = fm - whole as f64;
-        let nearest = whole.saturating_add(i64::from(between >= 0.5)).saturating_sub(i64::from(between <= -0.5));
-        Self::of_steps((!fm.is_nan()).then_some(nearest), what)
+        // NaN is within nothing
+        if fm.abs() <= Self::LARGEST.fm as f64 {
+            Ok(Self { fm: whole + i64::from(between >= 0.5) - i64::from(between <= -0.5) })
+        } else {
+            Self::of_steps(None, what)
+        }
     }
 
     /// The sum of lengths, exactly.

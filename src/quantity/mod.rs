@@ -81,7 +81,9 @@ macro_rules! grid_quantity {
             /// The magnitude.
             #[must_use]
             pub const fn abs(self) -> Self {
-                Self { $steps: self.$steps.saturating_abs() }
+                // the sign of measured values is anybody's guess: a branch on it is wrong half of the time
+                let magnitude = self.$steps.unsigned_abs();
+                Self { $steps: if magnitude > i64::MAX as u64 { i64::MAX } else { magnitude as i64 } }
             }
 
             /// Whether the value is exactly zero.

@@ -157,10 +157,11 @@ impl Decimal {
         const PLACES: i32 = 6;
         const MILLION: f64 = 1e6;
         // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
-        const OF_15_DIGITS: u64 = 1_000_000_000_000_000;
+        const OF_15_DIGITS: i64 = 999_999_999_999_999;
         // a whole number beside the nearest one does not read as this double
         let millionths = (value * MILLION + 0.5_f64.copysign(value)) as i64;
-        if millionths.unsigned_abs() < OF_15_DIGITS && millionths as f64 / MILLION == value {
+        let is_of_15_digits = (-OF_15_DIGITS..=OF_15_DIGITS).contains(&millionths);
+        if is_of_15_digits && millionths as f64 / MILLION == value {
             return Some(Self { negative: millionths < 0, digits: millionths.unsigned_abs(), exponent: -PLACES });
         }
         Self::of_display(format_args!("{value:e}"))

@@ -1,5 +1,8 @@
 //! Exact moments of lengths on their grid: whatever the order, and however small the spread is against the mean.
 
+#[cfg(feature = "batch")]
+use crate::quantity::Length;
+
 /// How many lengths there are, their sum and that of their squares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct LengthMoments {
@@ -18,17 +21,16 @@ impl Default for LengthMoments {
 }
 
 impl LengthMoments {
-    /// Those of a single length.
+    /// Those of some lengths.
     #[cfg(feature = "batch")]
-    #[inline]
-    pub(crate) fn of(fm: i64) -> Self {
-        let fm = i128::from(fm);
-        Self { count: 1, sum_fm: fm, squares_fm2: Some(fm * fm) }
+    pub(crate) fn of(lengths: &[Length]) -> Self {
+        let each = || lengths.iter().map(|length| i128::from(length.fm()));
+        let squares_fm2 = each().try_fold(0_i128, |squares, fm| squares.checked_add(fm * fm));
+        Self { count: lengths.len() as u64, sum_fm: each().sum(), squares_fm2 }
     }
 
     /// Adds other lengths.
     #[cfg(feature = "batch")]
-    #[inline]
     pub(crate) fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.sum_fm += other.sum_fm;

@@ -1,6 +1,8 @@
 //! Some rows of a table as columns: the seam between whatever a table was and whoever evaluates it. Filled by the readers;
 //! read by the evaluators of parts and of teeth.
 
+use std::ops::Range;
+
 use super::encoding::text;
 use super::reading::AsideReading;
 use crate::deviation::DeviationValue;
@@ -145,6 +147,15 @@ impl Block {
         let start = span_end(self.text.len());
         self.text.extend_from_slice(bytes);
         Span { start, end: span_end(self.text.len()) }
+    }
+
+    /// Begins rows without text; of the table, `before` rows come before the first of all.
+    pub(crate) fn plain_rows(&mut self, rows: Range<usize>, before: u64) {
+        let (first, count) = (self.record_count, rows.len());
+        self.record_count += count as u64;
+        self.records.extend(first + 1..=self.record_count);
+        self.lines.extend(before + rows.start as u64 + 1..=before + rows.end as u64);
+        self.raw.extend(std::iter::repeat_n(Span::default(), count));
     }
 
     /// Adds a fault of the last row.

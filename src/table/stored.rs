@@ -2,7 +2,9 @@
 //! a column means is found as of any other. Made by the reader of Parquet files and by programs that have columns.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
+use super::block::{Span, span_end};
 use super::cell::{Cell, Content};
 use crate::quantity::Decimal;
 
@@ -172,6 +174,17 @@ impl<'a> Stored<'a> {
                 }
             }
         }
+    }
+
+    /// All texts, one behind the other.
+    pub(crate) fn all_text(&self) -> &[u8] {
+        if let Values::Texts { bytes, .. } = &self.values { bytes } else { &[] }
+    }
+
+    /// Where the texts of some rows stand among all.
+    pub(crate) fn spans(&self, rows: Range<usize>) -> impl Iterator<Item = Span> {
+        let ends = if let Values::Texts { ends, .. } = &self.values { &ends[rows.start..=rows.end] } else { &[] };
+        ends.windows(2).map(|ends| Span { start: span_end(ends[0]), end: span_end(ends[1]) })
     }
 
     /// The bytes of a text, if that is what the column holds.

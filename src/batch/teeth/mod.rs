@@ -312,7 +312,7 @@ impl<'a> Teeth<'a> {
         let quantities = self.ledger.outcome.quantities.iter_mut().zip(&mut self.moving);
         for ((quantity, moving), (_, column)) in quantities.zip(&COLUMNS[QUANTITIES]) {
             let Some(Ok(value)) = column.number(solved).map(Length::from_mm) else { continue };
-            quantity.statistics.add(value);
+            quantity.statistics.add(&[value]);
             moving.add(value);
         }
     }

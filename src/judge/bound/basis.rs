@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::known::KnownTeeth;
 use super::single::range_of;
-use super::sum::{Acting, Combined, bound, reached_at_least, together};
+use super::sum::{Combined, bound, reached_at_least, together};
 use super::{Bound, ErrorRange, ExtendedError, GivenPair, Knowledge, KnownPair, NoBound, OwnCurve, Range, Reach};
 use crate::formula::PartDeviation;
 
@@ -142,7 +142,7 @@ impl Basis {
     #[must_use]
     pub fn together(&self, errors: &[ExtendedError]) -> Combined<Range> {
         match self.knowledge(errors) {
-            Ok(knowledge) => together(errors, &knowledge, |_, error| Acting::of(error, &knowledge)),
+            Ok(knowledge) => together(errors, &knowledge),
             Err(open) => Combined { range: Err(open), rss: Err(open) },
         }
     }

@@ -314,8 +314,13 @@ fn candidates(values: Range, lines: Option<&RackLines>) -> [f64; 4] {
 }
 
 /// What leads of these values do to any pair whose flanks touch up to this height over and under the reference plane.
-#[inline]
 pub(super) fn of_any_pair(values: Range, lines: Option<&RackLines>, height: f64) -> ErrorRange {
+    ErrorRange::either_way(most_of_any_pair(values, lines, height))
+}
+
+/// How far they move ΔCD either way, mm.
+#[inline]
+pub(super) fn most_of_any_pair(values: Range, lines: Option<&RackLines>, height: f64) -> f64 {
     let asked = |value: f64| match lines {
         None => value.abs(),
         Some(lines) => {
@@ -324,12 +329,11 @@ pub(super) fn of_any_pair(values: Range, lines: Option<&RackLines>, height: f64)
         }
     };
     // a lead of all teeth has one value
-    let most = if values.lower == values.upper {
+    if values.lower == values.upper {
         asked(values.lower)
     } else {
         candidates(values, lines).into_iter().map(asked).fold(0.0, f64::max)
-    };
-    ErrorRange::either_way(most)
+    }
 }
 
 /// What undercut lifts of a pair.

@@ -67,18 +67,6 @@ pub struct ErrorRange {
 }
 
 impl ErrorRange {
-    /// The same of a value that is so many times as large.
-    #[inline]
-    fn scaled(self, by: f64) -> Self {
-        Self {
-            raw_lower_mm: by * self.raw_lower_mm,
-            lower_mm: by * self.lower_mm,
-            upper_mm: by * self.upper_mm,
-            raw_upper_mm: by * self.raw_upper_mm,
-            ..self
-        }
-    }
-
     #[inline]
     fn either_way(upper_mm: f64) -> Self {
         Self::within(-upper_mm, upper_mm)

@@ -1,75 +1,110 @@
-//! Errors of which each row of a table has other values. What grows in proportion to its value, by its sign, is computed
-//! once: where the pair is not known, all but the lead of the rack. Gives the same numbers as the bound of the errors as they are.
+//! Errors of which each row of a table has other values. Where the pair is not known, what an error does is in proportion to
+//! its size, by its sign, and is computed once. Gives the same numbers as the bound of the errors as they are.
 
 use super::error::ErrorEffect;
-use super::single::range_of;
-use super::sum::{Acting, Combined, together};
-use super::{Basis, ErrorRange, ExtendedError, Extent, Knowledge, NoBound, Range};
+use super::known::Own;
+use super::lead;
+use super::moments::{Moments, moments};
+use super::single::{assumed_height, range_of};
+use super::sum::{Combined, StatisticalSum, Sum, larger, own, parts_with_several_leads};
+use super::{Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, Range};
 
 /// Errors whose values change, and what follows from each whatever its value.
 #[derive(Debug, Clone)]
 pub struct ChangingErrors<'a> {
     basis: &'a Basis,
     errors: Vec<ExtendedError>,
-    /// What one mm of each error does up and down, where its ends are in proportion.
-    per_mm: Vec<Option<[Acting; 2]>>,
+    in_proportion: Option<InProportion>,
+}
+
+/// Errors of a pair that is not known, where all do what is in proportion to their sizes.
+#[derive(Debug, Clone)]
+struct InProportion {
+    own: Own,
+    /// What one mm of each error does up and down.
+    per_mm: Vec<[PerMm; 2]>,
+}
+
+/// What one mm of an error adds to the sums; of a pair that is not known, no upper end is lower than its raw one.
+#[derive(Debug, Clone, Copy)]
+struct PerMm {
+    raw_lower: f64,
+    raw_upper: f64,
+    better: f64,
+    moments: Moments,
 }
 
 impl<'a> ChangingErrors<'a> {
     /// Errors of any value.
     #[must_use]
     pub fn new(basis: &'a Basis, errors: Vec<ExtendedError>) -> Self {
-        let per_mm = errors.iter().map(|error| per_mm(error, basis)).collect();
-        Self { basis, errors, per_mm }
+        let in_proportion = InProportion::of(&errors, &Knowledge { basis, pair: None });
+        Self { basis, errors, in_proportion }
     }
 
-    /// The errors with their last values.
+    /// The errors with these values, mm or rad.
     #[must_use]
-    pub fn errors(&self) -> &[ExtendedError] {
-        &self.errors
+    pub fn with(&self, values: impl Iterator<Item = f64>) -> Vec<ExtendedError> {
+        self.errors.iter().zip(values).map(|(error, value)| error.with_value(value)).collect()
     }
 
-    /// Gives the error with this index another value, mm or rad.
-    #[inline]
-    pub fn set(&mut self, index: usize, value: f64) {
-        self.errors[index].value = value;
-    }
-
-    /// What one error can do alone, as [`Basis::alone`].
-    ///
-    /// # Errors
-    /// [`NoBound`] if there is no bound.
-    pub fn alone(&self, index: usize) -> Result<ErrorRange, NoBound> {
-        self.basis.alone(&self.errors[index])
-    }
-
-    /// What all can do, as [`Basis::together`].
+    /// What all can do with these values, mm or rad, as [`Basis::together`].
     #[must_use]
     #[inline]
-    pub fn together(&self) -> Combined<Range> {
-        let knowledge = match self.basis.knowledge(&self.errors) {
-            Ok(knowledge) => knowledge,
-            Err(open) => return Combined { range: Err(open), rss: Err(open) },
+    pub fn together(&self, values: impl Iterator<Item = f64>) -> Combined<Range> {
+        let Some(InProportion { own, per_mm }) = &self.in_proportion else {
+            return self.basis.together(&self.with(values));
         };
-        together(&self.errors, &knowledge, |index, error| match &self.per_mm[index] {
-            Some(per_mm) => per_mm[usize::from(error.value < 0.0)].scaled(error.value.abs()),
-            None => Acting::of(error, &knowledge),
-        })
+        let (mut sum, mut scatter) = (Sum::default(), StatisticalSum::default());
+        for ((error, per_mm), value) in self.errors.iter().zip(per_mm).zip(values) {
+            let (per_mm, size) = (&per_mm[usize::from(value < 0.0)], size(error, value, self.basis));
+            sum.raw_lower += size * per_mm.raw_lower;
+            sum.raw_upper += size * per_mm.raw_upper;
+            sum.better = larger(sum.better, size * per_mm.better);
+            scatter.add(per_mm.moments.scaled(size));
+        }
+        let range = Ok(sum.with_own(*own));
+        Combined { range, rss: Ok(scatter.around(own.range, range)) }
     }
 }
 
-/// What one mm of an error does with either sign; `None` where its ends are not in proportion to it.
-fn per_mm(error: &ExtendedError, basis: &Basis) -> Option<[Acting; 2]> {
-    let knowledge = Knowledge { basis, pair: None };
-    let is_capped = matches!(error.effect, ErrorEffect::Pitch { cap: Some(_), .. });
-    let is_in_proportion = matches!(basis.geometry, super::GivenGeometry::Unknown | super::GivenGeometry::BothFlanks)
-        && !knowledge.rolls()
-        && !is_capped
-        && !error.either_sign
-        && matches!(error.extent, Extent::One | Extent::Part | Extent::All)
-        && !matches!(error.effect, ErrorEffect::RackLead(_));
-    let of = |value| Acting::of(&error.with_value(value), &knowledge);
-    (is_in_proportion && range_of(error, &knowledge).is_ok()).then(|| [of(1.0), of(-1.0)])
+impl InProportion {
+    /// `None` where ends are not in proportion, or not all have one.
+    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Option<Self> {
+        let is_any_pair = !matches!(knowledge.basis.geometry, GivenGeometry::Known(_))
+            && knowledge.basis.known_teeth.is_none()
+            && !knowledge.rolls()
+            && parts_with_several_leads(errors) == [false; 2];
+        let own = own(&Sum::default(), knowledge).ok().filter(|_| is_any_pair)?;
+        let of = |error: &ExtendedError, value: f64| {
+            let range = match error.effect {
+                ErrorEffect::RackLead(_) => ErrorRange::either_way(1.0),
+                _ => range_of(&error.with_value(value), knowledge).ok()?,
+            };
+            let moments = moments(&error.with_value(value), Ok(range), knowledge).ok()?;
+            let ErrorRange { raw_lower_mm: raw_lower, raw_upper_mm: raw_upper, .. } = range;
+            Some(PerMm { raw_lower, raw_upper, better: range.lower_mm - raw_lower, moments })
+        };
+        let of_error = |error: &ExtendedError| {
+            let is_capped = matches!(error.effect, ErrorEffect::Pitch { cap: Some(_), .. });
+            let is_in_proportion =
+                !is_capped && !error.either_sign && matches!(error.extent, Extent::One | Extent::Part | Extent::All);
+            is_in_proportion.then(|| Some([of(error, 1.0)?, of(error, -1.0)?])).flatten()
+        };
+        Some(Self { own, per_mm: errors.iter().map(of_error).collect::<Option<_>>()? })
+    }
+}
+
+/// How large an error of this value is, mm: what an error of a pair that is not known does is in proportion to it.
+#[inline]
+fn size(error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
+    match &error.effect {
+        ErrorEffect::RackLead(lines) => {
+            let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;
+            lead::most_of_any_pair(lead::values_of(value, error.extent), Some(lines), height)
+        }
+        _ => value.abs(),
+    }
 }
 
 #[cfg(test)]
@@ -77,7 +112,6 @@ mod tests {
     use super::*;
     use crate::deviation::DeviationKind;
     use crate::formula::Law;
-    use crate::judge::bound::GivenGeometry;
     use crate::quantity::{Angle, Length};
 
     /// The same bits, whatever the kinds, extents and values are.
@@ -100,15 +134,17 @@ mod tests {
                     ExtendedError::new(law, zero, extent).ok()
                 };
                 let errors: Vec<_> = laws.into_iter().filter_map(error).collect();
-                let mut changing = ChangingErrors::new(&basis, errors.clone());
+                let changing = ChangingErrors::new(&basis, errors.clone());
                 for round in 0..50_i64 {
-                    for (index, error) in errors.iter().enumerate() {
+                    let value = |(index, error): (usize, &ExtendedError)| {
                         let value =
                             Length::from_fm((round * 37 + index as i64 * 101) % 83 * 700_000_001 - 29_000_000_000);
                         let is_angle = matches!(error.effect, ErrorEffect::RackLead(_));
-                        changing.set(index, if is_angle { 0.1 * value.mm() } else { value.mm() });
-                    }
-                    assert_eq!(changing.together(), basis.together(changing.errors()), "{extent:?} {rolls}");
+                        if is_angle { 0.1 * value.mm() } else { value.mm() }
+                    };
+                    let values = || errors.iter().enumerate().map(value);
+                    let expected = basis.together(&changing.with(values()));
+                    assert_eq!(changing.together(values()), expected, "{extent:?} {rolls}");
                 }
             }
         }

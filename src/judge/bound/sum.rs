@@ -44,7 +44,7 @@ const SPARE_MM: f64 = 1e-6;
 
 /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
 pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
-    let combined = together(errors, knowledge, |_, error| Acting::of(error, knowledge));
+    let combined = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
     let (mut acts, mut counts) = (false, false);
     for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair.is_none()) {
@@ -59,13 +59,13 @@ pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
 /// What errors of both parts add up to, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sum {
-    raw_lower: f64,
-    raw_upper: f64,
+    pub(super) raw_lower: f64,
+    pub(super) raw_upper: f64,
     /// The raw ends of those that sink, and of those that lift.
     sinks: f64,
     lifts: f64,
     /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
-    better: f64,
+    pub(super) better: f64,
     spared: f64,
     /// How much lower the upper end of one error is with what undercut lifts at the same stroke than its raw one without,
     /// at most.
@@ -108,7 +108,6 @@ impl Sum {
     }
 
     /// Adds what the leads of parts do that have several, which are added as angles.
-    #[inline]
     fn add_several_leads(&mut self, several: [bool; 2], errors: &[ExtendedError], knowledge: &Knowledge) {
         for part in [Part::Rack, Part::Pinion] {
             if several[part as usize] {
@@ -124,9 +123,10 @@ impl Sum {
         self.lifts += range.raw_upper_mm.max(0.0);
         self.raw_lower += range.raw_lower_mm;
         self.raw_upper += range.raw_upper_mm;
-        self.better = self.better.max(range.lower_mm - range.raw_lower_mm);
-        self.spared = self.spared.max(range.raw_upper_mm - range.upper_mm);
-        self.spared_with_undercut = self.spared_with_undercut.max(range.raw_upper_mm - range.upper_with_undercut_mm);
+        self.better = larger(self.better, range.lower_mm - range.raw_lower_mm);
+        self.spared = larger(self.spared, range.raw_upper_mm - range.upper_mm);
+        self.spared_with_undercut =
+            larger(self.spared_with_undercut, range.raw_upper_mm - range.upper_with_undercut_mm);
         if part == Part::Pinion {
             self.of_pinion += range.raw_upper_mm.max(-range.raw_lower_mm);
             self.pinion_lifts += range.raw_upper_mm.abs();
@@ -153,6 +153,7 @@ impl Sum {
 
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends. Flanks that sink ask for no more
     /// than without errors, and for less only if the rack's tips, which stay, do not carry in their place.
+    #[inline]
     pub(super) fn with_own(&self, own: Own) -> Range {
         let lifted = self.raw_upper - self.spared;
         let own_upper = if self.pinion_lifts == 0.0 { own.unshifted_upper } else { own.range.upper };
@@ -162,6 +163,12 @@ impl Sum {
             (own_upper + lifted.max(0.0)).min(own.upper_of_sunk_flanks + lifted).min(own_upper.max(at_one_stroke));
         Range { lower: lower.min(upper), upper: upper.max(lower) }
     }
+}
+
+/// The larger of two numbers, neither of which is NaN.
+#[inline]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// The pair's own range, if these errors are within what the pair is known for.
@@ -176,48 +183,19 @@ pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     }
 }
 
-/// What an error does alone: its ends, and its mean and spread at one stroke.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Acting {
-    range: Result<ErrorRange, NoBound>,
-    moments: Result<Moments, NoBound>,
-}
-
-impl Acting {
-    #[inline]
-    pub(super) fn of(error: &ExtendedError, knowledge: &Knowledge) -> Self {
-        let range = range_of(error, knowledge);
-        Self { range, moments: moments(error, range, knowledge) }
-    }
-
-    /// The same of an error that is so many times as large, where both are in proportion to it.
-    #[inline]
-    pub(super) fn scaled(&self, by: f64) -> Self {
-        Self {
-            range: self.range.map(|range| range.scaled(by)),
-            moments: self.moments.map(|moments| moments.scaled(by)),
-        }
-    }
-}
-
-/// What errors do together, each of which does alone what `acting` says.
-#[inline]
-pub(super) fn together(
-    errors: &[ExtendedError],
-    knowledge: &Knowledge,
-    acting: impl Fn(usize, &ExtendedError) -> Acting,
-) -> Combined<Range> {
+/// What errors do together.
+pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
     let several = parts_with_several_leads(errors);
     let (mut sum, mut scatter) = (Sum::default(), StatisticalSum::default());
     let (mut summed, mut scattered) = (Ok(()), Ok(()));
-    for (index, error) in errors.iter().enumerate() {
-        let Acting { range, moments } = acting(index, error);
+    for error in errors {
+        let range = range_of(error, knowledge);
         match range {
             Ok(_) if error.effect.is_lead() && several[error.part as usize] => {}
             Ok(range) => sum.add(error.part, range),
             Err(open) => summed = summed.and(Err(open)),
         }
-        scattered = scattered.and_then(|()| scatter.add(moments));
+        scattered = scattered.and_then(|()| moments(error, range, knowledge).map(|moments| scatter.add(moments)));
     }
     sum.add_several_leads(several, errors, knowledge);
     let sum = summed.map(|()| sum);
@@ -240,21 +218,21 @@ pub(super) fn together(
 
 /// Means and variances of errors, which are independent.
 #[derive(Default)]
-struct StatisticalSum {
+pub(super) struct StatisticalSum {
     mean: f64,
     variance: f64,
 }
 
 impl StatisticalSum {
-    fn add(&mut self, moments: Result<Moments, NoBound>) -> Result<(), NoBound> {
-        let Moments { mean_mm, deviation_mm } = moments?;
-        self.mean += mean_mm;
-        self.variance += deviation_mm * deviation_mm;
-        Ok(())
+    #[inline]
+    pub(super) fn add(&mut self, moments: Moments) {
+        self.mean += moments.mean_mm;
+        self.variance += moments.deviation_mm * moments.deviation_mm;
     }
 
     /// Where ΔCD lies at one stroke for all but a few parts, around the pair's own range.
-    fn around(&self, own: Range, total: Result<Range, NoBound>) -> Range {
+    #[inline]
+    pub(super) fn around(&self, own: Range, total: Result<Range, NoBound>) -> Range {
         let spread = DEVIATIONS * self.variance.sqrt();
         let range = Range { lower: own.lower + self.mean - spread, upper: own.upper + self.mean + spread };
         // nothing goes beyond the worst case
@@ -298,8 +276,7 @@ impl Bound {
 }
 
 /// Which parts have more than one lead.
-#[inline]
-fn parts_with_several_leads(errors: &[ExtendedError]) -> [bool; 2] {
+pub(super) fn parts_with_several_leads(errors: &[ExtendedError]) -> [bool; 2] {
     let mut leads = [0_usize; 2];
     for error in errors.iter().filter(|error| error.effect.is_lead()) {
         leads[error.part as usize] += 1;

@@ -3,7 +3,7 @@
 use super::super::block::{Block, Span};
 use super::super::cell::{Cell, Record};
 use super::super::stored::Stored;
-use super::{PlainColumn, Rows, may_be_statistic, start};
+use super::{PlainColumn, Rows, may_be_statistic};
 use crate::deviation::DeviationValue;
 use crate::quantity::Length;
 
@@ -36,37 +36,36 @@ impl Rows {
             return;
         };
         // what cannot be told from the numbers alone is looked at as a record
-        let mut is_odd = vec![false; rows];
-        let mut values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut is_odd)).collect();
+        let mut odd = Vec::new();
+        let mut values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut odd)).collect();
         let names = self.setup.id.and_then(|place| fields[place].as_ref());
         if let Some(names) = names {
-            for (row, is_odd) in is_odd.iter_mut().enumerate() {
-                *is_odd |= names.text(row).is_none_or(may_be_statistic);
-            }
+            odd.extend((0..rows).filter(|row| names.text(*row).is_none_or(may_be_statistic)));
+            block.text.extend_from_slice(names.all_text());
         }
-        let mut row = 0;
-        while row < rows && block.contradiction.is_none() {
-            if is_odd[row] {
-                self.odd(&stored_record(fields, row, before), block);
-                row += 1;
-                continue;
-            }
-            let end = (row..rows).find(|row| is_odd[*row]).unwrap_or(rows);
+        odd.sort_unstable();
+        odd.dedup();
+        let mut first = 0;
+        for end in odd.into_iter().chain([rows]) {
             for (column, values) in columns.iter().zip(&mut values) {
                 let of_block = &mut block.values[column.number];
-                if end - row == rows {
+                if end - first == rows {
                     std::mem::swap(of_block, values);
                 } else {
-                    of_block.extend_from_slice(&values[row..end]);
+                    of_block.extend_from_slice(&values[first..end]);
                 }
             }
-            for row in row..end {
-                block.record_count += 1;
-                start(before + row as u64 + 1, Span::default(), block);
-                let name = names.and_then(|names| names.text(row)).map(|name| block.append(name));
-                block.names.extend(name);
+            if let Some(names) = names {
+                block.names.extend(names.spans(first..end));
             }
-            row = end;
+            block.plain_rows(first..end, before);
+            if end < rows {
+                self.odd(&stored_record(fields, end, before), block);
+            }
+            if block.contradiction.is_some() {
+                return;
+            }
+            first = end + 1;
         }
     }
 
@@ -82,15 +81,16 @@ impl Rows {
 }
 
 /// The deviations of a column's numbers; a row without one is odd.
-fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], is_odd: &mut [bool]) -> Vec<DeviationValue> {
-    let mut values = Vec::with_capacity(is_odd.len());
-    if let Some(stored) = &fields[column.place] {
-        stored.numbers(|row, number| {
-            let deviation = number.and_then(|number| column.numbers.deviation(number));
-            is_odd[row] |= deviation.is_none();
-            values.push(deviation.unwrap_or(DeviationValue::Length(Length::ZERO)));
-        });
-    }
+fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], odd: &mut Vec<usize>) -> Vec<DeviationValue> {
+    let Some(stored) = &fields[column.place] else { return Vec::new() };
+    let mut values = Vec::with_capacity(stored.rows());
+    stored.numbers(|row, number| {
+        let deviation = number.and_then(|number| column.numbers.deviation(number));
+        values.push(deviation.unwrap_or_else(|| {
+            odd.push(row);
+            DeviationValue::Length(Length::ZERO)
+        }));
+    });
     values
 }
 
