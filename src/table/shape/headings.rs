@@ -124,7 +124,7 @@ pub(super) fn says_no_part(text: &str) -> bool {
     let is_word = |word: &&str| word.chars().count() > 2;
     is_none(text)
         || text.split_whitespace().any(is_none)
-        || text.split(['-', '/', '|', '[']).filter(is_word).any(is_none)
+        || heading(text, &[]).is_none() && text.split(['-', '/', '|', '[']).filter(is_word).any(is_none)
 }
 
 /// What the names of a table's parts look like.
