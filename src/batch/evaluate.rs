@@ -16,12 +16,20 @@ use crate::deviation::DeviationValue;
 use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::shown;
+use crate::quantity::{Length, shown};
 use crate::table::{Block, Fault};
 use crate::uncertainty::Spreads;
 
 /// Rows that are evaluated together: their columns stay near at hand.
 const TOGETHER: usize = 512;
+
+/// Results of a block that are not in the statistics yet, of one quantity.
+#[derive(Default)]
+struct Uncounted {
+    results: Vec<Length>,
+    /// What measuring contributes to the variance of each.
+    gauges_mm2: Vec<f64>,
+}
 
 /// Evaluates the rows of blocks.
 pub(super) struct Evaluator<'a> {
@@ -33,6 +41,8 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
+    /// What of the block belongs there, once it is known to count.
+    uncounted: Vec<Uncounted>,
     /// The errors on the teeth that their extents allow.
     errors: ChangingErrors<'a>,
     /// Which deviations are not suspicious.
@@ -52,6 +62,7 @@ impl<'a> Evaluator<'a> {
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
+            uncounted: (0..quantities).map(|_| Uncounted::default()).collect(),
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
@@ -62,6 +73,10 @@ impl<'a> Evaluator<'a> {
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
         self.written.clear();
         self.rejects.clear();
+        for uncounted in &mut self.uncounted {
+            uncounted.results.clear();
+            uncounted.gauges_mm2.clear();
+        }
         self.tally.clear(self.plan.followed.len());
         self.tally.lines = block.line_count;
         self.tally.records = block.record_count;
@@ -161,25 +176,32 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Takes results into the statistics.
+    /// Takes the block into the statistics: a block behind the end of the run does not count.
+    pub(super) fn count_block(&mut self) {
+        for (statistics, uncounted) in self.statistics.iter_mut().zip(&self.uncounted) {
+            statistics.add(&uncounted.results);
+            uncounted.gauges_mm2.iter().for_each(|gauge| statistics.add_gauge(*gauge));
+        }
+    }
+
+    /// Keeps results for the statistics.
     fn count(&mut self, results: &Results<'_>) {
-        for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            statistics.add(&results.all_of(output));
+        for (uncounted, output) in self.uncounted.iter_mut().zip(self.plan.quantities()) {
+            uncounted.results.extend(results.all_of(output));
         }
         for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            results.all_of(output).into_iter().for_each(|result| moving.add(result));
+            results.all_of(output).for_each(|result| moving.add(result));
         }
         for known in results.parts().filter_map(|row| results.uncertainty(row)) {
             self.add_gauge(&known.spreads);
         }
     }
 
-    /// Adds what measuring contributes to the variance of each result.
+    /// Keeps what measuring contributes to the variance of each result.
     fn add_gauge(&mut self, spreads: &Spreads) {
-        for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
-            if let Some(spread) = self.plan.spread_of(output).and_then(|of| spread_of(self.plan, spreads, of)) {
-                statistics.add_gauge(spread.gauge_mm2);
-            }
+        for (uncounted, output) in self.uncounted.iter_mut().zip(self.plan.quantities()) {
+            let spread = self.plan.spread_of(output).and_then(|of| spread_of(self.plan, spreads, of));
+            uncounted.gauges_mm2.extend(spread.map(|spread| spread.gauge_mm2));
         }
     }
 

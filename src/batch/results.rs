@@ -219,10 +219,8 @@ impl<'a> Results<'a> {
     }
 
     /// The results of an output that is a length, of all parts that have one.
-    pub(super) fn all_of(&self, output: &Output) -> Vec<Length> {
-        let mut all = Vec::with_capacity(self.refusals.len());
-        all.extend(self.parts().filter_map(|row| self.of(output, row)));
-        all
+    pub(super) fn all_of(&self, output: &Output) -> impl Iterator<Item = Length> {
+        self.parts().filter_map(|row| self.of(output, row))
     }
 
     /// The result of an output that is a length; `None` if there is none.

@@ -253,7 +253,8 @@ impl SharedRun<'_, '_> {
                 order = self.turn.wait(order).unwrap_or_else(PoisonError::into_inner);
             }
             order.next += 1;
-            if !self.ended.load(Ordering::Relaxed) {
+            let is_counted = !self.ended.load(Ordering::Relaxed);
+            if is_counted {
                 let order = &mut *order;
                 order.total.add(&mut evaluator.tally);
                 let written = match order.sinks.rows.as_mut() {
@@ -266,6 +267,9 @@ impl SharedRun<'_, '_> {
             }
             drop(order);
             self.turn.notify_all();
+            if is_counted {
+                evaluator.count_block();
+            }
         }
     }
 

@@ -154,6 +154,22 @@ fn bad_rows_are_reported_kept_and_counted() {
     assert_eq!(std::fs::read(&rejects).unwrap(), utf16(expected, false));
 }
 
+/// Rows behind the one that ends a run are in no count and in no statistics, however many workers have read on.
+#[test]
+fn statistics_end_where_the_run_does() {
+    let mut table = "part_id,over_roller,dp\nP0,abc,0\n".to_owned();
+    for row in 0..100_000 {
+        let _ = writeln!(table, "P{row},25.01,0");
+    }
+    let options = [SPEC, "--strict", "--summary", "--format", "json", "--threads", "4"];
+    let output = batch(&options, table.as_bytes());
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("the summary is JSON");
+    assert_eq!(summary["counts"]["rows"], 1, "{summary}");
+    for quantity in summary["results"].as_array().unwrap() {
+        assert_eq!(quantity["count"], 0, "{quantity}");
+    }
+}
+
 #[test]
 fn many_bad_rows_are_counted_and_some_shown() {
     let mut table = TABLE.to_owned();
