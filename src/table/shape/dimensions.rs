@@ -14,13 +14,14 @@ use crate::table::names::names_value;
 use crate::table::want::Want;
 
 /// The records with each axis called by its dimension, and below one header: `OVER_ROLLER`, or `CIR1 X` where a dimension has
-/// several axes.
+/// several axes. Where headers differ, the records as they are.
 pub(super) fn with_dimension_names<'r>(records: &'r [Record], want: &Want) -> Cow<'r, [Record]> {
-    if !records.windows(2).any(|pair| dimension(&pair[0]).is_some() && is_header(&pair[1])) {
+    let mut headers = records.iter().filter(|record| is_header(record));
+    let first = headers.next().filter(|first| headers.all(|header| texts(header) == texts(first)));
+    let Some(header) = first.filter(|_| records.iter().any(|record| dimension(record).is_some())) else {
         return records.into();
-    }
+    };
     let mut named: Vec<Record> = Vec::with_capacity(records.len());
-    let mut header: Option<&Record> = None;
     for block in records.chunk_by(|_, next| dimension(next).is_none()) {
         let name = dimension(&block[0]);
         let is_axis_of = |record: &Record| {
@@ -29,23 +30,16 @@ pub(super) fn with_dimension_names<'r>(records: &'r [Record], want: &Want) -> Co
         };
         let axes = block.iter().filter(|record| is_axis_of(record)).count();
         for record in block {
-            if is_header(record) && header.is_some_and(|first| texts(first) == texts(record)) {
-                continue;
-            }
-            if axes > 0 && dimension(record).is_some() {
-                named.extend(units(record));
-                continue;
-            }
-            let first = match &name {
-                _ if is_header(record) => {
-                    header.get_or_insert(record);
-                    Some("dimension".to_owned())
+            match &name {
+                _ if record.line == header.line => named.push(called(record, "dimension")),
+                _ if is_header(record) => {}
+                Some(_) if axes > 0 && dimension(record).is_some() => named.extend(units(record)),
+                Some(name) if is_axis_of(record) && axes > 1 => {
+                    named.push(called(record, &format!("{name} {}", record.cells[0].text())));
                 }
-                Some(name) if is_axis_of(record) && axes > 1 => Some(format!("{name} {}", record.cells[0].text())),
-                Some(name) if is_axis_of(record) => Some(name.clone()),
-                _ => None,
-            };
-            named.push(first.map_or_else(|| record.clone(), |first| called(record, &first)));
+                Some(name) if is_axis_of(record) => named.push(called(record, name)),
+                _ => named.push(record.clone()),
+            }
         }
     }
     named.into()
