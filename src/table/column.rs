@@ -287,25 +287,6 @@ impl Column {
         self.nominal != Nominal::None && deviations.may_hold(cell)
     }
 
-    /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
-    /// half their range. `own` are its cells.
-    pub(crate) fn may_be_repeated(&self, own: &[Cell], cells: &[Cell]) -> bool {
-        let numbers: Vec<&Cell> = cells.iter().filter(|cell| cell.is_number()).collect();
-        if !numbers.iter().all(|cell| cell.is_measure()) || !numbers.iter().any(|cell| cell.has_decimals()) {
-            return false;
-        }
-        if matches!(self.nominal, Nominal::Fixed(_)) {
-            return numbers.iter().all(|cell| self.may_hold(cell));
-        }
-        let base = |cell: &Cell| self.quantity(cell).ok().map(DeviationValue::base);
-        let own: Vec<f64> = own.iter().filter_map(base).collect();
-        let (least, most) = own
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
-        let half = if most > least { (most - least) / 2.0 } else { most.abs() / 2.0 };
-        numbers.iter().all(|cell| base(cell).is_some_and(|value| (least - half..=most + half).contains(&value)))
-    }
-
     /// Whether a row that is called by a mean or an extreme of the others lies beyond them, mm or degrees.
     pub(crate) fn is_beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> bool {
         // of deviations, it may be that without signs

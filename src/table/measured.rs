@@ -1,16 +1,19 @@
-//! The measured values of a table, by which a number beside it is told to be one more: it is near a nominal value. Asked about
-//! what is not understood; deviations tell nothing.
+//! The values of a table, by which a number beside it is told to be one more: it is near a nominal value, or within the
+//! values of a column. Asked about what is not understood.
 
 use super::cell::Cell;
 use super::column::{Column, Nominal};
-use super::names::Role;
+use super::names::{Role, is_statistic, lies_within, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
+use super::unknown::Unknown;
+use super::want::Orientation;
 use crate::deviation::DeviationValue;
 
 /// What is known of the measured values of a table.
 #[derive(Debug, Default)]
 pub(crate) struct MeasuredValues {
+    orientation: Orientation,
     columns: Vec<ColumnValues>,
 }
 
@@ -37,7 +40,29 @@ impl MeasuredValues {
             let nominals = nominals.filter(|nominal| nominal.base() != 0.0).collect();
             ColumnValues { column: column.clone(), nominals, least, most }
         };
-        Self { columns: understood.shape.measurements.iter().zip(&understood.columns).map(of_column).collect() }
+        Self {
+            orientation: understood.shape.orientation,
+            columns: understood.shape.measurements.iter().zip(&understood.columns).map(of_column).collect(),
+        }
+    }
+
+    /// Whether a column, or a line where others are, may hold the values of a known one once more. The nominal value of all parts,
+    /// a tolerance and a spread are none.
+    pub(crate) fn are_repeated_by(&self, unknown: &Unknown) -> bool {
+        let title = &unknown.title;
+        let is_fixed = || unknown.cells.windows(2).all(|pair| pair[0].text() == pair[1].text());
+        let is_other =
+            is_statistic(title) && !lies_within(title) || role(title).is_some_and(Role::is_beside_value) && is_fixed();
+        let is_of_rows = self.orientation == Orientation::Rows;
+        // an extreme that is another for each part is measured
+        let has_numbers = || unknown.cells.iter().any(Cell::is_number);
+        if unknown.column.is_some() && is_of_rows && lies_within(title) && has_numbers() && !is_fixed() {
+            return true;
+        }
+        // a column beside columns of parts is a statistic of them
+        unknown.column.is_some() == is_of_rows
+            && !is_other
+            && self.columns.iter().any(|column| column.may_be_repeated(&unknown.cells))
     }
 
     /// Whether a number has decimals and is near a nominal value, and is none.
@@ -52,6 +77,22 @@ impl MeasuredValues {
 }
 
 impl ColumnValues {
+    /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
+    /// half their range.
+    fn may_be_repeated(&self, cells: &[Cell]) -> bool {
+        let numbers: Vec<&Cell> = cells.iter().filter(|cell| cell.is_number()).collect();
+        if !numbers.iter().all(|cell| cell.is_measure()) || !numbers.iter().any(|cell| cell.has_decimals()) {
+            return false;
+        }
+        if matches!(self.column.nominal, Nominal::Fixed(_)) {
+            return numbers.iter().all(|cell| self.column.may_hold(cell));
+        }
+        let (least, most) = (self.least, self.most);
+        let half = if most > least { (most - least) / 2.0 } else { most.abs() / 2.0 };
+        let is_among = |value: DeviationValue| (least - half..=most + half).contains(&value.base());
+        numbers.iter().all(|cell| self.column.quantity(cell).is_ok_and(is_among))
+    }
+
     fn may_have(&self, cell: &Cell, is_meant: impl Fn(f64) -> bool) -> bool {
         let is_value = |mark: DecimalMark| {
             let value = self.column.with_mark(mark).quantity(cell).ok();

@@ -10,8 +10,8 @@ use super::column::{Column, Nominal};
 use super::grid::{Separator, records};
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, heading, is_called, is_context, is_statistic, is_total, is_value_heading, near, role, says_deviation,
-    split_unit,
+    Field, Role, heading, is_called, is_context, is_statistic, is_total, is_value_heading, lies_within, near, role,
+    says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
@@ -114,9 +114,11 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         if is_title(unknown) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
-            let is_said = is_statistic(&unknown.title) || role(&unknown.title).is_some_and(Role::is_beside_value);
-            let is_repeated = understood.is_repeated_by(unknown)
-                || !is_said && unknown.cells.iter().any(|cell| measured.may_have(cell));
+            let title = &unknown.title;
+            let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
+            let is_one_more =
+                |cell: &Cell| !is_said && measured.may_have(cell) || lies_within(title) && measured.is_beyond_all(cell);
+            let is_repeated = measured.are_repeated_by(unknown) || unknown.cells.iter().any(is_one_more);
             let is_measurement = unknown.is_measurement || is_repeated;
             sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
         }
@@ -125,9 +127,10 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < shape.header_line;
         let line_names = LineNames { of_parts: &names, is_above };
-        let found = value_in(aside, shape.header.len(), columns, Some(&line_names))
-            .or_else(|| value_beyond(aside, &measured, is_above));
-        let found = found.map(|unknown| Unknown { is_repeated: true, ..unknown });
+        let found = value_in(aside, shape.header.len(), columns, Some(&line_names));
+        let found = found
+            .or_else(|| value_beyond(aside, &measured, is_above))
+            .map(|unknown| Unknown { is_repeated: true, ..unknown });
         match found.or_else(|| without_value(aside, shape, columns)) {
             Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
             _ => sorted.asides.push(aside.clone()),
@@ -275,18 +278,16 @@ pub(crate) fn value_in(
     let deviate = || !columns.is_empty() && columns.iter().all(|column| column.nominal == Nominal::None);
     let is_signed = |cell: &Cell| cell.text().trim_start().starts_with(['+', '-', '\u{2212}']);
     let is_alone = found.cells.iter().filter(|cell| cell.is_number()).count() == 1;
-    // of deviations, a whole number behind the name of a part, or one with a sign, may be one
+    // behind the name of a part or with a sign, a number may say by how much a value deviates
     let is_deviation = |cell: &Cell| {
         cell.is_measure()
-            && (begins_with_part && deviate() || is_signed(cell) && is_alone && names.is_some())
+            && (begins_with_part && (cell.is_fine() || deviate()) || is_signed(cell) && is_alone && names.is_some())
             && columns.iter().any(|column| column.may_hold(cell) || column.may_deviate_by(cell))
     };
     let is_value = |cell: &Cell| {
         let may_be_of =
             |column: &Column| is_name || (!is_above || cell.is_fine()) && matches!(column.nominal, Nominal::Fixed(_));
-        let may_deviate =
-            || begins_with_part && cell.is_fine() && columns.iter().any(|column| column.may_deviate_by(cell));
-        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell)) || may_deviate()
+        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
     };
     let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);

@@ -10,10 +10,9 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, is_statistic, lies_within, role};
+use super::names::{Field, is_statistic, lies_within};
 use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
-use super::unknown::Unknown;
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -458,26 +457,6 @@ impl Understood {
             }
         }
         None
-    }
-
-    /// Whether a column, or a line where others are, may hold the values of a known one once more. The nominal value of all parts,
-    /// a tolerance and a spread are none.
-    pub(crate) fn is_repeated_by(&self, unknown: &Unknown) -> bool {
-        let title = &unknown.title;
-        let is_fixed = || unknown.cells.windows(2).all(|pair| pair[0].text() == pair[1].text());
-        let is_other =
-            is_statistic(title) && !lies_within(title) || role(title).is_some_and(Role::is_beside_value) && is_fixed();
-        let of = |(measurement, column): (&Measurement, &Column)| {
-            column.may_be_repeated(&measurement.value.cells, &unknown.cells)
-        };
-        let is_of_rows = self.shape.orientation == Orientation::Rows;
-        // an extreme that is another for each part is measured
-        let has_numbers = || unknown.cells.iter().any(Cell::is_number);
-        if unknown.column.is_some() && is_of_rows && lies_within(title) && has_numbers() && !is_fixed() {
-            return true;
-        }
-        // a column beside columns of parts is a statistic of them
-        unknown.column.is_some() == is_of_rows && !is_other && self.shape.measurements.iter().zip(&self.columns).any(of)
     }
 
     /// Whether each row below a header is a part, a space or a tooth.
