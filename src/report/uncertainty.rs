@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, percent, plain, tidy};
 use super::{Block, Column, Table};
-use crate::chance::{PartSimulation, Simulation, Validation, validate};
+use crate::chance::{BLOCK, PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
 use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
@@ -185,7 +185,7 @@ impl UncertaintyPart {
         if let Some(simulation) = &self.simulation {
             let outcome = &simulation.outcome;
             let how = match outcome.reached {
-                None => "as asked for".to_owned(),
+                None => format!("as many as asked for, in blocks of {BLOCK}"),
                 Some(true) => format!("adaptive, {} digits of u reached", outcome.digits),
                 Some(false) => format!("adaptive, {} digits of u NOT reached", outcome.digits),
             };
