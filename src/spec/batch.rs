@@ -204,6 +204,7 @@ impl Spec {
                 .and_then(|column| column.length.as_ref())
                 .map(|length| length.value)
                 .or(self.evaluation_length.filter(|_| kind == DeviationKind::RackLead)),
+            has_extent: column.is_some_and(|column| column.extent.is_some()) || said_of(&self.extents, kind).is_some(),
         }
     }
 

@@ -1,16 +1,17 @@
 //! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
 
+use std::cmp::Ordering;
 use std::mem::discriminant;
 
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind};
+use super::names::{Field, Role, ValueKind, is_total, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::Measurement;
-use super::want::Want;
+use super::want::{Want, quoted};
 use crate::deviation::plausible::{self, Reach, WrittenIn};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{Countable, DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
 use crate::quantity::{Angle, AngleUnit, Decimal, Length, LengthUnit, Unit, shown};
@@ -150,6 +151,9 @@ impl Column {
         let value = &measurement.value;
         let given = kind.and_then(|kind| want.given(kind));
         let (unit, unit_from) = unit(measurement, kind, want)?;
+        if let (Some(kind), false) = (kind, given.is_some_and(|given| given.has_extent)) {
+            single(kind, &value.title, want)?;
+        }
         let is_slope = measurement.field.is_angle() && matches!(unit, Unit::Length(_));
         let mut column = Self {
             field: measurement.field,
@@ -287,14 +291,18 @@ impl Column {
         self.nominal != Nominal::None && deviations.may_hold(cell)
     }
 
-    /// Whether a row that is called by a mean or an extreme of the others lies beyond them, mm or degrees.
-    pub(crate) fn is_beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> bool {
+    /// Beyond which end of the others, mm or degrees, a value lies; `None` if it is among them or cannot be read.
+    pub(crate) fn beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> Option<Ordering> {
         // of deviations, it may be that without signs
         let largest = others[0].abs().max(others[1].abs());
         let others = if self.nominal == Nominal::None { [-largest, largest] } else { others };
-        let Ok(Some(value)) = self.read(cell, beside) else { return false };
-        let (digit, value) = (self.digit(cell, self.unit).max(SMALLEST_DIGIT), value.base());
-        value < others[0] - digit || value > others[1] + digit
+        let value = self.read(cell, beside).ok()??.base();
+        let digit = self.digit(cell, self.unit).max(SMALLEST_DIGIT);
+        if value < others[0] - digit {
+            Some(Ordering::Less)
+        } else {
+            (value > others[1] + digit).then_some(Ordering::Greater)
+        }
     }
 
     /// Whether a measured value is near a nominal one.
@@ -612,6 +620,21 @@ fn near(nominal: DeviationValue, possible: Reach) -> Reach {
         }
         _ => possible,
     }
+}
+
+/// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.
+fn single(kind: DeviationKind, title: &str, want: &Want) -> Result<(), Diagnostics> {
+    if !want.is_own(title) || !is_total(title) || kind.counts() == Countable::Tooth {
+        return Ok(());
+    }
+    let (name, key) = (quoted(split_unit(title).0.trim()), kind.key());
+    let message = format!(
+        "the spec maps `{title}`, the name of a total over the teeth, to {key}, and says not on which teeth its values are"
+    );
+    let help = format!(
+        "say it under [batch.columns]: {key} = {{ name = {name}, extent = \"total\" }}, or \"one\" if each is of one tooth"
+    );
+    Err(Diagnostic::error(Code::BadTable, message).help(help).into())
 }
 
 /// The unit of a column: of its heading or cells, of the spec, or that of its key.

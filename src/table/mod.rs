@@ -209,7 +209,7 @@ impl Table {
             Some(format!(
                 "{} = {{ name = {}, unit = \"{unit}\"{kind} }}",
                 column.kind?.key(),
-                strangers::quoted(name.trim())
+                want::quoted(name.trim())
             ))
         };
         self.columns.iter().filter_map(line).collect()

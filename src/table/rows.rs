@@ -16,7 +16,7 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
-use super::names::{Role, heading, is_statistic, is_value_heading, names_value, role, split_unit};
+use super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
@@ -441,7 +441,7 @@ impl Rows {
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
         let id = self.setup.id?;
         let name = record.cells.get(id)?.text();
-        let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
+        let is_word = name.len() > 1 && !is_called_of_parts(&name);
         if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
             return None;
         }
@@ -517,7 +517,7 @@ impl Rows {
         let is_excluded = |name: &str| {
             may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name) && !self.is_measured(record)
         };
-        (self.label(record).is_some_and(|label| is_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
+        (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
@@ -651,12 +651,9 @@ fn swallowed(record: &Record, separator: u8) -> Option<String> {
     Some(shown(line))
 }
 
-/// Whether a row of that name is made of the parts', or says what is wanted of them.
-fn is_of_parts(name: &str) -> bool {
-    // one letter may be a part's
-    may_be_statistic(name.as_bytes())
-        && name.len() > 1
-        && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
+/// Whether a row is called by what is made of the parts', or by what is wanted of them.
+fn is_called_of_parts(name: &str) -> bool {
+    may_be_statistic(name.as_bytes()) && is_of_parts(name)
 }
 
 /// A quick look: such names end in no digit, and begin with a letter or end in one that is not plain.

@@ -17,7 +17,7 @@ use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
-use super::want::{Orientation, Want};
+use super::want::{Orientation, Want, quoted};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
@@ -131,7 +131,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         let found = found
             .or_else(|| value_beyond(aside, &measured, is_above))
             .map(|unknown| Unknown { is_repeated: true, ..unknown });
-        match found.or_else(|| without_value(aside, shape, columns)) {
+        match found.or_else(|| without_value(aside, shape, columns)).or_else(|| without_name(aside, shape)) {
             Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
             _ => sorted.asides.push(aside.clone()),
         }
@@ -327,6 +327,13 @@ fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Column]) -> Opt
     Some(Unknown::line(&name, aside.line, vec![Cell::of_text(&behind, 0..0)]).unread())
 }
 
+/// A number alone in its line among values behind their names.
+fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
+    let cell = Cell::of_text(aside.text.trim(), 0..0);
+    let is_among_values = shape.orientation == Orientation::Columns && shape.header.is_empty();
+    (is_among_values && cell.is_number()).then(|| Unknown::line("", aside.line, vec![cell]).measured(true))
+}
+
 /// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,
 /// `部品Bは25.061でした。` A day keeps its dots.
 fn without_punctuation(line: &str) -> String {
@@ -496,13 +503,6 @@ impl Stranger {
         let key = kind.map_or(KEY, DeviationKind::key);
         Some(format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(&name)))
     }
-}
-
-/// A text as a spec writes it.
-pub(crate) fn quoted(text: &str) -> String {
-    let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
-    let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));
-    format!("\"{escaped}\"")
 }
 
 pub(super) fn shell_quoted(text: &str) -> String {

@@ -29,7 +29,7 @@ fn want() -> Want {
 }
 
 fn given(kind: DeviationKind, nominal: Option<DeviationValue>) -> GivenColumn {
-    GivenColumn { kind, unit: None, holds: None, nominal: nominal.map(Ok), length: None }
+    GivenColumn { kind, unit: None, holds: None, nominal: nominal.map(Ok), length: None, has_extent: false }
 }
 
 /// A spec that asks for these errors and knows nothing of them.

@@ -225,7 +225,14 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
         let Some(nominal) = nominal else { continue };
         let known = want.given.iter().position(|given| given.kind == kind);
         let at = known.unwrap_or_else(|| {
-            want.given.push(GivenColumn { kind, unit: None, holds: None, nominal: None, length: None });
+            want.given.push(GivenColumn {
+                kind,
+                unit: None,
+                holds: None,
+                nominal: None,
+                length: None,
+                has_extent: false,
+            });
             want.given.len() - 1
         });
         let given = &mut want.given[at];

@@ -3,14 +3,15 @@
 //! it, the text is refused with the readings shown. The computer's locale is never asked. Called for the whole of a short
 //! text, and for the start of a long one.
 
+use std::cmp::Ordering;
 use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, Problem, UnitFrom};
+use super::column::{Column, Nominal, Problem, UnitFrom};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, is_statistic, lies_within};
+use super::names::{Field, Role, is_of_parts, lies_within, role, stands_apart};
 use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want};
@@ -431,25 +432,26 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
 }
 
 impl Understood {
-    /// A row that is called by a mean or an extreme of the rows, and lies beyond them: it is a part, or of other parts.
-    /// Asked where every row is there.
+    /// A row that is called by a statistic or a limit of the others, and is none by its value: beyond them all, or an upper limit
+    /// below them; it is a part, or of other parts. Asked where every row is there.
     pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {
         let ids = if self.is_teeth { self.shape.index.as_ref()? } else { self.shape.ids.as_ref()? };
         let name = |row: usize| ids.cells.get(row).map(Cell::text).unwrap_or_default();
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
-            let others = rows().filter(|(row, _)| !is_statistic(&name(*row)));
+            let others = rows().filter(|(row, _)| !is_of_parts(&name(*row)));
             let read = others.filter_map(|(row, cell)| column.read(cell, measurement.beside_row(row)).ok().flatten());
             let others = read
                 .map(DeviationValue::base)
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
             let is_false = |(row, cell): &(usize, &Cell)| {
-                lies_within(&name(*row)) && column.is_beyond(cell, measurement.beside_row(*row), others)
+                let side = column.beyond(cell, measurement.beside_row(*row), others);
+                side.is_some_and(|side| contradicts(&name(*row), side, column.nominal))
             };
             if let Some((row, cell)) = rows().find(is_false).filter(|_| others[0] <= others[1]) {
                 let (line, name, value) = (self.shape.lines[row], name(row), cell.text());
                 let message =
-                    format!("{file}, line {line}: `{name}` is {value}, and no row has a value as large or as small");
+                    format!("{file}, line {line}: `{name}` is {value}, which the values of the other rows contradict");
                 return Some(
                     Diagnostic::error(Code::BadTable, message)
                         .help("give the row the name of its part, or take it out of the table"),
@@ -501,6 +503,16 @@ impl Measurement {
     pub(crate) fn beside_row(&self, row: usize) -> Companions<&Cell> {
         self.beside.map(|series| series.cells.get(row))
     }
+}
+
+/// Whether a row of this name cannot lie beyond this end of the others: a mean or an extreme of them, a limit on the other side,
+/// and a spread, a sum or an index near their nominal value.
+fn contradicts(name: &str, side: Ordering, nominal: Nominal) -> bool {
+    let is_limit = match side {
+        Ordering::Less => role(name) == Some(Role::Upper),
+        _ => role(name) == Some(Role::Lower),
+    };
+    is_limit || lies_within(name) || stands_apart(name) && nominal != Nominal::None
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

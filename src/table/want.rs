@@ -43,6 +43,8 @@ pub struct GivenColumn {
     pub nominal: Option<Result<DeviationValue, Diagnostics>>,
     /// The evaluation length of f_Hβ.
     pub length: Option<Length>,
+    /// Whether it says on which teeth its values are.
+    pub has_extent: bool,
 }
 
 /// What is known about a table before it is read.
@@ -111,6 +113,13 @@ impl Want {
     pub(crate) fn is_own(&self, title: &str) -> bool {
         self.own.iter().any(|(own, _)| is_called(title, own))
     }
+}
+
+/// A text as a spec writes it.
+pub(crate) fn quoted(text: &str) -> String {
+    let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
+    let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));
+    format!("\"{escaped}\"")
 }
 
 /// Whether a text fits a pattern in which `*` stands for any characters; case and outer blanks do not count.

@@ -63,7 +63,17 @@ fn role_sense(senses: &[Sense]) -> Option<Sense> {
 
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    VOCABULARY.statistics.contains(&plain(name).as_str()) || lies_within(name)
+    VOCABULARY.statistics.contains(&plain(name).as_str()) || stands_apart(name) || lies_within(name)
+}
+
+/// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.
+pub(crate) fn is_of_parts(name: &str) -> bool {
+    name.len() > 1 && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
+}
+
+/// Whether it is that of a spread, a sum, a count or an index, which is no value of a part.
+pub(crate) fn stands_apart(name: &str) -> bool {
+    VOCABULARY.apart.contains(&plain(name).as_str())
 }
 
 /// Whether it is that of a mean or an extreme, which lies among the values that it is made of.

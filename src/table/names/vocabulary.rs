@@ -169,7 +169,8 @@ pub(super) struct Vocabulary {
     words: HashMap<char, Vec<Entry>>,
     /// What rows and columns beside the parts are called that are made of them.
     pub(super) statistics: Vec<&'static str>,
-    /// Those of them that lie among the values.
+    /// Those of them that are no value of a part, and those that lie among the values.
+    pub(super) apart: Vec<&'static str>,
     pub(super) means: Vec<&'static str>,
     /// What counts how often a part was measured, or holds what was measured once more.
     pub(super) again: Vec<&'static str>,
@@ -188,6 +189,7 @@ impl Vocabulary {
             let words = words.split(", ");
             match (meaning, Sense::of_row(meaning)) {
                 ("statistic", _) => vocabulary.statistics.extend(words),
+                ("apart", _) => vocabulary.apart.extend(words),
                 ("mean", _) => vocabulary.means.extend(words),
                 ("again", _) => vocabulary.again.extend(words),
                 ("unit subject", _) => vocabulary.unit_subjects.extend(words),
