@@ -119,7 +119,7 @@ impl Plan {
         if !without.is_empty() {
             outputs.push(Output::Without);
         }
-        if request.rows == Rows::Every {
+        if request.rows == Rows::Every && !outputs.contains(&Output::Reason) {
             outputs.push(Output::Reason);
         }
         let basis = spec.basis()?;
@@ -168,7 +168,7 @@ impl Plan {
 
     /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
     fn follow(&mut self) {
-        if self.request.rows == Rows::Every {
+        if self.outputs.contains(&Output::Reason) {
             self.without_verdict = self.no_verdict();
         }
         if self.request.statistics {

@@ -13,7 +13,7 @@ use crate::batch::{Duplicates, TeethJudge};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Evaluation;
+use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
@@ -169,12 +169,12 @@ impl Args {
         let spec = read.spec.with_errors(&all);
         let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, basis)?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
-            evaluation.leave_open(LimitTarget::CenterDistance);
+            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
         }
         let is_certain = |kind: &DeviationKind| !read.spec.is_uncertain(*kind);
         if !self.partial && self.judge.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
-                evaluation.leave_open(on);
+                evaluation.leave_open(on, Unjudged::NoUncertainty);
             }
         }
         Ok((evaluation, uncertainty))

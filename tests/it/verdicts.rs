@@ -729,3 +729,65 @@ fn a_roll_axis_needs_roll() {
     assert!(ended.stderr.contains("add `roll = \"free\"` or `roll = \"fixed\"` below [support]"), "{}", ended.stderr);
     assert_eq!(eval(&spec("roll = \"fixed\"\n")).code, Some(0));
 }
+
+/// Whoever reads a verdict that is none reads why, in every format.
+#[test]
+fn an_open_verdict_has_its_reason_in_json_and_csv() {
+    let why =
+        |on: &str, rule: &str| format!("{on} is too near a limit to prove conformity or non-conformity (rule {rule})");
+    let near = why("ΔCD (worst case)", "guard 5 µm");
+    let spec =
+        "[errors]\nrack_over_roller = 0.01\n[limits]\ncenter_distance = \"±0.012\"\n[decision]\nrule = \"guard=5um\"\n";
+    let json = eval(spec).json();
+    assert_eq!((&json["reason"], &json["limits"][0]["reason"]), (&near.clone().into(), &near.clone().into()));
+    let csv = run(&["eval", "-", "--format", "csv"], spec);
+    assert!(csv.stdout.contains(&near), "{}", csv.stdout);
+    let passed = eval(&spec.replace("0.012", "0.02")).json();
+    assert_eq!((&passed["verdict"], &passed["reason"]), (&"pass".into(), &Value::Null));
+
+    let folder = Folder::new("reasons");
+    let (spec_file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    let pair = "[pair]\nnormal_pressure_angle = 20\n";
+    let uncertain = spec.replace("0.01\n", "{ u = \"1 um\" }\n").replace("guard=5um", "iso14253");
+    let needed = "the rule iso14253 needs an uncertainty of every value";
+    for (text, rows, reasons) in [
+        (spec.replace("rack_over_roller = 0.01\n", ""), "rack_over_roller [mm]\n0.01\n0.005\n", [&near, ""]),
+        (format!("{pair}{uncertain}"), "rack_over_roller [mm],rack_pitch [mm]\n0.01,0.002\n0.005,0.001\n", [needed; 2]),
+    ] {
+        std::fs::write(&spec_file, &text).expect("written");
+        std::fs::write(&table, rows).expect("written");
+        for command in ["batch", "paste"] {
+            let ended = run(&[command, &spec_file, &table, "--format", "csv"], "");
+            let written: Vec<_> = ended.stdout.lines().skip(1).collect();
+            assert_eq!(written.len(), 2, "{command}: {}", ended.stderr);
+            for (row, reason) in written.iter().zip(reasons) {
+                assert!(row.contains(reason) && row.contains("rule") != reason.is_empty(), "{command}: {row}");
+            }
+        }
+    }
+}
+
+/// The last line of `mesh` says by how much a limit is missed, as that of `eval` does.
+#[test]
+fn a_mesh_says_by_how_much_a_limit_is_missed() {
+    let spec =
+        format!("{PAPER}[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {{ upper = 0.015 }}\n");
+    let ended = run(&["mesh", "-", "--to", "5"], &spec);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let last = "FAIL: ΔCD (worst case): +0.0200 mm is 0.0050 mm above the limit 0.015 mm (judged by the worst case)\n";
+    assert!(ended.stdout.ends_with(last), "{}", ended.stdout);
+}
+
+/// A rule decides about single errors where their sum is open, too.
+#[test]
+fn a_rule_holds_where_the_sum_is_open() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_over_roller = { value = \"12 um\", u = \"1 um\" }\n\
+        rack_pitch = { value = \"3 um\", extent = \"each\" }\n[limits]\nrack_over_roller = \"±0.013\"\n";
+    for (rule, code, verdict) in
+        [("simple", 0, "pass".into()), ("guard=5um", 3, "indeterminate".into()), ("iso14253", 2, Value::Null)]
+    {
+        let ended = run(&["eval", "-", "--format", "json", "--rule", rule], spec);
+        assert_eq!((ended.code, &ended.json()["verdict"]), (Some(code), &verdict), "{rule}");
+        assert_eq!(ended.json()["reason"].is_null(), code == 0, "{rule}");
+    }
+}
