@@ -336,23 +336,25 @@ impl Args {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
-        self.spaces(&read, part.teeth, output)
+        self.spaces(read, part.teeth, output)
     }
 
-    fn spaces(&self, read: &ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
-        let spec = &read.spec;
+    fn spaces(&self, mut read: ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
+        let spec = &Arc::clone(&read.spec);
         let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
         let shown = Shown { title: &title, report: &report, rows: report.rows() };
-        if spec.limit_on(LimitTarget::CenterDistance).is_none() && !self.mesh {
-            self.report(&shown, read, output)?;
+        if spec.limits.is_empty() && !self.mesh {
+            self.report(&shown, &read, output)?;
             return Ok(Status::Pass);
         }
         if !missing.is_empty() && !self.mesh {
-            self.report(&shown, read, output)?;
-            output.diagnostic(&unjudged_teeth(&missing));
+            let unjudged = unjudged_teeth(&missing);
+            read.notes.push(format!("no limit is judged: {}", unjudged.message));
+            self.report(&shown, &read, output)?;
+            output.diagnostic(&unjudged);
             return Ok(Status::Undecided);
         }
         let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
@@ -372,7 +374,7 @@ impl Args {
             ));
         }
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
-        self.report(&Shown { report: &both, ..shown }, read, output)?;
+        self.report(&Shown { report: &both, ..shown }, &read, output)?;
         Ok(Status::of(solved.evaluation.verdict, &solved.evaluation.limits))
     }
 }

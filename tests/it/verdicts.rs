@@ -791,3 +791,23 @@ fn a_rule_holds_where_the_sum_is_open() {
         assert_eq!(ended.json()["reason"].is_null(), code == 0, "{rule}");
     }
 }
+
+/// A limit that nothing judges is said in the result, and decides the exit status of every format.
+#[test]
+fn a_limit_that_is_not_judged_is_said_in_the_result() {
+    let teeth = "space;over_pin_deviation [um];position_deviation [um]\n0;1;0\n1;2;0\n2;1;0\n";
+    let folder = Folder::new("unjudged-teeth");
+    let spec = folder.path("spec.toml");
+    for limit in ["center_distance", "rack_pitch"] {
+        let text = format!("[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[limits]\n{limit} = \"±0.01\"\n");
+        std::fs::write(&spec, text).expect("written");
+        let ended = run(&["paste", &spec, "--format", "json"], teeth);
+        assert_eq!(ended.code, Some(2), "{limit}: {}", ended.stderr);
+        assert!(ended.stdout.contains("no limit is judged: teeth are judged by their exact mesh"), "{}", ended.stdout);
+    }
+    let single = format!("{PAPER}[errors]\nrack_pitch = \"12 um\"\n[limits]\nrack_pitch = \"±0.001\"\n");
+    for options in [&[][..], &["--step", "1"], &["--format", "csv"], &["--step", "1", "--format", "csv"]] {
+        let ended = run(&[&["mesh", "-", "--to", "3"], options].concat(), &single);
+        assert_eq!(ended.code, Some(1), "{options:?}");
+    }
+}
