@@ -9,7 +9,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs};
 use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
-use crate::batch::{Duplicates, TeethJudge};
+use crate::batch::{Duplicates, TeethJudge, refuse_without_uncertainty};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
@@ -193,6 +193,10 @@ impl Args {
             return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
         }
         read.spec = Arc::new(read.spec.for_columns(&kinds));
+        if read.spec.uncertainties.is_empty() {
+            let is_simulated = self.judge.settings()?.is_some();
+            refuse_without_uncertainty(&self.judge.rule(&read.spec), is_simulated)?;
+        }
         read.notes.extend(self.notes(&read.spec, &kinds));
         let mut rows = self.rows(&mut read, table, &kinds, output)?;
         let missing = read.spec.missing_geometry();

@@ -8,7 +8,7 @@ use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
 use crate::formula::law::equation;
-use crate::judge::bound::{AssumedHeight, HeightFrom, Note};
+use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::mesh::Summary;
@@ -210,6 +210,10 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
         Note::OwnCurveAt(delta_cd_mm) => format!(
             "the pair without errors is taken to stay at ΔCD = {} mm, by its tooth thickness: no undercut, a contact ratio of 1 or more",
             plain(tidy(*delta_cd_mm))
+        ),
+        Note::OwnRange(Range { lower, upper }) => format!(
+            "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
+            ends(tidy(*lower), tidy(*upper))
         ),
         Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
         Note::AssumedHeight(AssumedHeight { mm, from }) => {

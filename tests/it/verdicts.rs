@@ -625,6 +625,12 @@ fn random_racks_pass_nothing_that_they_do_not_judge() {
     let alone = spec.replace("center_distance = { upper = 0.020 }", "rack_pitch = \"±0.01\"");
     let alone = run(&["monte-carlo", "-", "--racks", "20", "--format", "json"], &alone);
     assert_eq!(verdict(&alone), (Some(2), Value::Null), "{}", alone.stdout);
+    // the reason is no note that --quiet leaves out
+    let reason = "not judged: limits on single errors (rack pitch), for the deviations of teeth are drawn";
+    assert_eq!(alone.json()["reason"], reason);
+    let more = "rack_pitch = \"±0.01\"\n[errors]\nrack_pitch = \"5 um\"\n";
+    let quiet = run(&["monte-carlo", "-", "--racks", "20", "-q"], &format!("{spec}{more}"));
+    assert!(quiet.stdout.ends_with(&format!("; {reason}\n")), "{}", quiet.stdout);
     // two steps add up, which one alone would hide
     let each = drawn("[errors]\nrack_pitch = { value = \"10um\", extent = \"each\" }\n");
     assert_eq!(verdict(&each), (Some(1), "fail".into()), "{}", each.stdout);
@@ -718,6 +724,16 @@ fn a_rule_needs_an_uncertainty_above_zero() {
     let ended = run(&["eval", "-", "--rule", "iso14253"], spec);
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("needs an uncertainty above 0, and the spec gives none"), "{}", ended.stderr);
+    // the values of a table stand in the table: the remedy puts none beside the uncertainty
+    let spec = "[limits]\ncenter_distance = \"±0.05\"\n[decision]\nrule = \"iso14253\"\n";
+    let folder = Folder::new("remedy");
+    let path = folder.path("spec.toml");
+    std::fs::write(&path, spec).expect("written");
+    for command in ["batch", "paste"] {
+        let ended = run(&[command, &path, "-"], "part_id,rack_over_roller [mm]\nA,0.01\n");
+        assert_eq!(ended.code, Some(2), "{command}");
+        assert!(ended.stderr.contains("such as `rack_pitch = { u = "), "{command}: {}", ended.stderr);
+    }
 }
 
 /// A roll axis without a word on whether the rack may roll about it.
