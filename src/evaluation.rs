@@ -66,6 +66,8 @@ pub enum Unjudged {
     NotGiven,
     /// Errors that the spec asks for are not there.
     Lacking,
+    /// The rule needs an uncertainty of every value, and one has none.
+    NoUncertainty,
     /// There is no finite range.
     NoBound(NoBound),
 }
@@ -83,6 +85,37 @@ pub struct LimitCheck {
     pub verdict: Option<Verdict>,
     /// How a decision rule came to it; `None` while the value alone decides and nothing is known of its uncertainty.
     pub decision: Option<Decision>,
+}
+
+impl LimitCheck {
+    /// Why it is open by a rule; `None` of a limit that is met or broken.
+    #[must_use]
+    pub fn open_because(&self, stack: Stack, rule: &Rule) -> Option<String> {
+        match (self.result, self.verdict) {
+            (Err(Unjudged::NotGiven), _) => Some(format!("there is no value for {}", self.on)),
+            (Err(Unjudged::Lacking), _) => Some("the sum lacks errors that the spec asks for".to_owned()),
+            (Err(Unjudged::NoUncertainty), _) => Some(format!("the rule {rule} needs an uncertainty of every value")),
+            (Err(Unjudged::NoBound(open)), _) => Some(open.to_string()),
+            (Ok(_), Some(Verdict::Indeterminate)) => Some(too_near(self.on, stack, rule)),
+            (Ok(_), _) => None,
+        }
+    }
+}
+
+/// What a limit is on.
+#[must_use]
+pub fn subject(on: LimitTarget, stack: Stack) -> String {
+    match on {
+        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
+        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+    }
+}
+
+/// Why a verdict is indeterminate.
+#[must_use]
+pub fn too_near(on: LimitTarget, stack: Stack, rule: &Rule) -> String {
+    let (what, rule) = (subject(on, stack), rule.in_words());
+    format!("{what} is too near a limit to prove conformity or non-conformity (rule {rule})")
 }
 
 /// Who judges a combination.
@@ -184,10 +217,22 @@ impl Evaluation {
         Ok(())
     }
 
-    /// Takes the verdict on a limit back: what it is on is not all there.
-    pub fn leave_open(&mut self, on: LimitTarget) {
+    /// Why the verdict is open: of every limit that is; `None` where it is a pass or a fail, or there is no limit.
+    #[must_use]
+    pub fn open_because(&self) -> Option<String> {
+        if matches!(self.verdict, Some(Verdict::Pass | Verdict::Fail)) {
+            return None;
+        }
+        let mut reasons: Vec<_> =
+            self.limits.iter().filter_map(|check| check.open_because(self.stack, &self.rule)).collect();
+        reasons.dedup();
+        (!reasons.is_empty()).then(|| reasons.join("; "))
+    }
+
+    /// Takes the verdict on a limit back.
+    pub fn leave_open(&mut self, on: LimitTarget, why: Unjudged) {
         for check in self.limits.iter_mut().filter(|check| check.on == on) {
-            check.result = Err(Unjudged::Lacking);
+            check.result = Err(why);
             (check.verdict, check.decision) = (None, None);
         }
         self.verdict = overall(self.limits.iter().map(|check| check.verdict));

@@ -80,7 +80,7 @@ pub use number::{Decimals, NoDecimals};
 pub use outcome::{Counts, Duplicates, Outcome, Part, Problem, Quantity};
 pub use pack::Packing;
 pub use parquet::ParquetRows;
-pub use plan::Plan;
+pub use plan::{Plan, refuse_without_uncertainty};
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError};
 pub use statistics::{QUANTILES, Statistics};

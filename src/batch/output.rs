@@ -35,7 +35,7 @@ pub(super) enum Output {
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
-    /// Why a row has no results.
+    /// Why a row has no results, or no pass or fail.
     Reason,
     /// What the parts are judged without.
     Without,
@@ -126,6 +126,9 @@ impl Output {
             all.extend(limits.iter().copied().filter(is_known).map(Self::Conformance));
         }
         all.push(Self::Verdict);
+        if !limits.is_empty() {
+            all.push(Self::Reason);
+        }
         all
     }
 

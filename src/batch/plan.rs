@@ -16,7 +16,7 @@ use crate::chance::MonteCarloError;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
-use crate::judge::{LimitTarget, Limits, Stack};
+use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
 use crate::spec::Spec;
 use crate::table::Table;
@@ -87,7 +87,7 @@ impl Plan {
         let limits = spec.limits();
         let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
         if !is_uncertain {
-            refuse_without_uncertainty(&request)?;
+            refuse_without_uncertainty(&request.rule, request.monte_carlo.is_some())?;
         }
         let limited: Vec<_> = limits.iter().map(|(on, _)| *on).collect();
         let mut outputs = Output::asked(table, &request, &present, &limited, is_uncertain)?;
@@ -119,7 +119,7 @@ impl Plan {
         if !without.is_empty() {
             outputs.push(Output::Without);
         }
-        if request.rows == Rows::Every {
+        if request.rows == Rows::Every && !outputs.contains(&Output::Reason) {
             outputs.push(Output::Reason);
         }
         let basis = spec.basis()?;
@@ -168,7 +168,7 @@ impl Plan {
 
     /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
     fn follow(&mut self) {
-        if self.request.rows == Rows::Every {
+        if self.outputs.contains(&Output::Reason) {
             self.without_verdict = self.no_verdict();
         }
         if self.request.statistics {
@@ -345,14 +345,17 @@ fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
     Err(Diagnostic::error(Code::NoMesh, message))
 }
 
-/// Refuses what needs uncertainties where the spec gives none.
-fn refuse_without_uncertainty(request: &Request) -> Result<(), Diagnostic> {
-    if request.monte_carlo.is_some() {
+/// Refuses what needs uncertainties of parts of a table where the spec gives none.
+///
+/// # Errors
+/// A diagnostic if parts are simulated, or the rule needs uncertainties.
+pub fn refuse_without_uncertainty(rule: &Rule, is_simulated: bool) -> Result<(), Diagnostic> {
+    if is_simulated {
         return Err(Diagnostic::error(Code::NoMonteCarlo, MonteCarloError::NothingUncertain.to_string())
             .help("give the errors an uncertainty, such as `rack_pitch = { u = \"0.8 um\" }`"));
     }
-    if request.rule.needs_uncertainty() {
-        let message = format!("the rule {} needs an uncertainty above 0, and the spec gives none", request.rule);
+    if rule.needs_uncertainty() {
+        let message = format!("the rule {rule} needs an uncertainty above 0, and the spec gives none");
         return Err(Diagnostic::error(Code::BadRule, message).help(
             "give the errors one, such as `rack_pitch = { u = \"0.8 um\" }`; or the guard band: --rule guard=VALUE",
         ));

@@ -4,10 +4,11 @@
 use super::layout::Layout;
 use super::output::{Output, UncertainOutput};
 use super::plan::Plan;
+use super::request::Request;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValue};
-use crate::evaluation::overall;
+use crate::evaluation::{overall, too_near};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Ends};
@@ -169,6 +170,24 @@ impl<'a> Results<'a> {
 
     #[inline]
     fn judge(&self, row: usize) -> Result<Option<Verdict>, Fault> {
+        let verdicts = self.judge_each(row)?;
+        let judged = verdicts[..self.plan.limits.len()].iter().copied();
+        Ok(overall(judged.chain(self.plan.unjudged.iter().map(|_| None))))
+    }
+
+    /// Why a part is indeterminate.
+    #[cold]
+    pub(super) fn too_near(&self, row: usize) -> String {
+        let Request { stack, rule, .. } = &self.plan.request;
+        let verdicts = self.judge_each(row).unwrap_or_default();
+        let limits = self.plan.limits.iter().zip(verdicts);
+        let near = limits.filter(|(_, verdict)| *verdict == Some(Verdict::Indeterminate));
+        near.map(|((on, _), _)| too_near(*on, *stack, rule)).collect::<Vec<_>>().join("; ")
+    }
+
+    /// The verdict on each limit, as far as there are limits.
+    #[inline]
+    fn judge_each(&self, row: usize) -> Result<[Option<Verdict>; 1 + KINDS], Fault> {
         let plan = self.plan;
         let uncertainty = self.uncertainty(row);
         let mut verdicts = [None; 1 + KINDS];
@@ -182,8 +201,7 @@ impl<'a> Results<'a> {
             let verdict = rule::verdict(&plan.request.rule, limit, result, standard, simulated);
             verdicts[index] = Some(verdict.map_err(|error| fault(None, error.to_string()))?.0);
         }
-        let judged = verdicts[..plan.limits.len()].iter().copied();
-        Ok(overall(judged.chain(plan.unjudged.iter().map(|_| None))))
+        Ok(verdicts)
     }
 
     /// The probability that a limit is met, simulated or by the linear uncertainties; `None` without a result.

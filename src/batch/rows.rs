@@ -9,6 +9,7 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
 use super::write;
+use crate::judge::Verdict;
 use crate::table::Block;
 
 /// What came of a row.
@@ -110,10 +111,12 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
             ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
         }
         (Output::Reason, WrittenRow::None { reason }) => text(reason),
-        (Output::Reason, WrittenRow::Part { results, row }) if results.verdicts[*row].is_none() => {
-            text(&plan.without_verdict)
-        }
-        (_, WrittenRow::None { .. }) | (Output::Reason, _) => ResultCell::Nothing,
+        (Output::Reason, WrittenRow::Part { results, row }) => match results.verdicts[*row] {
+            None => text(&plan.without_verdict),
+            Some(Verdict::Indeterminate) => ResultCell::Text(results.too_near(*row).into_bytes().into()),
+            Some(Verdict::Pass | Verdict::Fail) => ResultCell::Nothing,
+        },
+        (_, WrittenRow::None { .. }) => ResultCell::Nothing,
         (Output::Without, _) => text(&plan.without),
         (Output::Verdict, WrittenRow::Part { results, row }) => {
             results.verdicts[*row].map_or(ResultCell::Nothing, |verdict| text(verdict.name()))

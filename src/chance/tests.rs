@@ -37,6 +37,12 @@ fn shows(value: f64, decimals: usize, printed: &str) {
     assert_eq!(format!("{value:.decimals$}"), printed, "{value}");
 }
 
+/// A part with these errors, of a pair of which nothing is known.
+fn part(errors: &[PartDeviation]) -> UncertainPart<'_> {
+    let (model, stack) = (Model::Exact, Stack::Range);
+    UncertainPart { errors, over_pin: None, model, stack, basis: &UNKNOWN, teeth: &[] }
+}
+
 #[test]
 fn the_additive_models_of_jcgm_101_clause_9_2() {
     let sum = |x: &[f64]| x.iter().sum::<f64>();
@@ -154,14 +160,7 @@ fn far_from_zero_linear_and_simulated_results_agree() {
 #[test]
 fn near_zero_the_simulation_does_not_validate_the_linear_result() {
     let errors = five("0", "0.0255");
-    let part = UncertainPart {
-        errors: &errors[1..2],
-        over_pin: None,
-        model: Model::Exact,
-        stack: Stack::Range,
-        basis: &UNKNOWN,
-        teeth: &[],
-    };
+    let part = part(&errors[1..2]);
     let inputs = vec![(Influence::Error(DeviationKind::RackPitch), Uncertainty::standard(0.001))];
     let uncertainties = Uncertainties::new(inputs, &[]).unwrap();
     let linear = propagate(&part, &uncertainties).unwrap();
@@ -179,14 +178,7 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
 #[test]
 fn the_same_bits_at_any_number_of_threads() {
     let errors = five("0.012", "0.0255");
-    let part = UncertainPart {
-        errors: &errors,
-        over_pin: None,
-        model: Model::Exact,
-        stack: Stack::Range,
-        basis: &UNKNOWN,
-        teeth: &[],
-    };
+    let part = part(&errors);
     let uncertainties = Uncertainties::new(all_uncertain(), &[]).unwrap();
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.047")))];
     for draws in [None, Some(230_000)] {
@@ -208,14 +200,7 @@ fn correlated_draws_and_probabilities_of_conformance() {
         PartDeviation::new(Law::rack_over_roller(), length("0.010")),
         PartDeviation::new(Law::pinion_radial(), length("0.005")).with_extent(Extent::All),
     ];
-    let part = UncertainPart {
-        errors: &errors,
-        over_pin: None,
-        model: Model::Exact,
-        stack: Stack::Range,
-        basis: &UNKNOWN,
-        teeth: &[],
-    };
+    let part = part(&errors);
     let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
     let inputs = vec![(a, Uncertainty::standard(0.003)), (b, Uncertainty::standard(0.004))];
     let limits = vec![
@@ -242,14 +227,7 @@ fn correlated_draws_and_probabilities_of_conformance() {
 #[test]
 fn what_cannot_be_simulated_says_why() {
     let errors = five("0.012", "0.0255");
-    let part = UncertainPart {
-        errors: &errors,
-        over_pin: None,
-        model: Model::Exact,
-        stack: Stack::Range,
-        basis: &UNKNOWN,
-        teeth: &[],
-    };
+    let part = part(&errors);
     let try_with = |inputs, settings: &Settings| {
         simulate_part(&part, &Uncertainties::new(inputs, &[]).unwrap(), &Vec::new(), settings).unwrap_err()
     };

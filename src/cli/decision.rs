@@ -3,7 +3,7 @@
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::{Evaluation, evaluate};
+use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::Basis;
 use crate::judge::{Rule, Stack};
@@ -89,8 +89,14 @@ impl JudgeArgs {
         let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
         evaluation.rule = self.rule(spec);
-        if evaluation.combined.interval(self.stack).is_err() {
-            // what is open has no uncertainty
+        if let Err(open) = evaluation.combined.interval(self.stack) {
+            // what is open has no uncertainty, without which some rules decide on no error either
+            let rule = evaluation.rule.clone();
+            if rule.needs_uncertainty() {
+                spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoBound(open)));
+            } else if rule != Rule::Simple {
+                evaluation.decide_by(&rule, None, None).map_err(Diagnostic::with_code(Code::NoResult))?;
+            }
             return Ok((evaluation, None));
         }
         let over_pin = spec.over_pin();

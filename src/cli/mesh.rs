@@ -245,7 +245,7 @@ impl Args {
         let picture = self.plot.picture(files_read(&spec, &self.spec))?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
-        if let (Some(strokes), Format::Csv, None, None) = (&strokes, self.format, &picture, limit) {
+        if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
             // nothing is asked that needs the curve between these strokes
             return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }

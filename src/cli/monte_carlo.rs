@@ -111,7 +111,8 @@ impl Args {
             classes: &classes,
             study: &study,
             summary: &summary,
-            notes: mesh::notes(&input).into_iter().chain(unjudged).collect(),
+            notes: mesh::notes(&input),
+            unjudged,
         };
         let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
         draw(picture.as_ref(), || report.chart(limit), ended_early.is_none(), output)?;

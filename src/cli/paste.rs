@@ -9,11 +9,11 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs};
 use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
-use crate::batch::{Duplicates, TeethJudge};
+use crate::batch::{Duplicates, TeethJudge, refuse_without_uncertainty};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Evaluation;
+use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
@@ -169,12 +169,12 @@ impl Args {
         let spec = read.spec.with_errors(&all);
         let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, basis)?;
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
-            evaluation.leave_open(LimitTarget::CenterDistance);
+            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
         }
         let is_certain = |kind: &DeviationKind| !read.spec.is_uncertain(*kind);
         if !self.partial && self.judge.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
             for on in read.spec.limits().into_iter().map(|(on, _)| on) {
-                evaluation.leave_open(on);
+                evaluation.leave_open(on, Unjudged::NoUncertainty);
             }
         }
         Ok((evaluation, uncertainty))
@@ -193,6 +193,10 @@ impl Args {
             return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
         }
         read.spec = Arc::new(read.spec.for_columns(&kinds));
+        if read.spec.uncertainties.is_empty() {
+            let is_simulated = self.judge.settings()?.is_some();
+            refuse_without_uncertainty(&self.judge.rule(&read.spec), is_simulated)?;
+        }
         read.notes.extend(self.notes(&read.spec, &kinds));
         let mut rows = self.rows(&mut read, table, &kinds, output)?;
         let missing = read.spec.missing_geometry();
@@ -336,23 +340,25 @@ impl Args {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
-        self.spaces(&read, part.teeth, output)
+        self.spaces(read, part.teeth, output)
     }
 
-    fn spaces(&self, read: &ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
-        let spec = &read.spec;
+    fn spaces(&self, mut read: ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
+        let spec = &Arc::clone(&read.spec);
         let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
         let report = SpacesReport { title: Some(&title), measured: &measured };
         let missing = spec.missing_geometry();
         let shown = Shown { title: &title, report: &report, rows: report.rows() };
-        if spec.limit_on(LimitTarget::CenterDistance).is_none() && !self.mesh {
-            self.report(&shown, read, output)?;
+        if spec.limits.is_empty() && !self.mesh {
+            self.report(&shown, &read, output)?;
             return Ok(Status::Pass);
         }
         if !missing.is_empty() && !self.mesh {
-            self.report(&shown, read, output)?;
-            output.diagnostic(&unjudged_teeth(&missing));
+            let unjudged = unjudged_teeth(&missing);
+            read.notes.push(format!("no limit is judged: {}", unjudged.message));
+            self.report(&shown, &read, output)?;
+            output.diagnostic(&unjudged);
             return Ok(Status::Undecided);
         }
         let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
@@ -372,7 +378,7 @@ impl Args {
             ));
         }
         let both = FormulaAndMesh { formula: &report, mesh: &solved };
-        self.report(&Shown { report: &both, ..shown }, read, output)?;
+        self.report(&Shown { report: &both, ..shown }, &read, output)?;
         Ok(Status::of(solved.evaluation.verdict, &solved.evaluation.limits))
     }
 }

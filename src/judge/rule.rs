@@ -3,7 +3,7 @@
 //! Called after an evaluation with the uncertainty of its results; propagates nothing itself.
 
 use super::{Interval, Limit, Verdict};
-use crate::quantity::{Length, QuantityError};
+use crate::quantity::{Length, LengthUnit, QuantityError, plain};
 use crate::statistics::{bivariate_normal_cdf, normal_cdf};
 
 /// Guard band of ISO 14253-1 in standard uncertainties: 95 % one-sided, as the standard rounds it.
@@ -30,6 +30,16 @@ impl Rule {
     #[must_use]
     pub const fn needs_uncertainty(&self) -> bool {
         matches!(self, Self::Iso14253)
+    }
+
+    /// Its name for people.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Simple => "simple".to_owned(),
+            Self::Iso14253 => "ISO 14253-1".to_owned(),
+            Self::Guard(guard) => format!("guard {} µm", plain(guard.in_unit(LengthUnit::Micrometre))),
+        }
     }
 
     /// The limit within which a value passes by this rule, as far as no uncertainty is needed to tell.

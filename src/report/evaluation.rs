@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, percent, plain, signed, tidy, unsigned};
-use super::uncertainty::{self, UncertaintyPart, decision_fact, indeterminate_sentence, rule_words, subject};
+use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, fact, judged_without, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
-use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged};
+use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
 use crate::formula::law::equation;
-use crate::judge::bound::{AssumedHeight, HeightFrom, Note};
+use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::mesh::Summary;
@@ -173,18 +173,8 @@ impl EvaluationReport<'_> {
             let reached = self.beyond_reach(failed);
             return Some(Block::Verdict(Some(Verdict::Fail), format!("{sentence}{reached}{without}")));
         }
-        let not_given: Vec<_> = evaluation.not_given().map(|target| target.to_string()).collect();
-        if let Some(unjudged) = evaluation.limits.iter().find_map(|check| check.result.err()) {
-            let why = match unjudged {
-                Unjudged::NotGiven => format!("there is no value for {}", not_given.join(", ")),
-                Unjudged::Lacking => "the sum lacks errors that the spec asks for".to_owned(),
-                Unjudged::NoBound(open) => open.to_string(),
-            };
-            return Some(Block::Verdict(None, why));
-        }
-        if let Some(open) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Indeterminate)) {
-            let sentence = indeterminate_sentence(open, &self.evaluation.rule, evaluation.stack);
-            return Some(Block::Verdict(Some(Verdict::Indeterminate), format!("{sentence}{without}")));
+        if let Some(why) = evaluation.open_because() {
+            return Some(Block::Verdict(evaluation.verdict, format!("{why}{without}")));
         }
         let count = match evaluation.limits.len() {
             0 => return None,
@@ -220,6 +210,10 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
         Note::OwnCurveAt(delta_cd_mm) => format!(
             "the pair without errors is taken to stay at ΔCD = {} mm, by its tooth thickness: no undercut, a contact ratio of 1 or more",
             plain(tidy(*delta_cd_mm))
+        ),
+        Note::OwnRange(Range { lower, upper }) => format!(
+            "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
+            ends(tidy(*lower), tidy(*upper))
         ),
         Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
         Note::AssumedHeight(AssumedHeight { mm, from }) => {
@@ -274,7 +268,7 @@ pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) 
 fn unjudged_text(unjudged: Unjudged) -> &'static str {
     match unjudged {
         Unjudged::NotGiven => "not given",
-        Unjudged::Lacking => "not complete",
+        Unjudged::Lacking | Unjudged::NoUncertainty => "not complete",
         Unjudged::NoBound(_) => "open",
     }
 }
@@ -284,7 +278,7 @@ pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
 }
 
 /// Which end of the limit is broken and by how much, however little that is.
-fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
+pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     let what = subject(check.on, stack);
     let Ok(Interval { lower, upper }) = check.result else { return what };
     let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
@@ -306,7 +300,7 @@ fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
 }
 
 /// What came of a limit, for programs.
-fn limit_fact(check: &LimitCheck) -> Value {
+fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
     let result = check.result.ok();
     json!({
         "on": check.on.key(),
@@ -315,6 +309,7 @@ fn limit_fact(check: &LimitCheck) -> Value {
         "result_lower_mm": result.map(|result| result.lower),
         "result_upper_mm": result.map(|result| result.upper),
         "verdict": check.verdict.map(Verdict::name),
+        "reason": check.open_because(evaluation.stack, &evaluation.rule),
         "decision": check.decision.as_ref().map(decision_fact),
     })
 }
@@ -323,7 +318,7 @@ fn limit_fact(check: &LimitCheck) -> Value {
 const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm delta_cd_exact_mm delta_cd_paper_mm \
                        model formula share lower_mm=range_mm/lower upper_mm=range_mm/upper \
                        limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
-                       standard=class/standard grade=class/grade diameter_mm=class/diameter_mm";
+                       standard=class/standard grade=class/grade diameter_mm=class/diameter_mm reason=limit/reason";
 
 /// What a row of CSV is made of, with what it is of.
 fn record(kind: &str, name: impl Into<Value>, mut fact: Value) -> Value {
@@ -349,8 +344,9 @@ impl Report for EvaluationReport<'_> {
             "judged_by": evaluation.judged_by.name(),
             "reached_mm": evaluation.reached,
             "rule": evaluation.rule.to_string(),
-            "limits": evaluation.limits.iter().map(limit_fact).collect::<Vec<_>>(),
+            "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
             "verdict": evaluation.verdict.map(Verdict::name),
+            "reason": evaluation.open_because(),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
             "mesh": self.mesh.as_ref().map(|MeshPart { stroke_mm: (from, to), summary, notes }| json!({
                 "from_mm": from,
@@ -381,7 +377,7 @@ impl Report for EvaluationReport<'_> {
         }));
         records.extend(evaluation.limits.iter().map(|check| {
             let mut row = ends("limit", check.on.key(), json!(check.result.ok()));
-            row["limit"] = limit_fact(check);
+            row["limit"] = limit_fact(check, evaluation);
             row
         }));
         let mut names = COLUMNS.to_owned();

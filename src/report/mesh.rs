@@ -3,13 +3,14 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
-use super::evaluation::interval_text;
+use super::evaluation::{failure_sentence, interval_text};
 use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
+use super::uncertainty::rule_words;
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
 use crate::deviation::Part;
-use crate::evaluation::{Evaluation, LimitCheck, Unjudged};
-use crate::judge::{Limit, LimitTarget, Prediction, Rule, Verdict};
+use crate::evaluation::{Evaluation, LimitCheck, subject};
+use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
 
@@ -46,32 +47,22 @@ impl MeshReport<'_> {
 
     /// What came of one limit, in a sentence.
     fn verdict_block(&self, check: &LimitCheck) -> Block {
-        let (subject, by) = match check.on {
-            LimitTarget::CenterDistance => ("ΔCD".to_owned(), format!(" by {}", self.evaluation.judged_by)),
-            LimitTarget::Error(kind) => (format!("ΔCD of {kind}"), String::new()),
+        let Evaluation { stack, rule, judged_by, .. } = &self.evaluation;
+        let by = match check.on {
+            LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
+            LimitTarget::Error(_) => format!("what it does alone{}", rule_words(rule)),
         };
-        match (check.result, check.verdict) {
-            (Ok(result), Some(verdict)) => {
-                let how = match verdict {
-                    Verdict::Pass => "within",
-                    Verdict::Fail => "not within",
-                    Verdict::Indeterminate => "too near",
-                };
-                let rule = &self.evaluation.rule;
-                let rule = if *rule == Rule::Simple { String::new() } else { format!(" by the rule {rule}") };
-                let result = interval_text(&result);
-                let sentence = format!("{subject} {result} mm{by} is {how} the limit ({}){rule}", check.limit);
-                Block::Verdict(Some(verdict), sentence)
+        let sentence = match (check.result, check.open_because(*stack, rule)) {
+            (_, Some(why)) => why,
+            (Ok(_), None) if check.verdict == Some(Verdict::Fail) => {
+                format!("{} ({by})", failure_sentence(check, *stack))
             }
-            (Err(Unjudged::NoBound(open)), _) => Block::Verdict(None, open.to_string()),
-            (Err(Unjudged::NotGiven), _) => {
-                Block::Verdict(None, format!("the limit on {subject} is not judged: that error is not given"))
+            (result, None) => {
+                let result = result.map(|result| interval_text(&result)).unwrap_or_default();
+                format!("{}: {result} mm is within the limit ({}; {by})", subject(check.on, *stack), check.limit)
             }
-            (Ok(_) | Err(Unjudged::Lacking), _) => {
-                let why = format!("the limit on {subject} is not judged: something is missing, see the notes");
-                Block::Verdict(None, why)
-            }
-        }
+        };
+        Block::Verdict(check.verdict, sentence)
     }
 
     /// The picture of the curve, with what it is held against.
@@ -182,6 +173,7 @@ impl MeshReport<'_> {
             "judged_mm": self.evaluation.combined.range.ok(),
             "judged_by": self.evaluation.judged_by.name(),
             "verdict": self.evaluation.verdict.map(Verdict::name),
+            "reason": self.evaluation.open_because(),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
                 "delta_cd_mm": tidy(kink.delta_cd_mm),

@@ -86,6 +86,10 @@ impl Report for PartsReport<'_> {
                     part[name] = json!(end);
                 }
                 part["verdict"] = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name).into();
+                part["reason"] = match evaluation {
+                    Some(evaluation) => evaluation.open_because().into(),
+                    None => "a value cannot be read".into(),
+                };
                 part["judged_by"] = evaluation.map(|evaluation| evaluation.judged_by.name()).into();
                 if let Some(uncertainty) = &row.uncertainty {
                     part["uncertainty"] = uncertainty.json();
@@ -101,7 +105,7 @@ impl Report for PartsReport<'_> {
         let own = |kind: &DeviationKind| format!("delta_cd_{}", kind.key());
         let mut names = vec!["part_id".to_owned()];
         names.extend(kinds.iter().map(|kind| own(kind) + "_mm"));
-        names.extend(ENDS.into_iter().chain(["verdict"]).map(str::to_owned));
+        names.extend(ENDS.into_iter().chain(["verdict", "reason"]).map(str::to_owned));
         if let Some(known) = self.rows.iter().find_map(|row| row.uncertainty.as_ref()) {
             let stack = known.propagation.stack.name();
             let ends = ["lower", "upper"].map(|end| (format!("{stack}_{end}"), end));

@@ -34,6 +34,8 @@ pub struct RacksReport<'a> {
     pub summary: &'a RacksSummary,
     /// Remarks.
     pub notes: Vec<String>,
+    /// What of the spec is not held against the racks, so that none of them passes.
+    pub unjudged: Vec<String>,
 }
 
 impl RacksReport<'_> {
@@ -137,6 +139,11 @@ impl RacksReport<'_> {
         }
     }
 
+    /// Why the verdict is open, where something of the spec is not judged.
+    fn reason(&self) -> Option<String> {
+        (self.summary.verdict.is_none() && !self.unjudged.is_empty()).then(|| self.unjudged.join("; "))
+    }
+
     fn all_notes(&self) -> Vec<String> {
         let (of, asked) = (self.study.study_of(), self.study.asked());
         let from = if asked.first_rack == 0 { String::new() } else { format!(" from number {}", asked.first_rack) };
@@ -172,7 +179,7 @@ impl RacksReport<'_> {
             };
             format!("{} {} of {}: {drawn}", class.kind, class.permissible.length(), class.permissible.standard)
         }));
-        notes.extend(self.notes.iter().cloned());
+        notes.extend(self.notes.iter().chain(&self.unjudged).cloned());
         notes
     }
 }
@@ -311,6 +318,7 @@ impl Report for RacksReport<'_> {
             "delta_cd": delta_cd.collect::<Map<_, _>>(),
             "inside_limits": inside,
             "verdict": verdict.map(Verdict::name),
+            "reason": self.reason(),
             "notes": self.all_notes(),
         })
     }
@@ -338,15 +346,18 @@ impl Report for RacksReport<'_> {
         blocks.push(self.quantile_table());
         blocks.extend(self.histograms());
         blocks.extend(self.all_notes().into_iter().map(Block::Remark));
-        if let Some(Inside { racks, share, lower, upper }) = self.summary.inside {
-            let sentence = format!(
+        let inside = self.summary.inside.map(|Inside { racks, share, lower, upper }| {
+            format!(
                 "{racks} of {} racks stay within the limits along the stroke: {:.2} %, 95 % confidence {:.2} … {:.2} %",
                 self.study.racks(),
                 100.0 * share,
                 100.0 * lower,
                 100.0 * upper
-            );
-            blocks.push(Block::Verdict(self.summary.verdict, sentence));
+            )
+        });
+        let said: Vec<_> = inside.into_iter().chain(self.reason()).collect();
+        if !said.is_empty() {
+            blocks.push(Block::Verdict(self.summary.verdict, said.join("; ")));
         }
         blocks
     }

@@ -2,14 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::number::{millimetres, percent, plain, tidy};
+use super::number::{millimetres, percent, tidy};
 use super::{Block, Column, Table};
 use crate::chance::{BLOCK, PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
+use crate::judge::Rule;
 use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
-use crate::judge::{LimitTarget, Rule, Stack, Verdict};
-use crate::quantity::LengthUnit;
 use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
@@ -219,7 +218,7 @@ impl UncertaintyPart {
             .column_if(known, Column::number("producer's risk\nif rejected"), |(_, decision)| {
                 risk(decision, Conformance::producer_risk)
             })
-            .text(format!("by {}", rule_name(rule)), |(_, decision)| decision.verdict.name());
+            .text(format!("by {}", rule.in_words()), |(_, decision)| decision.verdict.name());
         let mut blocks = vec![table.block()];
         blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
         blocks
@@ -323,14 +322,6 @@ pub(super) fn decision_fact(&Decision { guard, conformance, .. }: &Decision) -> 
     })
 }
 
-fn rule_name(rule: &Rule) -> String {
-    match rule {
-        Rule::Simple => "simple".to_owned(),
-        Rule::Iso14253 => "ISO 14253-1".to_owned(),
-        Rule::Guard(guard) => format!("guard {} µm", plain(guard.in_unit(LengthUnit::Micrometre))),
-    }
-}
-
 fn guard_text(decision: &Decision) -> String {
     match decision.guard.map(|(lower, upper)| (lower.mm(), upper.mm())) {
         None => "-".to_owned(),
@@ -373,20 +364,5 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
 
 /// The rule as the end of what a verdict is judged by; nothing for the simple one.
 pub(super) fn rule_words(rule: &Rule) -> String {
-    if *rule == Rule::Simple { String::new() } else { format!(", rule {}", rule_name(rule)) }
-}
-
-/// What a limit is on.
-pub(super) fn subject(on: LimitTarget, stack: Stack) -> String {
-    match on {
-        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
-    }
-}
-
-/// The sentence of a verdict that is indeterminate.
-pub(super) fn indeterminate_sentence(check: &LimitCheck, rule: &Rule, stack: Stack) -> String {
-    debug_assert_eq!(check.verdict, Some(Verdict::Indeterminate));
-    let what = subject(check.on, stack);
-    format!("{what} is too near a limit to prove conformity or non-conformity (rule {})", rule_name(rule))
+    if *rule == Rule::Simple { String::new() } else { format!(", rule {}", rule.in_words()) }
 }

@@ -354,7 +354,7 @@ section! {
     ERRORS = "errors",
     "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
      error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
-     which teeth." {
+     which teeth; total presumes cumulative deviations with a mean of zero." {
         ERRORS_RACK_OVER_ROLLER: () = composite("errors.rack_over_roller", Kind::Error(DeviationKind::RackOverRoller)),
             "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
         ERRORS_RACK_PITCH: () = composite("errors.rack_pitch", Kind::Error(DeviationKind::RackPitch)),

@@ -625,6 +625,12 @@ fn random_racks_pass_nothing_that_they_do_not_judge() {
     let alone = spec.replace("center_distance = { upper = 0.020 }", "rack_pitch = \"±0.01\"");
     let alone = run(&["monte-carlo", "-", "--racks", "20", "--format", "json"], &alone);
     assert_eq!(verdict(&alone), (Some(2), Value::Null), "{}", alone.stdout);
+    // the reason is no note that --quiet leaves out
+    let reason = "not judged: limits on single errors (rack pitch), for the deviations of teeth are drawn";
+    assert_eq!(alone.json()["reason"], reason);
+    let more = "rack_pitch = \"±0.01\"\n[errors]\nrack_pitch = \"5 um\"\n";
+    let quiet = run(&["monte-carlo", "-", "--racks", "20", "-q"], &format!("{spec}{more}"));
+    assert!(quiet.stdout.ends_with(&format!("; {reason}\n")), "{}", quiet.stdout);
     // two steps add up, which one alone would hide
     let each = drawn("[errors]\nrack_pitch = { value = \"10um\", extent = \"each\" }\n");
     assert_eq!(verdict(&each), (Some(1), "fail".into()), "{}", each.stdout);
@@ -718,6 +724,16 @@ fn a_rule_needs_an_uncertainty_above_zero() {
     let ended = run(&["eval", "-", "--rule", "iso14253"], spec);
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("needs an uncertainty above 0, and the spec gives none"), "{}", ended.stderr);
+    // the values of a table stand in the table: the remedy puts none beside the uncertainty
+    let spec = "[limits]\ncenter_distance = \"±0.05\"\n[decision]\nrule = \"iso14253\"\n";
+    let folder = Folder::new("remedy");
+    let path = folder.path("spec.toml");
+    std::fs::write(&path, spec).expect("written");
+    for command in ["batch", "paste"] {
+        let ended = run(&[command, &path, "-"], "part_id,rack_over_roller [mm]\nA,0.01\n");
+        assert_eq!(ended.code, Some(2), "{command}");
+        assert!(ended.stderr.contains("such as `rack_pitch = { u = "), "{command}: {}", ended.stderr);
+    }
 }
 
 /// A roll axis without a word on whether the rack may roll about it.
@@ -728,4 +744,86 @@ fn a_roll_axis_needs_roll() {
     assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
     assert!(ended.stderr.contains("add `roll = \"free\"` or `roll = \"fixed\"` below [support]"), "{}", ended.stderr);
     assert_eq!(eval(&spec("roll = \"fixed\"\n")).code, Some(0));
+}
+
+/// Whoever reads a verdict that is none reads why, in every format.
+#[test]
+fn an_open_verdict_has_its_reason_in_json_and_csv() {
+    let why =
+        |on: &str, rule: &str| format!("{on} is too near a limit to prove conformity or non-conformity (rule {rule})");
+    let near = why("ΔCD (worst case)", "guard 5 µm");
+    let spec =
+        "[errors]\nrack_over_roller = 0.01\n[limits]\ncenter_distance = \"±0.012\"\n[decision]\nrule = \"guard=5um\"\n";
+    let json = eval(spec).json();
+    assert_eq!((&json["reason"], &json["limits"][0]["reason"]), (&near.clone().into(), &near.clone().into()));
+    let csv = run(&["eval", "-", "--format", "csv"], spec);
+    assert!(csv.stdout.contains(&near), "{}", csv.stdout);
+    let passed = eval(&spec.replace("0.012", "0.02")).json();
+    assert_eq!((&passed["verdict"], &passed["reason"]), (&"pass".into(), &Value::Null));
+
+    let folder = Folder::new("reasons");
+    let (spec_file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    let pair = "[pair]\nnormal_pressure_angle = 20\n";
+    let uncertain = spec.replace("0.01\n", "{ u = \"1 um\" }\n").replace("guard=5um", "iso14253");
+    let needed = "the rule iso14253 needs an uncertainty of every value";
+    for (text, rows, reasons) in [
+        (spec.replace("rack_over_roller = 0.01\n", ""), "rack_over_roller [mm]\n0.01\n0.005\n", [&near, ""]),
+        (format!("{pair}{uncertain}"), "rack_over_roller [mm],rack_pitch [mm]\n0.01,0.002\n0.005,0.001\n", [needed; 2]),
+    ] {
+        std::fs::write(&spec_file, &text).expect("written");
+        std::fs::write(&table, rows).expect("written");
+        for command in ["batch", "paste"] {
+            let ended = run(&[command, &spec_file, &table, "--format", "csv"], "");
+            let written: Vec<_> = ended.stdout.lines().skip(1).collect();
+            assert_eq!(written.len(), 2, "{command}: {}", ended.stderr);
+            for (row, reason) in written.iter().zip(reasons) {
+                assert!(row.contains(reason) && row.contains("rule") != reason.is_empty(), "{command}: {row}");
+            }
+        }
+    }
+}
+
+/// The last line of `mesh` says by how much a limit is missed, as that of `eval` does.
+#[test]
+fn a_mesh_says_by_how_much_a_limit_is_missed() {
+    let spec =
+        format!("{PAPER}[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {{ upper = 0.015 }}\n");
+    let ended = run(&["mesh", "-", "--to", "5"], &spec);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let last = "FAIL: ΔCD (worst case): +0.0200 mm is 0.0050 mm above the limit 0.015 mm (judged by the worst case)\n";
+    assert!(ended.stdout.ends_with(last), "{}", ended.stdout);
+}
+
+/// A rule decides about single errors where their sum is open, too.
+#[test]
+fn a_rule_holds_where_the_sum_is_open() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_over_roller = { value = \"12 um\", u = \"1 um\" }\n\
+        rack_pitch = { value = \"3 um\", extent = \"each\" }\n[limits]\nrack_over_roller = \"±0.013\"\n";
+    for (rule, code, verdict) in
+        [("simple", 0, "pass".into()), ("guard=5um", 3, "indeterminate".into()), ("iso14253", 2, Value::Null)]
+    {
+        let ended = run(&["eval", "-", "--format", "json", "--rule", rule], spec);
+        assert_eq!((ended.code, &ended.json()["verdict"]), (Some(code), &verdict), "{rule}");
+        assert_eq!(ended.json()["reason"].is_null(), code == 0, "{rule}");
+    }
+}
+
+/// A limit that nothing judges is said in the result, and decides the exit status of every format.
+#[test]
+fn a_limit_that_is_not_judged_is_said_in_the_result() {
+    let teeth = "space;over_pin_deviation [um];position_deviation [um]\n0;1;0\n1;2;0\n2;1;0\n";
+    let folder = Folder::new("unjudged-teeth");
+    let spec = folder.path("spec.toml");
+    for limit in ["center_distance", "rack_pitch"] {
+        let text = format!("[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[limits]\n{limit} = \"±0.01\"\n");
+        std::fs::write(&spec, text).expect("written");
+        let ended = run(&["paste", &spec, "--format", "json"], teeth);
+        assert_eq!(ended.code, Some(2), "{limit}: {}", ended.stderr);
+        assert!(ended.stdout.contains("no limit is judged: teeth are judged by their exact mesh"), "{}", ended.stdout);
+    }
+    let single = format!("{PAPER}[errors]\nrack_pitch = \"12 um\"\n[limits]\nrack_pitch = \"±0.001\"\n");
+    for options in [&[][..], &["--step", "1"], &["--format", "csv"], &["--step", "1", "--format", "csv"]] {
+        let ended = run(&[&["mesh", "-", "--to", "3"], options].concat(), &single);
+        assert_eq!(ended.code, Some(1), "{options:?}");
+    }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::{Evaluation, evaluate};
+use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::Basis;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
@@ -109,8 +109,13 @@ impl TeethJudge {
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);
         let mut evaluation = self.evaluated(&spec)?;
-        if (lacks_uncertainty || !self.lacking.is_empty() || !unmeasured.is_empty()) && !self.is_partial {
-            evaluation.leave_open(LimitTarget::CenterDistance);
+        let why = if !self.lacking.is_empty() || !unmeasured.is_empty() {
+            Some(Unjudged::Lacking)
+        } else {
+            lacks_uncertainty.then_some(Unjudged::NoUncertainty)
+        };
+        if let Some(why) = why.filter(|_| !self.is_partial) {
+            evaluation.leave_open(LimitTarget::CenterDistance, why);
         }
         let ends = strokes.first().zip(strokes.last());
         Ok(JudgedTeeth {

@@ -52,6 +52,8 @@ enum Column {
     /// An end of what is held against the limit, mm.
     End(NumberOf),
     Verdict,
+    /// Why there is no pass or fail.
+    Reason,
 }
 
 /// A result; `None` if there is none.
@@ -60,7 +62,7 @@ type NumberOf = fn(&Solved) -> Option<f64>;
 impl Column {
     const fn kind(self) -> ColumnKind {
         match self {
-            Self::Id | Self::Verdict => ColumnKind::Text,
+            Self::Id | Self::Verdict | Self::Reason => ColumnKind::Text,
             Self::Number(_) | Self::End(_) => ColumnKind::Number,
         }
     }
@@ -69,13 +71,13 @@ impl Column {
     fn number(self, solved: &Solved) -> Option<f64> {
         match self {
             Self::Number(of) | Self::End(of) => of(solved).map(tidy),
-            Self::Id | Self::Verdict => None,
+            Self::Id | Self::Verdict | Self::Reason => None,
         }
     }
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
-const COLUMNS: [(&str, Column); 14] = [
+const COLUMNS: [(&str, Column); 15] = [
     ("part_id", Column::Id),
     ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
     ("min_delta_cd_mm", Column::Number(|solved| Some(solved.summary.min_mm))),
@@ -85,13 +87,14 @@ const COLUMNS: [(&str, Column); 14] = [
     ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.lower.mm()))),
     ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.upper.mm()))),
     ("verdict", Column::Verdict),
+    ("reason", Column::Reason),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
     ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
     ("min_stroke_mm", Column::Number(|solved| Some(solved.summary.min_stroke_mm))),
     ("max_stroke_mm", Column::Number(|solved| Some(solved.summary.max_stroke_mm))),
     ("transmission_error_mm", Column::Number(|solved| Some(solved.summary.transmission_error_mm))),
 ];
-const WRITTEN: usize = 11;
+const WRITTEN: usize = 12;
 /// Those of which there are statistics.
 const QUANTITIES: Range<usize> = 1..8;
 
@@ -372,6 +375,10 @@ impl<'a> Teeth<'a> {
             Column::Number(_) | Column::End(_) => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
             Column::Verdict => match solved.judged.evaluation.verdict {
                 Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
+                None => ResultCell::Nothing,
+            },
+            Column::Reason => match solved.judged.evaluation.open_because() {
+                Some(why) => ResultCell::Text(why.into_bytes().into()),
                 None => ResultCell::Nothing,
             },
         });

@@ -508,7 +508,9 @@ pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
     if let Some(open) = plan.open() {
         let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
-        notes.push(format!("no part has a range or a verdict: {open}: {}", missing.join(", ")));
+        let is_judged = plan.limits.iter().all(|(on, _)| *on != LimitTarget::CenterDistance);
+        let what = if is_judged { "a range" } else { "a range or a verdict" };
+        notes.push(format!("no part has {what}: {open}: {}", missing.join(", ")));
     }
     if plan.open().is_none() {
         let missing = spec.missing_geometry();

@@ -224,6 +224,8 @@ pub enum Note {
     BothFlanksNarrows,
     /// The pair without errors is taken to stay at this ΔCD, mm: undercut or a contact ratio below 1 are not known.
     OwnCurveAt(f64),
+    /// The known pair without errors is in this range, which the sum counts.
+    OwnRange(Range),
     /// There is no range without the pair's geometry.
     GeometryNeeded,
     /// Flanks are taken to touch within this height over and under the reference plane.

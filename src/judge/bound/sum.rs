@@ -295,7 +295,9 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
     if errors.iter().any(whole_teeth) {
         notes.push(Note::WholeTeeth);
     }
-    if knowledge.pair.is_some() {
+    if let Some(known) = knowledge.pair {
+        let counts = knowledge.basis.known_teeth.is_none() && known.own.range != Range::default();
+        notes.extend(counts.then_some(Note::OwnRange(known.own.range)));
         return notes;
     }
     match knowledge.basis.own_curve {

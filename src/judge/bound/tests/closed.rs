@@ -86,16 +86,20 @@ fn the_spread_of_a_tolerance_is_that_of_both_signs() {
 
 /// z = 20, straight teeth, α_n = 20°, short rack teeth: at times one tooth carries alone.
 fn spur() -> Pair {
+    with_addendum(1.0, Some(38.0))
+}
+
+fn with_addendum(addendum_mm: f64, root_form_diameter_mm: Option<f64>) -> Pair {
     Pair::new(&PairData {
         normal_module_mm: 2.0,
         normal_pressure_angle_rad: 20.0 * DEGREE,
-        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm: 1.0, tooth_thickness_mm: None },
+        rack: RackData { helix_angle_rad: 0.0, face_width_mm: 20.0, addendum_mm, tooth_thickness_mm: None },
         pinion: PinionData {
             teeth: 20,
             helix_angle_rad: 0.0,
             profile_shift: 0.0,
             tip_diameter_mm: 43.8,
-            root_form_diameter_mm: Some(38.0),
+            root_form_diameter_mm,
             face_width_mm: 26.0,
             tooth_thickness_deviation_mm: 0.0,
         },
@@ -208,6 +212,21 @@ fn what_would_narrow_a_range_is_said() {
     let notes = with_addendum.bound(&[error(&pair, 2, Extent::All, 0.001)]).notes;
     assert!(notes.contains(&Note::AssumedHeight(AssumedHeight { mm: 6.0, from: HeightFrom::Addendum })));
     assert_eq!(of(pair, &[error(&pair, 4, Extent::Each, 0.02)]).notes, [Note::WholeTeeth]);
+}
+
+/// What a known pair does by itself is in the sum, and said.
+#[test]
+fn the_own_range_of_a_known_pair_is_said() {
+    let pair = with_addendum(2.7, None);
+    let bound = of(pair, &[error(&pair, 0, Extent::All, 0.01)]);
+    let [Note::OwnRange(Range { lower, upper })] = bound.notes[..] else { panic!("{:?}", bound.notes) };
+    assert!(lower == 0.0 && upper > 0.0005, "{lower} {upper}");
+    let sum = bound.combined.range.unwrap();
+    near(sum.lower, 0.01 + lower);
+    // errors of the pinion would shift its sides against each other, and lift a little more
+    assert!(sum.upper > 0.0105 && sum.upper <= 0.01 + upper, "{sum:?}");
+    let spur = spur();
+    assert_eq!(of(spur, &[error(&spur, 0, Extent::All, 0.01)]).notes, []);
 }
 
 #[test]
