@@ -2,7 +2,7 @@
 //! values of a column. Asked about what is not understood.
 
 use super::cell::Cell;
-use super::column::{Column, Nominal};
+use super::column::{Column, Nominal, SMALLEST_DIGIT};
 use super::names::{Role, is_statistic, lies_within, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
@@ -68,6 +68,15 @@ impl MeasuredValues {
     /// Whether a number has decimals and is near a nominal value, and is none.
     pub(crate) fn may_have(&self, cell: &Cell) -> bool {
         self.columns.iter().any(|column| column.may_have(cell, |_| true))
+    }
+
+    /// Whether a number is larger than the range of every column's values, so that it is no spread of them.
+    pub(crate) fn are_narrower_than(&self, cell: &Cell) -> bool {
+        let is_wider = |values: &ColumnValues| {
+            let value = values.column.quantity(cell).map_or(0.0, DeviationValue::base);
+            value > values.most - values.least + SMALLEST_DIGIT
+        };
+        cell.is_number() && self.columns.iter().all(is_wider)
     }
 
     /// Whether it also is larger or smaller than every value of the table.

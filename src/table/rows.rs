@@ -515,7 +515,9 @@ impl Rows {
                 .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
         };
         let is_excluded = |name: &str| {
-            may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name) && !self.is_measured(record)
+            may_be_statistic(name.as_bytes())
+                && (self.setup.names.exclude(name) && !self.is_measured(record)
+                    || self.setup.names.have_spread(name) && self.is_spread(record))
         };
         (self.label(record).is_some_and(|label| is_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
@@ -531,6 +533,17 @@ impl Rows {
                 && cell.is_some_and(|cell| cell.has_two_decimals() && column.may_hold(cell))
         };
         self.setup.columns.iter().any(is_near)
+    }
+
+    /// Whether what a record holds is by how much measured values differ, and none of them.
+    fn is_spread(&self, record: &Record) -> bool {
+        let is_spread = |cell: &Cell, column: &Column| {
+            cell.is_missing() || cell.is_measure() && column.may_deviate_by(cell) && !column.may_hold(cell)
+        };
+        self.setup.columns.iter().all(|column| {
+            matches!(column.nominal, Nominal::Fixed(_))
+                && record.cells.get(column.place).is_none_or(|cell| is_spread(cell, column))
+        })
     }
 
     /// Whether a line of words holds what may be a value.

@@ -14,7 +14,7 @@ use super::names::{
     says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
-use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
+use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape, uncounted};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -116,8 +116,11 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         } else {
             let title = &unknown.title;
             let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
-            let is_one_more =
-                |cell: &Cell| !is_said && measured.may_have(cell) || lies_within(title) && measured.is_beyond_all(cell);
+            let is_one_more = |cell: &Cell| {
+                !is_said && measured.may_have(cell)
+                    || lies_within(title) && measured.is_beyond_all(cell)
+                    || is_spread(title) && measured.are_narrower_than(cell)
+            };
             let is_repeated = measured.are_repeated_by(unknown) || unknown.cells.iter().any(is_one_more);
             let is_measurement = unknown.is_measurement || is_repeated;
             sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);

@@ -6,13 +6,13 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
-use super::headings::{Named, PartNames, headings, is_part_name, says_no_part};
+use super::headings::{Named, PartNames, headings, is_part_name, is_spread, is_statistic_among, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, names_value, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -89,7 +89,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
-                    && (!is_statistic(&title) || is_called_like_another(&record.cells, *place))
+                    && (!is_statistic_among(&title, &record.cells) || is_called_like_another(&record.cells, *place))
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
                     && !is_ignored(&record.cells[*place])
@@ -105,6 +105,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && names.may_have(&title)
+                    && !is_statistic_among(&title, &record.cells)
                     && !is_ignored(&record.cells[*place])
             };
             (0..roles.len()).filter(|place| found.contains(place) || !found.is_empty() && is_like(place)).collect()
@@ -328,11 +329,13 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
+            let is_statistic = is_statistic_among(&title, header);
             let is_measurement = !is_counted
                 && (!is_part_name(&title) || has_digit(&title))
-                && !is_statistic(&title)
+                && !is_statistic
                 && self.roles[place].is_none();
-            Unknown::column(&title, place, cells).measured(is_measurement)
+            let unknown = Unknown::column(&title, place, cells).measured(is_measurement);
+            Unknown { is_spread: is_statistic && is_spread(&title), ..unknown }
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
     }

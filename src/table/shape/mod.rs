@@ -18,7 +18,7 @@ mod refusal;
 mod rows;
 mod stated;
 
-pub(crate) use headings::{PartNames, is_numbered, is_part_name};
+pub(crate) use headings::{PartNames, is_numbered, is_part_name, is_spread};
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located, many};
 pub(crate) use stated::{stated_units, unknown_unit};
@@ -323,12 +323,12 @@ fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Sha
     if let Some(found) = characteristics.filter(|found| found.known >= named) {
         return by_characteristic(records, &found, separator, want);
     }
-    if let Some(columns) = columns_of_no_part(&inner, &labels) {
-        return Err(columns);
-    }
     // the name of a part stands in front of each of its teeth, a label in front of one line
     let texts: BTreeSet<_> = labels.iter().map(|index| inner[*index].cells[0].text()).collect();
     if texts.len() > named || (labels.len() == 1 && named <= 1 && header.is_none()) {
+        if let Some(columns) = columns_of_no_part(&inner, &labels) {
+            return Err(columns);
+        }
         return by_label(&inner, &labels, separator, want);
     }
     if let Some(header) = header {
