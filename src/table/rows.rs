@@ -521,8 +521,18 @@ impl Rows {
         };
         (self.label(record).is_some_and(|label| is_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
+            || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
+    }
+
+    /// Whether a record says where a page ends, and holds at most a count that is no value.
+    fn is_page(&self, record: &Record) -> bool {
+        let mut cells = record.cells.iter().filter(|cell| !cell.is_missing());
+        let is_count = |cell: &Cell| {
+            cell.text().parse::<u64>().is_ok() && !self.setup.columns.iter().any(|column| column.may_hold(cell))
+        };
+        cells.next().is_some_and(|first| self.setup.names.have_no(&first.text())) && cells.all(is_count)
     }
 
     /// Whether a record holds a value near the nominal one, as no count or temperature is.

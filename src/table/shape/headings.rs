@@ -4,7 +4,7 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, role,
+    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, names_page, role,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -132,6 +132,8 @@ pub(crate) struct PartNames {
     longest: [usize; 2],
     /// Whether a mean or an extreme of the parts stands among them.
     has_mean: bool,
+    /// Whether one of them is called like a page: `Blatt 2`.
+    has_page: bool,
 }
 
 impl PartNames {
@@ -139,6 +141,7 @@ impl PartNames {
         let mut names = Self::default();
         for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text) {
             names.has_mean |= lies_within(&name);
+            names.has_page |= has_digit(&name) && names_page(&name);
             if is_statistic(&name) || is_plain_context(&name) || is_spread(&name) {
                 continue;
             }
@@ -176,6 +179,11 @@ impl PartNames {
     /// Whether a row of that name is a spread of the parts, as a mean beside it tells, unless its numbers may be a part's.
     pub(crate) fn have_spread(&self, name: &str) -> bool {
         self.has_mean && is_spread(name)
+    }
+
+    /// Whether a line of that name says where a page ends, and is no part's.
+    pub(crate) fn have_no(&self, page: &str) -> bool {
+        !self.has_page && names_page(page)
     }
 }
 
