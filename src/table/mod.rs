@@ -145,6 +145,7 @@ impl Table {
             parts_in: shape.orientation.word(),
             header_line: shape.header_line,
             unit_counted: "part",
+            notes: shape.notes.iter().map(|note| format!("{name}: {note}")).collect(),
             ..Reading::default()
         };
         reading.columns.extend(shape.ids.as_ref().map(|ids| named_only(&ids.title, Field::PartId.key())));

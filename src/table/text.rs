@@ -80,7 +80,9 @@ impl Text {
         if !is_all {
             let source = self.source(&bytes, false);
             let problem = match understand(&source, &want) {
-                Ok(understood) if can_stream(&understood) && plain(&text(&bytes)).is_none() => return self.streamed(&understood, &want),
+                Ok(understood) if can_stream(&understood) && plain(&text(&bytes)).is_none() => {
+                    return self.streamed(&understood, &want);
+                }
                 understood => understood.err(),
             };
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
@@ -157,20 +159,21 @@ impl Text {
 
 /// A text without the marks of a quoted mail, and with the bars and lines of a box as Markdown has them; `None` if it has none.
 fn plain(text: &str) -> Option<String> {
-    let marks = |line: &str| line.len() - line.trim_start_matches(['>', ' ']).len();
-    let mut lines = text.lines().filter(|line| !line.trim().is_empty()).peekable();
+    let lines = || text.lines().filter(|line| !line.trim().is_empty());
+    let depth = lines().map(|line| line.chars().take_while(|c| *c == '>' || *c == ' ').filter(|c| *c == '>').count());
+    let depth = depth.min().unwrap_or(0);
+    let unquoted = |line: &str| line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned();
     // `>25,05` is a bound
-    let is_name = |first: &&str| !has_digit(first[marks(first)..].split_whitespace().next().unwrap_or_default());
-    let is_quoted = lines.peek().is_some_and(is_name) && lines.all(|line| line.starts_with('>'));
-    let unquoted = |line: &str| if is_quoted { line[marks(line)..].to_owned() } else { line.to_owned() };
+    let is_name = |line: &str| !has_digit(unquoted(line).split_whitespace().next().unwrap_or_default());
+    let is_quoted = depth > 0 && lines().next().is_some_and(is_name);
     let is_drawn = |c: char| ('\u{2500}'..='\u{257f}').contains(&c);
     let bar = |c: char| match c {
         '─' | '━' | '═' | '┄' | '┅' | '┈' | '┉' | '╌' | '╍' => '-',
         c if is_drawn(c) => '|',
         c => c,
     };
-    let is_marked = is_quoted || text.contains(is_drawn);
-    is_marked.then(|| text.split_inclusive('\n').map(unquoted).collect::<String>().chars().map(bar).collect())
+    let lines = text.split_inclusive('\n').map(|line| if is_quoted { unquoted(line) } else { line.to_owned() });
+    (is_quoted || text.contains(is_drawn)).then(|| lines.collect::<String>().chars().map(bar).collect())
 }
 
 /// Whether the rows of a table can be read one after the other: between a character, or in a single column whose name

@@ -13,7 +13,8 @@ mod words;
 
 pub(crate) use near::{is_context, is_gear_size, is_total, near, says_deviation};
 pub(crate) use role::{
-    has_stated_unit, is_again, is_evaluation_length, is_statistic, lies_within, names_page, repeats_value, role, stands_before_unit,
+    has_stated_unit, is_again, is_evaluation_length, is_statistic, lies_within, names_page, repeats_value, role,
+    stands_before_unit,
 };
 pub(crate) use unit::split_unit;
 

@@ -4,7 +4,8 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, names_page, role,
+    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, names_page,
+    role,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;

@@ -14,6 +14,7 @@ mod characteristics;
 mod dimensions;
 mod headings;
 mod labels;
+mod merged;
 mod refusal;
 mod rows;
 mod stated;
@@ -40,6 +41,7 @@ use characteristics::{by_characteristic, find_characteristics};
 use dimensions::with_dimension_names;
 use headings::{Named, known};
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
+use merged::with_part_in_each_row;
 use rows::{by_header, find_header, header_of_strangers};
 
 /// The cells of one name.
@@ -88,6 +90,8 @@ pub(crate) struct Shape {
     pub(crate) lines: Vec<u64>,
     /// Numbers beside the values, which tell the decimal mark as well.
     pub(crate) beside: Vec<Cell>,
+    /// What was taken from elsewhere than its own cell.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Shape {
@@ -294,6 +298,7 @@ impl Measurement {
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
     let records = with_parts_side_by_side(records, want);
+    let records = with_part_in_each_row(&records, want);
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)
