@@ -3,7 +3,8 @@
 
 use super::cell::Cell;
 use super::column::{Column, Nominal, SMALLEST_DIGIT};
-use super::names::{Role, is_statistic, lies_within, role};
+use super::grid::is_unit;
+use super::names::{Role, is_statistic, is_tolerance, lies_within, names_probe, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
 use super::unknown::Unknown;
@@ -70,13 +71,29 @@ impl MeasuredValues {
         self.columns.iter().any(|column| column.may_have(cell, |_| true))
     }
 
+    /// Whether a line says what is wanted of the values or made of them, and nothing but numbers stands behind its name: a
+    /// tolerance or a probe that is near no nominal value, a mean among the values, a spread that is no larger than they are apart.
+    pub(crate) fn are_described_by(&self, unknown: &Unknown, behind: &str) -> bool {
+        let title = &unknown.title;
+        let mut words = behind.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|word| !word.is_empty());
+        let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
+        let is_so = |cell: &Cell| match () {
+            () if is_tolerance(title) || names_probe(title) => !self.may_have(cell),
+            () if lies_within(title) => self.columns.iter().any(|column| column.encloses(cell)),
+            () => is_statistic(title) && !self.are_narrower_than(cell),
+        };
+        unknown.column.is_none()
+            && words.all(|word| is_number(word) || is_unit(word))
+            && unknown.cells.iter().all(is_so)
+    }
+
     /// Whether a number is larger than the range of every column's values, so that it is no spread of them.
     pub(crate) fn are_narrower_than(&self, cell: &Cell) -> bool {
-        let is_wider = |values: &ColumnValues| {
-            let value = values.column.quantity(cell).map_or(0.0, DeviationValue::base);
-            value > values.most - values.least + SMALLEST_DIGIT
+        let is_spread = |values: &ColumnValues| {
+            let range = values.most - values.least + SMALLEST_DIGIT;
+            values.column.quantity(cell).is_ok_and(|value| value.base().abs() <= range)
         };
-        cell.is_number() && self.columns.iter().all(is_wider)
+        cell.is_number() && !self.columns.iter().any(is_spread)
     }
 
     /// Whether it also is larger or smaller than every value of the table.
@@ -86,6 +103,12 @@ impl MeasuredValues {
 }
 
 impl ColumnValues {
+    /// Whether a number lies among its values.
+    fn encloses(&self, cell: &Cell) -> bool {
+        let is_among = |value: f64| (self.least - SMALLEST_DIGIT..=self.most + SMALLEST_DIGIT).contains(&value);
+        self.column.quantity(cell).is_ok_and(|value| is_among(value.base()))
+    }
+
     /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
     /// half their range.
     fn may_be_repeated(&self, cells: &[Cell]) -> bool {

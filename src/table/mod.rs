@@ -279,6 +279,9 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
             column.title
         ));
     }
+    if names::split_size(&names::split_unit(&column.title).0).is_some() {
+        notes.push(format!("{name}: `{}`: the tolerance in its name is not judged", column.title));
+    }
     if column.is_far_below_tolerance(measurement) {
         notes.push(format!(
             "{name}: `{}`: every value is less than a 500th of its tolerance: check the unit",

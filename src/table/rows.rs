@@ -626,12 +626,21 @@ pub(crate) fn put(
         }
         Ok(None) => missing(column, cell),
         Err(problem) => {
-            if let Problem::OtherMark(message) = &problem {
+            let help = match problem {
+                Problem::OtherMark(_) => Some(
+                    "write every number with the same decimal mark; if all have this one, say so: --decimal comma or --decimal point",
+                ),
+                Problem::OpenMark(_) => Some(
+                    "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
+                ),
+                _ => None,
+            };
+            if let Some(help) = help {
                 block.contradiction.get_or_insert_with(|| Contradiction {
                     line: block.lines.last().copied().unwrap_or(0),
                     column: column.title.clone(),
-                    message: message.clone(),
-                    help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
+                    message: problem.message(),
+                    help,
                 });
             }
             problem.message()

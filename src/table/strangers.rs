@@ -111,7 +111,8 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
             && !unknown.cells.iter().any(is_value)
     };
     for unknown in &shape.unknown {
-        if is_title(unknown) {
+        let behind = || unknown.cells.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+        if is_title(unknown) || measured.are_described_by(unknown, &behind()) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
             let title = &unknown.title;
@@ -134,8 +135,14 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         let found = found
             .or_else(|| value_beyond(aside, &measured, is_above))
             .map(|unknown| Unknown { is_repeated: true, ..unknown });
+        let is_described = |unknown: &Unknown| {
+            let behind = aside.text.strip_prefix(&unknown.title);
+            behind.is_some_and(|behind| measured.are_described_by(unknown, behind))
+        };
         match found.or_else(|| without_value(aside, shape, columns)) {
-            Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
+            Some(unknown) if !repeats_nominal(&unknown, aside, columns) && !is_described(&unknown) => {
+                sorted.take(file, &unknown, want, others)
+            }
             _ => sorted.asides.push(aside.clone()),
         }
     }

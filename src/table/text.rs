@@ -162,7 +162,8 @@ fn plain(text: &str) -> Option<String> {
     let lines = || text.lines().filter(|line| !line.trim().is_empty());
     let depth = lines().map(|line| line.chars().take_while(|c| *c == '>' || *c == ' ').filter(|c| *c == '>').count());
     let depth = depth.min().unwrap_or(0);
-    let unquoted = |line: &str| line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned();
+    let unquoted =
+        |line: &str| line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned();
     // `>25,05` is a bound
     let is_name = |line: &str| !has_digit(unquoted(line).split_whitespace().next().unwrap_or_default());
     let is_quoted = depth > 0 && lines().next().is_some_and(is_name);

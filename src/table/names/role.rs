@@ -83,6 +83,11 @@ pub(crate) fn is_again(name: &str) -> bool {
     VOCABULARY.again.contains(&plain(name).as_str())
 }
 
+/// Whether a name is that of the probe, and behind it its diameter.
+pub(crate) fn names_probe(name: &str) -> bool {
+    VOCABULARY.probes.contains(&plain(name).as_str())
+}
+
 /// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
 pub(crate) fn names_page(line: &str) -> bool {
     let line = plain(line);

@@ -173,6 +173,8 @@ pub(super) struct Vocabulary {
     pub(super) means: Vec<&'static str>,
     /// What counts how often a part was measured, or holds what was measured once more.
     pub(super) again: Vec<&'static str>,
+    /// What a line above a table calls the probe.
+    pub(super) probes: Vec<&'static str>,
     /// What a line between the pages of a table is called, and what may stand between a page's number and that of all.
     pub(super) pages: Vec<&'static str>,
     pub(super) page_counts: Vec<&'static str>,
@@ -193,6 +195,7 @@ impl Vocabulary {
                 ("statistic", _) => vocabulary.statistics.extend(words),
                 ("mean", _) => vocabulary.means.extend(words),
                 ("again", _) => vocabulary.again.extend(words),
+                ("probe", _) => vocabulary.probes.extend(words),
                 ("page", _) => vocabulary.pages.extend(words),
                 ("page count", _) => vocabulary.page_counts.extend(words),
                 ("unit subject", _) => vocabulary.unit_subjects.extend(words),

@@ -24,6 +24,7 @@ pub(super) fn find_labels(records: &[Record], want: &Want) -> Vec<usize> {
 pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option<NoShape> {
     let above = &records[..*labels.first()?];
     let says_all = |cell: &&Cell| says_no_part(&cell.text()) && !cell.text().trim().contains(' ');
+    let is_of_words = |record: &&Record| !record.cells.iter().any(|cell| has_digit(&cell.text()));
     let says_it = |cell: &&Cell| says_no_part(&cell.text());
     // a line of names has as many cells as the lines below it
     let names = above.last().filter(|record| record.cells.len() == records[labels[0]].cells.len());
@@ -36,7 +37,7 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let heading = names
         .and_then(|names| names.cells.iter().skip(1).find(says_it))
         .or(of_characteristics)
-        .or_else(|| above.iter().flat_map(|record| &record.cells).find(says_all))?;
+        .or_else(|| above.iter().filter(is_of_words).flat_map(|record| &record.cells).find(says_all))?;
     Some(NoShape::NoPart { heading: heading.clone() })
 }
 
