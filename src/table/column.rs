@@ -308,6 +308,14 @@ impl Column {
         self.nominal != Nominal::None && deviations.may_hold(cell)
     }
 
+    /// Whether a number is one by which measured values may differ among each other, and is far from nominal itself.
+    pub(crate) fn may_spread_by(&self, cell: &Cell) -> bool {
+        const PART_OF_NOMINAL: f64 = 0.02;
+        let Nominal::Fixed(nominal) = self.nominal else { return false };
+        let most = PART_OF_NOMINAL * nominal.base().abs();
+        self.quantity(cell).is_ok_and(|value| value.base().abs() < most) && !self.may_hold(cell)
+    }
+
     /// Whether a row that is called by a mean or an extreme of the others lies beyond them, mm or degrees.
     pub(crate) fn is_beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> bool {
         // of deviations, it may be that without signs

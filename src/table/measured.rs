@@ -72,18 +72,24 @@ impl MeasuredValues {
     }
 
     /// Whether a line says what is wanted of the values or made of them, and nothing but numbers stands behind its name: a
-    /// tolerance or a probe that is near no nominal value, a mean among the values, a spread that is no larger than they are apart.
+    /// tolerance or a probe far from nominal, a mean among the values, a spread that is no larger than they are apart.
     pub(crate) fn are_described_by(&self, unknown: &Unknown, behind: &str) -> bool {
         let title = &unknown.title;
-        let mut words = behind.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|word| !word.is_empty());
-        let is_number = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
-        let is_so = |cell: &Cell| match () {
-            () if is_tolerance(title) || names_probe(title) => !self.may_have(cell),
-            () if lies_within(title) => self.columns.iter().any(|column| column.encloses(cell)),
-            () => is_statistic(title) && !self.are_narrower_than(cell),
+        let is_given = is_tolerance(title) || names_probe(title);
+        let is_so = |cell: &Cell| {
+            let text = cell.text();
+            let number = Cell::of_text(text.trim_start_matches('±'), 0..0);
+            let is_number = || match is_given {
+                true => !self.may_have(&number) && !self.columns.iter().any(|column| column.is_near_nominal(&number)),
+                false if lies_within(title) => self.columns.iter().any(|column| column.encloses(&number)),
+                false => !self.are_narrower_than(&number),
+            };
+            cell.is_missing() || is_unit(&text) || number.is_number() && is_number()
         };
+        let mut words = behind.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|word| !word.is_empty());
         unknown.column.is_none()
-            && words.all(|word| is_number(word) || is_unit(word))
+            && (is_given || is_statistic(title))
+            && words.all(|word| word.bytes().all(|byte| byte.is_ascii_digit()) || is_unit(word))
             && unknown.cells.iter().all(is_so)
     }
 
@@ -103,6 +109,11 @@ impl MeasuredValues {
 }
 
 impl ColumnValues {
+    /// Whether a number may be one of its values, whose nominal one is known.
+    fn is_near_nominal(&self, cell: &Cell) -> bool {
+        matches!(self.column.nominal, Nominal::Fixed(_)) && self.column.may_hold(cell)
+    }
+
     /// Whether a number lies among its values.
     fn encloses(&self, cell: &Cell) -> bool {
         let is_among = |value: f64| (self.least - SMALLEST_DIGIT..=self.most + SMALLEST_DIGIT).contains(&value);

@@ -528,11 +528,13 @@ impl Rows {
 
     /// Whether a record says where a page ends, and holds at most a count that is no value.
     fn is_page(&self, record: &Record) -> bool {
-        let mut cells = record.cells.iter().filter(|cell| !cell.is_missing());
-        let is_count = |cell: &Cell| {
+        let filled: Vec<&Cell> = record.cells.iter().filter(|cell| !cell.is_missing()).collect();
+        let is_count = |cell: &&Cell| {
             cell.text().parse::<u64>().is_ok() && !self.setup.columns.iter().any(|column| column.may_hold(cell))
         };
-        cells.next().is_some_and(|first| self.setup.names.have_no(&first.text())) && cells.all(is_count)
+        filled
+            .split_first()
+            .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
     }
 
     /// Whether a record holds a value near the nominal one, as no count or temperature is.
@@ -547,13 +549,9 @@ impl Rows {
 
     /// Whether what a record holds is by how much measured values differ, and none of them.
     fn is_spread(&self, record: &Record) -> bool {
-        let is_spread = |cell: &Cell, column: &Column| {
-            cell.is_missing() || cell.is_measure() && column.may_deviate_by(cell) && !column.may_hold(cell)
-        };
-        self.setup.columns.iter().all(|column| {
-            matches!(column.nominal, Nominal::Fixed(_))
-                && record.cells.get(column.place).is_none_or(|cell| is_spread(cell, column))
-        })
+        let cells = self.setup.columns.iter().filter_map(|column| Some((column, record.cells.get(column.place)?)));
+        let mut filled = cells.filter(|(_, cell)| !cell.is_missing()).peekable();
+        filled.peek().is_some() && filled.all(|(column, cell)| column.may_spread_by(cell))
     }
 
     /// Whether a line of words holds what may be a value.

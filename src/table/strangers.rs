@@ -124,6 +124,10 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
             };
             let is_repeated = measured.are_repeated_by(unknown) || unknown.cells.iter().any(is_one_more);
             let is_measurement = unknown.is_measurement || is_repeated;
+            if unknown.column.is_some() && is_spread(title) && !is_measurement && shape.has_column_of_means() {
+                sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });
+                continue;
+            }
             sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
         }
     }
@@ -141,7 +145,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         };
         match found.or_else(|| without_value(aside, shape, columns)) {
             Some(unknown) if !repeats_nominal(&unknown, aside, columns) && !is_described(&unknown) => {
-                sorted.take(file, &unknown, want, others)
+                sorted.take(file, &unknown, want, others);
             }
             _ => sorted.asides.push(aside.clone()),
         }

@@ -25,8 +25,6 @@ pub(crate) struct Unknown {
     pub(crate) is_measurement: bool,
     /// Whether its numbers are like those of a known column.
     pub(crate) is_repeated: bool,
-    /// Whether it stands beside a mean, and is called by the spread of the same parts.
-    pub(crate) is_spread: bool,
     /// Whether it has a known name, and what stands behind it is no number.
     pub(crate) is_unread: bool,
 }
@@ -42,7 +40,6 @@ impl Unknown {
             cells,
             is_measurement: false,
             is_repeated: false,
-            is_spread: false,
             is_unread: false,
         }
     }
@@ -58,7 +55,6 @@ impl Unknown {
             cells,
             is_measurement: false,
             is_repeated: false,
-            is_spread: false,
             is_unread: false,
         }
     }
@@ -104,9 +100,6 @@ impl Unknown {
     pub(crate) fn could_be_measured(&self) -> bool {
         if self.units().is_some() || self.is_unread {
             return true;
-        }
-        if self.is_spread && !self.is_repeated {
-            return false;
         }
         let title = &self.title;
         let unit = split_unit(title).1.or_else(|| self.unit.clone());

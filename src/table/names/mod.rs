@@ -305,7 +305,7 @@ fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
         senses.iter().any(|sense| matches!(sense, Sense::Error([.., Field::Error(DeviationKind::PinionPitch)])));
     let fits = |field: &Field| {
         let of_said = (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
-        let is_open = has(Sense::Pinion) || !needs_part(*field) && !(is_single && of_rack(*field));
+        let is_open = has(Sense::Pinion) || !(needs_part(*field) || is_single && of_rack(*field));
         of_said && (is_open || has(Sense::Rack) && of_rack(*field))
     };
     let fields: Vec<Field> = fields.into_iter().filter(fits).collect();

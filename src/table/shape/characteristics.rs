@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::headings::{Named, PartNames, headings, is_part_name, is_spread, is_statistic_among, says_no_part};
+use super::headings::{Named, PartNames, headings, is_part_name, is_statistic_among, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
@@ -353,13 +353,11 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
-            let is_statistic = is_statistic_among(&title, header);
             let is_measurement = !is_counted
                 && (!is_part_name(&title) || has_digit(&title))
-                && !is_statistic
+                && !is_statistic_among(&title, header)
                 && self.roles[place].is_none();
-            let unknown = Unknown::column(&title, place, cells).measured(is_measurement);
-            Unknown { is_spread: is_statistic && is_spread(&title), ..unknown }
+            Unknown::column(&title, place, cells).measured(is_measurement)
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
     }

@@ -30,7 +30,7 @@ use std::collections::{BTreeSet, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, is_statistic, role, split_unit};
+use super::names::{Field, Role, ValueKind, is_statistic, lies_within, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -228,6 +228,13 @@ impl Shape {
                 self.unknown.retain(|unknown| unknown.column != Some(place));
             }
         }
+    }
+
+    /// Whether beside columns of parts there is one of means or extremes of them.
+    pub(crate) fn has_column_of_means(&self) -> bool {
+        let beside = self.measurements.iter().flat_map(|measurement| measurement.beside.iter());
+        let mut titles = beside.map(|series| &series.title).chain(self.unknown.iter().map(|unknown| &unknown.title));
+        self.orientation == Orientation::Columns && titles.any(|title| lies_within(title))
     }
 
     /// What the names of its parts look like.
