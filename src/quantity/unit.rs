@@ -10,6 +10,8 @@ pub enum LengthUnit {
     Nanometre,
     /// `um`, `µm`: 0.001 mm.
     Micrometre,
+    /// `1/100 mm`, in a heading.
+    Hundredth,
     /// `mm`.
     Millimetre,
     /// `cm`: 10 mm.
@@ -23,7 +25,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// Every unit, the usual ones first.
+    /// Every unit that stands behind a number, the usual ones first.
     pub const ALL: [Self; 7] =
         [Self::Millimetre, Self::Micrometre, Self::Inch, Self::Mil, Self::Nanometre, Self::Centimetre, Self::Metre];
 
@@ -33,8 +35,9 @@ impl LengthUnit {
     /// The unit of that symbol or name, as a heading has it.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
-        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]);
-        if thousandth { Some(Self::Micrometre) } else { Self::behind_number(symbol) }
+        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]).then_some(Self::Micrometre);
+        let hundredth = || is_spelt(symbol, Self::Hundredth.spellings()).then_some(Self::Hundredth);
+        thousandth.or_else(hundredth).or_else(|| Self::behind_number(symbol))
     }
 
     /// The unit of that symbol behind a number, where `12 1/1000 mm` could be a mixed fraction.
@@ -59,6 +62,7 @@ impl LengthUnit {
                 "mikrometer",
                 "ミクロン",
             ],
+            Self::Hundredth => &["1/100 mm", "1/100mm"],
             Self::Millimetre => &["mm", "\u{339c}", "millimeter", "millimetre", "ミリ"],
             Self::Centimetre => &["cm", "\u{339d}"],
             Self::Metre => &["m"],
@@ -81,6 +85,7 @@ impl LengthUnit {
         match self {
             Self::Nanometre => Scale { factor: 1, exponent: 6 },
             Self::Micrometre => Scale { factor: 1, exponent: 9 },
+            Self::Hundredth => Scale { factor: 1, exponent: 10 },
             Self::Millimetre => Scale { factor: 1, exponent: 12 },
             Self::Centimetre => Scale { factor: 1, exponent: 13 },
             Self::Metre => Scale { factor: 1, exponent: 15 },
@@ -176,14 +181,16 @@ impl Unit {
     /// The unit of that symbol where nothing else says what is measured: `″` is an inch, and `min` and `sec` are times.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
+        let length = LengthUnit::from_symbol(symbol).map(Self::Length);
         let is_time = ["min", "sec"].iter().any(|time| time.eq_ignore_ascii_case(symbol));
-        Self::of_length(symbol).or_else(|| Self::of_angle(symbol).filter(|_| !is_time))
+        length.or_else(|| Self::of_angle(symbol).filter(|_| !is_time))
     }
 
-    /// The unit of that symbol on what is known to be a length: `″` is an inch.
+    /// The unit of that symbol on what is known to be a length: `″` and `"` are inches.
     #[must_use]
     pub fn of_length(symbol: &str) -> Option<Self> {
-        LengthUnit::from_symbol(symbol).map(Self::Length)
+        let inch = (symbol == "\"").then_some(LengthUnit::Inch);
+        inch.or_else(|| LengthUnit::from_symbol(symbol)).map(Self::Length)
     }
 
     /// The unit of that symbol on what is known to be an angle: `″` is an arcsecond, `min` an arcminute.
@@ -231,7 +238,7 @@ mod tests {
         let arcsecond = Some(Unit::Angle(AngleUnit::Arcsecond));
         for (symbol, anywhere, of_length, of_angle) in [
             ("\u{2033}", inch, inch, arcsecond),
-            ("\"", arcsecond, None, arcsecond),
+            ("\"", arcsecond, inch, arcsecond),
             ("sec", None, None, arcsecond),
             ("Min", None, None, Some(Unit::Angle(AngleUnit::Arcminute))),
             ("Micron", Some(Unit::Length(LengthUnit::Micrometre)), Some(Unit::Length(LengthUnit::Micrometre)), None),

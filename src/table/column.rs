@@ -6,9 +6,9 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, is_total, split_unit};
+use super::names::{Field, Role, ValueKind, is_total, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
-use super::shape::Measurement;
+use super::shape::{Measurement, Series};
 use super::want::{Want, quoted};
 use crate::deviation::plausible::{self, Reach, WrittenIn};
 use crate::deviation::{Countable, DeviationKind, DeviationValue};
@@ -127,13 +127,15 @@ pub(crate) enum Problem {
     TooLarge(String),
     /// It has the other decimal mark than the cells before it.
     OtherMark(String),
+    /// It is another number with each decimal mark, and nothing before it tells which counts.
+    OpenMark(String),
 }
 
 impl Problem {
     /// What is wrong, and what to do.
     pub(crate) fn message(&self) -> String {
         match self {
-            Self::Bad(what) | Self::OtherMark(what) => what.clone(),
+            Self::Bad(what) | Self::OtherMark(what) | Self::OpenMark(what) => what.clone(),
             Self::Far(what) => format!("{what}: check the unit and the decimal mark, or whether it is a deviation"),
             Self::TooLarge(what) => format!("{what}: check the unit, or give the nominal value if it is a measure"),
         }
@@ -180,7 +182,20 @@ impl Column {
         } else {
             column.evaluated = evaluated(given.and_then(|given| given.length), want, &value.title)?;
         }
+        column.has_size_of_title(want)?;
         Ok(column)
+    }
+
+    /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.
+    fn has_size_of_title(&self, want: &Want) -> Result<(), Diagnostic> {
+        let (name, _) = split_unit(&self.title);
+        let Some((_, size)) = split_size(&name).filter(|_| !want.is_own(&self.title)) else { return Ok(()) };
+        let said = self.quantity(&Cell::of_text(size, 0..0)).ok();
+        if said.is_some() && said == self.nominal_of_every_part() {
+            return Ok(());
+        }
+        let message = format!("`{}` says that the nominal value is {size}, and nothing else says so", self.title);
+        Err(Diagnostic::error(Code::BadTable, message).help("give the same nominal value in the spec"))
     }
 
     /// Decides what is taken from a value: what stands beside it, or what the spec says. Of a space or tooth, the spec says
@@ -280,6 +295,12 @@ impl Column {
         unit && DecimalMark::ALL.into_iter().any(is_near)
     }
 
+    /// Whether all numbers of some cells may be its values in a unit.
+    pub(crate) fn may_hold_all(&self, cells: &[Cell], unit: Unit) -> bool {
+        let united = Self { unit, ..self.clone() };
+        cells.iter().filter(|cell| cell.is_number()).all(|cell| united.may_hold(cell))
+    }
+
     /// The same column of numbers with this decimal mark.
     pub(crate) fn with_mark(&self, mark: DecimalMark) -> Self {
         Self { mark, mark_is_open: false, ..self.clone() }
@@ -289,6 +310,14 @@ impl Column {
     pub(crate) fn may_deviate_by(&self, cell: &Cell) -> bool {
         let deviations = Self { nominal: Nominal::None, ..self.clone() };
         self.nominal != Nominal::None && deviations.may_hold(cell)
+    }
+
+    /// Whether a number is one by which measured values may differ among each other, and is far from nominal itself.
+    pub(crate) fn may_spread_by(&self, cell: &Cell) -> bool {
+        const PART_OF_NOMINAL: f64 = 0.02;
+        let Nominal::Fixed(nominal) = self.nominal else { return false };
+        let most = PART_OF_NOMINAL * nominal.base().abs();
+        self.quantity(cell).is_ok_and(|value| value.base().abs() < most) && !self.may_hold(cell)
     }
 
     /// Beyond which end of the others, mm or degrees, a value lies; `None` if it is among them or cannot be read.
@@ -403,7 +432,7 @@ impl Column {
                 text.replace(',', "."),
                 text.replace([',', '.'], "")
             );
-            return Err(Problem::OtherMark(message));
+            return Err(Problem::OpenMark(message));
         }
         let whole = text;
         let text = measured(text, unit);
@@ -424,7 +453,11 @@ impl Column {
                 self.unit.symbol()
             )));
         }
-        let united = if is_bare { format!("{number} {}", unit.symbol()) } else { number };
+        let united = match unit {
+            Unit::Length(LengthUnit::Hundredth) if is_bare => format!("{number}e-2 mm"),
+            unit if is_bare => format!("{number} {}", unit.symbol()),
+            _ => number,
+        };
         let read = match unit {
             Unit::Length(_) => united.parse().map(DeviationValue::Length),
             Unit::Angle(_) => united.parse().map(DeviationValue::Angle),
@@ -589,7 +622,7 @@ fn companions(measurement: &Measurement, unit: Unit, is_slope: bool) -> Result<C
         let Some(series) = measurement.beside.get(*role) else { continue };
         let own = if *role == Role::Length { Unit::Length(LengthUnit::Millimetre) } else { unit };
         let is_angle = matches!(own, Unit::Angle(_));
-        let named = |symbol: &str| if is_angle { Unit::of_angle(symbol) } else { Unit::of_length(symbol) };
+        let named = |symbol: &str| if is_angle { Unit::of_angle(symbol) } else { unit_of(symbol, false) };
         let unit = match series.unit.as_deref().filter(|_| *role != Role::Unit) {
             None => own,
             Some(symbol) => named(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, is_angle))?,
@@ -688,24 +721,44 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     }
     let message =
         format!("`{}` is {}, and nothing tells the unit of its numbers", value.title, measurement.field.key());
-    let (one, other) = if is_angle { ("deg", "arcmin") } else { ("mm", "um") };
-    let help = format!("write the unit behind the name: `{title} [{one}]` or `{title} [{other}]`", title = value.title);
+    let fits = |symbol: &&&str| {
+        let value = Series { unit: Some((**symbol).to_owned()), ..value.clone() };
+        let united = Measurement { value, ..measurement.clone() };
+        let column = Column::new(&united, kind, want, DecimalMark::Point);
+        column.is_ok_and(|column| column.may_hold_all(&united.value.cells, column.unit))
+    };
+    let units = if is_angle { ["deg", "arcmin"] } else { ["mm", "um"] };
+    let fitting: Vec<&str> = units.iter().filter(fits).copied().collect();
+    let units = if fitting.is_empty() { &units } else { fitting.as_slice() };
     let in_spec = kind.map(|kind| {
-        let column = format!("{} = {{ name = \"{}\", unit = \"{one}\" }}", kind.key(), value.title);
-        format!("; or say it in the spec: [batch.columns] {column}, or \"{other}\"")
+        let column = format!("{} = {{ name = \"{}\", unit = \"{}\" }}", kind.key(), value.title, units[0]);
+        let other = units.get(1).map_or_else(String::new, |other| format!(", or \"{other}\""));
+        format!("; or say it in the spec: [batch.columns] {column}{other}")
     });
-    Err(Diagnostic::error(Code::BadTable, message).help(help + &in_spec.unwrap_or_default()))
+    let help = behind_name(&value.title, units) + &in_spec.unwrap_or_default();
+    Err(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// The advice to write one of some units behind a name.
+pub(crate) fn behind_name(title: &str, units: &[&str]) -> String {
+    let headings: Vec<_> = units.iter().map(|unit| format!("`{title} [{unit}]`")).collect();
+    format!("write the unit behind the name: {}", headings.join(" or "))
 }
 
 /// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
 fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
-    let symbol = bare_unit(symbol);
+    // where a unit stands, `my` is the German name of µ
+    let symbol = match bare_unit(symbol) {
+        "my" | "0,001 mm" | "0.001 mm" => "µm",
+        "0,01 mm" | "0.01 mm" => "1/100 mm",
+        symbol => symbol,
+    };
     if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
 }
 
 /// Whether a title is the key of a field, with nothing but case changed.
 fn is_key(title: &str, field: Field) -> bool {
-    let (name, _) = super::names::split_unit(title);
+    let (name, _) = split_unit(title);
     let title = name.trim().to_lowercase();
     let key = field.key();
     title == key || title.strip_suffix("_deviation").is_some_and(|stem| stem == key)

@@ -194,7 +194,7 @@ pub(crate) fn bare_unit(text: &str) -> &str {
 
 /// Tokens put together again: a sign and its number, a number and its unit, groups of thousands, words of a label.
 fn joined(text: &str, tokens: &[Cell]) -> Vec<Cell> {
-    let is_sign = |text: &str| matches!(text, "+" | "-" | "\u{2212}" | "\u{2013}");
+    let is_sign = |text: &str| matches!(text, "+" | "-" | "\u{2212}" | "\u{2013}" | "<" | ">" | "≤" | "≥");
     let mut cells: Vec<Cell> = Vec::new();
     let has_number = tokens.iter().any(Cell::is_number);
     for (at, token) in tokens.iter().enumerate() {

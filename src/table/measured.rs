@@ -2,8 +2,9 @@
 //! values of a column. Asked about what is not understood.
 
 use super::cell::Cell;
-use super::column::{Column, Nominal};
-use super::names::{Role, is_statistic, lies_within, role};
+use super::column::{Column, Nominal, SMALLEST_DIGIT};
+use super::grid::is_unit;
+use super::names::{Role, is_statistic, is_tolerance, lies_within, names_probe, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
 use super::unknown::Unknown;
@@ -70,6 +71,37 @@ impl MeasuredValues {
         self.columns.iter().any(|column| column.may_have(cell, |_| true))
     }
 
+    /// Whether a line says what is wanted of the values or made of them, and nothing but numbers stands behind its name: a
+    /// tolerance or a probe far from nominal, a mean among the values, a spread that is no larger than they are apart.
+    pub(crate) fn are_described_by(&self, unknown: &Unknown, behind: &str) -> bool {
+        let title = &unknown.title;
+        let is_given = is_tolerance(title) || names_probe(title);
+        let is_so = |cell: &Cell| {
+            let text = cell.text();
+            let number = Cell::of_text(text.trim_start_matches('±'), 0..0);
+            let is_number = || match is_given {
+                true => !self.may_have(&number) && !self.columns.iter().any(|column| column.is_near_nominal(&number)),
+                false if lies_within(title) => self.columns.iter().any(|column| column.encloses(&number)),
+                false => !self.are_narrower_than(&number),
+            };
+            cell.is_missing() || is_unit(&text) || number.is_number() && is_number()
+        };
+        let mut words = behind.split(|c: char| !c.is_alphanumeric() && c != '°').filter(|word| !word.is_empty());
+        unknown.column.is_none()
+            && (is_given || is_statistic(title))
+            && words.all(|word| word.bytes().all(|byte| byte.is_ascii_digit()) || is_unit(word))
+            && unknown.cells.iter().all(is_so)
+    }
+
+    /// Whether a number is larger than the range of every column's values, so that it is no spread of them.
+    pub(crate) fn are_narrower_than(&self, cell: &Cell) -> bool {
+        let is_spread = |values: &ColumnValues| {
+            let range = values.most - values.least + SMALLEST_DIGIT;
+            values.column.quantity(cell).is_ok_and(|value| value.base().abs() <= range)
+        };
+        cell.is_number() && !self.columns.iter().any(is_spread)
+    }
+
     /// Whether it also is larger or smaller than every value of the table.
     pub(crate) fn is_beyond_all(&self, cell: &Cell) -> bool {
         self.columns.iter().any(|column| column.may_have(cell, |value| value < column.least || value > column.most))
@@ -77,6 +109,17 @@ impl MeasuredValues {
 }
 
 impl ColumnValues {
+    /// Whether a number may be one of its values, whose nominal one is known.
+    fn is_near_nominal(&self, cell: &Cell) -> bool {
+        matches!(self.column.nominal, Nominal::Fixed(_)) && self.column.may_hold(cell)
+    }
+
+    /// Whether a number lies among its values.
+    fn encloses(&self, cell: &Cell) -> bool {
+        let is_among = |value: f64| (self.least - SMALLEST_DIGIT..=self.most + SMALLEST_DIGIT).contains(&value);
+        self.column.quantity(cell).is_ok_and(|value| is_among(value.base()))
+    }
+
     /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
     /// half their range.
     fn may_be_repeated(&self, cells: &[Cell]) -> bool {

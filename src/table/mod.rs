@@ -145,6 +145,7 @@ impl Table {
             parts_in: shape.orientation.word(),
             header_line: shape.header_line,
             unit_counted: "part",
+            notes: shape.notes.iter().map(|note| format!("{name}: {note}")).collect(),
             ..Reading::default()
         };
         reading.columns.extend(shape.ids.as_ref().map(|ids| named_only(&ids.title, Field::PartId.key())));
@@ -277,6 +278,9 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
             "{name}: `{}`: what stands behind ± is not used: uncertainties stand in the spec",
             column.title
         ));
+    }
+    if names::split_size(&names::split_unit(&column.title).0).is_some() {
+        notes.push(format!("{name}: `{}`: the tolerance in its name is not judged", column.title));
     }
     if column.is_far_below_tolerance(measurement) {
         notes.push(format!(

@@ -515,12 +515,26 @@ impl Rows {
                 .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
         };
         let is_excluded = |name: &str| {
-            may_be_statistic(name.as_bytes()) && self.setup.names.exclude(name) && !self.is_measured(record)
+            may_be_statistic(name.as_bytes())
+                && (self.setup.names.exclude(name) && !self.is_measured(record)
+                    || self.setup.names.have_spread(name) && self.is_spread(record))
         };
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
+            || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
+    }
+
+    /// Whether a record says where a page ends, and holds at most a count that is no value.
+    fn is_page(&self, record: &Record) -> bool {
+        let filled: Vec<&Cell> = record.cells.iter().filter(|cell| !cell.is_missing()).collect();
+        let is_count = |cell: &&Cell| {
+            cell.text().parse::<u64>().is_ok() && !self.setup.columns.iter().any(|column| column.may_hold(cell))
+        };
+        filled
+            .split_first()
+            .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
     }
 
     /// Whether a record holds a value near the nominal one, as no count or temperature is.
@@ -531,6 +545,13 @@ impl Rows {
                 && cell.is_some_and(|cell| cell.has_two_decimals() && column.may_hold(cell))
         };
         self.setup.columns.iter().any(is_near)
+    }
+
+    /// Whether what a record holds is by how much measured values differ, and none of them.
+    fn is_spread(&self, record: &Record) -> bool {
+        let cells = self.setup.columns.iter().filter_map(|column| Some((column, record.cells.get(column.place)?)));
+        let mut filled = cells.filter(|(_, cell)| !cell.is_missing()).peekable();
+        filled.peek().is_some() && filled.all(|(column, cell)| column.may_spread_by(cell))
     }
 
     /// Whether a line of words holds what may be a value.
@@ -603,12 +624,21 @@ pub(crate) fn put(
         }
         Ok(None) => missing(column, cell),
         Err(problem) => {
-            if let Problem::OtherMark(message) = &problem {
+            let help = match problem {
+                Problem::OtherMark(_) => Some(
+                    "write every number with the same decimal mark; if all have this one, say so: --decimal comma or --decimal point",
+                ),
+                Problem::OpenMark(_) => Some(
+                    "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
+                ),
+                _ => None,
+            };
+            if let Some(help) = help {
                 block.contradiction.get_or_insert_with(|| Contradiction {
                     line: block.lines.last().copied().unwrap_or(0),
                     column: column.title.clone(),
-                    message: message.clone(),
-                    help: "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
+                    message: problem.message(),
+                    help,
                 });
             }
             problem.message()

@@ -14,7 +14,7 @@ use super::names::{
     says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
-use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, shape, uncounted};
+use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape, uncounted};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
 use super::want::{Orientation, Want, quoted};
@@ -111,15 +111,23 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
             && !unknown.cells.iter().any(is_value)
     };
     for unknown in &shape.unknown {
-        if is_title(unknown) {
+        let behind = || unknown.cells.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+        if is_title(unknown) || measured.are_described_by(unknown, &behind()) {
             sorted.not_used.push(NotUsed { title: unknown.title.clone(), why: "no measurement" });
         } else {
             let title = &unknown.title;
             let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
-            let is_one_more =
-                |cell: &Cell| !is_said && measured.may_have(cell) || lies_within(title) && measured.is_beyond_all(cell);
+            let is_one_more = |cell: &Cell| {
+                !is_said && measured.may_have(cell)
+                    || lies_within(title) && measured.is_beyond_all(cell)
+                    || is_spread(title) && measured.are_narrower_than(cell)
+            };
             let is_repeated = measured.are_repeated_by(unknown) || unknown.cells.iter().any(is_one_more);
             let is_measurement = unknown.is_measurement || is_repeated;
+            if unknown.column.is_some() && is_spread(title) && !is_measurement && shape.has_column_of_means() {
+                sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });
+                continue;
+            }
             sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
         }
     }
@@ -131,8 +139,14 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         let found = found
             .or_else(|| value_beyond(aside, &measured, is_above))
             .map(|unknown| Unknown { is_repeated: true, ..unknown });
+        let is_described = |unknown: &Unknown| {
+            let behind = aside.text.strip_prefix(&unknown.title);
+            behind.is_some_and(|behind| measured.are_described_by(unknown, behind))
+        };
         match found.or_else(|| without_value(aside, shape, columns)).or_else(|| without_name(aside, shape)) {
-            Some(unknown) if !repeats_nominal(&unknown, aside, columns) => sorted.take(file, &unknown, want, others),
+            Some(unknown) if !repeats_nominal(&unknown, aside, columns) && !is_described(&unknown) => {
+                sorted.take(file, &unknown, want, others);
+            }
             _ => sorted.asides.push(aside.clone()),
         }
     }

@@ -8,6 +8,7 @@ use super::Table;
 use super::chunk::Chunker;
 use super::encoding::{Encoding, recoded, text};
 use super::grid::{Separator, records};
+use super::shape::has_digit;
 use super::split::next_record;
 use super::understand::{Understood, understand};
 use super::want::Want;
@@ -79,7 +80,9 @@ impl Text {
         if !is_all {
             let source = self.source(&bytes, false);
             let problem = match understand(&source, &want) {
-                Ok(understood) if can_stream(&understood) => return self.streamed(&understood, &want),
+                Ok(understood) if can_stream(&understood) && plain(&text(&bytes)).is_none() => {
+                    return self.streamed(&understood, &want);
+                }
                 understood => understood.err(),
             };
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
@@ -107,6 +110,7 @@ impl Text {
         if !text.contains('\n') {
             text = text.replace('\r', "\n");
         }
+        text = plain(&text).unwrap_or(text);
         // lines that were taken away keep their number
         text.insert_str(0, &"\n".repeat(usize::try_from(self.lines).unwrap_or(0)));
         Arc::new(Source::new(self.name.clone(), text))
@@ -151,6 +155,26 @@ impl Text {
         table.reading.encoding = Some(self.encoding.name().to_owned()).filter(|name| name != "UTF-8");
         table
     }
+}
+
+/// A text without the marks of a quoted mail, and with the bars and lines of a box as Markdown has them; `None` if it has none.
+fn plain(text: &str) -> Option<String> {
+    let lines = || text.lines().filter(|line| !line.trim().is_empty());
+    let depth = lines().map(|line| line.chars().take_while(|c| *c == '>' || *c == ' ').filter(|c| *c == '>').count());
+    let depth = depth.min().unwrap_or(0);
+    let unquoted =
+        |line: &str| line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned();
+    // `>25,05` is a bound
+    let is_name = |line: &str| !has_digit(unquoted(line).split_whitespace().next().unwrap_or_default());
+    let is_quoted = depth > 0 && lines().next().is_some_and(is_name);
+    let is_drawn = |c: char| ('\u{2500}'..='\u{257f}').contains(&c);
+    let bar = |c: char| match c {
+        '─' | '━' | '═' | '┄' | '┅' | '┈' | '┉' | '╌' | '╍' => '-',
+        c if is_drawn(c) => '|',
+        c => c,
+    };
+    let lines = text.split_inclusive('\n').map(|line| if is_quoted { unquoted(line) } else { line.to_owned() });
+    (is_quoted || text.contains(is_drawn)).then(|| lines.collect::<String>().chars().map(bar).collect())
 }
 
 /// Whether the rows of a table can be read one after the other: between a character, or in a single column whose name

@@ -8,7 +8,7 @@ use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, Nominal, Problem, UnitFrom};
+use super::column::{Column, Nominal, Problem, UnitFrom, behind_name};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, is_of_parts, lies_within, role, stands_apart};
@@ -299,8 +299,15 @@ fn choices(
         (Some(mark), ..) => one(mark, Some("as told".to_owned())),
         (None, Some(point), Some(comma)) => {
             let message = format!("the table has decimal points and commas: `{}` and `{}`", point.text(), comma.text());
-            let diagnostic = Diagnostic::error(Code::BadTable, message)
-                .help("write every number in the same way, or say which mark counts: --decimal comma, or in the spec [batch] decimal = \"comma\"");
+            // of two values, either mark leaves one that is no number
+            let values = Evidence::of(shape.measurements.iter().flat_map(|measurement| &measurement.value.cells));
+            let help = match (values.point, values.comma) {
+                (Some(_), Some(_)) => "write every number in the same way",
+                _ => {
+                    "write every number in the same way, or say which mark counts: --decimal comma, or in the spec [batch] decimal = \"comma\""
+                }
+            };
+            let diagnostic = Diagnostic::error(Code::BadTable, message).help(help);
             Err(located(diagnostic, source, comma.span.clone(), ""))
         }
         (None, Some(cell), None) => one(DecimalMark::Point, open.then(|| by(cell))),
@@ -394,6 +401,16 @@ fn numbers_teeth(title: &str) -> Diagnostic {
     ))
 }
 
+/// Of some units, those in which the numbers of a column may be its values; all if there is none.
+fn fitting(column: &Column, units: [Unit; 2], shape: &Shape) -> Vec<&'static str> {
+    let values = shape.measurements.iter().map(|measurement| &measurement.value);
+    let cells: Vec<Cell> =
+        values.filter(|value| value.title == column.title).flat_map(|value| value.cells.clone()).collect();
+    let fits = |unit: &Unit| column.may_hold_all(&cells, *unit);
+    let fitting: Vec<&str> = units.iter().filter(|unit| fits(unit)).map(|unit| unit.symbol()).collect();
+    if fitting.is_empty() { units.map(Unit::symbol).to_vec() } else { fitting }
+}
+
 /// A line beside the table that states another unit than the one that is assumed for a column, or than those that stand
 /// beside all of them; millimetres and degrees may be meant for others.
 fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -> Option<Diagnostic> {
@@ -409,11 +426,7 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
         let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
         let unit = stated.map(|stated| stated.unit).find(is_other);
         let help = match (unit, unknown_unit(&statement.text)) {
-            (Some(unit), _) => format!(
-                "write the unit behind the name: `{title} [{}]` or `{title} [{}]`",
-                unit.symbol(),
-                column.unit.symbol()
-            ),
+            (Some(unit), _) => behind_name(title, &fitting(column, [unit, column.unit], shape)),
             (None, Some(unknown)) if is_assumed => format!(
                 "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: --ignore \"{}\"",
                 shown(&statement.text)
@@ -480,7 +493,9 @@ impl Understood {
                     Ok(Some(value)) => in_words(value),
                     // how large a deviation may be settles nothing
                     Err(Problem::TooLarge(_)) => "too large".to_owned(),
-                    Err(Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what)) => {
+                    Err(
+                        Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what) | Problem::OpenMark(what),
+                    ) => {
                         if impossible.is_none() && is_open() {
                             impossible = Some(what.clone());
                         }

@@ -11,12 +11,12 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use near::{is_context, is_gear_size, is_total, near, says_deviation};
+pub(crate) use near::{is_context, is_gear_size, is_tolerance, is_total, near, says_deviation};
 pub(crate) use role::{
-    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_statistic, lies_within, repeats_value, role,
-    stands_apart, stands_before_unit,
+    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_statistic, lies_within, names_page, names_probe,
+    repeats_value, role, stands_apart, stands_before_unit,
 };
-pub(crate) use unit::split_unit;
+pub(crate) use unit::{split_size, split_unit};
 
 use crate::deviation::{DeviationKind, Part};
 pub(crate) use vocabulary::Role;
@@ -152,7 +152,8 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if let Some(field) = own_field(text, &name, own) {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
-    let name = without_roller(without_ordinal(&name));
+    let name = split_size(&name).map_or(name.as_str(), |(name, _)| name);
+    let name = without_roller(without_ordinal(name));
     // a bound is no value, nor is a mean
     if has_total_pitch(name)
         || text.contains('\u{304}')
@@ -299,9 +300,13 @@ fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
         let pitch = fields.contains(&Field::Error(DeviationKind::PinionPitch)) && left != right && !has(Sense::Rack);
         return pitch.then(|| vec![if left { Field::LeftPitch } else { Field::RightPitch }]);
     }
+    // f_p without a word for the part is the pinion's
+    let is_single =
+        senses.iter().any(|sense| matches!(sense, Sense::Error([.., Field::Error(DeviationKind::PinionPitch)])));
     let fits = |field: &Field| {
         let of_said = (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
-        of_said && (has(Sense::Pinion) || !needs_part(*field))
+        let is_open = has(Sense::Pinion) || !(needs_part(*field) || is_single && of_rack(*field));
+        of_said && (is_open || has(Sense::Rack) && of_rack(*field))
     };
     let fields: Vec<Field> = fields.into_iter().filter(fits).collect();
     (!fields.is_empty()).then_some(fields)

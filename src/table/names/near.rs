@@ -1,8 +1,8 @@
 //! What a name that is not understood may have meant, and which names are known to mean something else.
 
-use super::role::is_statistic;
+use super::role::{is_statistic, role};
 use super::unit::split_unit;
-use super::vocabulary::{Entry, Sense, VOCABULARY, is_japanese};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY, is_japanese};
 use super::words::Words;
 use super::{Field, bare, has_total_pitch, heading, needs_part, of_pinion, of_rack, without_ordinal};
 use crate::deviation::DeviationKind;
@@ -46,6 +46,11 @@ pub(crate) fn is_total(text: &str) -> bool {
 /// Whether a name says that it is a deviation.
 pub(crate) fn says_deviation(text: &str) -> bool {
     says(text, Sense::Deviation)
+}
+
+/// Whether a name is that of a tolerance or a limit, and of no value: `Toleranz`, `Zulässige Abweichung`.
+pub(crate) fn is_tolerance(text: &str) -> bool {
+    matches!(role(text), Some(Role::Upper | Role::Lower)) && (says(text, Sense::Tolerance) || says(text, Sense::Limit))
 }
 
 /// Whether one of the words of a name has a sense.

@@ -93,6 +93,23 @@ pub(crate) fn is_again(name: &str) -> bool {
     VOCABULARY.again.contains(&plain(name).as_str())
 }
 
+/// Whether a name is that of the probe, and behind it its diameter.
+pub(crate) fn names_probe(name: &str) -> bool {
+    VOCABULARY.probes.contains(&plain(name).as_str())
+}
+
+/// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
+pub(crate) fn names_page(line: &str) -> bool {
+    let line = plain(line);
+    let is_page = |page: &&&str| line.strip_prefix(**page).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
+    let Some(page) = VOCABULARY.pages.iter().find(is_page) else { return false };
+    let behind = line[page.len()..].replace('/', " / ");
+    let is_count = |word: &str| {
+        word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || VOCABULARY.page_counts.contains(&word)
+    };
+    behind.trim_start_matches([':', '.']).split_whitespace().all(is_count)
+}
+
 /// Whether a title says of which flank a value is, and nothing else.
 fn names_flank(name: &str) -> bool {
     let known = Words::of(name).known().unwrap_or_default();

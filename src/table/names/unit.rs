@@ -20,6 +20,19 @@ pub(crate) fn split_unit(text: &str) -> (String, Option<String>) {
         .unwrap_or((text, None))
 }
 
+/// A name and the nominal value that stands behind it with a tolerance: `Rollenmaß 25±0,03`.
+pub(crate) fn split_size(name: &str) -> Option<(&str, &str)> {
+    let is_number = |text: &str| {
+        text.starts_with(|c: char| c.is_ascii_digit())
+            && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))
+    };
+    let (sized, tolerance) = name.split_once('±').or_else(|| name.split_once("+/-"))?;
+    let (name, size) = sized.trim_end().rsplit_once([' ', '('])?;
+    let is_size =
+        is_number(size) && is_number(tolerance.trim_matches([' ', ')'])) && name.contains(char::is_alphabetic);
+    is_size.then(|| (name.trim_end(), size))
+}
+
 /// The last bracket whose inside is a unit, as told by `accept` of what stands before it and in it.
 fn bracketed(text: &str, pairs: &[(char, char)], accept: fn(&str, &str) -> bool) -> Option<(String, Option<String>)> {
     let openings = text.char_indices().rev();

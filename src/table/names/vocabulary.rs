@@ -174,6 +174,11 @@ pub(super) struct Vocabulary {
     pub(super) means: Vec<&'static str>,
     /// What counts how often a part was measured, or holds what was measured once more.
     pub(super) again: Vec<&'static str>,
+    /// What a line above a table calls the probe.
+    pub(super) probes: Vec<&'static str>,
+    /// What a line between the pages of a table is called, and what may stand between a page's number and that of all.
+    pub(super) pages: Vec<&'static str>,
+    pub(super) page_counts: Vec<&'static str>,
     /// What a line speaks of that states a unit for a whole table, and what may stand between that and the unit.
     pub(super) unit_subjects: Vec<&'static str>,
     pub(super) before_units: Vec<&'static str>,
@@ -192,6 +197,9 @@ impl Vocabulary {
                 ("apart", _) => vocabulary.apart.extend(words),
                 ("mean", _) => vocabulary.means.extend(words),
                 ("again", _) => vocabulary.again.extend(words),
+                ("probe", _) => vocabulary.probes.extend(words),
+                ("page", _) => vocabulary.pages.extend(words),
+                ("page count", _) => vocabulary.page_counts.extend(words),
                 ("unit subject", _) => vocabulary.unit_subjects.extend(words),
                 ("before unit", _) => vocabulary.before_units.extend(words),
                 ("evaluation length", _) => vocabulary.evaluation_lengths.extend(words.map(joined)),

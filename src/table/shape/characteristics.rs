@@ -4,15 +4,15 @@
 
 use std::borrow::Cow;
 use std::collections::hash_map::Entry;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::headings::{Named, PartNames, headings, is_part_name, says_no_part};
+use super::headings::{Named, PartNames, headings, is_part_name, is_statistic_among, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, is_statistic, names_value, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -89,7 +89,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
-                    && (!is_statistic(&title) || is_called_like_another(&record.cells, *place))
+                    && (!is_statistic_among(&title, &record.cells) || is_called_like_another(&record.cells, *place))
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
                     && !is_ignored(&record.cells[*place])
@@ -105,6 +105,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && names.may_have(&title)
+                    && !is_statistic_among(&title, &record.cells)
                     && !is_ignored(&record.cells[*place])
             };
             (0..roles.len()).filter(|place| found.contains(place) || !found.is_empty() && is_like(place)).collect()
@@ -188,7 +189,8 @@ pub(crate) fn by_characteristic(
     separator: Separator,
     want: &Want,
 ) -> Result<Shape, NoShape> {
-    let records = &found.with_part_names(records);
+    let (records, filled) = found.with_names(records);
+    let records = &*records;
     let header = &records[found.header];
     let is_ragged = |row: &&usize| {
         let record = &records[**row];
@@ -219,6 +221,11 @@ pub(crate) fn by_characteristic(
     let named: Vec<_> = named.map(|(named, name)| named.filter(|_| !(is_axis && is_direction(name)))).collect();
     let mut shape = Shape::new(Orientation::Columns);
     shape.header_line = Some(header.line);
+    let note = |place: usize| {
+        let title = header.cells[place].text();
+        format!("`{title}`: a name counts for the empty cells below it")
+    };
+    shape.notes.extend(filled.into_iter().map(note));
     let reading = Reading::new(records, found, want);
     for (name, named) in names.iter().zip(named) {
         let rows = &rows_of[name.text().as_ref()];
@@ -265,17 +272,35 @@ impl Characteristics {
         self.roles.iter().position(|other| *other == Some(role))
     }
 
-    /// The records with the part's name in every row: it stands in the first row of a part only where cells are merged.
-    fn with_part_names<'r>(&self, records: &'r [Record]) -> Cow<'r, [Record]> {
-        let Some(place) = self.place(Role::Part) else { return records.into() };
-        let mut filled = Cow::Borrowed(records);
+    /// The records with the names of part and characteristic in every row, where one stands in the first row of a block only,
+    /// and the columns of which cells were filled.
+    fn with_names<'r>(&self, records: &'r [Record]) -> (Cow<'r, [Record]>, BTreeSet<usize>) {
+        let mut filled = (Cow::Borrowed(records), BTreeSet::new());
+        let Some(part) = self.place(Role::Part) else { return filled };
         for rows in self.rows.windows(2) {
-            let name = filled[rows[0]].cells.get(place).cloned().unwrap_or_default();
-            if filled[rows[1]].cells.get(place).is_some_and(Cell::is_empty) {
-                filled.to_mut()[rows[1]].cells[place] = name;
+            for (place, other) in [(part, self.name), (self.name, part)] {
+                let (above, row) = (&filled.0[rows[0]].cells, &records[rows[1]].cells);
+                let has_other = row.get(other).is_some_and(|cell| !cell.is_missing());
+                if row.get(place).is_some_and(Cell::is_empty)
+                    && has_other
+                    && (place == part || self.goes_on(above, row))
+                {
+                    let name = above.get(place).cloned().unwrap_or_default();
+                    filled.0.to_mut()[rows[1]].cells[place] = name;
+                    filled.1.insert(place);
+                }
             }
         }
         filled
+    }
+
+    /// Whether a row without a name has the nominal value and the unit of the one above it.
+    fn goes_on(&self, above: &[Cell], row: &[Cell]) -> bool {
+        let is_same = |place: usize| {
+            let text = |cells: &[Cell]| cells.get(place).map(|cell| cell.text().into_owned()).unwrap_or_default();
+            text(row).is_empty() || text(row) == text(above)
+        };
+        [Role::Nominal, Role::Unit].into_iter().filter_map(|role| self.place(role)).all(is_same)
     }
 
     /// A second column of the same role, with numbers, leaves open which of them counts; so do several columns of values
@@ -330,7 +355,7 @@ impl Characteristics {
             let title = header[place].text();
             let is_measurement = !is_counted
                 && (!is_part_name(&title) || has_digit(&title))
-                && !is_statistic(&title)
+                && !is_statistic_among(&title, header)
                 && self.roles[place].is_none();
             Unknown::column(&title, place, cells).measured(is_measurement)
         };

@@ -1,12 +1,11 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
-use std::borrow::Cow;
-
 use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, role,
+    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, names_page,
+    role,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -132,13 +131,21 @@ pub(super) fn says_no_part(text: &str) -> bool {
 pub(crate) struct PartNames {
     /// Letters of the longest one with digits, and of the longest without.
     longest: [usize; 2],
+    /// Whether a mean or an extreme of the parts stands among them.
+    has_mean: bool,
+    /// Whether one of them is called like a page: `Blatt 2`.
+    has_page: bool,
 }
 
 impl PartNames {
     pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
         let mut names = Self::default();
-        let is_name = |name: &Cow<'_, str>| !is_statistic(name) && !is_plain_context(name) && !is_spread(name);
-        for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text).filter(is_name) {
+        for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text) {
+            names.has_mean |= lies_within(&name);
+            names.has_page |= has_digit(&name) && names_page(&name);
+            if is_statistic(&name) || is_plain_context(&name) || is_spread(&name) {
+                continue;
+            }
             let longest = &mut names.longest[usize::from(has_digit(&name))];
             *longest = name.chars().count().max(*longest);
         }
@@ -169,10 +176,25 @@ impl PartNames {
     pub(crate) fn exclude(&self, name: &str) -> bool {
         self.longest != [0, 0] && !self.are_like(name) && (is_plain_context(name) || is_spread(name))
     }
+
+    /// Whether a row of that name is a spread of the parts, as a mean beside it tells, unless its numbers may be a part's.
+    pub(crate) fn have_spread(&self, name: &str) -> bool {
+        self.has_mean && is_spread(name)
+    }
+
+    /// Whether a line of that name says where a page ends, and is no part's.
+    pub(crate) fn have_no(&self, page: &str) -> bool {
+        !self.has_page && names_page(page)
+    }
+}
+
+/// Whether the name of a column beside parts is that of a statistic; one that may be a part's is where a mean stands beside it.
+pub(super) fn is_statistic_among(name: &str, header: &[Cell]) -> bool {
+    is_statistic(name) || is_spread(name) && header.iter().any(|cell| lies_within(&cell.text()))
 }
 
 /// Whether it may be a standard deviation or a range, and may be a part as well.
-fn is_spread(name: &str) -> bool {
+pub(crate) fn is_spread(name: &str) -> bool {
     matches!(name.trim(), "s" | "S" | "R")
 }
 

@@ -5,7 +5,7 @@ use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{Field, Role, heading, is_context, is_statistic, names_value, role};
+use crate::table::names::{Field, Role, heading, is_context, is_statistic, is_tolerance, names_value, role};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -24,6 +24,7 @@ pub(super) fn find_labels(records: &[Record], want: &Want) -> Vec<usize> {
 pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option<NoShape> {
     let above = &records[..*labels.first()?];
     let says_all = |cell: &&Cell| says_no_part(&cell.text()) && !cell.text().trim().contains(' ');
+    let names_columns = |record: &&Record| !states_tolerance(record);
     let says_it = |cell: &&Cell| says_no_part(&cell.text());
     // a line of names has as many cells as the lines below it
     let names = above.last().filter(|record| record.cells.len() == records[labels[0]].cells.len());
@@ -36,8 +37,18 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let heading = names
         .and_then(|names| names.cells.iter().skip(1).find(says_it))
         .or(of_characteristics)
-        .or_else(|| above.iter().flat_map(|record| &record.cells).find(says_all))?;
+        .or_else(|| above.iter().filter(names_columns).flat_map(|record| &record.cells).find(says_all))?;
     Some(NoShape::NoPart { heading: heading.clone() })
+}
+
+/// Whether a line says a tolerance and nothing else: `Toleranz: ±0,03 mm`.
+fn states_tolerance(record: &Record) -> bool {
+    let Some((title, values)) = record.filled().split_first() else { return false };
+    let is_value = |cell: &Cell| {
+        let number = Cell::of_text(cell.text().trim_start_matches('±'), 0..0);
+        is_unit(&cell.text()) || number.has_decimals() || number.is_measure() && unit_in(&number.text()).is_some()
+    };
+    is_tolerance(&title.text()) && !values.is_empty() && values.iter().all(is_value)
 }
 
 /// Whether its first cell counts lines: `003`, `10.`, `1/2`.

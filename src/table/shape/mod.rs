@@ -14,11 +14,12 @@ mod characteristics;
 mod dimensions;
 mod headings;
 mod labels;
+mod merged;
 mod refusal;
 mod rows;
 mod stated;
 
-pub(crate) use headings::{PartNames, is_numbered, is_part_name};
+pub(crate) use headings::{PartNames, is_numbered, is_part_name, is_spread};
 pub(crate) use labels::uncounted;
 pub(crate) use refusal::{NoShape, located, many};
 pub(crate) use stated::{stated_units, unknown_unit};
@@ -29,7 +30,7 @@ use std::collections::{BTreeSet, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, is_statistic, role, split_unit};
+use super::names::{Field, Role, ValueKind, is_statistic, lies_within, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -40,6 +41,7 @@ use characteristics::{by_characteristic, find_characteristics};
 use dimensions::with_dimension_names;
 use headings::{Named, known};
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
+use merged::with_part_in_each_row;
 use rows::{by_header, find_header, header_of_strangers};
 
 /// The cells of one name.
@@ -88,6 +90,8 @@ pub(crate) struct Shape {
     pub(crate) lines: Vec<u64>,
     /// Numbers beside the values, which tell the decimal mark as well.
     pub(crate) beside: Vec<Cell>,
+    /// What was taken from elsewhere than its own cell.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Shape {
@@ -226,6 +230,13 @@ impl Shape {
         }
     }
 
+    /// Whether beside columns of parts there is one of means or extremes of them.
+    pub(crate) fn has_column_of_means(&self) -> bool {
+        let beside = self.measurements.iter().flat_map(|measurement| measurement.beside.iter());
+        let mut titles = beside.map(|series| &series.title).chain(self.unknown.iter().map(|unknown| &unknown.title));
+        self.orientation == Orientation::Columns && titles.any(|title| lies_within(title))
+    }
+
     /// What the names of its parts look like.
     pub(crate) fn part_names(&self) -> PartNames {
         let is_row = |row: usize| {
@@ -294,6 +305,7 @@ impl Measurement {
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
     let records = with_parts_side_by_side(records, want);
+    let records = with_part_in_each_row(&records, want);
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)
@@ -323,12 +335,12 @@ fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Sha
     if let Some(found) = characteristics.filter(|found| found.known >= named) {
         return by_characteristic(records, &found, separator, want);
     }
-    if let Some(columns) = columns_of_no_part(&inner, &labels) {
-        return Err(columns);
-    }
     // the name of a part stands in front of each of its teeth, a label in front of one line
     let texts: BTreeSet<_> = labels.iter().map(|index| inner[*index].cells[0].text()).collect();
     if texts.len() > named || (labels.len() == 1 && named <= 1 && header.is_none()) {
+        if let Some(columns) = columns_of_no_part(&inner, &labels) {
+            return Err(columns);
+        }
         return by_label(&inner, &labels, separator, want);
     }
     if let Some(header) = header {

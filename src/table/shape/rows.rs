@@ -48,7 +48,8 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
         let mut near = (index + 1..records.len()).take_while(is_near);
         let Some(data) = near.find(|below| has_numbers[*below]).map(|below| &records[below]) else { continue };
         let cells = match separator {
-            Separator::Blanks => grouped(record, data.cells.len(), want),
+            Separator::Blanks => grouped(record, data.cells.len(), want)
+                .or_else(|| above_names(grouped(record, 1, want)?, &records[index + 1..])),
             _ => Some(record.cells.clone()),
         };
         let Some(cells) = cells else { continue };
@@ -101,6 +102,13 @@ pub(super) fn header_of_strangers(records: &[Record]) -> Option<Header> {
         && names.filled().len() == below.filled().len()
         && names.line + 1 == below.line;
     is_header.then(|| Header { record, rows: 1, cells: names.cells.clone(), known: 0 })
+}
+
+/// A heading alone above lines of a name and a value: `Rollenmaß in mm:` above `A: 25,011`.
+fn above_names(heading: Vec<Cell>, below: &[Record]) -> Option<Vec<Cell>> {
+    let is_pair = |record: &Record| record.cells.len() == 2 && !record.cells[0].is_number();
+    let are_pairs = below.iter().filter(|record| record.numbers() > 0).all(is_pair);
+    are_pairs.then(|| std::iter::once(Cell::default()).chain(heading).collect())
 }
 
 /// Words of a heading line put together to as many cells as the rows below have.
