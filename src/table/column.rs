@@ -281,6 +281,9 @@ impl Column {
             Nominal::Fixed(nominal) => self.less(value, nominal)?,
             Nominal::Beside => self.less(value, self.nominal_beside(&beside)?)?,
         };
+        if deviation.base() == 0.0 && has_tolerance_behind(&cell.text()) {
+            return Err(Problem::Bad("it is the nominal value with its tolerance, and no measured value".to_owned()));
+        }
         self.checked(cell, deviation, &beside).map(Some)
     }
 
@@ -594,7 +597,7 @@ impl Column {
         let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
         let finest = all.fold(f64::INFINITY, f64::min);
         let each = [value, nominal, deviation].into_iter().flatten();
-        each.map(|digit| if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(SMALLEST_DIGIT)
+        each.map(|digit| 0.5 * if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(SMALLEST_DIGIT)
     }
 
     /// One of the last digit that is written, in mm or degrees.
@@ -653,6 +656,11 @@ fn near(nominal: DeviationValue, possible: Reach) -> Reach {
         }
         _ => possible,
     }
+}
+
+/// Whether a tolerance or an uncertainty stands behind a number: `25 ±0,02`.
+pub(crate) fn has_tolerance_behind(text: &str) -> bool {
+    ["±", "+/-", "+-"].iter().any(|sign| text.contains(sign))
 }
 
 /// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.

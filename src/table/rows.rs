@@ -537,14 +537,16 @@ impl Rows {
             .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
     }
 
-    /// Whether a record holds a value near the nominal one, as no count or temperature is.
+    /// Whether a record holds a value near the nominal one, as no count or temperature is, or values of several errors.
     fn is_measured(&self, record: &Record) -> bool {
         let is_near = |column: &Column| {
             let cell = record.cells.get(column.place);
             matches!(column.nominal, Nominal::Fixed(_))
                 && cell.is_some_and(|cell| cell.has_two_decimals() && column.may_hold(cell))
         };
-        self.setup.columns.iter().any(is_near)
+        let columns = &self.setup.columns;
+        let has_number = |column: &Column| record.cells.get(column.place).is_some_and(Cell::is_number);
+        columns.iter().any(is_near) || columns.len() > 1 && columns.iter().all(has_number)
     }
 
     /// Whether what a record holds is by how much measured values differ, and none of them.

@@ -1,17 +1,18 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use serde::Serialize;
 
 use super::cell::{Cell, Record};
-use super::column::{Column, Nominal};
+use super::column::{Column, Nominal, Stated, has_tolerance_behind};
 use super::grid::{Separator, records};
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, heading, is_called, is_context, is_statistic, is_total, is_value_heading, lies_within, near, role,
-    says_deviation, split_unit,
+    Field, Role, heading, is_called, is_context, is_evaluation_length, is_scale, is_statistic, is_total,
+    is_value_heading, lies_within, near, plain_widths, role, says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape, uncounted};
@@ -104,6 +105,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         let is_value =
             |cell: &Cell| (is_name || cell.has_decimals()) && columns.iter().any(|column| column.may_hold(cell));
         unknown.column.is_none()
+            && !has_scale(&unknown.title)
             && shape.orientation == Orientation::Rows
             && !columns.is_empty()
             && !shape.header.is_empty()
@@ -123,12 +125,17 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
                     || is_spread(title) && measured.are_narrower_than(cell)
             };
             let is_repeated = measured.are_repeated_by(unknown) || unknown.cells.iter().any(is_one_more);
+            let heading = AsideReading { line: 0, text: title.clone() };
+            if let Some(value) = value_beyond(&heading, &measured, false).filter(|_| unknown.column.is_some()) {
+                sorted.take(file, &Unknown { place: unknown.place.clone(), is_repeated: true, ..value }, want, others);
+            }
             let is_measurement = unknown.is_measurement || is_repeated;
+            let is_unread = unknown.is_unread || unknown.column.is_none() && has_scale(title);
             if unknown.column.is_some() && is_spread(title) && !is_measurement && shape.has_column_of_means() {
                 sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });
                 continue;
             }
-            sorted.take(file, &Unknown { is_measurement, is_repeated, ..unknown.clone() }, want, others);
+            sorted.take(file, &Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() }, want, others);
         }
     }
     for aside in &shape.asides {
@@ -143,7 +150,9 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
             let behind = aside.text.strip_prefix(&unknown.title);
             behind.is_some_and(|behind| measured.are_described_by(unknown, behind))
         };
-        match found.or_else(|| without_value(aside, shape, columns)).or_else(|| without_name(aside, shape)) {
+        let found = found.or_else(|| without_value(aside, shape, columns)).or_else(|| without_name(aside, shape));
+        let found = found.or_else(|| of_part(aside, shape)).or_else(|| of_all_values(aside, columns));
+        match found {
             Some(unknown) if !repeats_nominal(&unknown, aside, columns) && !is_described(&unknown) => {
                 sorted.take(file, &unknown, want, others);
             }
@@ -248,7 +257,7 @@ impl Sorted {
 
 /// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
 fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: &[Column]) -> bool {
-    let has_tolerance = ["±", "+/-", "+-"].iter().any(|sign| aside.text.contains(sign));
+    let has_tolerance = has_tolerance_behind(&aside.text);
     let is_nominal = |cell: &Cell| {
         columns.iter().any(|column| {
             matches!(column.nominal, Nominal::Fixed(nominal) if column.quantity(cell).is_ok_and(|value| value == nominal))
@@ -341,6 +350,41 @@ fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Column]) -> Opt
     Some(Unknown::line(&name, aside.line, vec![Cell::of_text(&behind, 0..0)]).unread())
 }
 
+/// What a line says of all values, and nothing else does: by which factor they are written, and over which length they are
+/// evaluated.
+fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<Unknown> {
+    let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
+    if has_scale(&aside.text) {
+        return Some(unread(&aside.text));
+    }
+    let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
+    let names = (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ")));
+    let (name, length) = names.into_iter().find(|(name, _)| is_evaluation_length(name))?;
+    let is_other = |column: &Column| matches!(column.evaluated, Stated::Fixed(over) if length.parse() != Ok(over));
+    columns.iter().any(is_other).then(|| unread(&name))
+}
+
+/// Whether a text has a word for a factor.
+fn has_scale(text: &str) -> bool {
+    text.split(|c: char| !c.is_alphanumeric()).any(is_scale)
+}
+
+/// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a
+/// name has a word for parts before it.
+fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
+    let words: Vec<&str> = aside.text.split(|c: char| c.is_whitespace() || ":;,=()".contains(c)).collect();
+    let ids: HashSet<Cow<'_, str>> = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).collect();
+    let names_one = |at: &usize| {
+        let before = at.checked_sub(1).map(|before| words[before]);
+        let is_plain = words[*at].bytes().all(|byte| byte.is_ascii_digit());
+        has_digit(words[*at]) && ids.contains(words[*at]) && (!is_plain || before.is_some_and(is_part_name))
+    };
+    let at = (0..words.len()).find(names_one)?;
+    let is_value = |word: &&&str| Cell::of_text(word, 0..0).is_measure() && !ids.contains(**word);
+    let value = words[at + 1..].iter().find(is_value)?;
+    Some(Unknown::line(words[at], aside.line, vec![Cell::of_text(value, 0..0)]).measured(true))
+}
+
 /// A number alone in its line among values behind their names.
 fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     let cell = Cell::of_text(aside.text.trim(), 0..0);
@@ -357,7 +401,7 @@ fn without_punctuation(line: &str) -> String {
     // kana and ideographs have no blanks between them and numbers
     let is_unspaced = |c: char| c >= '\u{3000}';
     let mut spaced = String::new();
-    for c in line.chars() {
+    for c in plain_widths(line).chars() {
         if spaced.chars().next_back().is_some_and(|last| is_unspaced(last) != is_unspaced(c)) {
             spaced.push(' ');
         }
@@ -369,9 +413,28 @@ fn without_punctuation(line: &str) -> String {
     let words = words.map(|word| match word.split_once(['/', '-', '–', '…']) {
         Some((first, second)) if is_decimal(first) && is_decimal(second) => format!("{first} {second}"),
         _ if is_day(word) => word.to_owned(),
-        _ => word.trim_matches(|c| !is_kept(c)).to_owned(),
+        _ => apart(word).trim_matches(|c| !is_kept(c)).to_owned(),
     });
     words.collect::<Vec<_>>().join(" ")
+}
+
+/// A word with a number of two decimals inside, which stands apart then: `P2=25,064`, `Ø25,064`, `25,064/25,012`.
+fn apart(word: &str) -> String {
+    let is_of_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',');
+    let runs = word.split_inclusive(|c| !is_of_number(c)).map(|run| {
+        let number = run.trim_end_matches(|c| !is_of_number(c));
+        (number, &run[number.len()..])
+    });
+    let is_measure = |run: &str| Cell::of_text(run, 0..0).has_two_decimals();
+    let runs =
+        runs.map(|(run, behind)| if is_measure(run) { format!(" {run} {behind}") } else { format!("{run}{behind}") });
+    let spaced: String = runs.collect();
+    // a sign and a unit belong to it
+    if Cell::of_text(word, 0..0).is_measure() {
+        word.to_owned()
+    } else {
+        spaced.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// Whether a text names a part, a space or a tooth, whose number stands behind it.
@@ -396,6 +459,10 @@ fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
     // a time, a number in a list, or the value stands before the name
     if words == 0 {
         let (first, rest) = cells.split_first()?;
+        let numbers = || Unknown::numbers(&first.text(), line, rest).filter(|_| !near(&first.text()).is_empty());
+        if let Some(found) = numbers() {
+            return Some(found.measured(true));
+        }
         let alone = || Unknown::numbers("", line, std::slice::from_ref(first));
         return named_values(rest, line).map_or_else(alone, |mut found| {
             found.cells.push(first.clone());
@@ -414,6 +481,11 @@ fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
         let is_value = rest.first().is_some_and(Cell::is_measure);
         let of_part = || Unknown::numbers("", line, rest).filter(|_| names_one(&text));
         return named_values(rest, line).or_else(of_part).map(|found| found.measured(is_value && names_one(&text)));
+    }
+    // Pos. 5 Rack pich 0.21
+    let behind = (!is_known).then(|| named_values(values.get(1..)?, line)).flatten();
+    if let Some(behind) = behind.filter(|behind| !near(&behind.title).is_empty()) {
+        return Some(behind);
     }
     let unread = || {
         let whole = values.iter().map(Cell::text).collect::<Vec<_>>().join(" ");

@@ -415,9 +415,10 @@ fn fitting(column: &Column, units: [Unit; 2], shape: &Shape) -> Vec<&'static str
 /// beside all of them; millimetres and degrees may be meant for others.
 fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -> Option<Diagnostic> {
     let is_assumed = column.unit_from == UnitFrom::Key;
+    let is_common = |unit| matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree));
+    // beside a unit that the table itself tells
     let is_of_others = |unit: Unit| {
-        matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree))
-            || columns.iter().any(|column| column.unit == unit)
+        column.unit_from != UnitFrom::Spec && (is_common(unit) || columns.iter().any(|column| column.unit == unit))
     };
     let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
     let title = &column.title;

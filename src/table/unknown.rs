@@ -109,7 +109,7 @@ impl Unknown {
         let is_other = is_gear_size(title)
             || is_evaluation_length(title)
             || unit.is_some_and(is_foreign_unit)
-            || is_rate(&title.replacen("_min", "/min", 1));
+            || is_rate(&title.replacen("_min", "/min", 1)) && near(title).is_empty();
         // without values, nothing was measured
         if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;

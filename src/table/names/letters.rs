@@ -71,7 +71,7 @@ fn fold_letter(c: char, out: &mut String) {
 }
 
 /// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
-pub(super) fn plain_widths(text: &str) -> String {
+pub(crate) fn plain_widths(text: &str) -> String {
     const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);
     let mut out = String::with_capacity(text.len());

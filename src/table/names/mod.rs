@@ -11,10 +11,11 @@ mod unit;
 mod vocabulary;
 mod words;
 
+pub(crate) use letters::plain_widths;
 pub(crate) use near::{is_context, is_gear_size, is_tolerance, is_total, near, says_deviation};
 pub(crate) use role::{
-    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_statistic, lies_within, names_page, names_probe,
-    repeats_value, role, stands_apart, stands_before_unit,
+    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_scale, is_statistic, lies_within, names_page,
+    names_probe, repeats_value, role, stands_apart, stands_before_unit,
 };
 pub(crate) use unit::{split_size, split_unit};
 

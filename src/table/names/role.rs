@@ -26,6 +26,14 @@ pub(crate) fn role(text: &str) -> Option<Role> {
         return (senses.iter().all(of_part) && !numbers_lines).then_some(Role::Part);
     }
     let tolerance = has(Sense::Tolerance) || has(Sense::Limit);
+    // the deviation that was measured: Istabmaß
+    if tolerance && has(Sense::Measured) {
+        return Some(Role::Deviation);
+    }
+    // the upper one of two racks
+    if !tolerance && (has(Sense::Rack) || has(Sense::Pinion)) && (has(Sense::Upper) || has(Sense::Lower)) {
+        return None;
+    }
     let upper = has(Sense::Upper) || has(Sense::Greatest) || (has(Sense::Plus) && tolerance);
     let lower = has(Sense::Lower) || has(Sense::Least) || (has(Sense::Minus) && tolerance);
     match (upper, lower) {
@@ -90,7 +98,8 @@ pub(crate) fn repeats_value(title: &str) -> bool {
 
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
 pub(crate) fn is_again(name: &str) -> bool {
-    VOCABULARY.again.contains(&plain(name).as_str())
+    let name = plain(name);
+    VOCABULARY.again.contains(&name.as_str()) || name.split(' ').any(|word| VOCABULARY.again.contains(&word))
 }
 
 /// Whether a name is that of the probe, and behind it its diameter.
@@ -132,6 +141,11 @@ pub(crate) fn has_stated_unit(word: &str) -> bool {
 /// Whether a word, in lower case, may stand between that and the unit: `are`, `in`.
 pub(crate) fn stands_before_unit(word: &str) -> bool {
     VOCABULARY.before_units.contains(&word)
+}
+
+/// Whether a word says that values are written by a factor: `Faktor`, `x10`, `Hundertstel`.
+pub(crate) fn is_scale(word: &str) -> bool {
+    VOCABULARY.scales.contains(&word.to_lowercase().as_str())
 }
 
 /// Whether a heading is the length over which f_Hβ is evaluated. Asked where a column names no error.

@@ -179,6 +179,8 @@ pub(super) struct Vocabulary {
     /// What a line between the pages of a table is called, and what may stand between a page's number and that of all.
     pub(super) pages: Vec<&'static str>,
     pub(super) page_counts: Vec<&'static str>,
+    /// By which factor values are written.
+    pub(super) scales: Vec<&'static str>,
     /// What a line speaks of that states a unit for a whole table, and what may stand between that and the unit.
     pub(super) unit_subjects: Vec<&'static str>,
     pub(super) before_units: Vec<&'static str>,
@@ -196,6 +198,7 @@ impl Vocabulary {
                 ("statistic", _) => vocabulary.statistics.extend(words),
                 ("apart", _) => vocabulary.apart.extend(words),
                 ("mean", _) => vocabulary.means.extend(words),
+                ("scale", _) => vocabulary.scales.extend(words),
                 ("again", _) => vocabulary.again.extend(words),
                 ("probe", _) => vocabulary.probes.extend(words),
                 ("page", _) => vocabulary.pages.extend(words),

@@ -1,9 +1,9 @@
 //! Numbers without names: what they are is asked for, or is the spec's order.
 
 use super::headings::{Named, PartNames};
-use super::{NoShape, Series, Shape, aside, unknown_line};
+use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Field, Role};
+use crate::table::names::{Field, Role, is_statistic, split_unit};
 use crate::table::want::{Orientation, Want};
 
 /// Numbers without names: what they are is asked for, or is the spec's order.
@@ -14,6 +14,9 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         want.fields.clone()
     };
     let rows: Vec<&Record> = records.iter().filter(|record| has_numbers_only(record)).collect();
+    if let Some(record) = says_what_they_are(records, want) {
+        return Err(NoShape::OtherNames { record: record.clone() });
+    }
     let Some(&first) = rows.first() else { return Err(NoShape::NoNumbers) };
     let labelled = rows.iter().any(|record| !record.cells[0].is_number());
     let width = rows.iter().map(|record| record.filled().len()).max().unwrap_or(0);
@@ -67,6 +70,26 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         }
     }
     Ok(shape)
+}
+
+/// Letters of a name without digits that may be a part's: `A`, `VII`.
+const SHORT: usize = 3;
+
+/// A line that may say what the numbers are: words above the last of them, a name in front of one that is none of a part, and
+/// where the user says what they are, a unit.
+fn says_what_they_are<'r>(records: &'r [Record], want: &Want) -> Option<&'r Record> {
+    let last = records.iter().rposition(has_numbers_only)?;
+    let has_unit = |cell: &Cell| split_unit(&cell.text()).1.is_some();
+    let is_name = |cell: &Cell| {
+        let text = cell.text();
+        has_digit(&text) || text.chars().count() <= SHORT || is_statistic(&text)
+    };
+    let says = |record: &&Record| {
+        let words = || record.cells.iter().filter(|cell| !cell.is_number() && !cell.is_missing());
+        let is_row = has_numbers_only(record);
+        words().any(has_unit) || want.fields.is_empty() && words().any(|cell| !is_row || !is_name(cell))
+    };
+    records[..=last].iter().filter(|record| !record.says_nothing()).find(says)
 }
 
 /// Whether a line holds numbers, perhaps with a name in front.

@@ -181,7 +181,11 @@ impl Lines<'_> {
                 let series = Series { title: title.into_owned(), cells: cells.to_vec(), ..Series::default() };
                 shape.take(Named { field, aspect: Role::Measured, holds: None, series })?;
             }
-            _ if record.numbers() > 0 && !record.cells[0].is_measure() && !is_part_name(&title) => {
+            _ if record.numbers() > 0
+                && record.filled().len() > 1
+                && !record.cells[0].is_measure()
+                && !is_part_name(&title) =>
+            {
                 shape.unknown.push(unknown_line(record, self.is_among(index, record)));
             }
             // a value whose name is not there

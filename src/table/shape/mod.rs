@@ -160,6 +160,24 @@ impl Shape {
         }
     }
 
+    /// Leaves out limits that change from part to part without a nominal value that does: they are measured.
+    pub(crate) fn drop_changing_limits(&mut self) {
+        let of_one_size = |measurement: &&mut Measurement| measurement.beside.get(Role::Nominal).is_none();
+        for measurement in self.measurements.iter_mut().filter(of_one_size) {
+            for role in [Role::Upper, Role::Lower] {
+                let changes = |series: &&Series| {
+                    let texts: HashSet<_> =
+                        series.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text).collect();
+                    texts.len() > 1
+                };
+                if let Some(series) = measurement.beside.get(role).filter(changes).cloned() {
+                    self.unknown.push(Unknown::column(&series.title, series.place, series.cells).measured(true));
+                    measurement.beside.set(role, None);
+                }
+            }
+        }
+    }
+
     /// Gives columns of units to the values behind them, if one stands before the first value.
     fn take_units_before(&mut self) {
         let is_units = |unknown: &Unknown| role(&unknown.title) == Some(Role::Unit);

@@ -33,6 +33,8 @@ pub(crate) enum NoShape {
     TwoColumns { first: Cell, second: Cell },
     /// Names in the table, and others told by the user.
     HasNames { record: Record },
+    /// Numbers without known names, and a line that may say what they are.
+    OtherNames { record: Record },
     /// As many rows as columns, and no names: two ways to read it.
     Square,
 }
@@ -48,7 +50,10 @@ impl NoShape {
             | Self::Twice { heading, .. }
             | Self::NoPart { heading }
             | Self::TwoColumns { second: heading, .. } => heading.span,
-            Self::Ragged { record, .. } | Self::Units { record } | Self::HasNames { record } => record.span(),
+            Self::Ragged { record, .. }
+            | Self::Units { record }
+            | Self::HasNames { record }
+            | Self::OtherNames { record } => record.span(),
             Self::Count { span, .. } => span,
             Self::Square => 0..0,
         };
@@ -106,6 +111,12 @@ impl NoShape {
                 error(format!("line {}: the table has names of its own: {}", record.line, record.in_words()))
                     .help("leave out --as, which is for numbers without names, or say in the spec what the columns are")
             }
+            Self::OtherNames { record } => error(format!(
+                "line {}: `{}` may say what the numbers are, and is not understood",
+                record.line,
+                record.in_words()
+            ))
+            .help("name the columns as the spec does, `rack_over_roller [mm]`; or leave the line out of the table"),
             Self::Square => ambiguous(
                 "the numbers have no names, and there are as many rows as columns: a part may be a row or a column"
                     .to_owned(),

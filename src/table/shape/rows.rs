@@ -271,6 +271,7 @@ pub(super) fn by_header(
     shape.lines = rows.iter().map(|row| row.line).collect();
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
+    shape.drop_changing_limits();
     Ok(shape)
 }
 
