@@ -537,16 +537,17 @@ impl Rows {
             .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
     }
 
-    /// Whether a record holds a value near the nominal one, as no count or temperature is, or values of several errors.
+    /// Whether a record holds a value near the nominal one, as no count or temperature is; in a row of
+    /// several errors it may have any digits.
     fn is_measured(&self, record: &Record) -> bool {
-        let is_near = |column: &Column| {
-            let cell = record.cells.get(column.place);
-            matches!(column.nominal, Nominal::Fixed(_))
-                && cell.is_some_and(|cell| cell.has_two_decimals() && column.may_hold(cell))
-        };
         let columns = &self.setup.columns;
-        let has_number = |column: &Column| record.cells.get(column.place).is_some_and(Cell::is_number);
-        columns.iter().any(is_near) || columns.len() > 1 && columns.iter().all(has_number)
+        let cell = |column: &Column| record.cells.get(column.place).filter(|cell| cell.is_number());
+        let is_row = columns.len() > 1 && columns.iter().all(|column| cell(column).is_some());
+        let is_near = |column: &Column| {
+            let is_value = |cell: &Cell| (is_row || cell.has_two_decimals()) && column.may_hold(cell);
+            matches!(column.nominal, Nominal::Fixed(_)) && cell(column).is_some_and(is_value)
+        };
+        columns.iter().any(is_near)
     }
 
     /// Whether what a record holds is by how much measured values differ, and none of them.

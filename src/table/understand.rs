@@ -423,7 +423,10 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
     let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
     let title = &column.title;
     for statement in shape.statements(want) {
-        let stated = stated_units(&statement.text).into_iter();
+        let stated = stated_units(&statement.text);
+        // mm and µm
+        let has_own = !is_assumed && stated.iter().any(|stated| stated.unit == column.unit);
+        let stated = stated.into_iter().filter(|_| !has_own);
         let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
         let unit = stated.map(|stated| stated.unit).find(is_other);
         let help = match (unit, unknown_unit(&statement.text)) {
