@@ -11,8 +11,8 @@ use super::column::{Column, Nominal, Stated, has_tolerance_behind};
 use super::grid::{Separator, records};
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, heading, is_called, is_context, is_evaluation_length, is_scale, is_statistic, is_total,
-    is_value_heading, lies_within, near, plain_widths, role, says_deviation, split_unit,
+    Field, Role, heading, is_called, is_context, is_evaluation_length, is_other_of_flank, is_scale, is_statistic,
+    is_total, is_value_heading, lies_within, near, plain_widths, role, says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape, uncounted};
@@ -554,8 +554,10 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
         format!("uncertainties stand in the spec, as u beside each of [errors]; leave them out of the table: {ignored}")
     } else if strangers.iter().all(|stranger| stranger.pattern.starts_with(SHEET)) {
         format!("name the sheet that is meant with --sheet; or leave the other out: {said}")
-    } else if mappings.is_empty() {
+    } else if mappings.is_empty() && strangers.iter().any(|stranger| stranger.title.is_empty()) {
         format!("give it a name, or leave it out: {said}")
+    } else if mappings.is_empty() {
+        format!("leave it out, if it is none of the spec's errors: {said}")
     } else {
         format!("say in the spec what it is, under [batch.columns]: {}; or leave it out: {said}", mappings.join("; "))
     };
@@ -582,6 +584,12 @@ impl Stranger {
         let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(|name| *name == self.pattern)?;
         // nothing tells which error it is, if it is one
         let kind = self.near.iter().find_map(|key| key.parse::<Field>().ok()?.kind());
+        // form, crowning and runout are no error that a spec has, and only a pitch has a total
+        let is_pitch = matches!(kind, Some(DeviationKind::RackPitch | DeviationKind::PinionPitch));
+        let is_lead = matches!(kind, Some(DeviationKind::RackLead | DeviationKind::PinionLead));
+        if (kind.is_none() || is_lead) && is_other_of_flank(&name) || kind.is_some() && !is_pitch && is_total(&name) {
+            return None;
+        }
         let unit = self.unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
         let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
         let holds = if has_nominal && says_deviation(&name) { ", kind = \"deviation\"" } else { "" };

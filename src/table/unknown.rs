@@ -3,7 +3,9 @@
 
 use super::cell::Cell;
 use super::grid::{is_date, only_units, unit_in};
-use super::names::{is_again, is_context, is_evaluation_length, is_gear_size, near, repeats_value, split_unit};
+use super::names::{
+    is_again, is_context, is_evaluation_length, is_gear_size, names_person, near, repeats_value, split_unit,
+};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -93,7 +95,11 @@ impl Unknown {
 
     /// The first of its cells, if it is a column of nothing but units of length or angle.
     pub(crate) fn units(&self) -> Option<&Cell> {
-        self.column.and_then(|_| only_units(&self.cells))
+        let are_initials = || {
+            names_person(&self.title)
+                && !self.cells.iter().any(|cell| cell.text().contains(|c: char| !c.is_ascii_uppercase()))
+        };
+        self.column.and_then(|_| only_units(&self.cells)).filter(|_| !are_initials())
     }
 
     /// Whether it holds numbers, and its name or unit is that of a measurement; or units of which nothing tells what they are of.

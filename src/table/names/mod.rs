@@ -12,7 +12,9 @@ mod vocabulary;
 mod words;
 
 pub(crate) use letters::plain_widths;
-pub(crate) use near::{is_context, is_gear_size, is_tolerance, is_total, near, says_deviation};
+pub(crate) use near::{
+    is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, names_person, near, says_deviation,
+};
 pub(crate) use role::{
     has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_scale, is_statistic, lies_within, names_page,
     names_probe, repeats_value, role, stands_apart, stands_before_unit,

@@ -1,5 +1,6 @@
 //! What a name that is not understood may have meant, and which names are known to mean something else.
 
+use super::letters::joined;
 use super::role::{is_statistic, role};
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, is_japanese};
@@ -41,6 +42,23 @@ pub(crate) fn is_context(text: &str) -> bool {
 /// Whether a name is that of a total over all teeth, such as F_p or F_r.
 pub(crate) fn is_total(text: &str) -> bool {
     has_total_pitch(text) || says(text, Sense::Total)
+}
+
+/// Whether a name is that of another deviation of flanks than f_Hβ and the pitch: their form, crowning or total.
+pub(crate) fn is_other_of_flank(text: &str) -> bool {
+    let name = joined(&name_of(text));
+    let words: Vec<&str> = name.split(' ').collect();
+    let is_named = |other: &String| {
+        let count = other.split(' ').count();
+        words.windows(count).any(|phrase| phrase.join(" ") == *other)
+            || other.chars().count() > 6 && words.iter().any(|word| word.contains(other.as_str()))
+    };
+    VOCABULARY.other_flanks.iter().any(is_named)
+}
+
+/// Whether a name is that of who measured.
+pub(crate) fn names_person(text: &str) -> bool {
+    VOCABULARY.persons.contains(&joined(&name_of(text)))
 }
 
 /// Whether a name says that it is a deviation.

@@ -9,7 +9,7 @@ use super::{Field, bare};
 /// What a heading of a table with a row per characteristic says; `None` for what is none of it, as a column of values
 /// that is called after its part (`Teil 1`).
 pub(crate) fn role(text: &str) -> Option<Role> {
-    let (name, _) = split_unit(bare(text));
+    let (name, unit) = split_unit(bare(text));
     let known = Words::of(&name).known()?;
     if let [word] = known.as_slice()
         && let Some(role) =
@@ -40,7 +40,8 @@ pub(crate) fn role(text: &str) -> Option<Role> {
         (true, true) => return None,
         (true, false) => return Some(Role::Upper),
         (false, true) => return Some(Role::Lower),
-        (false, false) if tolerance => return Some(Role::Upper),
+        // how much of a tolerance is used is none
+        (false, false) if tolerance => return (unit.as_deref() != Some("%")).then_some(Role::Upper),
         (false, false) => {}
     }
     // Soll-Ist: the difference, and which sign it has is not said

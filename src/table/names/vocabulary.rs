@@ -174,6 +174,9 @@ pub(super) struct Vocabulary {
     pub(super) means: Vec<&'static str>,
     /// What counts how often a part was measured, or holds what was measured once more.
     pub(super) again: Vec<&'static str>,
+    /// Who measured, and what else is measured of flanks, as names are compared.
+    pub(super) persons: Vec<String>,
+    pub(super) other_flanks: Vec<String>,
     /// What a line above a table calls the probe.
     pub(super) probes: Vec<&'static str>,
     /// What a line between the pages of a table is called, and what may stand between a page's number and that of all.
@@ -200,6 +203,8 @@ impl Vocabulary {
                 ("mean", _) => vocabulary.means.extend(words),
                 ("scale", _) => vocabulary.scales.extend(words),
                 ("again", _) => vocabulary.again.extend(words),
+                ("person", _) => vocabulary.persons.extend(words.map(joined)),
+                ("other flank", _) => vocabulary.other_flanks.extend(words.map(joined)),
                 ("probe", _) => vocabulary.probes.extend(words),
                 ("page", _) => vocabulary.pages.extend(words),
                 ("page count", _) => vocabulary.page_counts.extend(words),

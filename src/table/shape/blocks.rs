@@ -26,6 +26,11 @@ pub(super) fn with_parts_side_by_side<'r>(records: &'r [Record], want: &Want) ->
     let blocks: Vec<&[Record]> = records[first..].chunk_by(|_, next| !is_start(next)).collect();
     let starts_alike = |block: &&[Record]| name(&block[0]) == name(&records[first]);
     let is_twice = |block: &&[Record]| (1..block.len()).any(|at| find(&block[..at], &name(&block[at])).is_some());
+    // numbers without a name say not beside which others they stand
+    let is_nameless = |record: &Record| !record.filled().is_empty() && record.filled().iter().all(Cell::is_number);
+    if records[first..].iter().any(is_nameless) {
+        return records.into();
+    }
     if blocks.len() < 2 || !blocks.iter().all(starts_alike) || blocks.iter().any(is_twice) {
         return records.into();
     }

@@ -60,6 +60,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
             role(&cell.text()).filter(|role| !(is_ignored(cell) || role.is_beside_value() && is_of_series(place)))
         };
         let mut roles: Vec<_> = record.cells.iter().enumerate().map(role_of).collect();
+        take_french_name(&mut roles, record, &records[header + 1..]);
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
         let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
@@ -118,6 +119,23 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
     })
+}
+
+/// `Nom` is the nominal value, and in French the name: beside a column of nominal values it has names, if all its cells are words.
+fn take_french_name(roles: &mut [Option<Role>], header: &Record, below: &[Record]) {
+    let is_called = |place: &usize| header.cells[*place].text().trim().eq_ignore_ascii_case("nom");
+    let has_words = |place: &usize| {
+        let mut cells =
+            below.iter().filter_map(|row| row.cells.get(*place)).filter(|cell| !cell.is_missing()).peekable();
+        cells.peek().is_some() && !cells.any(Cell::is_number)
+    };
+    let nominals = roles.iter().filter(|role| **role == Some(Role::Nominal)).count();
+    if nominals > 1
+        && !roles.contains(&Some(Role::Name))
+        && let Some(place) = (0..roles.len()).find(|place| is_called(place) && has_words(place))
+    {
+        roles[place] = Some(Role::Name);
+    }
 }
 
 /// The columns that are parts, where a column seems to name the part as well: beside one column of values it does, and beside

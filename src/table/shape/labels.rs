@@ -98,11 +98,15 @@ pub(super) fn by_label(
             continue;
         };
         let cells = behind_label(&records[*index], has_units);
+        let cells = without_verdict(cells, has_places);
+        let (cells, brackets) = if has_places { (cells, None) } else { without_brackets(cells) };
         if !named.series.fill(cells, named.field.is_angle()) {
             return Err(NoShape::Units { record: records[*index].clone() });
         }
         count = count.max(named.series.cells.len());
+        let beside = brackets.map(|(aspect, series)| Named { field: named.field, aspect, holds: None, series });
         found.push((named, &records[*index]));
+        found.extend(beside.map(|beside| (beside, &records[*index])));
     }
     for (mut named, record) in found {
         let cells = &mut named.series.cells;
@@ -237,6 +241,40 @@ fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
     }
 }
 
+/// What says in brackets behind one value what is wanted of it, as its own: `25,004 mm (Soll 25,000)`, `4 µm (max. 10 µm)`.
+fn without_brackets(cells: &[Cell]) -> (&[Cell], Option<(Role, Series)>) {
+    let whole = (cells, None);
+    let [rest @ .., word, number] = cells else { return whole };
+    let (title, text) = (word.text(), number.text());
+    let (Some(title), Some(text)) = (title.strip_prefix('('), text.strip_suffix(')')) else { return whole };
+    let number = Cell::of_text(text, number.span.clone());
+    let [value] = rest else { return whole };
+    match role(title) {
+        Some(role @ (Role::Nominal | Role::Upper | Role::Lower)) if value.is_measure() && number.is_measure() => {
+            // without a unit of its own, it has the value's
+            let unit = unit_in(&value.text()).filter(|unit| is_unit(unit));
+            (rest, Some((role, Series { title: title.to_owned(), unit, cells: vec![number], ..Series::default() })))
+        }
+        _ => whole,
+    }
+}
+
+/// The cells of one value without what somebody thought of it, which stands behind it or its unit; where cells have places, a
+/// verdict right behind a value may be another part's.
+fn without_verdict(cells: &[Cell], has_places: bool) -> &[Cell] {
+    let Some((last, rest)) = cells.split_last() else { return cells };
+    let is_behind_unit = || rest.last().is_some_and(|cell| is_unit(&cell.text()));
+    let numbers = rest.iter().filter(|cell| cell.is_number()).count();
+    let is_kept = !is_verdict(&last.text()) || numbers == 0 || has_places && (numbers > 1 || !is_behind_unit());
+    if is_kept { cells } else { rest }
+}
+
+/// Whether a text says what somebody thought of the value before it, and nothing else: `i.O.`, `(OK)`.
+fn is_verdict(text: &str) -> bool {
+    let letters = text.chars().filter(|c| !matches!(c, '.' | '(' | ')' | '!' | ',' | ';')).collect::<String>();
+    ["io", "nio", "ok", "nok", "pass", "passed", "fail", "failed"].contains(&letters.to_lowercase().as_str())
+}
+
 impl Series {
     /// The values behind a name: a unit behind a value belongs to it, one before the first to all. Whether each value has
     /// one unit at most.
@@ -244,8 +282,11 @@ impl Series {
         let mut of_all: Option<String> = None;
         for cell in cells {
             let text = cell.text();
-            let is_unit = is_unit_of(&text, is_angle);
-            let behind = if is_unit { bare_unit(&text) } else { &text };
+            // the end of a sentence
+            let stem = text.trim_end_matches(['.', ',', ';']);
+            let text = if is_unit_of(stem, is_angle) { stem } else { &text };
+            let is_unit = is_unit_of(text, is_angle);
+            let behind = if is_unit { bare_unit(text) } else { text };
             match self.cells.last_mut() {
                 // 12,5 | µm
                 Some(_) if is_unit && of_all.as_ref().is_some_and(|unit| unit != behind) => return false,
@@ -257,7 +298,7 @@ impl Series {
                 Some(last)
                     if is_unit
                         || !cell.is_number() && !cell.is_missing() && last.is_number()
-                        || goes_on_with_angle(&last.text(), &text) =>
+                        || goes_on_with_angle(&last.text(), text) =>
                 {
                     let whole = format!("{} {behind}", last.text());
                     *last = Cell::of_text(&whole, last.span.start..cell.span.end);

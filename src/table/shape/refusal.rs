@@ -42,7 +42,15 @@ pub(crate) enum NoShape {
 impl NoShape {
     /// What is wrong, where, and what to do.
     pub(crate) fn explain(self, source: &Arc<Source>, want: &Want) -> Diagnostic {
-        let problem = self.problem(&source.name, want);
+        let mut problem = self.problem(&source.name, want);
+        // a sheet has cells of its own
+        if let Self::Ragged { .. } = self
+            && source.text.is_empty()
+        {
+            problem = problem.help(
+                "give the row a heading for each of its cells; take merged headings apart, or say which cells are the table: --range",
+            );
+        }
         let span = match self {
             // the message names the file
             Self::NoNumbers | Self::OpenQuote { .. } | Self::NoRows { .. } => return problem,
