@@ -50,6 +50,7 @@ mod container;
 mod encoding;
 mod gathered;
 mod grid;
+mod lines;
 mod measured;
 mod names;
 mod number;

@@ -16,11 +16,12 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
+use super::lines::value_in;
 use super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
-use super::strangers::{Others, Remarks, value_in};
+use super::strangers::{Others, Remarks};
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
@@ -441,7 +442,7 @@ impl Rows {
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
         let id = self.setup.id?;
         let name = record.cells.get(id)?.text();
-        let is_word = name.len() > 1 && !is_called_of_parts(&name);
+        let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
         if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
             return None;
         }

@@ -14,9 +14,6 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         want.fields.clone()
     };
     let rows: Vec<&Record> = records.iter().filter(|record| has_numbers_only(record)).collect();
-    if let Some(record) = says_what_they_are(records, want) {
-        return Err(NoShape::OtherNames { record: record.clone() });
-    }
     let Some(&first) = rows.first() else { return Err(NoShape::NoNumbers) };
     let labelled = rows.iter().any(|record| !record.cells[0].is_number());
     let width = rows.iter().map(|record| record.filled().len()).max().unwrap_or(0);
@@ -31,17 +28,14 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
     if as_rows && as_columns && wanted > 1 && want.orientation.is_none() {
         return Err(NoShape::Square);
     }
-    let bare = |field: Field, cells: Vec<Cell>| Named {
-        field,
-        aspect: Role::Measured,
-        holds: None,
-        series: Series { title: field.key().to_owned(), cells, ..Series::default() },
-    };
     let in_rows = as_rows && want.orientation != Some(Orientation::Columns);
     let in_columns = as_columns && want.orientation != Some(Orientation::Rows);
     if !in_rows && !in_columns {
         let span = first.span().start..rows.last().map_or(0, |record| record.span().end);
         return Err(NoShape::Count { columns: width, rows: rows.len(), span });
+    }
+    if let Some(record) = says_what_they_are(records, want) {
+        return Err(NoShape::OtherNames { record: record.clone() });
     }
     let id = fields.iter().position(|field| *field == Field::PartId).or((offset == 1).then_some(0));
     let names = PartNames::of(rows.iter().filter(|_| in_rows).filter_map(|row| row.cells.get(id?)));
@@ -70,6 +64,12 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
         }
     }
     Ok(shape)
+}
+
+/// A column that is called by its field's key.
+fn bare(field: Field, cells: Vec<Cell>) -> Named {
+    let series = Series { title: field.key().to_owned(), cells, ..Series::default() };
+    Named { field, aspect: Role::Measured, holds: None, series }
 }
 
 /// Letters of a name without digits that may be a part's: `A`, `VII`.

@@ -124,7 +124,7 @@ impl NoShape {
                 record.line,
                 record.in_words()
             ))
-            .help("name the columns as the spec does, `rack_over_roller [mm]`; or leave the line out of the table"),
+            .help("name the columns as the spec does, `rack_over_roller [mm]`; say what they hold: --as rack_over_roller; or leave the line out of the table"),
             Self::Square => ambiguous(
                 "the numbers have no names, and there are as many rows as columns: a part may be a row or a column"
                     .to_owned(),

@@ -1,0 +1,257 @@
+//! Lines that are no part of a table: what of one may be a measured value. Prose has its numbers between words, marks and
+//! names. Asked when what is beside the values is sorted.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+
+use super::cell::Cell;
+use super::column::{Column, Nominal, Stated, has_tolerance_behind};
+use super::grid::{Separator, records};
+use super::measured::MeasuredValues;
+use super::names::{
+    Role, heading, is_context, is_evaluation_length, is_scale, is_statistic, is_value_heading, near, plain_widths, role,
+};
+use super::reading::AsideReading;
+use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
+use super::unknown::{Unknown, is_foreign_unit};
+use super::want::Orientation;
+
+/// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
+pub(super) fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: &[Column]) -> bool {
+    let has_tolerance = has_tolerance_behind(&aside.text);
+    let is_nominal = |cell: &Cell| {
+        columns.iter().any(|column| {
+            matches!(column.nominal, Nominal::Fixed(nominal) if column.quantity(cell).is_ok_and(|value| value == nominal))
+        })
+    };
+    role(&unknown.title) == Some(Role::Nominal)
+        && unknown.cells.first().is_some_and(is_nominal)
+        && unknown.cells.len() <= 1 + usize::from(has_tolerance)
+}
+
+/// By which names a line that is no part of the table is told from a row.
+pub(crate) struct LineNames<'a> {
+    pub(crate) of_parts: &'a PartNames,
+    /// Whether the line stands above the names of the columns, where titles are.
+    pub(crate) is_above: bool,
+}
+
+/// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
+/// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none. A number
+/// behind a word that is no part's name is one near a column's nominal value only, and above the names with three decimals.
+pub(crate) fn value_in(
+    aside: &AsideReading,
+    width: usize,
+    columns: &[Column],
+    names: Option<&LineNames<'_>>,
+) -> Option<Unknown> {
+    if !has_digit(&aside.text) {
+        return None;
+    }
+    let text = without_punctuation(&aside.text);
+    let record = uncounted(records(&text, Separator::Blanks).ok()?.first()?);
+    let cells: Vec<Cell> = without_foreign(&record.cells).cloned().collect();
+    let is_cell = |cell: &Cell| cell.is_number() && !cell.text().starts_with("00");
+    let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(is_cell);
+    let found = named_values(&cells, aside.line)?;
+    let found = if is_row { found.measured(true) } else { found };
+    let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
+    let is_above = names.is_some_and(|names| names.is_above);
+    // B liegt 0,061 drüber
+    let begins_with_part = names.is_some_and(|names| names.of_parts.begin(&found.title));
+    let deviate = || !columns.is_empty() && columns.iter().all(|column| column.nominal == Nominal::None);
+    let is_signed = |cell: &Cell| cell.text().trim_start().starts_with(['+', '-', '\u{2212}']);
+    let is_alone = found.cells.iter().filter(|cell| cell.is_number()).count() == 1;
+    // behind the name of a part or with a sign, a number may say by how much a value deviates
+    let is_deviation = |cell: &Cell| {
+        cell.is_measure()
+            && (begins_with_part && (cell.is_fine() || deviate()) || is_signed(cell) && is_alone && names.is_some())
+            && columns.iter().any(|column| column.may_hold(cell) || column.may_deviate_by(cell))
+    };
+    let is_value = |cell: &Cell| {
+        let may_be_of =
+            |column: &Column| is_name || (!is_above || cell.is_fine()) && matches!(column.nominal, Nominal::Fixed(_));
+        cell.has_decimals() && columns.iter().any(|column| may_be_of(column) && column.may_hold(cell))
+    };
+    let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
+    let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
+    if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+}
+
+/// Whether words stand behind the number of a cell: `419 neu 25,060`.
+pub(super) fn has_words(cell: &Cell) -> bool {
+    cell.text().split_whitespace().count() > 2
+}
+
+/// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.
+/// Above the names, where titles are, it has three decimals.
+pub(super) fn value_beyond(aside: &AsideReading, measured: &MeasuredValues, is_above: bool) -> Option<Unknown> {
+    let text = without_punctuation(&aside.text);
+    let record = records(&text, Separator::Blanks).ok()?.into_iter().next()?;
+    let at = record.cells.iter().position(|cell| measured.is_beyond_all(cell) && (!is_above || cell.is_fine()))?;
+    let title = record.cells[..at].iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    let found = Unknown::line(&title, aside.line, vec![record.cells[at].clone()]).measured(true);
+    Some(Unknown { is_repeated: true, ..found })
+}
+
+/// A line among values behind their names that begins with the name of an error which has none: `Teilung Zahnstange: n.i.O.`
+pub(super) fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Column]) -> Option<Unknown> {
+    const MOST_WORDS: usize = 6;
+    if shape.orientation == Orientation::Rows || shape.header_line.is_some() || columns.is_empty() {
+        return None;
+    }
+    let words: Vec<&str> = aside.text.split_whitespace().collect();
+    let name = (1..words.len().min(MOST_WORDS)).rev().map(|count| words[..count].join(" "));
+    let is_missing = |name: &String| {
+        let heading = heading(name, &[]).filter(|_| is_value_heading(name, &[]));
+        heading.is_some_and(|heading| columns.iter().all(|column| !heading.fields.contains(&column.field)))
+    };
+    let name = name.into_iter().find(is_missing).filter(|_| words.len() <= MOST_WORDS)?;
+    let behind = words[name.split(' ').count()..].join(" ");
+    Some(Unknown::line(&name, aside.line, vec![Cell::of_text(&behind, 0..0)]).unread())
+}
+
+/// What a line says of all values, and nothing else does: by which factor they are written, and over which length they are
+/// evaluated.
+pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<Unknown> {
+    let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
+    if has_scale(&aside.text) {
+        return Some(unread(&aside.text));
+    }
+    let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
+    let names = (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ")));
+    let (name, length) = names.into_iter().find(|(name, _)| is_evaluation_length(name))?;
+    let is_other = |column: &Column| matches!(column.evaluated, Stated::Fixed(over) if length.parse() != Ok(over));
+    columns.iter().any(is_other).then(|| unread(&name))
+}
+
+/// Whether a text has a word for a factor.
+pub(super) fn has_scale(text: &str) -> bool {
+    text.split(|c: char| !c.is_alphanumeric()).any(is_scale)
+}
+
+/// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a
+/// name has a word for parts before it.
+pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
+    let words: Vec<&str> = aside.text.split(|c: char| c.is_whitespace() || ":;,=()".contains(c)).collect();
+    let ids: HashSet<Cow<'_, str>> = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).collect();
+    let names_one = |at: &usize| {
+        let before = at.checked_sub(1).map(|before| words[before]);
+        let is_plain = words[*at].bytes().all(|byte| byte.is_ascii_digit());
+        has_digit(words[*at]) && ids.contains(words[*at]) && (!is_plain || before.is_some_and(is_part_name))
+    };
+    let at = (0..words.len()).find(names_one)?;
+    let is_value = |word: &&&str| Cell::of_text(word, 0..0).is_measure() && !ids.contains(**word);
+    let value = words[at + 1..].iter().find(is_value)?;
+    Some(Unknown::line(words[at], aside.line, vec![Cell::of_text(value, 0..0)]).measured(true))
+}
+
+/// A number alone in its line among values behind their names.
+pub(super) fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
+    let cell = Cell::of_text(aside.text.trim(), 0..0);
+    let is_among_values = shape.orientation == Orientation::Columns && shape.header.is_empty();
+    (is_among_values && cell.is_number()).then(|| Unknown::line("", aside.line, vec![cell]).measured(true))
+}
+
+/// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,
+/// `部品Bは25.061でした。` A day keeps its dots.
+fn without_punctuation(line: &str) -> String {
+    let is_kept = |c: char| c.is_alphanumeric() || "+-\u{2212}°'′″%€$".contains(c);
+    let is_day = |word: &str| word.ends_with('.') && word.split('.').all(|part| part.len() <= 2);
+    let is_decimal = |word: &str| Cell::of_text(word, 0..0).has_decimals();
+    // kana and ideographs have no blanks between them and numbers
+    let is_unspaced = |c: char| c >= '\u{3000}';
+    let mut spaced = String::new();
+    for c in plain_widths(line).chars() {
+        if spaced.chars().next_back().is_some_and(|last| is_unspaced(last) != is_unspaced(c)) {
+            spaced.push(' ');
+        }
+        spaced.push(c);
+    }
+    let words = spaced.split(|c: char| c.is_whitespace() || matches!(c, '|' | ';')).filter(|word| !word.is_empty());
+    // an arrow is no sign
+    let words = words.filter(|word| *word == "+" || word.contains(char::is_alphanumeric));
+    let words = words.map(|word| match word.split_once(['/', '-', '–', '…']) {
+        Some((first, second)) if is_decimal(first) && is_decimal(second) => format!("{first} {second}"),
+        _ if is_day(word) => word.to_owned(),
+        _ => apart(word).trim_matches(|c| !is_kept(c)).to_owned(),
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A word with a number of two decimals inside, which stands apart then: `P2=25,064`, `Ø25,064`, `25,064/25,012`.
+fn apart(word: &str) -> String {
+    let is_of_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',');
+    let runs = word.split_inclusive(|c| !is_of_number(c)).map(|run| {
+        let number = run.trim_end_matches(|c| !is_of_number(c));
+        (number, &run[number.len()..])
+    });
+    let is_measure = |run: &str| Cell::of_text(run, 0..0).has_two_decimals();
+    let runs =
+        runs.map(|(run, behind)| if is_measure(run) { format!(" {run} {behind}") } else { format!("{run}{behind}") });
+    let spaced: String = runs.collect();
+    // a sign and a unit belong to it
+    if Cell::of_text(word, 0..0).is_measure() {
+        word.to_owned()
+    } else {
+        spaced.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// Whether a text names a part, a space or a tooth, whose number stands behind it.
+fn names_one(text: &str) -> bool {
+    heading(text, &[]).is_some_and(|heading| heading.fields.iter().all(|field| field.is_index()))
+}
+
+/// Cells without numbers in units that are none of lengths or angles: `20,3 °C`.
+fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
+    let is_unit = |cell: &Cell| {
+        let text = cell.text();
+        let unit = text.trim_end_matches([',', ';', '.', ')']);
+        is_foreign_unit(unit) && !matches!(unit, "-" | "1")
+    };
+    let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
+    (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
+}
+
+/// The first name in a line that is more than context, and the values behind it.
+fn named_values(cells: &[Cell], line: u64) -> Option<Unknown> {
+    let words = cells.iter().take_while(|cell| !cell.is_measure() && !has_digit(&cell.text())).count();
+    // a time, a number in a list, or the value stands before the name
+    if words == 0 {
+        let (first, rest) = cells.split_first()?;
+        let numbers = || Unknown::numbers(&first.text(), line, rest).filter(|_| !near(&first.text()).is_empty());
+        if let Some(found) = numbers() {
+            return Some(found.measured(true));
+        }
+        let alone = || Unknown::numbers("", line, std::slice::from_ref(first));
+        return named_values(rest, line).map_or_else(alone, |mut found| {
+            found.cells.push(first.clone());
+            Some(found)
+        });
+    }
+    let (label, values) = cells.split_at(words);
+    let text = label.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    // a known name counts, whatever stands in place of its number: `rack pitch 12...15 µm`
+    let is_known = !near(&text).is_empty() || role(&text) == Some(Role::Nominal);
+    // an order, a page, a date, a space: the word before the number says what it is
+    let is_named = is_known && values.first().is_some_and(Cell::has_decimals);
+    if !is_named && (is_context(text.split_whitespace().next_back()?) || names_one(&text)) {
+        let rest = values.get(1..)?;
+        // Part 2: 25.2 mm
+        let is_value = rest.first().is_some_and(Cell::is_measure);
+        let of_part = || Unknown::numbers("", line, rest).filter(|_| names_one(&text));
+        return named_values(rest, line).or_else(of_part).map(|found| found.measured(is_value && names_one(&text)));
+    }
+    // Pos. 5 Rack pich 0.21
+    let behind = (!is_known).then(|| named_values(values.get(1..)?, line)).flatten();
+    if let Some(behind) = behind.filter(|behind| !near(&behind.title).is_empty()) {
+        return Some(behind);
+    }
+    let unread = || {
+        let whole = values.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+        Unknown::line(&text, line, vec![Cell::of_text(&whole, 0..0)])
+    };
+    let numbers = Unknown::numbers(&text, line, values);
+    numbers.or_else(|| is_known.then(unread)).map(|unknown| unknown.measured(is_known))
+}
