@@ -213,8 +213,8 @@ impl Sorter<'_> {
         let Self { shape, columns, names, measured, .. } = self;
         let remarks = Remarks { columns, width: shape.header.len(), of_parts: names, measured: Some(measured) };
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
-        let cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
-        let value = cells.filter_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row))).next();
+        let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
+        let value = cells.find_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
         if let Some(value) = value {
             self.take(&value);
         }
