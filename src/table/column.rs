@@ -672,8 +672,10 @@ fn single(kind: DeviationKind, title: &str, want: &Want) -> Result<(), Diagnosti
     let message = format!(
         "the spec maps `{title}`, the name of a total over the teeth, to {key}, and says not on which teeth its values are"
     );
+    // only steps between teeth have a total
+    let extent = if kind.counts() == Countable::Pitch { "total" } else { "each" };
     let help = format!(
-        "say it under [batch.columns]: {key} = {{ name = {name}, extent = \"total\" }}, or \"one\" if each is of one tooth"
+        "say it under [batch.columns]: {key} = {{ name = {name}, extent = \"{extent}\" }}, or \"one\" if each is of one tooth"
     );
     Err(Diagnostic::error(Code::BadTable, message).help(help).into())
 }

@@ -127,7 +127,7 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
 
 /// Whether a text has a word for a factor.
 pub(super) fn has_scale(text: &str) -> bool {
-    text.split(|c: char| !c.is_alphanumeric()).any(is_scale)
+    text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).any(is_scale)
 }
 
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a

@@ -21,7 +21,7 @@ use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
-use super::want::{Orientation, Want, quoted};
+use super::want::{Orientation, Want, ignore_option, quoted};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
@@ -354,8 +354,7 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
     mappings.retain(|mapping| mapping.starts_with(KEY) || keys.insert(mapping.split(' ').next().map(str::to_owned)));
     mappings.dedup();
     mappings.truncate(SHOWN);
-    let ignored =
-        patterns.iter().map(|pattern| format!("--ignore {}", shell_quoted(pattern))).collect::<Vec<_>>().join(" ");
+    let ignored = patterns.iter().map(|pattern| ignore_option(pattern)).collect::<Vec<_>>().join(" ");
     let quoted = patterns.iter().map(|pattern| quoted(pattern)).collect::<Vec<_>>().join(", ");
     let said = format!("[batch] ignore = [{quoted}], or on the command line {ignored}");
     let mut help = if strangers.iter().all(|stranger| stranger.place.ends_with(UNCERTAINTY)) {
@@ -405,8 +404,4 @@ impl Stranger {
         let key = kind.map_or(KEY, DeviationKind::key);
         Some(format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(&name)))
     }
-}
-
-pub(super) fn shell_quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', "'\\''"))
 }

@@ -14,7 +14,7 @@ use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, is_of_parts, lies_within, role, stands_apart};
 use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
-use super::want::{Orientation, Want};
+use super::want::{Orientation, Want, ignore_option};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
@@ -397,7 +397,8 @@ fn twice(columns: &[Column]) -> Option<Diagnostic> {
 fn numbers_teeth(title: &str) -> Diagnostic {
     let message = format!("`{title}` numbers spaces or teeth: each row is a tooth or a space, and not a part");
     Diagnostic::error(Code::BadTable, message).help(format!(
-        "put the exact mesh to work: --teeth; or leave the column out, if each row is a part: --ignore \"{title}\""
+        "put the exact mesh to work: --teeth; or leave the column out, if each row is a part: {}",
+        ignore_option(title)
     ))
 }
 
@@ -432,8 +433,8 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
         let help = match (unit, unknown_unit(&statement.text)) {
             (Some(unit), _) => behind_name(title, &fitting(column, [unit, column.unit], shape)),
             (None, Some(unknown)) if is_assumed => format!(
-                "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: --ignore \"{}\"",
-                shown(&statement.text)
+                "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: {}",
+                ignore_option(&statement.text)
             ),
             (None, _) => continue,
         };

@@ -122,6 +122,13 @@ pub(crate) fn quoted(text: &str) -> String {
     format!("\"{escaped}\"")
 }
 
+/// The option that leaves out what fits a pattern, as a shell takes it.
+pub(crate) fn ignore_option(pattern: &str) -> String {
+    // what begins with a dash is no option of its own
+    let separator = if pattern.starts_with('-') { '=' } else { ' ' };
+    format!("--ignore{separator}'{}'", pattern.replace('\'', "'\\''"))
+}
+
 /// Whether a text fits a pattern in which `*` stands for any characters; case and outer blanks do not count.
 fn matches(pattern: &str, text: &str) -> bool {
     let (pattern, text) = (pattern.trim().to_lowercase(), text.trim().to_lowercase());

@@ -3,7 +3,7 @@
 use super::letters::joined;
 use super::role::{is_statistic, role};
 use super::unit::split_unit;
-use super::vocabulary::{Entry, Role, Sense, VOCABULARY, is_japanese};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
 use super::words::Words;
 use super::{Field, bare, has_total_pitch, heading, needs_part, of_pinion, of_rack, without_ordinal};
 use crate::deviation::DeviationKind;
@@ -53,12 +53,12 @@ pub(crate) fn is_other_of_flank(text: &str) -> bool {
         words.windows(count).any(|phrase| phrase.join(" ") == *other)
             || other.chars().count() > 6 && words.iter().any(|word| word.contains(other.as_str()))
     };
-    VOCABULARY.other_flanks.iter().any(is_named)
+    VOCABULARY.list(WordList::OtherFlank).iter().any(is_named)
 }
 
 /// Whether a name is that of who measured.
 pub(crate) fn names_person(text: &str) -> bool {
-    VOCABULARY.persons.contains(&joined(&name_of(text)))
+    VOCABULARY.has(WordList::Person, &joined(&name_of(text)))
 }
 
 /// Whether a name says that it is a deviation.

@@ -2,7 +2,7 @@
 
 use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::{Entry, Role, Sense, VOCABULARY};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList};
 use super::words::Words;
 use super::{Field, bare};
 
@@ -72,7 +72,7 @@ fn role_sense(senses: &[Sense]) -> Option<Sense> {
 
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    VOCABULARY.statistics.contains(&plain(name).as_str()) || stands_apart(name) || lies_within(name)
+    VOCABULARY.has(WordList::Statistic, &plain(name)) || stands_apart(name) || lies_within(name)
 }
 
 /// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.
@@ -82,12 +82,12 @@ pub(crate) fn is_of_parts(name: &str) -> bool {
 
 /// Whether it is that of a spread, a sum, a count or an index, which is no value of a part.
 pub(crate) fn stands_apart(name: &str) -> bool {
-    VOCABULARY.apart.contains(&plain(name).as_str())
+    VOCABULARY.has(WordList::Apart, &plain(name))
 }
 
 /// Whether it is that of a mean or an extreme, which lies among the values that it is made of.
 pub(crate) fn lies_within(name: &str) -> bool {
-    VOCABULARY.means.contains(&plain(name).as_str())
+    VOCABULARY.has(WordList::Mean, &plain(name))
 }
 
 /// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`.
@@ -100,22 +100,23 @@ pub(crate) fn repeats_value(title: &str) -> bool {
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
 pub(crate) fn is_again(name: &str) -> bool {
     let name = plain(name);
-    VOCABULARY.again.contains(&name.as_str()) || name.split(' ').any(|word| VOCABULARY.again.contains(&word))
+    VOCABULARY.has(WordList::Again, &name) || name.split(' ').any(|word| VOCABULARY.has(WordList::Again, word))
 }
 
 /// Whether a name is that of the probe, and behind it its diameter.
 pub(crate) fn names_probe(name: &str) -> bool {
-    VOCABULARY.probes.contains(&plain(name).as_str())
+    VOCABULARY.has(WordList::Probe, &plain(name))
 }
 
 /// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
 pub(crate) fn names_page(line: &str) -> bool {
     let line = plain(line);
-    let is_page = |page: &&&str| line.strip_prefix(**page).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
-    let Some(page) = VOCABULARY.pages.iter().find(is_page) else { return false };
+    let is_page =
+        |page: &&String| line.strip_prefix(page.as_str()).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
+    let Some(page) = VOCABULARY.list(WordList::Page).iter().find(is_page) else { return false };
     let behind = line[page.len()..].replace('/', " / ");
     let is_count = |word: &str| {
-        word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || VOCABULARY.page_counts.contains(&word)
+        word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || VOCABULARY.has(WordList::PageCount, word)
     };
     behind.trim_start_matches([':', '.']).split_whitespace().all(is_count)
 }
@@ -136,20 +137,20 @@ fn plain(name: &str) -> String {
 
 /// Whether a unit that is stated for a whole table may be that of this word, in lower case: `Maße`, `values`.
 pub(crate) fn has_stated_unit(word: &str) -> bool {
-    VOCABULARY.unit_subjects.contains(&word)
+    VOCABULARY.has(WordList::UnitSubject, word)
 }
 
 /// Whether a word, in lower case, may stand between that and the unit: `are`, `in`.
 pub(crate) fn stands_before_unit(word: &str) -> bool {
-    VOCABULARY.before_units.contains(&word)
+    VOCABULARY.has(WordList::BeforeUnit, word)
 }
 
 /// Whether a word says that values are written by a factor: `Faktor`, `x10`, `Hundertstel`.
 pub(crate) fn is_scale(word: &str) -> bool {
-    VOCABULARY.scales.contains(&word.to_lowercase().as_str())
+    VOCABULARY.has(WordList::Scale, &word.to_lowercase())
 }
 
 /// Whether a heading is the length over which f_Hβ is evaluated. Asked where a column names no error.
 pub(crate) fn is_evaluation_length(text: &str) -> bool {
-    VOCABULARY.evaluation_lengths.contains(&joined(&split_unit(text).0))
+    VOCABULARY.has(WordList::EvaluationLength, &joined(&split_unit(text).0))
 }

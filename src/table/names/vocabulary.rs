@@ -162,33 +162,56 @@ pub(super) static NUMBER: LazyLock<Entry> =
 /// All words.
 pub(super) static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| Vocabulary::of(include_str!("vocabulary.txt")));
 
+/// Names and words that say one thing as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum WordList {
+    /// Rows and columns beside the parts that are made of them.
+    Statistic,
+    /// Those of them that are no value of a part.
+    Apart,
+    /// Those of them that lie among the values.
+    Mean,
+    /// What counts how often a part was measured, or holds what was measured once more.
+    Again,
+    /// Who measured.
+    Person,
+    /// What else is measured of flanks.
+    OtherFlank,
+    /// The probe, in a line above a table.
+    Probe,
+    /// A line between the pages of a table.
+    Page,
+    /// What may stand between a page's number and that of all.
+    PageCount,
+    /// By which factor values are written.
+    Scale,
+    /// What a line speaks of that states a unit for a whole table.
+    UnitSubject,
+    /// What may stand between that and the unit.
+    BeforeUnit,
+    /// The length over which f_Hβ is evaluated.
+    EvaluationLength,
+}
+
+impl WordList {
+    /// The list that a row of the vocabulary is of.
+    fn of_row(meaning: &str) -> Option<Self> {
+        Self::deserialize(StrDeserializer::<Error>::new(&meaning.replace(' ', "_"))).ok()
+    }
+
+    /// Whether its names are those of columns, which are compared folded.
+    fn is_folded(self) -> bool {
+        matches!(self, Self::Person | Self::OtherFlank | Self::EvaluationLength)
+    }
+}
+
 /// All words.
 #[derive(Debug, Default)]
 pub(super) struct Vocabulary {
     /// By their first letter.
     words: HashMap<char, Vec<Entry>>,
-    /// What rows and columns beside the parts are called that are made of them.
-    pub(super) statistics: Vec<&'static str>,
-    /// Those of them that are no value of a part, and those that lie among the values.
-    pub(super) apart: Vec<&'static str>,
-    pub(super) means: Vec<&'static str>,
-    /// What counts how often a part was measured, or holds what was measured once more.
-    pub(super) again: Vec<&'static str>,
-    /// Who measured, and what else is measured of flanks, as names are compared.
-    pub(super) persons: Vec<String>,
-    pub(super) other_flanks: Vec<String>,
-    /// What a line above a table calls the probe.
-    pub(super) probes: Vec<&'static str>,
-    /// What a line between the pages of a table is called, and what may stand between a page's number and that of all.
-    pub(super) pages: Vec<&'static str>,
-    pub(super) page_counts: Vec<&'static str>,
-    /// By which factor values are written.
-    pub(super) scales: Vec<&'static str>,
-    /// What a line speaks of that states a unit for a whole table, and what may stand between that and the unit.
-    pub(super) unit_subjects: Vec<&'static str>,
-    pub(super) before_units: Vec<&'static str>,
-    /// What the length over which f_Hβ is evaluated is called, as names are compared.
-    pub(super) evaluation_lengths: Vec<String>,
+    lists: HashMap<WordList, Vec<String>>,
 }
 
 impl Vocabulary {
@@ -197,22 +220,13 @@ impl Vocabulary {
         for row in rows.lines().filter(|row| !row.starts_with('#')) {
             let Some((meaning, words)) = row.split_once("; ") else { continue };
             let words = words.split(", ");
-            match (meaning, Sense::of_row(meaning)) {
-                ("statistic", _) => vocabulary.statistics.extend(words),
-                ("apart", _) => vocabulary.apart.extend(words),
-                ("mean", _) => vocabulary.means.extend(words),
-                ("scale", _) => vocabulary.scales.extend(words),
-                ("again", _) => vocabulary.again.extend(words),
-                ("person", _) => vocabulary.persons.extend(words.map(joined)),
-                ("other flank", _) => vocabulary.other_flanks.extend(words.map(joined)),
-                ("probe", _) => vocabulary.probes.extend(words),
-                ("page", _) => vocabulary.pages.extend(words),
-                ("page count", _) => vocabulary.page_counts.extend(words),
-                ("unit subject", _) => vocabulary.unit_subjects.extend(words),
-                ("before unit", _) => vocabulary.before_units.extend(words),
-                ("evaluation length", _) => vocabulary.evaluation_lengths.extend(words.map(joined)),
-                (_, Some(sense)) => words.for_each(|word| vocabulary.add(word, sense)),
-                (_, None) => debug_assert!(false, "no meaning: {row}"),
+            if let Some(list) = WordList::of_row(meaning) {
+                let words = words.map(|word| if list.is_folded() { joined(word) } else { word.to_owned() });
+                vocabulary.lists.entry(list).or_default().extend(words);
+            } else if let Some(sense) = Sense::of_row(meaning) {
+                words.for_each(|word| vocabulary.add(word, sense));
+            } else {
+                debug_assert!(false, "no meaning: {row}");
             }
         }
         vocabulary
@@ -226,6 +240,16 @@ impl Vocabulary {
             Some(entry) => entry.senses.push(sense),
             None => same_first.push(Entry { letters, senses: vec![sense] }),
         }
+    }
+
+    /// The words of a list.
+    pub(super) fn list(&self, list: WordList) -> &[String] {
+        self.lists.get(&list).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a list has a word.
+    pub(super) fn has(&self, list: WordList, word: &str) -> bool {
+        self.list(list).iter().any(|listed| listed == word)
     }
 
     /// The words that have the first letter of a text.

@@ -23,6 +23,7 @@ use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 
 use super::cell::Content;
 use super::stored::{Stored, number};
+use super::want::ignore_option;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
 use column::{StoredColumn, Values};
@@ -146,7 +147,7 @@ impl ParquetTable {
         match why {
             Unread::Type(what) => {
                 let message = format!("{name}: column `{column}` is {what}, which is not read");
-                let help = format!("write it as DOUBLE, DECIMAL or text; or leave it out: --ignore '{column}'");
+                let help = format!("write it as DOUBLE, DECIMAL or text; or leave it out: {}", ignore_option(column));
                 Diagnostic::error(Code::BadTable, message).help(help)
             }
             Unread::Packing(how) => {

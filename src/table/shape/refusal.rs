@@ -5,8 +5,7 @@ use std::sync::Arc;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::table::cell::{Cell, Record};
 use crate::table::names::Field;
-use crate::table::strangers::shell_quoted;
-use crate::table::want::Want;
+use crate::table::want::{Want, ignore_option};
 
 /// Why records are no table.
 #[derive(Debug, Clone)]
@@ -113,7 +112,7 @@ impl NoShape {
             }
             Self::TwoColumns { first, second } => {
                 error(format!("`{}` and `{}` hold the same of each characteristic", first.text(), second.text()))
-                    .help(format!("leave one of the columns out: --ignore {}", shell_quoted(&second.text())))
+                    .help(format!("leave one of the columns out: {}", ignore_option(&second.text())))
             }
             Self::HasNames { record } => {
                 error(format!("line {}: the table has names of its own: {}", record.line, record.in_words()))
