@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, percent, plain, signed, tidy, unsigned};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
-use super::{Block, Column, Report, Table, fact, judged_without, titled};
+use super::{Block, Column, Report, Table, WITHOUT, fact, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
 use crate::formula::law::equation;
@@ -378,9 +378,13 @@ impl Report for EvaluationReport<'_> {
         records.extend(evaluation.limits.iter().map(|check| {
             let mut row = ends("limit", check.on.key(), json!(check.result.ok()));
             row["limit"] = limit_fact(check, evaluation);
+            row[WITHOUT] = keys_of(&self.without).into();
             row
         }));
         let mut names = COLUMNS.to_owned();
+        if !self.without.is_empty() {
+            names = format!("{names} {WITHOUT}");
+        }
         if let Some(part) = &self.uncertainty {
             names = format!("{names} {}", uncertainty::COLUMNS);
             records.extend(part.facts().map(|fact| record("uncertainty", fact["of"].clone(), fact)));

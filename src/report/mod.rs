@@ -150,6 +150,14 @@ fn judged_without(kinds: &[DeviationKind]) -> String {
     if names.is_empty() { String::new() } else { format!("; judged without {}", names.join(", ")) }
 }
 
+/// The column of what parts were judged without, as `batch` writes it.
+const WITHOUT: &str = "judged_without";
+
+/// The errors in that column.
+fn keys_of(kinds: &[DeviationKind]) -> String {
+    kinds.iter().map(|kind| kind.key()).collect::<Vec<_>>().join("; ")
+}
+
 /// The report as text in `format`, ending in a newline.
 ///
 /// # Errors

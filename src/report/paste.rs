@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
-use super::{Block, Column, Report, Table, UncertaintyPart, fact, judged_without, titled};
+use super::{Block, Column, Report, Table, UncertaintyPart, WITHOUT, fact, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
@@ -116,11 +116,13 @@ impl Report for PartsReport<'_> {
         }
         let mut json = self.json();
         for part in json["parts"].as_array_mut().into_iter().flatten() {
+            part[WITHOUT] = keys_of(self.without).into();
             let results = part.pointer_mut("/uncertainty/results").map(Value::take);
             for result in results.iter().filter_map(Value::as_array).flatten() {
                 part[result["of"].as_str().unwrap_or_default()] = result.clone();
             }
         }
+        names.extend((!self.without.is_empty()).then(|| WITHOUT.to_owned()));
         fact::rows(&json, "parts", &names.join(" "))
     }
 

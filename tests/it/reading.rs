@@ -284,6 +284,11 @@ fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
         assert!(code == Some(2) && said.contains("pinion_radial"), "{said}");
         let (code, said) = status(&[command, &spec, "--partial"], table);
         assert!(code == Some(0) && said.contains("--partial"), "{said}");
+        let two = b"part_id,rack_over_roller\nP1,25.001\nP2,25.002\n";
+        for table in [&table[..], two] {
+            let (_, said) = status(&[command, &spec, "--partial", "--format", "csv"], table);
+            assert!(said.contains(",judged_without\n") && said.contains(",pinion_radial\n"), "{said}");
+        }
     }
     let every = text.replace("\"4 um\"", "{ value = \"4 um\", every_part = true }");
     let spec = folder.file("every.toml", every.as_bytes());
