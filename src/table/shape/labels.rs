@@ -271,8 +271,7 @@ fn without_verdict(cells: &[Cell], has_places: bool) -> &[Cell] {
 
 /// Whether a text says what somebody thought of the value before it, and nothing else: `i.O.`, `(OK)`.
 fn is_verdict(text: &str) -> bool {
-    let letters = text.chars().filter(|c| !matches!(c, '.' | '(' | ')' | '!' | ',' | ';')).collect::<String>();
-    ["io", "nio", "ok", "nok", "pass", "passed", "fail", "failed"].contains(&letters.to_lowercase().as_str())
+    role(text.trim_matches(['(', ')', '!', ',', ';'])) == Some(Role::Status)
 }
 
 impl Series {
