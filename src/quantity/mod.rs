@@ -38,9 +38,9 @@ pub use number::NumberError;
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
-pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, tidy};
 #[cfg(feature = "report")]
-pub(crate) use plain::{plain, plain_padded};
+pub(crate) use plain::plain_padded;
+pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, plain, tidy};
 pub(crate) use rounded::{Degrees, Rounded};
 #[cfg(feature = "spec")]
 pub(crate) use unit::spelling_pattern;

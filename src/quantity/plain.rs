@@ -2,13 +2,11 @@
 
 /// The shortest text that reads back as the same double, in powers of ten only where the plain form
 /// would be long.
-#[cfg(feature = "report")]
 pub(crate) fn plain(value: f64) -> String {
     plain_padded(value, 0)
 }
 
 /// As [`plain`], with at least that many decimals.
-#[cfg(any(test, feature = "report"))]
 pub(crate) fn plain_padded(value: f64, decimals: usize) -> String {
     // Rust's shortest form never uses an exponent; outside this range it is all zeros
     if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
