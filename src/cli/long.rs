@@ -3,6 +3,7 @@
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -73,9 +74,10 @@ const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
 pub(super) struct Interruption {
     stop: Arc<AtomicBool>,
     signal: Arc<AtomicUsize>,
-    /// Whether nothing is lost if the program ends at once.
-    waits: Arc<AtomicBool>,
 }
+
+/// What is said where a signal ends a run that has no result yet.
+pub(super) const NOTHING_YET: &str = "interrupted before there was a result: nothing was judged";
 
 impl Interruption {
     /// What a run looks at from time to time; set by the first signal.
@@ -83,12 +85,28 @@ impl Interruption {
         &self.stop
     }
 
-    /// Runs what only waits for input and looks at it: a signal meanwhile ends the program at once.
-    pub(super) fn while_waiting<T>(&self, look: impl FnOnce() -> T) -> T {
-        self.waits.store(true, Ordering::Relaxed);
-        let found = look();
-        self.waits.store(false, Ordering::Relaxed);
-        found
+    /// Runs what only waits for input and looks at it, be it for ever: where a signal comes before it is through, the
+    /// program does `end` and is over.
+    pub(super) fn while_waiting<T>(&self, look: impl FnOnce() -> T, end: impl FnOnce() + Send) -> T {
+        const INTERVAL: Duration = Duration::from_millis(20);
+        let (looking, looked) = channel::<()>();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                loop {
+                    let is_through = looked.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Disconnected);
+                    if let Some(status) = self.status() {
+                        end();
+                        std::process::exit(status.code().into());
+                    }
+                    if is_through {
+                        return;
+                    }
+                }
+            });
+            let found = look();
+            drop(looking);
+            found
+        })
     }
 
     /// How a command ends that a signal has stopped; `None` if none has come.
@@ -103,20 +121,17 @@ impl Interruption {
 /// answer has signals of its own, and says when to stop.
 pub(super) fn interrupted(output: &Output) -> Interruption {
     if let Some(stop) = output.stop() {
-        return Interruption { stop: Arc::clone(stop), signal: Arc::default(), waits: Arc::default() };
+        return Interruption { stop: Arc::clone(stop), signal: Arc::default() };
     }
-    let (stop, waits) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
-    let signal = Arc::new(AtomicUsize::new(0));
+    let (stop, signal) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(0)));
     for (number, code) in SIGNALS {
         // What comes first is asked first: at the first signal the flag is not set. Without a handler a signal ends the
         // program at once, which is no reason not to run.
-        for ends_at_once in [&stop, &waits] {
-            let _ = flag::register_conditional_shutdown(number, i32::from(code), Arc::clone(ends_at_once));
-        }
+        let _ = flag::register_conditional_shutdown(number, i32::from(code), Arc::clone(&stop));
         if let Ok(itself) = usize::try_from(number) {
             let _ = flag::register_usize(number, Arc::clone(&signal), itself);
         }
         let _ = flag::register(number, Arc::clone(&stop));
     }
-    Interruption { stop, signal, waits }
+    Interruption { stop, signal }
 }

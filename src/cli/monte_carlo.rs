@@ -1,6 +1,8 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
 use std::io::{Read as _, Write as _};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::long::{self, Bar, Interruption};
 use super::output::{Failure, Output, Status};
@@ -85,13 +87,17 @@ impl Args {
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
-        let kept = self.kept(&files)?;
+        let mut kept = self.kept(&files)?;
         let picture = self.plot.picture(files)?;
         let interruption = long::interrupted(output);
         let (study, ended) = if self.merge.is_empty() {
             self.drawn(&racks, &interruption, output)
         } else {
-            (self.merged(&racks, &interruption)?, Ok(()))
+            let end = || {
+                kept = None;
+                output.message(long::NOTHING_YET);
+            };
+            (interruption.while_waiting(|| self.merged(&racks, interruption.stop()), end)?, Ok(()))
         };
         let Some(mut summary) = RacksSummary::of(&study) else {
             ended?;
@@ -172,10 +178,10 @@ impl Args {
         drawn
     }
 
-    fn merged(&self, racks: &Racks<'_>, interruption: &Interruption) -> Result<RacksStudy, Failure> {
+    fn merged(&self, racks: &Racks<'_>, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure> {
         let mut merged: Option<RacksStudy> = None;
         for path in &self.merge {
-            let study = kept_study(path, interruption)?;
+            let study = kept_study(path, stop)?;
             let refused = |error: StudyError| {
                 let message = format!("{} cannot be merged: {error}", stream::name(path));
                 Failure::from(Diagnostic::usage(message))
@@ -198,14 +204,14 @@ impl Args {
 }
 
 /// Reads the study in a file.
-fn kept_study(path: &str, interruption: &Interruption) -> Result<RacksStudy, Failure> {
+fn kept_study(path: &str, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure> {
     let unreadable = |reason: String| {
         let message = format!("cannot read the study in {}: {reason}", stream::name(path));
         Failure::from(Diagnostic::error(Code::FileAccess, message).help("`--study FILE` writes one"))
     };
     let mut text = String::new();
-    let mut file = stream::open(path, interruption.stop())?.take(LARGEST_STUDY + 1);
-    interruption.while_waiting(|| file.read_to_string(&mut text)).map_err(|error| unreadable(error.to_string()))?;
+    let mut file = stream::open(path, stop)?.take(LARGEST_STUDY + 1);
+    file.read_to_string(&mut text).map_err(|error| unreadable(error.to_string()))?;
     if text.len() as u64 > LARGEST_STUDY {
         return Err(unreadable("it is larger than 64 MiB, and none is".to_owned()));
     }

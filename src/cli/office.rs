@@ -33,6 +33,10 @@ impl std::io::Write for Collected {
 }
 
 impl Collected {
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The rows, header included.
     pub(super) fn rows(&self) -> Result<Vec<Vec<String>>, Failure> {
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(self.0.as_slice());

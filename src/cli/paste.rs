@@ -123,7 +123,7 @@ impl Args {
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
         let opener = opener.judged_by(&self.judge.rule(spec));
         if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
-            return opener.open(path);
+            return interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET));
         }
         opener.block(terminal::read_block(output, interruption, LARGEST_BLOCK)?)
     }

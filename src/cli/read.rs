@@ -51,7 +51,7 @@ impl Args {
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());
         for path in self.files.iter().filter(|path| !is_spec(path)) {
-            match interruption.while_waiting(|| opener.open(path)) {
+            match interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET)) {
                 Ok(opened) => {
                     mapping.extend(part_id(&opened.table.reading));
                     mapping.extend(opened.table.mapping());

@@ -177,7 +177,7 @@ impl Args {
         let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: self.teeth.then_some(true), ..opener }.judged_by(&self.judge.rule(&spec));
-        let mut found = interruption.while_waiting(|| opener.look(&files))?;
+        let mut found = interruption.while_waiting(|| opener.look(&files), || output.message(long::NOTHING_YET))?;
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
         }

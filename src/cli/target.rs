@@ -61,8 +61,12 @@ impl Target {
         if is_complete {
             return self.finish();
         }
-        if let Some(name) = self.keep_partial()? {
-            output.remark(&format!("incomplete: what there is stands in {name}"));
+        let path = self.beside.as_ref().map(|_| self.path.clone());
+        let kept = self.keep_partial()?;
+        if let Some(path) = path {
+            let kept = kept
+                .map_or_else(|| "there is nothing yet".to_owned(), |name| format!("what there is stands in {name}"));
+            output.message(&format!("{path} is not written, because the run is incomplete: {kept}"));
         }
         Ok(())
     }

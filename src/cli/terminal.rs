@@ -4,7 +4,7 @@
 use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
 
-use super::long::Interruption;
+use super::long::{Interruption, NOTHING_YET};
 use super::output::{Failure, Output, is_dumb};
 use super::stream::Stdin;
 use crate::diagnostic::{Code, Diagnostic};
@@ -25,7 +25,7 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
     if !io::stdin().is_terminal() {
         let mut bytes = Vec::new();
         let read = || stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes);
-        interruption.while_waiting(read).map_err(unread)?;
+        interruption.while_waiting(read, || output.message(NOTHING_YET)).map_err(unread)?;
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
     let end = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
@@ -35,7 +35,10 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
     drop(marked);
     let typed = typed.map_err(unread)?;
     match interruption.status() {
-        Some(_) => Ok(typed.bytes),
+        Some(_) => {
+            output.message(NOTHING_YET);
+            Ok(typed.bytes)
+        }
         None => typed.checked(largest),
     }
 }

@@ -264,8 +264,8 @@ impl<'a> BatchReport<'a> {
             (Some(Verdict::Indeterminate), unfit(counts.indeterminate, "too near"))
         } else if is_open || is_incomplete || parts == 0 {
             let why = match (counts.rows, unjudged) {
-                (0, _) => "the table has no rows".to_owned(),
                 _ if is_incomplete => "the run is incomplete".to_owned(),
+                (0, _) => "the table has no rows".to_owned(),
                 (_, Some(why)) => why,
                 _ if self.basis.limits.is_empty() => "there is no limit".to_owned(),
                 _ => "not every row could be judged".to_owned(),

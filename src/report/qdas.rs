@@ -1,16 +1,18 @@
 //! Rows of a report as a Q-DAS file: lengths become characteristics, for the statistics software that the values came
 //! from.
 
+use super::WITHOUT;
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
-use crate::table::qdas::{CharacteristicColumn, PartDefinition, write};
+use crate::table::qdas::{CharacteristicColumn, PartDefinition, ValueRow, write};
 
 /// A `.dfq` of rows with a header: the columns in mm and degrees, with the limits that hold for them, a row per part
-/// named by its `part_id` (or its first column).
+/// named by its `part_id` (or its first column). That errors were left out, and why a part has no verdict, are remarks.
 #[must_use]
 pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
     let Some((header, rows)) = rows.split_first() else { return Vec::new() };
-    let id = header.iter().position(|name| name == "part_id").unwrap_or(0);
+    let position = |wanted: &str| header.iter().position(|name| name == wanted);
+    let (id, reason, without) = (position("part_id").unwrap_or(0), position("reason"), position(WITHOUT));
     let indices: Vec<(usize, &str, &str)> = header
         .iter()
         .enumerate()
@@ -39,9 +41,17 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
         })
         .collect();
     let part = PartDefinition { number: title.to_owned(), name: "rackmesh".to_owned() };
+    // all parts of a table are judged without the same errors
+    let without = rows.iter().map(|row| text(row, without)).find(|keys| !keys.is_empty());
+    let remark = without.map_or_else(String::new, |keys| format!("judged without {keys} (--partial)"));
     let rows = rows.iter().map(|row| {
-        let values = indices.iter().map(|(index, ..)| row.get(*index).and_then(|cell| cell.parse::<f64>().ok()));
-        (row.get(id).map_or("", String::as_str), values.collect())
+        let values = indices.iter().map(|(index, ..)| text(row, Some(*index)).parse().ok());
+        ValueRow { name: text(row, Some(id)), values: values.collect(), remark: text(row, reason) }
     });
-    write(&part, &columns, rows)
+    write(&part, &remark, &columns, rows)
+}
+
+/// What stands in a column, if there is one.
+fn text(row: &[String], column: Option<usize>) -> &str {
+    column.and_then(|column| row.get(column)).map_or("", String::as_str)
 }

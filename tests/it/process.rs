@@ -549,6 +549,44 @@ fn pipes_and_standard_output_are_written_as_they_are() {
     assert!(!std::fs::metadata(&pipe).expect("the pipe is there").is_file());
 }
 
+/// Whoever ends a run before its first result is told that there is none; the files that pipelines read say so, too.
+#[test]
+#[cfg(unix)]
+fn a_run_that_a_signal_ends_before_its_first_result_says_so() {
+    let folder = Folder::new("no-result");
+    let (junit, pipe) = (folder.path("parts.xml"), folder.path("parts.csv"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
+    let spec = "tests/specs/batch.toml";
+    let [summary, rows] = [&["--summary", "-f", "json", "--junit", &junit][..], &["--junit", &junit]];
+    let cases = [
+        ("batch", "-", summary),
+        ("batch", &pipe, summary),
+        ("batch", &pipe, rows),
+        ("paste", "-", &[]),
+        ("paste", &pipe, &[]),
+        ("read", &pipe, &[]),
+    ];
+    for ((command, file, more), (signal, status)) in cases.iter().zip([("-INT", 130), ("-TERM", 143)].iter().cycle()) {
+        std::fs::write(&junit, "old").expect("it can be written");
+        let child = rackmesh(&[&[command, spec, file], *more].concat()).spawn().expect("it starts");
+        pause_at_work(&child);
+        send(signal, &child);
+        let ended = child.wait_with_output().expect("the program ends");
+        let (stdout, stderr) = (text(&ended.stdout), text(&ended.stderr));
+        assert_eq!(ended.status.code(), Some(*status), "{command} {file}: {stderr}");
+        assert!(stderr.contains("interrupted before there was a result"), "{command} {file}: {stderr}");
+        if *command == "batch" {
+            let junit = std::fs::read_to_string(&junit).expect("the report is there");
+            assert!(junit.contains("the run was interrupted") && junit.contains("errors=\"1\""), "{junit}");
+        }
+        if *more == summary {
+            let summary: serde_json::Value = serde_json::from_str(stdout).expect("the summary is JSON");
+            let facts = (&summary["interrupted"], &summary["complete"], &summary["verdict"]);
+            assert_eq!(facts, (&true.into(), &false.into(), &serde_json::Value::Null));
+        }
+    }
+}
+
 /// The old page stays, and what was computed stands beside it.
 #[test]
 #[cfg(unix)]

@@ -288,6 +288,14 @@ fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
         for table in [&table[..], two] {
             let (_, said) = status(&[command, &spec, "--partial", "--format", "csv"], table);
             assert!(said.contains(",judged_without\n") && said.contains(",pinion_radial\n"), "{said}");
+            let file = folder.path(&format!("{command}.dfq"));
+            let remark = |more: &[&str], remark: &str| {
+                let (_, said) = status(&[&[command, spec.as_str(), "-o", &file], more].concat(), table);
+                let written = std::fs::read_to_string(&file).expect("it is written");
+                assert_eq!(written.lines().filter(|line| line.starts_with(remark)).count(), 1, "{said} {written}");
+            };
+            remark(&["--partial"], "K1900/1 judged without pinion_radial (--partial)");
+            remark(&["--set", "errors.pinion_radial={value=4,every_part=true}"], "K1001/1");
         }
     }
     let every = text.replace("\"4 um\"", "{ value = \"4 um\", every_part = true }");

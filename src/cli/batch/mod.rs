@@ -10,6 +10,7 @@ use std::sync::Arc;
 use bar::Bar;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use targets::Targets;
 
 use super::decision::JudgeArgs;
 use super::long::{self, Interruption};
@@ -161,7 +162,7 @@ fn unread(file: &str, error: &io::Error) -> Diagnostic {
 /// What there is when the last file has been read, whether its rows were parts or teeth.
 struct Ending<'a> {
     spec: &'a Spec,
-    targets: targets::Targets,
+    targets: Targets,
     /// Why files could not be read.
     failed: &'a [Diagnostic],
     basis: Basis,
@@ -184,7 +185,22 @@ impl Args {
         let (rows_format, summary_format) = self.formats()?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
-        let mut found = interruption.while_waiting(|| opener.look(&files))?;
+        let inputs = spec_files::inputs(&spec, &self.spec, &files);
+        self.refuse_targets(&inputs)?;
+        let nothing = || {
+            let ending = Ending {
+                spec: &spec,
+                targets: Targets::default(),
+                failed: &[],
+                basis: self.basis(&spec),
+                interruption: &interruption,
+                inputs: &inputs,
+            };
+            let outcome = Outcome { interrupted: true, ..Outcome::default() };
+            let ended = self.end(ending, (outcome, Ok(())), summary_format, output);
+            output.finish(ended);
+        };
+        let mut found = interruption.while_waiting(|| opener.look(&files), nothing)?;
         if self.teeth {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
@@ -193,7 +209,6 @@ impl Args {
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
-        let inputs = spec_files::inputs(&spec, &self.spec, &files);
         let mut targets = self.targets(rows_format, &inputs, &|| plan.columns_written())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut bar = Bar::new(&files, "rows", output);
@@ -362,6 +377,22 @@ impl Args {
         })
     }
 
+    /// What parts are judged by as far as the spec says it, before there is a table.
+    fn basis(&self, spec: &Spec) -> Basis {
+        let rule = self.judge.rule(spec);
+        if self.teeth {
+            return mesh_basis(spec, &rule);
+        }
+        Basis {
+            model: self.judge.model.name(),
+            stack: Some(self.judge.stack),
+            rule,
+            limits: spec.limits(),
+            unjudged: Vec::new(),
+            without: Vec::new(),
+        }
+    }
+
     fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
         self.refuse_repeated_columns()?;
         Ok(Request {
@@ -423,7 +454,10 @@ impl Args {
             output.message(report::github_annotations(basis, outcome).trim_end());
         }
         if outcome.interrupted {
-            output.message("interrupted: this is of the rows up to here, and not of all parts");
+            output.message(match outcome.counts.rows {
+                0 => long::NOTHING_YET,
+                _ => "interrupted: this is of the rows up to here, and not of all parts",
+            });
         }
     }
 }

@@ -20,6 +20,7 @@ enum Kept {
 }
 
 /// Files that are written.
+#[derive(Default)]
 pub(super) struct Targets {
     file: Option<Target>,
     kept: Option<Kept>,
@@ -46,7 +47,7 @@ impl Targets {
     pub(super) fn finish(mut self, is_complete: bool, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
         match (self.kept, &mut self.file) {
             (Some(Kept::Parquet(rows)), _) => rows.finish()?,
-            (Some(Kept::Office(rows, path)), Some(file)) => {
+            (Some(Kept::Office(rows, path)), Some(file)) if !rows.is_empty() => {
                 let title = spec.title.as_deref().unwrap_or("rackmesh");
                 file.write_all(&office::rows_as(&path, &rows.rows()?, title, &spec.limits())?)?;
             }
@@ -60,6 +61,17 @@ impl Targets {
 }
 
 impl Args {
+    /// Refuses files to be written that are read, that are one, or whose name says what they are not.
+    pub(super) fn refuse_targets(&self, inputs: &[String]) -> Result<(), Failure> {
+        let written: Vec<&str> =
+            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
+        target::refuse_same(&written)?;
+        for path in &written {
+            target::refuse_inputs(path, inputs)?;
+        }
+        self.rejects.as_deref().map_or(Ok(()), refuse_other_format)
+    }
+
     /// Where rows and rejected rows go.
     pub(super) fn targets(
         &self,
@@ -67,13 +79,6 @@ impl Args {
         inputs: &[String],
         columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
     ) -> Result<Targets, Failure> {
-        let written: Vec<&str> =
-            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
-        target::refuse_same(&written)?;
-        for path in &written {
-            target::refuse_inputs(path, inputs)?;
-        }
-        self.rejects.as_deref().map_or(Ok(()), refuse_other_format)?;
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;
         let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
         let (packing, rejects_packing) = (packing(&self.output), packing(&self.rejects));

@@ -24,7 +24,7 @@ mod table;
 mod write;
 
 pub use read::read;
-pub use write::{CharacteristicColumn, write};
+pub use write::{CharacteristicColumn, ValueRow, write};
 
 use std::sync::Arc;
 

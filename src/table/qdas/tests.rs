@@ -101,9 +101,13 @@ fn what_is_written_is_read_again() {
         },
     ];
     let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned() };
-    let written =
-        write(&part, &columns, [("P1", vec![Some(0.1 + 0.2), Some(-1e-9)]), ("P2", vec![None, Some(f64::NAN)])]);
+    let rows = [
+        ValueRow { name: "P1", values: vec![Some(0.1 + 0.2), Some(-1e-9)], remark: "" },
+        ValueRow { name: "P2", values: vec![None, Some(f64::NAN)], remark: "no\nlead" },
+    ];
+    let written = write(&part, "judged without rack_lead", &columns, rows);
     let text = crate::table::decode(&written);
+    assert!(text.contains("\r\nK1900/1 judged without rack_lead\r\n"), "{text}");
     let qdas = read(&[("back.dfq", &text)]).unwrap();
     assert_eq!(qdas.parts[0].name, "Maß band");
     assert_eq!(qdas.characteristics[0].name, "?CD");
@@ -113,6 +117,7 @@ fn what_is_written_is_read_again() {
     assert_eq!(value(0, 0).unwrap().parse::<f64>().unwrap(), 0.1 + 0.2);
     assert_eq!(value(1, 0).unwrap().parse::<f64>().unwrap(), -1e-9);
     assert_eq!((value(0, 1), value(1, 1)), (None, None));
+    assert_eq!(qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(), ["no lead"]);
     assert_eq!(qdas.table(&[]).record(1).unwrap().cells[0].text(), "P2");
 }
 

@@ -20,27 +20,38 @@ pub struct CharacteristicColumn {
     pub upper: Option<f64>,
 }
 
-/// A `.dfq` file: definitions, then a line of values per row with its part's name. A value that is `None` or not
+/// A part's values to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValueRow<'r> {
+    /// K0014
+    pub name: &'r str,
+    /// One for each characteristic.
+    pub values: Vec<Option<f64>>,
+    /// K0009; empty if there is none.
+    pub remark: &'r str,
+}
+
+/// A `.dfq` file: definitions with a remark on all parts (K1900) if there is one, then a line of values per row. A value that is `None` or not
 /// finite is written as empty, with attribute 255. Latin-1, as the format's readers expect; characters beyond it become
 /// `?`.
 #[must_use]
 pub fn write<'r>(
     part: &PartDefinition,
+    remark: &str,
     columns: &[CharacteristicColumn],
-    rows: impl IntoIterator<Item = (&'r str, Vec<Option<f64>>)>,
+    rows: impl IntoIterator<Item = ValueRow<'r>>,
 ) -> Vec<u8> {
     const DECIMALS: usize = 9;
     let mut out = String::new();
-    let mut line = |key: &str, text: &str| {
-        // a line break would start a line of its own
-        let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        out.push_str(&format!("{key} {text}\r\n"));
-    };
-    line("K0100", &columns.len().to_string());
-    line("K1001/1", &part.number);
-    line("K1002/1", &part.name);
+    let mut field = |key: &str, text: &str| push_field(&mut out, key, text);
+    field("K0100", &columns.len().to_string());
+    field("K1001/1", &part.number);
+    field("K1002/1", &part.name);
+    if !remark.is_empty() {
+        field("K1900/1", remark);
+    }
     for (index, column) in columns.iter().enumerate() {
-        let mut field = |key: &str, text: &str| line(&format!("{key}/{}", index + 1), text);
+        let mut field = |key: &str, text: &str| push_field(&mut out, &format!("{key}/{}", index + 1), text);
         field("K2001", &column.number);
         field("K2002", &column.name);
         field("K2022", &DECIMALS.to_string());
@@ -53,7 +64,7 @@ pub fn write<'r>(
         field("K2121", if column.upper.is_some() { "1" } else { "0" });
         field("K2142", &column.unit);
     }
-    for (name, values) in rows {
+    for ValueRow { name, values, remark } in rows {
         let values: Vec<_> = values
             .iter()
             .map(|value| match value.filter(|value| value.is_finite()) {
@@ -63,8 +74,16 @@ pub fn write<'r>(
             .collect();
         out.push_str(&values.join("\u{f}"));
         out.push_str("\r\n");
-        let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        out.push_str(&format!("K0014/0 {name}\r\n"));
+        push_field(&mut out, "K0014/0", name);
+        if !remark.is_empty() {
+            push_field(&mut out, "K0009/0", remark);
+        }
     }
     out.chars().map(|c| u8::try_from(u32::from(c)).unwrap_or(b'?')).collect()
+}
+
+fn push_field(out: &mut String, key: &str, text: &str) {
+    // a line break would start a line of its own
+    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    out.push_str(&format!("{key} {text}\r\n"));
 }
