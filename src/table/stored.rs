@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::block::{Span, span_end};
 use super::cell::{Cell, Content};
+use super::shape::has_digit;
 use crate::quantity::Decimal;
 
 /// The values of a column in some rows.
@@ -185,6 +186,14 @@ impl<'a> Stored<'a> {
     pub(crate) fn spans(&self, rows: Range<usize>) -> impl Iterator<Item = Span> {
         let ends = if let Values::Texts { ends, .. } = &self.values { &ends[rows.start..=rows.end] } else { &[] };
         ends.windows(2).map(|ends| Span { start: span_end(ends[0]), end: span_end(ends[1]) })
+    }
+
+    /// Whether what a row holds has a digit.
+    pub(crate) fn has_digit(&self, row: usize) -> bool {
+        match self.text(row) {
+            Some(text) => text.iter().any(u8::is_ascii_digit),
+            None => self.has_value(row) && has_digit(&self.content(row).to_string()),
+        }
     }
 
     /// The bytes of a text, if that is what the column holds.

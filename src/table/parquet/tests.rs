@@ -486,3 +486,25 @@ fn a_file_as_a_table() {
         assert_eq!(parts(&bytes), expected, "{column}");
     }
 }
+
+#[test]
+fn a_remark_far_below_the_first_rows_is_looked_at() {
+    use crate::table::{Container, Source, Want};
+    const ROWS: usize = 500;
+    let contradiction = |remark: &str| {
+        let mut remarks = vec!["ok"; ROWS];
+        remarks[450] = remark;
+        let schema = message(
+            "message parts { required double rack_pitch_um; required binary part_id (STRING); required binary remark (STRING); }",
+        );
+        let columns =
+            vec![Stored::Doubles(&[12.3; ROWS], &[]), Stored::Texts(&["P1"; ROWS], &[]), Stored::Texts(&remarks, &[])];
+        let bytes = file(schema, Compression::SNAPPY, &[columns]);
+        let want = Want::default();
+        let table = Container::open("lot", Source::bytes(bytes), &want).unwrap().table("lot", &want).unwrap();
+        let found = table.blocks().unwrap().into_iter().find_map(|block| block.contradiction);
+        found.map(|found| (found.line, found.column))
+    };
+    assert_eq!(contradiction("actually 95"), Some((451, "remark".to_owned())));
+    assert_eq!(contradiction("shift 2"), None);
+}

@@ -17,7 +17,10 @@ impl Rows {
     pub(crate) fn places(&self, fields: usize) -> Vec<bool> {
         match self.plain_columns() {
             Some(columns) => (0..fields)
-                .map(|place| self.setup.id == Some(place) || columns.iter().any(|column| column.place == place))
+                .map(|place| {
+                    let is_read = self.setup.id == Some(place) || self.setup.remarks.contains(&place);
+                    is_read || columns.iter().any(|column| column.place == place)
+                })
                 .collect(),
             None => vec![true; fields],
         }
@@ -42,6 +45,9 @@ impl Rows {
         if let Some(names) = names {
             odd.extend((0..rows).filter(|row| names.text(*row).is_none_or(may_be_statistic)));
             block.text.extend_from_slice(names.all_text());
+        }
+        for remarks in self.setup.remarks.iter().filter_map(|place| fields.get(*place)?.as_ref()) {
+            odd.extend((0..rows).filter(|row| remarks.has_digit(*row)));
         }
         odd.sort_unstable();
         odd.dedup();
