@@ -12,7 +12,7 @@ use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, names_value, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, heading, is_context, lies_within, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -115,6 +115,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let known = rows.iter().filter(is_known).count();
         let is_read = has(&[Role::Measured, Role::Deviation]) || !parts.is_empty();
         let parts = settle_parts(&mut roles, parts, &rows, records);
+        drop_lone_extreme(&mut roles, &parts, record);
         // so many roles leave no doubt, though none of the names is known
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
@@ -157,6 +158,30 @@ fn settle_parts(roles: &mut [Option<Role>], parts: Vec<usize>, rows: &[usize], r
         roles[names] = None;
     }
     parts
+}
+
+/// An extreme behind the parts, without the other one, is made of their values, and no limit: `Max`.
+fn drop_lone_extreme(roles: &mut [Option<Role>], parts: &[usize], header: &Record) {
+    let is_limit = |place: &usize| matches!(roles[*place], Some(Role::Upper | Role::Lower));
+    let limits: Vec<usize> = (0..roles.len()).filter(is_limit).collect();
+    if let ([limit], Some(last)) = (&limits[..], parts.last())
+        && limit > last
+        && is_extreme(&header.cells[*limit])
+    {
+        roles[*limit] = None;
+    }
+}
+
+/// Whether a heading is that of the largest or the smallest value, or of a limit.
+fn is_extreme(heading: &Cell) -> bool {
+    let title = heading.text();
+    lies_within(&title) && matches!(role(&title), Some(Role::Upper | Role::Lower))
+}
+
+/// Whether two cells hold the same number, whichever their decimal mark is.
+fn is_same_number(one: &Cell, other: &Cell) -> bool {
+    let number = |cell: &Cell| cell.text().replace(',', ".").parse::<f64>().ok();
+    number(one).is_some() && number(one) == number(other)
 }
 
 /// Whether a column has the axes along which something was measured.
@@ -371,11 +396,19 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
             let title = header[place].text();
-            let is_measurement = !is_counted
-                && (!is_part_name(&title) || has_digit(&title))
-                && !is_statistic_among(&title, header)
-                && self.roles[place].is_none();
-            Unknown::column(&title, place, cells).measured(is_measurement)
+            // the largest of the parts' values is one of them
+            let is_of_parts = |row: &usize| {
+                let record = &records[*row];
+                let is_part = |part: &Cell| record.cells.get(place).is_some_and(|cell| is_same_number(part, cell));
+                let mut parts = self.parts.iter().filter_map(|part| record.cells.get(*part));
+                record.cells.get(place).is_none_or(Cell::is_missing) || parts.any(is_part)
+            };
+            let is_value = if is_extreme(&header[place]) {
+                !self.rows.iter().all(is_of_parts)
+            } else {
+                !is_counted && (!is_part_name(&title) || has_digit(&title)) && !is_statistic_among(&title, header)
+            };
+            Unknown::column(&title, place, cells).measured(is_value && self.roles[place].is_none())
         };
         (0..self.roles.len()).filter(is_without).map(unknown).collect()
     }
