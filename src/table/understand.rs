@@ -88,8 +88,11 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
             }
             Err(problem) => {
                 let definite = !matches!(problem, NoShape::NoNumbers | NoShape::Count { .. });
+                // between single blanks, the names of columns are no longer told apart
+                let is_sure =
+                    is_strong || matches!((&problem, separator), (NoShape::NoPart { .. }, Separator::AlignedBlanks));
                 let diagnostic = problem.explain(source, want);
-                if definite && is_strong {
+                if definite && is_sure {
                     return Err(diagnostic.into());
                 }
                 fail(u8::from(definite), diagnostic.into());

@@ -116,9 +116,7 @@ fn is_known(cell: &Cell, want: &Want) -> bool {
 
 /// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.
 pub(super) fn says_no_part(text: &str) -> bool {
-    let is_none = |text: &str| {
-        matches!(role(text), Some(Role::Nominal | Role::Upper | Role::Lower | Role::Deviation | Role::Uncertainty))
-    };
+    let is_none = |text: &str| role(text).is_some_and(Role::is_beside_value);
     // Soll-Ist, |Abw.|
     let is_word = |word: &&str| word.chars().count() > 2;
     is_none(text)

@@ -37,8 +37,26 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let heading = names
         .and_then(|names| names.cells.iter().skip(1).find(says_it))
         .or(of_characteristics)
-        .or_else(|| above.iter().filter(names_columns).flat_map(|record| &record.cells).find(says_all))?;
+        .or_else(|| above.iter().filter(names_columns).flat_map(|record| &record.cells).find(says_all))
+        .or_else(|| {
+            let has_several = records[labels[0]].numbers() > 1;
+            let names_both = |record: &&Record| names_columns(record) && names_part_and_other(record);
+            above.iter().find(names_both).filter(|_| has_several)?.cells.first()
+        })?;
     Some(NoShape::NoPart { heading: heading.clone() })
+}
+
+/// Whether a line names a part and a column of none, and nothing else: `Toleranz Teil 1`.
+fn names_part_and_other(record: &Record) -> bool {
+    let is_part = |text: &str| has_digit(text) || is_part_name(text);
+    let is_beside = |text: &str| role(text).is_some_and(Role::is_beside_value);
+    let is_column = |text: &str| {
+        is_part(text) || is_beside(text) || text.split_whitespace().all(|word| is_part(word) || is_beside(word))
+    };
+    let texts = || record.filled().iter().map(Cell::text);
+    texts().any(|text| is_part(&text))
+        && texts().any(|text| says_no_part(&text))
+        && texts().all(|text| is_column(&text))
 }
 
 /// Whether a line says a tolerance and nothing else: `Toleranz: ±0,03 mm`.
