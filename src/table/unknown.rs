@@ -122,7 +122,10 @@ impl Unknown {
         }
         let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));
         if is_context(title) {
-            return is_in_unit && unit != Some("min") || self.names_more() || self.is_repeated && self.is_fine();
+            return is_in_unit && unit != Some("min")
+                || self.names_more()
+                || self.is_repeated && self.is_fine()
+                || self.column.is_some() && is_again(title) && !self.counts_or_flags();
         }
         self.is_measurement
             || is_in_unit
@@ -155,7 +158,8 @@ impl Unknown {
 
     /// Whether each number is 0, 1, the one above it or one more, as where measurements are counted: `Messung` 1, 2, 1, 2.
     fn counts_or_flags(&self) -> bool {
-        let numbers: Option<Vec<u32>> = self.cells.iter().map(|cell| cell.text().parse().ok()).collect();
+        let cells = self.cells.iter().filter(|cell| !cell.is_missing());
+        let numbers: Option<Vec<u32>> = cells.map(|cell| cell.text().parse().ok()).collect();
         let goes_on = |pair: &[u32]| pair[1] <= 1 || pair[1] == pair[0] || pair[1] == pair[0] + 1;
         numbers
             .is_some_and(|numbers| numbers.first().is_some_and(|first| *first <= 1) && numbers.windows(2).all(goes_on))

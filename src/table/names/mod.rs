@@ -259,6 +259,7 @@ fn aspect(senses: &[Sense]) -> Option<Role> {
     let deviation = has(Sense::Deviation) || senses.iter().any(|sense| matches!(sense, Sense::Error(_)));
     if (upper && lower)
         || (has(Sense::Plus) && !upper)
+        || (senses.iter().skip(1).any(|sense| *sense == Sense::Minus) && !lower)
         || (has(Sense::Limit) && !upper && !lower)
         || (has(Sense::Nominal) && has(Sense::Measured))
         || (has(Sense::Greatest) && !deviation)
