@@ -6,10 +6,10 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, is_total, split_size, split_unit};
+use super::names::{Field, Role, ValueKind, is_requirement, is_total, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
-use super::want::{Want, quoted};
+use super::want::{Want, ignore_option, quoted};
 use crate::deviation::plausible::{self, Reach, WrittenIn};
 use crate::deviation::{Countable, DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -183,7 +183,21 @@ impl Column {
             column.evaluated = evaluated(given.and_then(|given| given.length), want, &value.title)?;
         }
         column.has_size_of_title(want)?;
+        column.has_clear_requirement(measurement)?;
         Ok(column)
+    }
+
+    /// A requirement is the nominal value where it has a tolerance, or the spec gives one that it is held against; else it may
+    /// be a limit.
+    fn has_clear_requirement(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
+        let required = measurement.beside.get(Role::Nominal).filter(|series| is_requirement(&series.title));
+        let Some(required) = required.filter(|_| self.stated.is_none()) else { return Ok(()) };
+        let is_open = |cell: &&Cell| !cell.is_missing() && !has_tolerance_behind(&cell.text());
+        let Some(open) = required.cells.iter().find(is_open) else { return Ok(()) };
+        let message =
+            format!("`{}`: {} `{}` may be the nominal value or a limit", self.title, required.title, open.text());
+        let help = format!("call the column nominal or limit, or leave it out: {}", ignore_option(&required.title));
+        Err(Diagnostic::error(Code::BadTable, message).help(help))
     }
 
     /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.

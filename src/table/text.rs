@@ -159,14 +159,19 @@ impl Text {
 
 /// A text without the marks of a quoted mail, and with the bars and lines of a box as Markdown has them; `None` if it has none.
 fn plain(text: &str) -> Option<String> {
-    let lines = || text.lines().filter(|line| !line.trim().is_empty());
-    let depth = lines().map(|line| line.chars().take_while(|c| *c == '>' || *c == ' ').filter(|c| *c == '>').count());
+    let is_marked = |line: &&str| line.starts_with('>');
+    let quoted = || text.lines().map(str::trim_start).filter(is_marked);
+    let depth = quoted().map(|line| line.chars().take_while(|c| matches!(c, '>' | ' ')).filter(|c| *c == '>').count());
     let depth = depth.min().unwrap_or(0);
-    let unquoted =
-        |line: &str| line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned();
+    let unquoted = |line: &str| match line.trim_start() {
+        line if is_marked(&line) => {
+            line.splitn(depth + 1, '>').last().unwrap_or_default().trim_start_matches(' ').to_owned()
+        }
+        _ => line.to_owned(),
+    };
     // `>25,05` is a bound
     let is_name = |line: &str| !has_digit(unquoted(line).split_whitespace().next().unwrap_or_default());
-    let is_quoted = depth > 0 && lines().next().is_some_and(is_name);
+    let is_quoted = quoted().find(|line| line.chars().any(|c| !matches!(c, '>' | ' '))).is_some_and(is_name);
     let is_drawn = |c: char| ('\u{2500}'..='\u{257f}').contains(&c);
     let bar = |c: char| match c {
         '─' | '━' | '═' | '┄' | '┅' | '┈' | '┉' | '╌' | '╍' => '-',

@@ -11,7 +11,7 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Nominal, Problem, UnitFrom, behind_name};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, is_of_parts, lies_within, role, stands_apart};
+use super::names::{Field, Role, is_of_parts, lies_within, names_value, role, stands_apart};
 use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want, ignore_option};
@@ -70,7 +70,8 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
         let cut = records(text, separator).map_err(|line| NoShape::OpenQuote { line });
         let cut = cut.and_then(|records| Ok((shape(&records, separator, want)?, records)));
         match cut {
-            Ok((shape, _)) if separator == Separator::COMMA && !is_strong && !commas_separate(&shape) => {}
+            Ok((shape, records))
+                if separator == Separator::COMMA && !is_strong && !commas_separate(&shape, &records, want) => {}
             Ok((shape, records)) => {
                 let named = shape.header_line.is_some() && shape.width() > 1;
                 let sure = is_strong && (shape.width() > 1 || shape.lines.len() > 1 && shape.header.is_empty())
@@ -163,8 +164,21 @@ fn is_even(records: &[Record], shape: &Shape) -> bool {
 }
 
 /// Whether commas may stand between these cells: not if the text after one would begin with a zero that no number begins
-/// with, if a counter would be a part's name, or if there is none between the names.
-fn commas_separate(shape: &Shape) -> bool {
+/// with, if a counter would be a part's name, if there is none between the names, or if nothing is known and each cuts a
+/// number: `Rollenmaß 25,012 mm`.
+fn commas_separate(shape: &Shape, records: &[Record], want: &Want) -> bool {
+    let whole = |record: &Record| {
+        let is_cut = |pair: &&[Cell]| pair[1].is_number() && pair[0].span.end + 1 == pair[1].span.start;
+        let name = |pair: &[Cell]| Some(pair[0].text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned());
+        record.cells.windows(2).find(is_cut).and_then(name).filter(|name| name.ends_with([' ', '\u{a0}']))
+    };
+    let mut with_numbers = records.iter().filter(|record| record.numbers() > 0).map(whole).peekable();
+    if shape.measurements.is_empty() && with_numbers.peek().is_some() {
+        let names: Option<Vec<String>> = with_numbers.collect();
+        if names.is_some_and(|names| names.iter().any(|name| names_value(name, &want.own))) {
+            return false;
+        }
+    }
     let values = || shape.measurements.iter().flat_map(|measurement| &measurement.value.cells);
     let is_fraction = |cell: &Cell| {
         let text = cell.text();

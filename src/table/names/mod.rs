@@ -16,8 +16,8 @@ pub(crate) use near::{
     is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, names_person, near, says_deviation,
 };
 pub(crate) use role::{
-    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_scale, is_statistic, lies_within, names_page,
-    names_probe, repeats_value, role, stands_apart, stands_before_unit,
+    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_requirement, is_scale, is_statistic, lies_within,
+    names_page, names_probe, repeats_value, role, stands_apart, stands_before_unit,
 };
 pub(crate) use unit::{split_size, split_unit};
 
@@ -156,7 +156,8 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
     let name = split_size(&name).map_or(name.as_str(), |(name, _)| name);
-    let name = without_roller(without_ordinal(name));
+    let whole = without_roller(without_temperature(without_ordinal(name)));
+    let name = without_count(whole);
     // a bound is no value, nor is a mean
     if has_total_pitch(name)
         || text.contains('\u{304}')
@@ -169,6 +170,10 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     let senses = senses(&known)?;
     let aspect = aspect(&senses)?;
     let fields = fields(&senses)?;
+    // a pitch of one tooth is no pitch of a part
+    if name.len() < whole.len() && fields != [Field::Error(DeviationKind::RackOverRoller)] {
+        return None;
+    }
     let said = senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Measured));
     if fields.iter().all(|field| field.is_index()) && (said || aspect != Role::Measured) {
         return None;
@@ -216,6 +221,18 @@ fn without_ordinal(name: &str) -> &str {
     let counted = number.starts_with(|c: char| c.is_ascii_digit());
     let apart = after.len() < rest.len() || number[..number.len() - rest.len()].ends_with('.');
     if counted && apart && after.starts_with(char::is_alphabetic) { after } else { name }
+}
+
+/// A name without the number of the measurement behind it: `Rollenmaß 1`.
+fn without_count(name: &str) -> &str {
+    name.strip_suffix(|c: char| c.is_ascii_digit()).and_then(|name| name.strip_suffix(' ')).unwrap_or(name)
+}
+
+/// A name without the temperature at which all sizes are meant: `Rollenmaß bei 20 °C`.
+fn without_temperature(name: &str) -> &str {
+    let bare = name.trim_end_matches(')');
+    let before = bare.strip_suffix("20 °C").or_else(|| bare.strip_suffix("20°C"));
+    before.map_or(name, |before| before.trim_end_matches([' ', '(', '\u{a0}']))
 }
 
 /// A name without the size of the roller behind it, or the symbol of what is measured over it: `Rollenmaß D4`,

@@ -103,6 +103,11 @@ pub(crate) fn is_again(name: &str) -> bool {
     VOCABULARY.has(WordList::Again, &name) || name.split(' ').any(|word| VOCABULARY.has(WordList::Again, word))
 }
 
+/// Whether a name says what is wanted of a value, be it its size or a limit.
+pub(crate) fn is_requirement(name: &str) -> bool {
+    VOCABULARY.has(WordList::Requirement, &plain(&split_unit(name).0))
+}
+
 /// Whether a name is that of the probe, and behind it its diameter.
 pub(crate) fn names_probe(name: &str) -> bool {
     VOCABULARY.has(WordList::Probe, &plain(name))

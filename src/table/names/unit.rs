@@ -20,16 +20,19 @@ pub(crate) fn split_unit(text: &str) -> (String, Option<String>) {
         .unwrap_or((text, None))
 }
 
-/// A name and the nominal value that stands behind it with a tolerance: `Rollenmaß 25±0,03`.
+/// A name and the nominal value that stands behind it with a tolerance: `Rollenmaß 25±0,03`, `Rollenmaß 25 +0,03/-0,02`.
 pub(crate) fn split_size(name: &str) -> Option<(&str, &str)> {
     let is_number = |text: &str| {
         text.starts_with(|c: char| c.is_ascii_digit())
             && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))
     };
-    let (sized, tolerance) = name.split_once('±').or_else(|| name.split_once("+/-"))?;
-    let (name, size) = sized.trim_end().rsplit_once([' ', '('])?;
-    let is_size =
-        is_number(size) && is_number(tolerance.trim_matches([' ', ')'])) && name.contains(char::is_alphabetic);
+    let (sized, tolerance) = name.split_at(name.find(['±', '+'])?);
+    let (name, size) = sized.trim_end_matches([' ', '(']).rsplit_once([' ', '('])?;
+    let mut allowances = tolerance.split(['±', '+', '-', '−', '/', ' ', ')']).filter(|text| !text.is_empty());
+    let is_size = is_number(size)
+        && allowances.next().is_some_and(is_number)
+        && allowances.all(is_number)
+        && name.contains(char::is_alphabetic);
     is_size.then(|| (name.trim_end(), size))
 }
 

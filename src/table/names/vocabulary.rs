@@ -174,6 +174,8 @@ pub(super) enum WordList {
     Mean,
     /// What counts how often a part was measured, or holds what was measured once more.
     Again,
+    /// What is wanted of a value: its size, or a limit.
+    Requirement,
     /// Who measured.
     Person,
     /// What else is measured of flanks.
