@@ -129,9 +129,10 @@ pub(crate) fn ignore_option(pattern: &str) -> String {
     format!("--ignore{separator}'{}'", pattern.replace('\'', "'\\''"))
 }
 
-/// Whether a text fits a pattern in which `*` stands for any characters; case and outer blanks do not count.
+/// Whether a text fits a pattern in which `*` stands for any characters; outer blanks do not count. `Fp` is another deviation
+/// than `fp`.
 fn matches(pattern: &str, text: &str) -> bool {
-    let (pattern, text) = (pattern.trim().to_lowercase(), text.trim().to_lowercase());
+    let (pattern, text) = (pattern.trim(), text.trim());
     let Some((first, others)) = pattern.split_once('*') else { return text == pattern };
     let (middle, last) = others.rsplit_once('*').unwrap_or(("", others));
     let inner = text.strip_prefix(first).and_then(|text| text.strip_suffix(last));
@@ -154,7 +155,8 @@ mod tests {
             ("*", "", true),
             ("a*b", "ab", true),
             ("a*b", "a", false),
-            ("Bemerkung", " bemerkung ", true),
+            ("Bemerkung", " Bemerkung ", true),
+            ("Fp *", "fp Zahnstange", false),
         ] {
             assert_eq!(matches(pattern, text), fits, "{pattern} {text}");
         }

@@ -223,9 +223,9 @@ fn without_ordinal(name: &str) -> &str {
     if counted && apart && after.starts_with(char::is_alphabetic) { after } else { name }
 }
 
-/// A name without the number of the measurement behind it: `Rollenmaß 1`.
+/// A name without the number of the first measurement behind it: `Rollenmaß 1`. A second one may be another measure.
 fn without_count(name: &str) -> &str {
-    name.strip_suffix(|c: char| c.is_ascii_digit()).and_then(|name| name.strip_suffix(' ')).unwrap_or(name)
+    name.strip_suffix(" 1").unwrap_or(name)
 }
 
 /// A name without the temperature at which all sizes are meant: `Rollenmaß bei 20 °C`.

@@ -90,6 +90,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
+                    && !(*place < name && counts_rows(records, &rows, *place))
                     && (!is_statistic_among(&title, &record.cells) || is_called_like_another(&record.cells, *place))
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
@@ -98,7 +99,11 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                         || is_called_like_another(&record.cells, *place)
                         || rows.iter().any(has_numbers))
             };
-            let found: Vec<usize> = (0..roles.len()).filter(is_part).collect();
+            let mut found: Vec<usize> = (0..roles.len()).filter(is_part).collect();
+            let is_numbered = |place: &usize| has_digit(&record.cells[*place].text());
+            if found.iter().any(|place| names_one_part(&record.cells[*place].text())) {
+                found.retain(is_numbered);
+            }
             // one of which nothing was measured is called like the others
             let names = PartNames::of(found.iter().map(|place| &record.cells[*place]));
             let is_like = |place: &usize| {
@@ -218,6 +223,18 @@ fn is_called_like_another(header: &[Cell], place: usize) -> bool {
                 .iter()
                 .enumerate()
                 .any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
+}
+
+/// Whether a column holds the numbers of the rows, such as those of the balloons on a drawing.
+fn counts_rows(records: &[Record], rows: &[usize], place: usize) -> bool {
+    let cells = || rows.iter().filter_map(|row| records[*row].cells.get(place));
+    let number = |cell: &Cell| cell.text().parse::<u64>().ok();
+    cells().all(is_whole) && cells().filter_map(number).is_sorted_by(|one, next| one < next)
+}
+
+/// Whether a cell has nothing but the digits of a whole number.
+fn is_whole(cell: &Cell) -> bool {
+    cell.text().bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
@@ -394,7 +411,7 @@ impl Characteristics {
         let unknown = |place: usize| {
             let cells: Vec<Cell> = self.rows.iter().filter_map(|row| records[*row].cells.get(place).cloned()).collect();
             // a list's numbers count its rows
-            let is_counted = cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()));
+            let is_counted = (place < self.name || self.parts.is_empty()) && cells.iter().all(is_whole);
             let title = header[place].text();
             // the largest of the parts' values is one of them
             let is_of_parts = |row: &usize| {
