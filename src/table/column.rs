@@ -152,7 +152,7 @@ impl Column {
     ) -> Result<Self, Diagnostics> {
         let value = &measurement.value;
         let given = kind.and_then(|kind| want.given(kind));
-        let (unit, unit_from) = unit(measurement, kind, want)?;
+        let (unit, unit_from) = unit(measurement, kind, want, mark)?;
         if let (Some(kind), false) = (kind, given.is_some_and(|given| given.has_extent)) {
             single(kind, &value.title, want)?;
         }
@@ -310,12 +310,6 @@ impl Column {
             is_read && !matches!(problem, Some(Problem::Far(_) | Problem::TooLarge(_)))
         };
         unit && DecimalMark::ALL.into_iter().any(is_near)
-    }
-
-    /// Whether all numbers of some cells may be its values in a unit.
-    pub(crate) fn may_hold_all(&self, cells: &[Cell], unit: Unit) -> bool {
-        let united = Self { unit, ..self.clone() };
-        cells.iter().filter(|cell| cell.is_number()).all(|cell| united.may_hold(cell))
     }
 
     /// The same column of numbers with this decimal mark.
@@ -695,7 +689,12 @@ fn single(kind: DeviationKind, title: &str, want: &Want) -> Result<(), Diagnosti
 }
 
 /// The unit of a column: of its heading or cells, of the spec, or that of its key.
-fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> Result<(Unit, UnitFrom), Diagnostic> {
+fn unit(
+    measurement: &Measurement,
+    kind: Option<DeviationKind>,
+    want: &Want,
+    mark: DecimalMark,
+) -> Result<(Unit, UnitFrom), Diagnostic> {
     let value = &measurement.value;
     let is_angle = measurement.field.is_angle();
     let dimension = |symbol: &str| unit_of(symbol, is_angle);
@@ -745,22 +744,33 @@ fn unit(measurement: &Measurement, kind: Option<DeviationKind>, want: &Want) -> 
     }
     let message =
         format!("`{}` is {}, and nothing tells the unit of its numbers", value.title, measurement.field.key());
-    let fits = |symbol: &&&str| {
-        let value = Series { unit: Some((**symbol).to_owned()), ..value.clone() };
-        let united = Measurement { value, ..measurement.clone() };
-        let column = Column::new(&united, kind, want, DecimalMark::Point);
-        column.is_ok_and(|column| column.may_hold_all(&united.value.cells, column.unit))
-    };
     let units = if is_angle { ["deg", "arcmin"] } else { ["mm", "um"] };
-    let fitting: Vec<&str> = units.iter().filter(fits).copied().collect();
-    let units = if fitting.is_empty() { &units } else { fitting.as_slice() };
+    let units = fitting(measurement, kind, want, mark, units);
     let in_spec = kind.map(|kind| {
         let column = format!("{} = {{ name = \"{}\", unit = \"{}\" }}", kind.key(), value.title, units[0]);
         let other = units.get(1).map_or_else(String::new, |other| format!(", or \"{other}\""));
         format!("; or say it in the spec: [batch.columns] {column}{other}")
     });
-    let help = behind_name(&value.title, units) + &in_spec.unwrap_or_default();
+    let help = behind_name(&value.title, &units) + &in_spec.unwrap_or_default();
     Err(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// Of two units, those in which the numbers of a measurement may be its values; both if there is none.
+pub(crate) fn fitting<'u>(
+    measurement: &Measurement,
+    kind: Option<DeviationKind>,
+    want: &Want,
+    mark: DecimalMark,
+    units: [&'u str; 2],
+) -> Vec<&'u str> {
+    let numbers = || measurement.value.cells.iter().filter(|cell| cell.is_number());
+    let fits = |symbol: &&str| {
+        let value = Series { unit: Some((*symbol).to_owned()), ..measurement.value.clone() };
+        let column = Column::new(&Measurement { value, ..measurement.clone() }, kind, want, mark);
+        column.is_ok_and(|column| numbers().all(|cell| column.may_hold(cell)))
+    };
+    let fitting: Vec<&str> = units.into_iter().filter(fits).collect();
+    if fitting.is_empty() { units.to_vec() } else { fitting }
 }
 
 /// The advice to write one of some units behind a name.

@@ -29,22 +29,42 @@ pub(super) fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: 
         && unknown.cells.len() <= 1 + usize::from(has_tolerance)
 }
 
-/// By which names a line that is no part of the table is told from a row.
-pub(crate) struct LineNames<'a> {
-    pub(crate) of_parts: &'a PartNames,
-    /// Whether the line stands above the names of the columns, where titles are.
-    pub(crate) is_above: bool,
+/// What lines and remarks that are no part of a table are held against.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    pub(crate) columns: &'a [Column],
+    /// How many cells a row has.
+    pub(crate) width: usize,
+    /// By what lines are told from rows; none where a row may have any name.
+    pub(crate) of_parts: Option<&'a PartNames>,
+    /// The values, as far as the table was looked at.
+    pub(crate) measured: Option<&'a MeasuredValues>,
+}
+
+impl Beside<'_> {
+    /// What of a line may be a measured value. Above the names of the columns, titles stand.
+    pub(super) fn value_in(&self, aside: &AsideReading, is_above: bool) -> Option<Unknown> {
+        value_in(aside, self, is_above).or_else(|| value_beyond(aside, self.measured?, is_above))
+    }
+
+    /// What of a cell of the column at a place may be a value, and corrects one.
+    pub(crate) fn value_in_remark(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
+        let remark = AsideReading { line, text: cell.text().into_owned() };
+        let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
+        let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
+        // of a number with a word behind it, what is near a nominal value counts
+        let is_prose = !cell.is_number() || cell.is_measure() || cell.text().split_whitespace().count() > 2;
+        let value = value_in(&remark, self, false).filter(|value| is_prose && may_be_value(value));
+        let value = value.or_else(|| value_beyond(&remark, self.measured?, false))?;
+        Some(Unknown { place: format!("{column}, {}", value.place), ..value })
+    }
 }
 
 /// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
 /// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none. A number
 /// behind a word that is no part's name is one near a column's nominal value only, and above the names with three decimals.
-pub(crate) fn value_in(
-    aside: &AsideReading,
-    width: usize,
-    columns: &[Column],
-    names: Option<&LineNames<'_>>,
-) -> Option<Unknown> {
+fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option<Unknown> {
+    let Beside { columns, width, of_parts: names, .. } = *beside;
     if !has_digit(&aside.text) {
         return None;
     }
@@ -55,10 +75,9 @@ pub(crate) fn value_in(
     let is_row = width > 1 && record.cells.len() == width && record.cells.iter().all(is_cell);
     let found = named_values(&cells, aside.line)?;
     let found = if is_row { found.measured(true) } else { found };
-    let is_name = found.title.is_empty() || names.is_none_or(|names| names.of_parts.may_have(&found.title));
-    let is_above = names.is_some_and(|names| names.is_above);
+    let is_name = found.title.is_empty() || names.is_none_or(|names| names.may_have(&found.title));
     // B liegt 0,061 drüber
-    let begins_with_part = names.is_some_and(|names| names.of_parts.begin(&found.title));
+    let begins_with_part = names.is_some_and(|names| names.begin(&found.title));
     let deviate = || !columns.is_empty() && columns.iter().all(|column| column.nominal == Nominal::None);
     let is_signed = |cell: &Cell| cell.text().trim_start().starts_with(['+', '-', '\u{2212}']);
     let is_alone = found.cells.iter().filter(|cell| cell.is_number()).count() == 1;
@@ -76,11 +95,6 @@ pub(crate) fn value_in(
     let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
     if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
-}
-
-/// Whether words stand behind the number of a cell: `419 neu 25,060`.
-pub(super) fn has_words(cell: &Cell) -> bool {
-    cell.text().split_whitespace().count() > 2
 }
 
 /// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.

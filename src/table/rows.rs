@@ -16,12 +16,12 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
-use super::lines::value_in;
+use super::lines::Beside;
 use super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
 use super::shape::{PartNames, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
-use super::strangers::{Others, Remarks};
+use super::strangers::Others;
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
@@ -380,10 +380,10 @@ impl Rows {
     /// A remark that speaks of a value, which may correct the one that is read.
     fn value_in_remark(&self, record: &Record) -> Option<Contradiction> {
         let Setup { columns, titles, names, want, .. } = &self.setup;
-        let remarks = Remarks { columns, width: titles.len(), of_parts: names, measured: None };
+        let beside = Beside { columns, width: titles.len(), of_parts: Some(names), measured: None };
         let value = |place: &usize| {
             let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
-            let value = remarks.value_in(cell, &format!("column {}", place + 1), record.line)?;
+            let value = beside.value_in_remark(cell, &format!("column {}", place + 1), record.line)?;
             let is_left_out = value.is_ignored(want) || Others::of(columns, want).leaves_out(&value);
             (!is_left_out).then(|| (*place, cell.text()))
         };
@@ -561,8 +561,9 @@ impl Rows {
     /// Whether a line of words holds what may be a value.
     fn holds_value(&self, record: &Record) -> bool {
         let aside = AsideReading { line: record.line, text: record.in_words() };
-        value_in(&aside, self.setup.titles.len(), &self.setup.columns, None)
-            .is_some_and(|unknown| !unknown.is_ignored(&self.setup.want))
+        let Setup { columns, titles, .. } = &self.setup;
+        let beside = Beside { columns, width: titles.len(), of_parts: None, measured: None };
+        beside.value_in(&aside, false).is_some_and(|unknown| !unknown.is_ignored(&self.setup.want))
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.

@@ -9,8 +9,7 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::Separator;
 use super::lines::{
-    LineNames, has_scale, has_words, of_all_values, of_part, repeats_nominal, value_beyond, value_in, without_name,
-    without_value,
+    Beside, has_scale, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -99,8 +98,10 @@ impl Others {
 /// Sorts what a table, or another sheet of its workbook, has besides the measurements that are understood.
 pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Want, others: &Others) -> Sorted {
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
+    let (columns, width) = (understood.columns.as_slice(), shape.header.len());
+    let beside = Beside { columns, width, of_parts: Some(&names), measured: Some(&measured) };
     let sorted = Sorted::default();
-    let mut sorter = Sorter { file, shape, columns: &understood.columns, names, measured, want, others, sorted };
+    let mut sorter = Sorter { file, shape, columns, names: &names, measured: &measured, beside, want, others, sorted };
     shape.unknown.iter().for_each(|unknown| sorter.take_unknown(unknown));
     shape.asides.iter().for_each(|aside| sorter.take_line(aside));
     shape.unknown.iter().for_each(|unknown| sorter.take_remark(unknown));
@@ -112,8 +113,9 @@ struct Sorter<'a> {
     file: &'a str,
     shape: &'a Shape,
     columns: &'a [Column],
-    names: PartNames,
-    measured: MeasuredValues,
+    names: &'a PartNames,
+    measured: &'a MeasuredValues,
+    beside: Beside<'a>,
     want: &'a Want,
     others: &'a Others,
     sorted: Sorted,
@@ -177,7 +179,7 @@ impl Sorter<'_> {
     /// A value in the heading of a column.
     fn value_in_heading(&self, unknown: &Unknown) -> Option<Unknown> {
         let heading = AsideReading { line: 0, text: unknown.title.clone() };
-        let value = value_beyond(&heading, &self.measured, false).filter(|_| unknown.column.is_some())?;
+        let value = value_beyond(&heading, self.measured, false).filter(|_| unknown.column.is_some())?;
         Some(Unknown { place: unknown.place.clone(), is_repeated: true, ..value })
     }
 
@@ -185,9 +187,9 @@ impl Sorter<'_> {
     fn take_line(&mut self, aside: &AsideReading) {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < self.shape.header_line;
-        let line_names = LineNames { of_parts: &self.names, is_above };
-        let found = value_in(aside, self.shape.header.len(), self.columns, Some(&line_names))
-            .or_else(|| value_beyond(aside, &self.measured, is_above))
+        let found = self
+            .beside
+            .value_in(aside, is_above)
             .map(|unknown| Unknown { is_repeated: true, ..unknown })
             .or_else(|| without_value(aside, self.shape, self.columns))
             .or_else(|| without_name(aside, self.shape))
@@ -210,41 +212,13 @@ impl Sorter<'_> {
         if unknown.column.is_none() || self.want.ignores(&unknown.title) || unknown.could_be_measured() {
             return;
         }
-        let Self { shape, columns, names, measured, .. } = self;
-        let remarks = Remarks { columns, width: shape.header.len(), of_parts: names, measured: Some(measured) };
+        let shape = self.shape;
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
         let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
-        let value = cells.find_map(|(row, cell)| remarks.value_in(cell, &unknown.place, line(row)));
+        let value = cells.find_map(|(row, cell)| self.beside.value_in_remark(cell, &unknown.place, line(row)));
         if let Some(value) = value {
             self.take(&value);
         }
-    }
-}
-
-/// Remarks beside values, which may correct one.
-pub(crate) struct Remarks<'a> {
-    pub(crate) columns: &'a [Column],
-    /// How many cells a row has.
-    pub(crate) width: usize,
-    pub(crate) of_parts: &'a PartNames,
-    /// The values, as far as the table was looked at.
-    pub(crate) measured: Option<&'a MeasuredValues>,
-}
-
-impl Remarks<'_> {
-    /// What of a cell of the column at a place may be a value.
-    pub(crate) fn value_in(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
-        let remark = AsideReading { line, text: cell.text().into_owned() };
-        let names = LineNames { of_parts: self.of_parts, is_above: false };
-        let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
-        let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
-        // of a number with a word behind it, what is near a nominal value counts
-        let is_prose = !cell.is_number() || cell.is_measure() || has_words(cell);
-        let value =
-            value_in(&remark, self.width, self.columns, Some(&names)).filter(|value| is_prose && may_be_value(value));
-        let value = value.or_else(|| value_beyond(&remark, self.measured?, false))?;
-        let place = format!("{column}, {}", value.place);
-        Some(Unknown { place, ..value })
     }
 }
 
@@ -254,8 +228,8 @@ pub(crate) fn of_sheet(file: &str, records: &[Record], understood: &Understood, 
     let others = &Others::of(&understood.columns, want);
     let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
     let mut sorted = columns.unwrap_or_default();
-    let names = LineNames { of_parts: &understood.shape.part_names(), is_above: false };
-    let measured = MeasuredValues::of(understood);
+    let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
+    let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
     let heading =
         |place: usize| records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
     let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
@@ -267,8 +241,7 @@ pub(crate) fn of_sheet(file: &str, records: &[Record], understood: &Understood, 
         }
         let cells = record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
         let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
-        let found = value_in(&line, 0, &understood.columns, Some(&names));
-        if let Some(unknown) = found.or_else(|| value_beyond(&line, &measured, false)) {
+        if let Some(unknown) = beside.value_in(&line, false) {
             sorted.take(file, &unknown, want, others);
         }
     }

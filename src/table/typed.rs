@@ -4,6 +4,7 @@
 use super::Table;
 use super::cell::{Cell, Content, Record};
 use super::column::SMALLEST_DIGIT;
+use super::lines::Beside;
 use super::measured::MeasuredValues;
 use super::names::{Field, ValueKind, heading, is_context, is_value_heading, role};
 use super::number::quantity;
@@ -14,7 +15,7 @@ use super::reading::NotUsed;
 use super::rows::stored_record;
 use super::shape::many;
 use super::stored::Stored;
-use super::strangers::{self, Others, Remarks, SHEET, Stranger};
+use super::strangers::{self, Others, SHEET, Stranger};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -119,12 +120,12 @@ impl Table {
     /// A remark on a value is not used; one that speaks of a value is a stranger.
     fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) {
         let title = title.to_owned();
-        let names = understood.shape.part_names();
-        let measured = MeasuredValues::of(understood);
-        let remarks = Remarks { columns: &understood.columns, width: 0, of_parts: &names, measured: Some(&measured) };
+        let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
+        let beside =
+            Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
         let mut lines = text.lines().map(|line| Cell::of_text(line, 0..0));
         let mut sorted = strangers::Sorted::default();
-        match lines.find_map(|line| remarks.value_in(&line, &title, 0)) {
+        match lines.find_map(|line| beside.value_in_remark(&line, &title, 0)) {
             Some(value) => {
                 let value = Unknown { title: title.clone(), place: title, ..value }.measured(true);
                 sorted.take(&self.name, &value, want, &Others::of(&understood.columns, want));

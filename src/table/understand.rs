@@ -8,7 +8,7 @@ use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, Nominal, Problem, UnitFrom, behind_name};
+use super::column::{Column, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, is_of_parts, lies_within, names_value, role, stands_apart};
@@ -419,16 +419,6 @@ fn numbers_teeth(title: &str) -> Diagnostic {
     ))
 }
 
-/// Of some units, those in which the numbers of a column may be its values; all if there is none.
-fn fitting(column: &Column, units: [Unit; 2], shape: &Shape) -> Vec<&'static str> {
-    let values = shape.measurements.iter().map(|measurement| &measurement.value);
-    let cells: Vec<Cell> =
-        values.filter(|value| value.title == column.title).flat_map(|value| value.cells.clone()).collect();
-    let fits = |unit: &Unit| column.may_hold_all(&cells, *unit);
-    let fitting: Vec<&str> = units.iter().filter(|unit| fits(unit)).map(|unit| unit.symbol()).collect();
-    if fitting.is_empty() { units.map(Unit::symbol).to_vec() } else { fitting }
-}
-
 /// A line beside the table that states another unit than the one that is assumed for a column, or than those that stand
 /// beside all of them; millimetres and degrees may be meant for others.
 fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -> Option<Diagnostic> {
@@ -448,7 +438,11 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
         let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
         let unit = stated.map(|stated| stated.unit).find(is_other);
         let help = match (unit, unknown_unit(&statement.text)) {
-            (Some(unit), _) => behind_name(title, &fitting(column, [unit, column.unit], shape)),
+            (Some(unit), _) => {
+                let measurement = shape.measurements.iter().find(|found| found.value.title == *title)?;
+                let units = [unit, column.unit].map(Unit::symbol);
+                behind_name(title, &fitting(measurement, column.kind, want, column.mark, units))
+            }
             (None, Some(unknown)) if is_assumed => format!(
                 "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: {}",
                 ignore_option(&statement.text)

@@ -13,7 +13,7 @@ use crate::quantity::Unit;
 pub(crate) const UNCERTAINTY: &str = ", an uncertainty";
 
 /// A column or line that names nothing known.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Unknown {
     pub(crate) title: String,
     /// `column 4`, `line 7`.
@@ -33,32 +33,16 @@ pub(crate) struct Unknown {
 
 impl Unknown {
     pub(crate) fn column(title: &str, column: usize, cells: Vec<Cell>) -> Self {
-        let place = format!("column {}", column + 1);
-        Self {
-            title: title.to_owned(),
-            place,
-            column: Some(column),
-            unit: None,
-            cells,
-            is_measurement: false,
-            is_repeated: false,
-            is_unread: false,
-        }
+        Self { column: Some(column), ..Self::at(format!("column {}", column + 1), title, cells) }
     }
 
     /// A line with a name in front of its cells.
     pub(crate) fn line(title: &str, line: u64, cells: Vec<Cell>) -> Self {
-        let place = format!("line {line}");
-        Self {
-            title: title.to_owned(),
-            place,
-            column: None,
-            unit: None,
-            cells,
-            is_measurement: false,
-            is_repeated: false,
-            is_unread: false,
-        }
+        Self::at(format!("line {line}"), title, cells)
+    }
+
+    fn at(place: String, title: &str, cells: Vec<Cell>) -> Self {
+        Self { place, title: title.to_owned(), cells, ..Self::default() }
     }
 
     /// The numbers among the cells of a line; `None` without any.

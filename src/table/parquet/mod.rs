@@ -170,14 +170,9 @@ fn packing_not_read(chunk: &ColumnChunkMetaData) -> Option<String> {
 /// A compression that is not read.
 fn codec_not_read(compression: Compression) -> Option<&'static str> {
     match compression {
-        Compression::UNCOMPRESSED
-        | Compression::SNAPPY
-        | Compression::GZIP(_)
-        | Compression::BROTLI(_)
-        | Compression::LZ4
-        | Compression::LZ4_RAW => None,
         Compression::ZSTD(_) => Some("ZSTD"),
         Compression::LZO => Some("LZO"),
+        _ => None,
     }
 }
 

@@ -28,8 +28,7 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     if let Some(unit) = Unit::from_symbol(bare_unit(alone)) {
         return vec![StatedUnit { unit, is_clear: true }];
     }
-    let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
-    let words: Vec<String> = words.filter(|word| !word.is_empty()).map(str::to_lowercase).collect();
+    let words: Vec<String> = words(text).map(str::to_lowercase).collect();
     let is_symbol = |word: &String| Unit::from_symbol(word).is_some();
     let is_between = |word: &String| stands_before_unit(word);
     let unit_of = |at: usize| {
@@ -46,6 +45,11 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     (0..words.len()).filter_map(unit_of).collect()
 }
 
+/// The words of a text, and its units of one letter or sign.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°')).filter(|word| !word.is_empty())
+}
+
 /// Inches behind a word for units, `Units: in`; before another unit of length `in` is none.
 fn inch(words: &[String], at: usize) -> Option<StatedUnit> {
     let is_of_units = role(words[..at].last()?) == Some(Role::Unit);
@@ -58,8 +62,7 @@ fn inch(words: &[String], at: usize) -> Option<StatedUnit> {
 /// What a line beside a table calls a unit, and is none that is known: `Maßeinheit: Fuß`, `Werte in my`.
 pub(crate) fn unknown_unit(text: &str) -> Option<&str> {
     const IN_ORDER: &str = "ordnung";
-    let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
-    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let words: Vec<&str> = words(text).collect();
     let (last, before) = words.split_last()?;
     let (before, subject) = (before.last()?.to_lowercase(), before.iter().rev().map(|word| word.to_lowercase()));
     let is_of_units = role(&before) == Some(Role::Unit);
