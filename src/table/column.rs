@@ -6,7 +6,7 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, is_requirement, is_total, split_size, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_total, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::want::{Want, ignore_option, quoted};
@@ -190,7 +190,7 @@ impl Column {
     /// A requirement is the nominal value where it has a tolerance, or the spec gives one that it is held against; else it may
     /// be a limit.
     fn has_clear_requirement(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
-        let required = measurement.beside.get(Role::Nominal).filter(|series| is_requirement(&series.title));
+        let required = measurement.beside.get(Role::Nominal).filter(|series| WordList::Requirement.has(&series.title));
         let Some(required) = required.filter(|_| self.stated.is_none()) else { return Ok(()) };
         let is_open = |cell: &&Cell| !cell.is_missing() && !has_tolerance_behind(&cell.text());
         let Some(open) = required.cells.iter().find(is_open) else { return Ok(()) };

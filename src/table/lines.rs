@@ -8,9 +8,7 @@ use super::cell::Cell;
 use super::column::{Column, Nominal, Stated, has_tolerance_behind};
 use super::grid::{Separator, records};
 use super::measured::MeasuredValues;
-use super::names::{
-    Role, heading, is_context, is_evaluation_length, is_scale, is_statistic, is_value_heading, near, plain_widths, role,
-};
+use super::names::{Role, WordList, heading, is_context, is_statistic, is_value_heading, near, plain_widths, role};
 use super::reading::AsideReading;
 use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
 use super::unknown::{Unknown, is_foreign_unit};
@@ -134,14 +132,14 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
     }
     let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
     let names = (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ")));
-    let (name, length) = names.into_iter().find(|(name, _)| is_evaluation_length(name))?;
+    let (name, length) = names.into_iter().find(|(name, _)| WordList::EvaluationLength.has(name))?;
     let is_other = |column: &Column| matches!(column.evaluated, Stated::Fixed(over) if length.parse() != Ok(over));
     columns.iter().any(is_other).then(|| unread(&name))
 }
 
 /// Whether a text has a word for a factor.
 pub(super) fn has_scale(text: &str) -> bool {
-    text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).any(is_scale)
+    text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).any(|word| WordList::Scale.has(word))
 }
 
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a

@@ -4,7 +4,7 @@
 use super::cell::Cell;
 use super::column::{Column, Nominal, SMALLEST_DIGIT};
 use super::grid::is_unit;
-use super::names::{Role, is_statistic, is_tolerance, lies_within, names_probe, role};
+use super::names::{Role, WordList, is_statistic, is_tolerance, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
 use super::unknown::Unknown;
@@ -52,12 +52,12 @@ impl MeasuredValues {
     pub(crate) fn are_repeated_by(&self, unknown: &Unknown) -> bool {
         let title = &unknown.title;
         let is_fixed = || unknown.cells.windows(2).all(|pair| pair[0].text() == pair[1].text());
-        let is_other =
-            is_statistic(title) && !lies_within(title) || role(title).is_some_and(Role::is_beside_value) && is_fixed();
+        let is_other = is_statistic(title) && !WordList::Mean.has(title)
+            || role(title).is_some_and(Role::is_beside_value) && is_fixed();
         let is_of_rows = self.orientation == Orientation::Rows;
         // an extreme that is another for each part is measured
         let has_numbers = || unknown.cells.iter().any(Cell::is_number);
-        if unknown.column.is_some() && is_of_rows && lies_within(title) && has_numbers() && !is_fixed() {
+        if unknown.column.is_some() && is_of_rows && WordList::Mean.has(title) && has_numbers() && !is_fixed() {
             return true;
         }
         // a column beside columns of parts is a statistic of them
@@ -75,13 +75,13 @@ impl MeasuredValues {
     /// tolerance or a probe far from nominal, a mean among the values, a spread that is no larger than they are apart.
     pub(crate) fn are_described_by(&self, unknown: &Unknown, behind: &str) -> bool {
         let title = &unknown.title;
-        let is_given = is_tolerance(title) || names_probe(title);
+        let is_given = is_tolerance(title) || WordList::Probe.has(title);
         let is_so = |cell: &Cell| {
             let text = cell.text();
             let number = Cell::of_text(text.trim_start_matches('±'), 0..0);
             let is_number = || match is_given {
                 true => !self.may_have(&number) && !self.columns.iter().any(|column| column.is_near_nominal(&number)),
-                false if lies_within(title) => self.columns.iter().any(|column| column.encloses(&number)),
+                false if WordList::Mean.has(title) => self.columns.iter().any(|column| column.encloses(&number)),
                 false => !self.are_narrower_than(&number),
             };
             cell.is_missing() || is_unit(&text) || number.is_number() && is_number()

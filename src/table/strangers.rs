@@ -13,7 +13,7 @@ use super::lines::{
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, is_called, is_context, is_other_of_flank, is_statistic, is_total, lies_within, near, role,
+    Field, Role, WordList, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role,
     says_deviation, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
@@ -172,7 +172,7 @@ impl Sorter<'_> {
     fn is_one_more(&self, title: &str, cell: &Cell) -> bool {
         let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
         !is_said && self.measured.may_have(cell)
-            || lies_within(title) && self.measured.is_beyond_all(cell)
+            || WordList::Mean.has(title) && self.measured.is_beyond_all(cell)
             || is_spread(title) && self.measured.are_narrower_than(cell)
     }
 

@@ -11,7 +11,7 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, is_of_parts, lies_within, names_value, role, stands_apart};
+use super::names::{Field, Role, WordList, is_of_parts, names_value, role};
 use super::number::{DecimalMark, Marks, normalise};
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want, ignore_option};
@@ -543,7 +543,7 @@ fn contradicts(name: &str, side: Ordering, nominal: Nominal) -> bool {
         Ordering::Less => role(name) == Some(Role::Upper),
         _ => role(name) == Some(Role::Lower),
     };
-    is_limit || lies_within(name) || stands_apart(name) && nominal != Nominal::None
+    is_limit || WordList::Mean.has(name) || WordList::Apart.has(name) && nominal != Nominal::None
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

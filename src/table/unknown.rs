@@ -3,9 +3,7 @@
 
 use super::cell::Cell;
 use super::grid::{is_date, only_units, unit_in};
-use super::names::{
-    is_again, is_context, is_evaluation_length, is_gear_size, names_person, near, repeats_value, split_unit,
-};
+use super::names::{WordList, is_again, is_context, is_gear_size, near, repeats_value, split_unit};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -80,7 +78,7 @@ impl Unknown {
     /// The first of its cells, if it is a column of nothing but units of length or angle.
     pub(crate) fn units(&self) -> Option<&Cell> {
         let are_initials = || {
-            names_person(&self.title)
+            WordList::Person.has(&self.title)
                 && !self.cells.iter().any(|cell| cell.text().contains(|c: char| !c.is_ascii_uppercase()))
         };
         self.column.and_then(|_| only_units(&self.cells)).filter(|_| !are_initials())
@@ -97,7 +95,7 @@ impl Unknown {
         let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
         let is_other = is_gear_size(title)
-            || is_evaluation_length(title)
+            || WordList::EvaluationLength.has(title)
             || unit.is_some_and(is_foreign_unit)
             || is_rate(&title.replacen("_min", "/min", 1)) && near(title).is_empty();
         // without values, nothing was measured

@@ -12,18 +12,13 @@ mod vocabulary;
 mod words;
 
 pub(crate) use letters::plain_widths;
-pub(crate) use near::{
-    is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, names_person, near, says_deviation,
-};
-pub(crate) use role::{
-    has_stated_unit, is_again, is_evaluation_length, is_of_parts, is_requirement, is_scale, is_statistic, lies_within,
-    names_page, names_probe, repeats_value, role, stands_apart, stands_before_unit,
-};
+pub(crate) use near::{is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, says_deviation};
+pub(crate) use role::{is_again, is_of_parts, is_statistic, names_page, repeats_value, role};
 pub(crate) use unit::{split_size, split_unit};
 
 use crate::deviation::{DeviationKind, Part};
-pub(crate) use vocabulary::Role;
 use vocabulary::{Entry, Sense};
+pub(crate) use vocabulary::{Role, WordList};
 use words::Words;
 
 /// What a column or a row of a block holds.

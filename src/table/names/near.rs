@@ -56,11 +56,6 @@ pub(crate) fn is_other_of_flank(text: &str) -> bool {
     VOCABULARY.list(WordList::OtherFlank).iter().any(is_named)
 }
 
-/// Whether a name is that of who measured.
-pub(crate) fn names_person(text: &str) -> bool {
-    VOCABULARY.has(WordList::Person, &joined(&name_of(text)))
-}
-
 /// Whether a name says that it is a deviation.
 pub(crate) fn says_deviation(text: &str) -> bool {
     says(text, Sense::Deviation)
@@ -91,7 +86,7 @@ const fn is_of_context(sense: Sense) -> bool {
     matches!(sense, Sense::Context | Sense::Gear | Sense::Alone([Field::PartId]))
 }
 
-fn name_of(text: &str) -> String {
+pub(super) fn name_of(text: &str) -> String {
     let (name, _) = split_unit(bare(text));
     without_ordinal(&name).to_owned()
 }

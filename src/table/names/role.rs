@@ -1,6 +1,7 @@
 //! What the columns of a table with a row per characteristic hold, as measuring programs call them.
 
 use super::letters::joined;
+use super::near::name_of;
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList};
 use super::words::Words;
@@ -70,24 +71,22 @@ fn role_sense(senses: &[Sense]) -> Option<Sense> {
     senses.iter().copied().find(of_column)
 }
 
+impl WordList {
+    /// Whether a name, with its unit or without, is in the list.
+    pub(crate) fn has(self, name: &str) -> bool {
+        let name = if self.is_folded() { joined(&name_of(name)) } else { plain(name) };
+        VOCABULARY.list(self).contains(&name)
+    }
+}
+
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    VOCABULARY.has(WordList::Statistic, &plain(name)) || stands_apart(name) || lies_within(name)
+    [WordList::Statistic, WordList::Apart, WordList::Mean].into_iter().any(|list| list.has(name))
 }
 
 /// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.
 pub(crate) fn is_of_parts(name: &str) -> bool {
     name.len() > 1 && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
-}
-
-/// Whether it is that of a spread, a sum, a count or an index, which is no value of a part.
-pub(crate) fn stands_apart(name: &str) -> bool {
-    VOCABULARY.has(WordList::Apart, &plain(name))
-}
-
-/// Whether it is that of a mean or an extreme, which lies among the values that it is made of.
-pub(crate) fn lies_within(name: &str) -> bool {
-    VOCABULARY.has(WordList::Mean, &plain(name))
 }
 
 /// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`.
@@ -99,18 +98,7 @@ pub(crate) fn repeats_value(title: &str) -> bool {
 
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
 pub(crate) fn is_again(name: &str) -> bool {
-    let name = plain(name);
-    VOCABULARY.has(WordList::Again, &name) || name.split(' ').any(|word| VOCABULARY.has(WordList::Again, word))
-}
-
-/// Whether a name says what is wanted of a value, be it its size or a limit.
-pub(crate) fn is_requirement(name: &str) -> bool {
-    VOCABULARY.has(WordList::Requirement, &plain(&split_unit(name).0))
-}
-
-/// Whether a name is that of the probe, and behind it its diameter.
-pub(crate) fn names_probe(name: &str) -> bool {
-    VOCABULARY.has(WordList::Probe, &plain(name))
+    WordList::Again.has(name) || name.split(' ').any(|word| WordList::Again.has(word))
 }
 
 /// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
@@ -120,9 +108,8 @@ pub(crate) fn names_page(line: &str) -> bool {
         |page: &&String| line.strip_prefix(page.as_str()).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
     let Some(page) = VOCABULARY.list(WordList::Page).iter().find(is_page) else { return false };
     let behind = line[page.len()..].replace('/', " / ");
-    let is_count = |word: &str| {
-        word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || VOCABULARY.has(WordList::PageCount, word)
-    };
+    let is_count =
+        |word: &str| word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || WordList::PageCount.has(word);
     behind.trim_start_matches([':', '.']).split_whitespace().all(is_count)
 }
 
@@ -138,24 +125,4 @@ fn names_flank(name: &str) -> bool {
 /// The name of a row without a mark behind it, in small letters.
 fn plain(name: &str) -> String {
     name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase()
-}
-
-/// Whether a unit that is stated for a whole table may be that of this word, in lower case: `Maße`, `values`.
-pub(crate) fn has_stated_unit(word: &str) -> bool {
-    VOCABULARY.has(WordList::UnitSubject, word)
-}
-
-/// Whether a word, in lower case, may stand between that and the unit: `are`, `in`.
-pub(crate) fn stands_before_unit(word: &str) -> bool {
-    VOCABULARY.has(WordList::BeforeUnit, word)
-}
-
-/// Whether a word says that values are written by a factor: `Faktor`, `x10`, `Hundertstel`.
-pub(crate) fn is_scale(word: &str) -> bool {
-    VOCABULARY.has(WordList::Scale, &word.to_lowercase())
-}
-
-/// Whether a heading is the length over which f_Hβ is evaluated. Asked where a column names no error.
-pub(crate) fn is_evaluation_length(text: &str) -> bool {
-    VOCABULARY.has(WordList::EvaluationLength, &joined(&split_unit(text).0))
 }

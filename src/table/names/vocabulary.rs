@@ -165,7 +165,7 @@ pub(super) static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| Vocabulary
 /// Names and words that say one thing as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum WordList {
+pub(crate) enum WordList {
     /// Rows and columns beside the parts that are made of them.
     Statistic,
     /// Those of them that are no value of a part.
@@ -203,8 +203,8 @@ impl WordList {
     }
 
     /// Whether its names are those of columns, which are compared folded.
-    fn is_folded(self) -> bool {
-        matches!(self, Self::Person | Self::OtherFlank | Self::EvaluationLength)
+    pub(super) fn is_folded(self) -> bool {
+        matches!(self, Self::Requirement | Self::Person | Self::OtherFlank | Self::EvaluationLength)
     }
 }
 
@@ -247,11 +247,6 @@ impl Vocabulary {
     /// The words of a list.
     pub(super) fn list(&self, list: WordList) -> &[String] {
         self.lists.get(&list).map_or(&[], Vec::as_slice)
-    }
-
-    /// Whether a list has a word.
-    pub(super) fn has(&self, list: WordList, word: &str) -> bool {
-        self.list(list).iter().any(|listed| listed == word)
     }
 
     /// The words that have the first letter of a text.

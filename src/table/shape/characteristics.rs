@@ -12,7 +12,7 @@ use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, ValueKind, heading, is_context, lies_within, names_value, role, split_unit};
+use crate::table::names::{Field, Role, ValueKind, WordList, heading, is_context, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -180,7 +180,7 @@ fn drop_lone_extreme(roles: &mut [Option<Role>], parts: &[usize], header: &Recor
 /// Whether a heading is that of the largest or the smallest value, or of a limit.
 fn is_extreme(heading: &Cell) -> bool {
     let title = heading.text();
-    lies_within(&title) && matches!(role(&title), Some(Role::Upper | Role::Lower))
+    WordList::Mean.has(&title) && matches!(role(&title), Some(Role::Upper | Role::Lower))
 }
 
 /// Whether two cells hold the same number, whichever their decimal mark is.

@@ -4,8 +4,7 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, heading, is_context, is_evaluation_length, is_statistic, lies_within, names_page,
-    role,
+    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_statistic, names_page, role,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -111,7 +110,7 @@ pub(super) fn known(cells: &[Cell], want: &Want) -> usize {
 
 fn is_known(cell: &Cell, want: &Want) -> bool {
     let text = cell.text();
-    heading(&text, &want.own).is_some() || is_evaluation_length(&text)
+    heading(&text, &want.own).is_some() || WordList::EvaluationLength.has(&text)
 }
 
 /// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.
@@ -139,7 +138,7 @@ impl PartNames {
     pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
         let mut names = Self::default();
         for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text) {
-            names.has_mean |= lies_within(&name);
+            names.has_mean |= WordList::Mean.has(&name);
             names.has_page |= has_digit(&name) && names_page(&name);
             if is_statistic(&name) || is_plain_context(&name) || is_spread(&name) {
                 continue;
@@ -188,7 +187,7 @@ impl PartNames {
 
 /// Whether the name of a column beside parts is that of a statistic; one that may be a part's is where a mean stands beside it.
 pub(super) fn is_statistic_among(name: &str, header: &[Cell]) -> bool {
-    is_statistic(name) || is_spread(name) && header.iter().any(|cell| lies_within(&cell.text()))
+    is_statistic(name) || is_spread(name) && header.iter().any(|cell| WordList::Mean.has(&cell.text()))
 }
 
 /// Whether it may be a standard deviation or a range, and may be a part as well.

@@ -30,7 +30,7 @@ use std::collections::{BTreeSet, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, is_statistic, lies_within, role, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_statistic, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -130,13 +130,6 @@ impl Shape {
         };
         let Some(slot) = role(title).and_then(|role| measurement.beside.slot(role)) else { return false };
         let (name, unit) = split_unit(title);
-        // units behind another column of numbers are those of that one
-        let is_of_other = |before: &Unknown| {
-            before.column.is_some_and(|at| at + 1 == place) && before.cells.iter().any(Cell::is_number)
-        };
-        if role(title) == Some(Role::Unit) && self.unknown.last().is_some_and(is_of_other) {
-            return false;
-        }
         let cells = cells(place);
         // a largest value that changes from part to part is measured, and no tolerance
         let changes = || cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
@@ -178,31 +171,25 @@ impl Shape {
         }
     }
 
-    /// Gives columns of units to the values behind them, if one stands before the first value.
-    fn take_units_before(&mut self) {
-        let is_units = |unknown: &Unknown| role(&unknown.title) == Some(Role::Unit);
-        let of_unknown = self.unknown.iter().filter(|unknown| is_units(unknown)).filter_map(|unknown| {
-            let (title, cells) = (unknown.title.clone(), unknown.cells.clone());
-            Some(Series { title, place: unknown.column?, unit: None, cells })
-        });
-        let of_values = self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Unit).cloned());
-        let units: Vec<Series> = of_unknown.chain(of_values).collect();
+    /// Gives columns of units to the values before them, or to those behind them if one stands before the first value.
+    fn take_units(&mut self, units: Vec<Series>) {
         let first = self.measurements.iter().map(|measurement| measurement.value.place).min();
-        if !units.iter().any(|series| Some(series.place + 1) == first) {
-            return;
+        let stand_before = units.iter().any(|series| Some(series.place + 1) == first);
+        for series in units {
+            // units behind another column of numbers are those of that one
+            let is_of_other = self.unknown.iter().any(|before| {
+                before.column.is_some_and(|at| at + 1 == series.place) && before.cells.iter().any(Cell::is_number)
+            });
+            let is_of_value = |measurement: &&mut Measurement| match stand_before {
+                true => measurement.value.place == series.place + 1,
+                false => measurement.value.place < series.place && !is_of_other,
+            };
+            let value = self.measurements.iter_mut().filter(is_of_value).max_by_key(|found| found.value.place);
+            match value.and_then(|measurement| measurement.beside.slot(Role::Unit)) {
+                Some(slot @ None) => *slot = Some(series),
+                _ => self.unknown.push(Unknown::column(&series.title, series.place, series.cells)),
+            }
         }
-        for measurement in &mut self.measurements {
-            let before = units.iter().find(|series| series.place + 1 == measurement.value.place);
-            measurement.beside.set(Role::Unit, before.cloned());
-        }
-        let taken: Vec<usize> = self
-            .measurements
-            .iter()
-            .filter_map(|measurement| Some(measurement.beside.get(Role::Unit)?.place))
-            .collect();
-        self.unknown.retain(|unknown| !is_units(unknown));
-        let left = units.into_iter().filter(|series| !taken.contains(&series.place));
-        self.unknown.extend(left.map(|series| Unknown::column(&series.title, series.place, series.cells)));
     }
 
     /// Gives the only column of units to every value that says no unit of its own.
@@ -252,7 +239,7 @@ impl Shape {
     pub(crate) fn has_column_of_means(&self) -> bool {
         let beside = self.measurements.iter().flat_map(|measurement| measurement.beside.iter());
         let mut titles = beside.map(|series| &series.title).chain(self.unknown.iter().map(|unknown| &unknown.title));
-        self.orientation == Orientation::Columns && titles.any(|title| lies_within(title))
+        self.orientation == Orientation::Columns && titles.any(|title| WordList::Mean.has(title))
     }
 
     /// What the names of its parts look like.

@@ -6,9 +6,7 @@ use super::headings::{Named, PartNames, headings, is_numbered, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{
-    Field, Role, heading, is_context, is_evaluation_length, is_statistic, names_value, role, split_unit,
-};
+use crate::table::names::{Field, Role, WordList, heading, is_context, is_statistic, names_value, role, split_unit};
 use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
 
@@ -26,7 +24,7 @@ impl Header {
         let of = |cell: &Cell| match heading(&cell.text(), &want.own) {
             Some(heading) if heading.fields.len() == 1 => 2,
             Some(_) => 1,
-            None => usize::from(is_evaluation_length(&cell.text())),
+            None => usize::from(WordList::EvaluationLength.has(&cell.text())),
         };
         self.cells.iter().map(of).sum()
     }
@@ -232,7 +230,7 @@ pub(super) fn by_header(
     let end = first + end_of_rows(&records[first..], width, separator, id.unwrap_or(0));
     let rows = rows_of(records, header, first..end, separator, id)?;
     shape.data = first..end;
-    let mut lengths = None;
+    let (mut lengths, mut columns_of_units) = (None, Vec::new());
     let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
     let column = |place: usize| rows.iter().map(|row| row.cells.get(place).cloned().unwrap_or_default()).collect();
     let unit_of = |place: usize| {
@@ -248,9 +246,12 @@ pub(super) fn by_header(
             named.series.unit = named.series.unit.take().or(below);
             named.series.cells = column(place);
             shape.take(named)?;
-        } else if has_lead && is_evaluation_length(&cell.text()) && !want.ignores(&cell.text()) {
+        } else if has_lead && WordList::EvaluationLength.has(&cell.text()) && !want.ignores(&cell.text()) {
             let (_, unit) = split_unit(&cell.text());
             lengths = Some(Series { title: cell.text().into_owned(), place, unit, cells: column(place) });
+        } else if role(&cell.text()) == Some(Role::Unit) {
+            let title = cell.text().into_owned();
+            columns_of_units.push(Series { title, place, unit: None, cells: column(place) });
         } else if !shape.take_beside(&cell.text(), place, &column) || want.ignores(&cell.text()) {
             // a nominal value or tolerance in front of every value is that of one of them
             let is_of_value = shape.measurements.is_empty() && role(&cell.text()).is_some_and(Role::is_beside_value);
@@ -264,7 +265,7 @@ pub(super) fn by_header(
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
         measurement.beside.set(Role::Length, lengths.clone());
     }
-    shape.take_units_before();
+    shape.take_units(columns_of_units);
     shape.take_units_beside();
     shape.share_units();
     shape.take_nameless(want);

@@ -6,7 +6,7 @@ use super::{Shape, has_digit};
 use crate::quantity::{LengthUnit, Unit};
 use crate::table::cell::Cell;
 use crate::table::grid::{bare_unit, is_unit};
-use crate::table::names::{Role, has_stated_unit, role, stands_before_unit};
+use crate::table::names::{Role, WordList, role};
 use crate::table::reading::AsideReading;
 use crate::table::want::Want;
 
@@ -22,7 +22,7 @@ pub(crate) struct StatedUnit {
 /// line without numbers.
 pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     let alone = match text.rsplit_once([':', '：']) {
-        Some((subject, unit)) if has_stated_unit(subject.trim().to_lowercase().as_str()) => unit,
+        Some((subject, unit)) if WordList::UnitSubject.has(subject) => unit,
         _ => text,
     };
     if let Some(unit) = Unit::from_symbol(bare_unit(alone)) {
@@ -30,11 +30,11 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     }
     let words: Vec<String> = words(text).map(str::to_lowercase).collect();
     let is_symbol = |word: &String| Unit::from_symbol(word).is_some();
-    let is_between = |word: &String| stands_before_unit(word);
+    let is_between = |word: &String| WordList::BeforeUnit.has(word);
     let unit_of = |at: usize| {
         let unit = Unit::from_symbol(&words[at])?;
         let mut before = words[..at].iter().rev().skip_while(|word| is_between(word) || is_symbol(word));
-        let is_subject = |word: &String| role(word) == Some(Role::Unit) || has_stated_unit(word);
+        let is_subject = |word: &String| role(word) == Some(Role::Unit) || WordList::UnitSubject.has(word);
         let is_clear = before.next().is_some_and(is_subject);
         let is_word = words[at].chars().count() > 1 && !matches!(words[at].as_str(), "in" | "min");
         if words[at] == "in" {
@@ -66,8 +66,8 @@ pub(crate) fn unknown_unit(text: &str) -> Option<&str> {
     let (last, before) = words.split_last()?;
     let (before, subject) = (before.last()?.to_lowercase(), before.iter().rev().map(|word| word.to_lowercase()));
     let is_of_units = role(&before) == Some(Role::Unit);
-    let mut subject = subject.skip_while(|word| stands_before_unit(word));
-    let is_of_values = before == "in" && subject.next().is_some_and(|word| has_stated_unit(&word));
+    let mut subject = subject.skip_while(|word| WordList::BeforeUnit.has(word));
+    let is_of_values = before == "in" && subject.next().is_some_and(|word| WordList::UnitSubject.has(&word));
     let is_word = last.chars().all(char::is_alphabetic) && last.to_lowercase() != IN_ORDER;
     (is_word && (is_of_units || is_of_values) && stated_units(text).is_empty()).then_some(*last)
 }
