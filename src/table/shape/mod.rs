@@ -180,9 +180,9 @@ impl Shape {
             let is_of_other = self.unknown.iter().any(|before| {
                 before.column.is_some_and(|at| at + 1 == series.place) && before.cells.iter().any(Cell::is_number)
             });
-            let is_of_value = |measurement: &&mut Measurement| match stand_before {
-                true => measurement.value.place == series.place + 1,
-                false => measurement.value.place < series.place && !is_of_other,
+            let is_of_value = |measurement: &&mut Measurement| {
+                let place = measurement.value.place;
+                if stand_before { place == series.place + 1 } else { place < series.place && !is_of_other }
             };
             let value = self.measurements.iter_mut().filter(is_of_value).max_by_key(|found| found.value.place);
             match value.and_then(|measurement| measurement.beside.slot(Role::Unit)) {
