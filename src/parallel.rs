@@ -38,7 +38,7 @@ pub(crate) fn map<T: Send, W: Send>(
 }
 
 /// Works off jobs on up to so many threads; whoever is done takes the next one.
-pub(crate) fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
+fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
     if threads <= 1 {
         return jobs.for_each(work);
     }

@@ -14,7 +14,7 @@ use crate::deviation::{
 };
 use crate::formula::{Law, Model};
 use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
-use crate::mesh::{self, Mesh, MeshError};
+use crate::mesh::MeshError;
 use crate::multibody::{Outcome, Parameters, Scene, SimulationError, Support, exact_mean_mm};
 use crate::parallel;
 use crate::quantity::{Angle, DomainError, Length};
@@ -184,11 +184,9 @@ impl Printed {
         let pinion = PinionFlanks::nominal(&pair);
         let support = Support::FreeRoll { axis_depth_mm: ROLL_AXIS_DEPTH_MM };
         let parameters = Parameters { support, ..Parameters::default() };
-        let support = mesh::Support::FreeRoll { axis_depth_mm: ROLL_AXIS_DEPTH_MM };
-        let exact = Mesh::new(pair, rack.clone(), pinion.clone(), support)?;
         let scene = Scene::new(pair, rack, pinion, parameters)?.with_second_part(FIRST_ODD_TOOTH);
         let outcome = scene.dynamic(&mut |_| std::ops::ControlFlow::Continue(()));
-        let mean = |steady| exact_mean_mm(&exact, &steady);
+        let mean = |steady| exact_mean_mm(scene.mesh(), &steady);
         let means = outcome.nominal.and_then(mean).zip(outcome.deviating.and_then(mean));
         let exact_mm = means.map(|(nominal, deviating)| deviating - nominal);
         let multibody_mm = outcome.difference_mm();

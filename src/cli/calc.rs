@@ -9,7 +9,9 @@ use crate::deviation::{DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::formula::over_pin::OverPin;
-use crate::formula::{CATALOGUE, FormulaPage, Law, Model, PartDeviation, ideal_pin, roller_change};
+use crate::formula::{
+    FormulaPage, IDEAL_PIN, Law, Model, OVER_PIN, PartDeviation, ROLLER_CHANGE, ideal_pin, roller_change,
+};
 use crate::judge::Interval;
 use crate::judge::bound::{Basis, ErrorInputError};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
@@ -341,12 +343,11 @@ impl Common {
     fn print_value(
         &self,
         output: &mut Output,
-        formula: &str,
+        page: &'static FormulaPage,
         result: Length,
         doubts: &[OptionDoubt],
     ) -> Result<Status, Failure> {
         let notes = sensible(output, doubts)?;
-        let page = CATALOGUE.iter().find(|page| page.name == formula).unwrap_or(&CATALOGUE[0]);
         self.print(output, Calculation { notes, ..calculation(page, result.into()) })?;
         Ok(Status::Pass)
     }
@@ -363,18 +364,18 @@ impl Args {
             Formula::Lead(args) => lead(&args, output),
             Formula::Pin(Pin { normal_module, pressure_angle, tooth_thickness, common }) => {
                 let diameter = ideal_pin::diameter(normal_module, pressure_angle, tooth_thickness)?;
-                common.print_value(output, "ideal-pin", diameter, &rack_doubts(pressure_angle, normal_module))
+                common.print_value(output, &IDEAL_PIN, diameter, &rack_doubts(pressure_angle, normal_module))
             }
             Formula::OverPin(OverPinArgs { normal_module, pressure_angle, pin, datum, tooth_thickness, common }) => {
                 let (pin_diameter, normal_pressure_angle) = (pin, pressure_angle);
                 let over_pin = OverPin { normal_module, normal_pressure_angle, tooth_thickness, pin_diameter, datum };
                 let [angle, module] = rack_doubts(pressure_angle, normal_module);
                 let doubts = [angle, module, ("--pin", over_pin.doubted_pin(None))];
-                common.print_value(output, "over-pin", over_pin.measure()?, &doubts)
+                common.print_value(output, &OVER_PIN, over_pin.measure()?, &doubts)
             }
             Formula::RollerChange(RollerChange { old_roller, new_roller, pressure_angle, common }) => {
                 let difference = roller_change::difference(old_roller, new_roller, pressure_angle)?;
-                common.print_value(output, "roller-change", difference, &[pressure_angle_doubt(pressure_angle)])
+                common.print_value(output, &ROLLER_CHANGE, difference, &[pressure_angle_doubt(pressure_angle)])
             }
         }
     }

@@ -25,28 +25,28 @@ pub(super) struct Args {
 /// The topic that lists the keys of the spec.
 const KEYS: &str = "keys";
 
-const fn page(name: &'static str, aliases: &'static [&'static str], text: &'static str) -> Page {
-    Page { name, aliases, text }
-}
-
 /// What makes numbers out of several formulas; each is the documentation of its module.
 const METHODS: &[Page] = &[
-    page("precision", &["accuracy", "rounding", "digits"], include_str!("../formula/precision.md")),
-    page("combination", &["range", "worst-case", "worst", "rss", "stack"], include_str!("../judge/stack.md")),
-    page("uncertainty", &["gum", "u", "k"], include_str!("../uncertainty/method.md")),
-    page("rule", &["iso14253", "guard", "simple", "conformance", "risk"], include_str!("../judge/rule.md")),
-    page("monte-carlo", &["simulation-of-errors"], include_str!("../chance/method.md")),
-    page("capability", &["cp", "cpk", "pp", "ppk"], include_str!("../statistics/capability/method.md")),
-    page("budget", &["tolerance"], include_str!("../budget/method.md")),
-    page(
+    Page::new("precision", &["accuracy", "rounding", "digits"], include_str!("../formula/precision.md")),
+    Page::new("combination", &["range", "worst-case", "worst", "rss", "stack"], include_str!("../judge/stack.md")),
+    Page::new("uncertainty", &["gum", "u", "k"], include_str!("../uncertainty/method.md")),
+    Page::new("rule", &["iso14253", "guard", "simple", "conformance", "risk"], include_str!("../judge/rule.md")),
+    Page::new("monte-carlo", &["simulation-of-errors"], include_str!("../chance/method.md")),
+    Page::new("capability", &["cp", "cpk", "pp", "ppk"], include_str!("../statistics/capability/method.md")),
+    Page::new("budget", &["tolerance"], include_str!("../budget/method.md")),
+    Page::new(
         "permissible",
         &["standard", "iso1328", "din3962", "jisb1702", "f-p", "f-pt", "f-r", "f-beta"],
         include_str!("../standard/method.md"),
     ),
-    page("class", &["grade"], include_str!("../judge/class.md")),
-    page("mesh", &["exact-mesh"], include_str!("../mesh/method.md")),
-    page("curve", &["composite", "f-i", "f-i''", "fi''", "transmission-error"], include_str!("../mesh/summary.md")),
-    page("simulate", &["multibody", "simulation"], include_str!("../multibody/method.md")),
+    Page::new("class", &["grade"], include_str!("../judge/class.md")),
+    Page::new("mesh", &["exact-mesh"], include_str!("../mesh/method.md")),
+    Page::new(
+        "curve",
+        &["composite", "f-i", "f-i''", "fi''", "transmission-error"],
+        include_str!("../mesh/summary.md"),
+    ),
+    Page::new("simulate", &["multibody", "simulation"], include_str!("../multibody/method.md")),
 ];
 
 impl Args {
@@ -141,7 +141,7 @@ fn table_of(lines: &[&str]) -> Table {
 
 fn list() -> String {
     let mut text = String::new();
-    for (heading, pages) in [("Formulas:", CATALOGUE), ("\nMethods:", METHODS)] {
+    for (heading, pages) in [("Formulas:", &CATALOGUE[..]), ("\nMethods:", METHODS)] {
         text.push_str(heading);
         text.push('\n');
         for page in pages {

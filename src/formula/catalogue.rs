@@ -1,6 +1,7 @@
 //! The formulas by name, with the text that documents each: what `explain` prints.
 
 use super::Model;
+use crate::deviation::DeviationKind;
 
 /// A formula's documentation.
 #[derive(Debug, Clone, Copy)]
@@ -14,6 +15,10 @@ pub struct FormulaPage {
 }
 
 impl FormulaPage {
+    pub(crate) const fn new(name: &'static str, aliases: &'static [&'static str], text: &'static str) -> Self {
+        Self { name, aliases, text }
+    }
+
     /// Whether the paper has it, by the source that the text names.
     #[must_use]
     pub fn is_of_paper(&self) -> bool {
@@ -34,30 +39,38 @@ impl FormulaPage {
     }
 }
 
-pub(crate) const OVER_PIN: FormulaPage =
-    FormulaPage { name: "over-pin", aliases: &[], text: include_str!("over_pin.md") };
-pub(super) const RACK_OVER_ROLLER: FormulaPage =
-    FormulaPage { name: "rack-over-roller", aliases: &["over-roller"], text: include_str!("over_roller.md") };
-pub(super) const RACK_PITCH: FormulaPage =
-    FormulaPage { name: "rack-pitch", aliases: &["pitch"], text: include_str!("rack_pitch.md") };
-pub(super) const RACK_LEAD: FormulaPage =
-    FormulaPage { name: "rack-lead", aliases: &["lead"], text: include_str!("rack_lead.md") };
-pub(super) const PINION_RADIAL: FormulaPage =
-    FormulaPage { name: "pinion-radial", aliases: &["radial"], text: include_str!("pinion_radial.md") };
-pub(super) const PINION_PITCH: FormulaPage =
-    FormulaPage { name: "pinion-pitch", aliases: &[], text: include_str!("pinion_pitch.md") };
-pub(super) const PINION_LEAD: FormulaPage =
-    FormulaPage { name: "pinion-lead", aliases: &[], text: include_str!("pinion_lead.md") };
+pub(crate) const IDEAL_PIN: FormulaPage = FormulaPage::new("ideal-pin", &["pin"], include_str!("ideal_pin.md"));
+pub(crate) const OVER_PIN: FormulaPage = FormulaPage::new("over-pin", &[], include_str!("over_pin.md"));
+pub(crate) const ROLLER_CHANGE: FormulaPage = FormulaPage::new("roller-change", &[], include_str!("roller_change.md"));
 
-/// Every formula: the paper's in its order, then the others.
-pub const CATALOGUE: &[FormulaPage] = &[
-    FormulaPage { name: "ideal-pin", aliases: &["pin"], text: include_str!("ideal_pin.md") },
+/// Every formula: those of no error, then one for each kind of error.
+pub const CATALOGUE: &[FormulaPage; 9] = &[
+    IDEAL_PIN,
     OVER_PIN,
-    FormulaPage { name: "roller-change", aliases: &[], text: include_str!("roller_change.md") },
-    RACK_OVER_ROLLER,
-    RACK_PITCH,
-    RACK_LEAD,
-    PINION_RADIAL,
-    PINION_PITCH,
-    PINION_LEAD,
+    ROLLER_CHANGE,
+    FormulaPage::new("rack-over-roller", &["over-roller"], include_str!("over_roller.md")),
+    FormulaPage::new("rack-pitch", &["pitch"], include_str!("rack_pitch.md")),
+    FormulaPage::new("rack-lead", &["lead"], include_str!("rack_lead.md")),
+    FormulaPage::new("pinion-radial", &["radial"], include_str!("pinion_radial.md")),
+    FormulaPage::new("pinion-pitch", &[], include_str!("pinion_pitch.md")),
+    FormulaPage::new("pinion-lead", &[], include_str!("pinion_lead.md")),
 ];
+
+/// The page of the law of a kind of error.
+#[must_use]
+pub const fn page_of(kind: DeviationKind) -> &'static FormulaPage {
+    const OF_NO_ERROR: usize = 3;
+    &CATALOGUE[OF_NO_ERROR + kind as usize]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_of_error_has_its_page() {
+        for kind in DeviationKind::ALL {
+            assert_eq!(page_of(kind).name, kind.key().replace('_', "-"));
+        }
+    }
+}

@@ -9,7 +9,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::{Influence, Sensitivity, domain, femtometres};
+use super::{domain, femtometres};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
@@ -22,40 +22,9 @@ pub fn diameter(
     normal_pressure_angle: Angle,
     tooth_thickness: Option<Length>,
 ) -> Result<Length, DomainError> {
-    let fm = diameter_fm(normal_module, normal_pressure_angle, tooth_thickness)?;
-    Ok(Length::nearest(fm, "the pin diameter d_p'")?)
-}
-
-/// d_p' in fm, after a check of every input.
-fn diameter_fm(
-    normal_module: Length,
-    normal_pressure_angle: Angle,
-    tooth_thickness: Option<Length>,
-) -> Result<f64, DomainError> {
     domain::NORMAL_PRESSURE_ANGLE.check_angle(normal_pressure_angle)?;
-    Ok(space_width_fm(normal_module, tooth_thickness)? / trig::sin_cos_of(normal_pressure_angle).1)
-}
-
-/// ∂d_p'/∂m_n, ∂d_p'/∂α_n and, if a tooth thickness is given, ∂d_p'/∂s_n.
-///
-/// # Errors
-/// [`DomainError`] if an input is outside its domain.
-pub fn sensitivities(
-    normal_module: Length,
-    normal_pressure_angle: Angle,
-    tooth_thickness: Option<Length>,
-) -> Result<Vec<Sensitivity>, DomainError> {
-    let diameter_mm = diameter_fm(normal_module, normal_pressure_angle, tooth_thickness)? / 1e12;
-    let cos = trig::sin_cos_of(normal_pressure_angle).1;
-    let by_alpha = diameter_mm * trig::tan_of(normal_pressure_angle);
-    let mut all = vec![
-        Sensitivity::new(Influence::NormalModule, space_per_module(tooth_thickness.is_some()) / cos),
-        Sensitivity::by_angle(Influence::NormalPressureAngle, by_alpha),
-    ];
-    if tooth_thickness.is_some() {
-        all.push(Sensitivity::new(Influence::ToothThickness, -1.0 / cos));
-    }
-    Ok(all)
+    let fm = space_width_fm(normal_module, tooth_thickness)? / trig::sin_cos_of(normal_pressure_angle).1;
+    Ok(Length::nearest(fm, "the pin diameter d_p'")?)
 }
 
 /// The width of the tooth space at the pitch line, π m_n − s_n, in fm.

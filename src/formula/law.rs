@@ -13,7 +13,8 @@
 //! In the paper's model cos β is 1; it has no formula for the lead of the pinion, where both models are the exact one. The
 //! shapes are derived in [`mesh::relations`](crate::mesh::relations).
 
-use super::{FormulaPage, Influence, Model, Sensitivity, catalogue, domain};
+pub use super::catalogue::page_of;
+use super::{FormulaPage, Influence, Model, Sensitivity, domain};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::quantity::{Angle, DomainError, FM_PER_MM, Length};
 use crate::trig;
@@ -292,31 +293,19 @@ impl Law {
         /// 1e-11° in nano-arcseconds, and how many of them are just below 90°.
         const DECIMAL: i64 = 36;
         const BELOW_RIGHT_ANGLE: i64 = 9_000_000_000_000 - 1;
-        let shape = self.shape(model);
-        let (error, farthest): (fn(i64) -> DeviationValue, i64) = match shape {
+        let (error, farthest): (fn(i64) -> DeviationValue, i64) = match self.shape(model) {
             Shape::Shift => return Ok(DeviationValue::Length(delta_cd)),
             Shape::Step => (|fm| DeviationValue::Length(Length::from_fm(fm)), Length::LARGEST.fm()),
             Shape::Sine | Shape::Tangent => {
                 (|decimals| DeviationValue::Angle(Angle::from_nas(decimals * DECIMAL)), BELOW_RIGHT_ANGLE)
             }
         };
-        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
-        if delta_cd.is_zero() {
-            return Ok(DeviationValue::zero(self.kind));
-        }
-        let within = |steps: i64| self.delta_cd(error(steps), model).is_ok_and(|reached| reached <= delta_cd);
-        match last_within(farthest, within) {
-            Some(steps) => Ok(error(steps)),
-            None => Err(DomainError::NeverReached {
-                error: match (shape, self.kind) {
-                    (Shape::Step, DeviationKind::PinionLead) => "helix slope deviation up to 1 km",
-                    (Shape::Step, _) => "pitch error up to 1 km",
-                    _ => "lead angle error below 90°",
-                },
-                delta_cd,
-                largest: self.delta_cd(error(farthest), model)?,
-            }),
-        }
+        let what = match self.kind {
+            DeviationKind::RackLead => "lead angle error below 90°",
+            DeviationKind::PinionLead => "helix slope deviation up to 1 km",
+            _ => "pitch error up to 1 km",
+        };
+        largest_within(delta_cd, what, farthest, |steps| self.delta_cd(error(steps), model)).map(error)
     }
 
     /// The largest helix slope deviation f_Hβ over an evaluation length whose ΔCD does not exceed `delta_cd`, not
@@ -336,18 +325,7 @@ impl Law {
         let reached = |fm: i64| self.delta_cd(lead_slope(Length::from_fm(fm), length)?, model);
         // no f_Hβ is large enough to be refused where none at all is not
         reached(0)?;
-        domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
-        if delta_cd.is_zero() {
-            return Ok(Length::ZERO);
-        }
-        match last_within(FARTHEST, |fm| reached(fm).is_ok_and(|reached| reached <= delta_cd)) {
-            Some(fm) => Ok(Length::from_fm(fm)),
-            None => Err(DomainError::NeverReached {
-                error: "helix slope deviation up to 1 m",
-                delta_cd,
-                largest: reached(FARTHEST)?,
-            }),
-        }
+        largest_within(delta_cd, "helix slope deviation up to 1 m", FARTHEST, reached).map(Length::from_fm)
     }
 
     /// Its page in the [`CATALOGUE`](super::CATALOGUE).
@@ -357,35 +335,32 @@ impl Law {
     }
 }
 
-/// The last step for which `within` holds, where it holds from 0 to some step and not beyond; `None` if it holds for
-/// the farthest.
-fn last_within(farthest: i64, within: impl Fn(i64) -> bool) -> Option<i64> {
-    if within(farthest) {
-        return None;
+/// The last step whose ΔCD does not exceed `delta_cd`, where it grows with the steps; an error if that of the farthest
+/// does not either.
+fn largest_within(
+    delta_cd: Length,
+    error: &'static str,
+    farthest: i64,
+    reached: impl Fn(i64) -> Result<Length, DomainError>,
+) -> Result<i64, DomainError> {
+    domain::PUSHING_DELTA_CD.check_length(delta_cd)?;
+    if delta_cd.is_zero() {
+        return Ok(0);
+    }
+    let is_within = |steps: i64| reached(steps).is_ok_and(|reached| reached <= delta_cd);
+    if is_within(farthest) {
+        return Err(DomainError::NeverReached { error, delta_cd, largest: reached(farthest)? });
     }
     let (mut inside, mut outside) = (0, farthest);
     while outside - inside > 1 {
         let middle = inside + (outside - inside) / 2;
-        if within(middle) {
+        if is_within(middle) {
             inside = middle;
         } else {
             outside = middle;
         }
     }
-    Some(inside)
-}
-
-/// The page of the law of a kind of error.
-#[must_use]
-pub fn page_of(kind: DeviationKind) -> &'static FormulaPage {
-    match kind {
-        DeviationKind::RackOverRoller => &catalogue::RACK_OVER_ROLLER,
-        DeviationKind::RackPitch => &catalogue::RACK_PITCH,
-        DeviationKind::RackLead => &catalogue::RACK_LEAD,
-        DeviationKind::PinionRadial => &catalogue::PINION_RADIAL,
-        DeviationKind::PinionPitch => &catalogue::PINION_PITCH,
-        DeviationKind::PinionLead => &catalogue::PINION_LEAD,
-    }
+    Ok(inside)
 }
 
 /// The sine or tangent that ΔCD is in proportion to.

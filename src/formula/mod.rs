@@ -32,6 +32,8 @@ mod part_deviation;
 #[cfg(feature = "spec")]
 pub(crate) use catalogue::OVER_PIN;
 pub use catalogue::{CATALOGUE, FormulaPage};
+#[cfg(feature = "cli")]
+pub(crate) use catalogue::{IDEAL_PIN, ROLLER_CHANGE};
 pub use influence::Influence;
 pub use law::{Geometry, Law};
 pub use part_deviation::PartDeviation;

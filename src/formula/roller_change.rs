@@ -10,36 +10,17 @@
 //! ```
 
 use super::over_pin::one_and_cosecant;
-use super::{Influence, Sensitivity, domain, femtometres};
+use super::{domain, femtometres};
 use crate::quantity::{Angle, DomainError, Length};
-use crate::trig;
 
 /// ΔM = (D_2 − D_1)/2 · (1 + 1/sin α_n) when the roller D_1 = `from` is replaced by D_2 = `to`.
 ///
 /// # Errors
 /// [`DomainError`] if an input is outside its domain, or the result is beyond the largest length.
 pub fn difference(from: Length, to: Length, normal_pressure_angle: Angle) -> Result<Length, DomainError> {
-    check(from, to, normal_pressure_angle)?;
-    let fm = 0.5 * femtometres(to - from) * one_and_cosecant(normal_pressure_angle);
-    Ok(Length::nearest(fm, "the difference ΔM")?)
-}
-
-/// ∂ΔM/∂D_2 (as pin diameter; ∂ΔM/∂D_1 is its negative) and ∂ΔM/∂α_n.
-///
-/// # Errors
-/// [`DomainError`] if an input is outside its domain.
-pub fn sensitivities(from: Length, to: Length, normal_pressure_angle: Angle) -> Result<Vec<Sensitivity>, DomainError> {
-    check(from, to, normal_pressure_angle)?;
-    let (sin, cos) = trig::sin_cos_of(normal_pressure_angle);
-    let by_alpha = -0.5 * (to - from).mm() * cos / (sin * sin);
-    Ok(vec![
-        Sensitivity::new(Influence::Roller, 0.5 * one_and_cosecant(normal_pressure_angle)),
-        Sensitivity::by_angle(Influence::NormalPressureAngle, by_alpha),
-    ])
-}
-
-fn check(from: Length, to: Length, normal_pressure_angle: Angle) -> Result<(), DomainError> {
     domain::PIN_DIAMETER.check_length(from)?;
     domain::PIN_DIAMETER.check_length(to)?;
-    domain::NORMAL_PRESSURE_ANGLE.check_angle(normal_pressure_angle)
+    domain::NORMAL_PRESSURE_ANGLE.check_angle(normal_pressure_angle)?;
+    let fm = 0.5 * femtometres(to - from) * one_and_cosecant(normal_pressure_angle);
+    Ok(Length::nearest(fm, "the difference ΔM")?)
 }

@@ -181,12 +181,6 @@ impl Meshing {
     fn face_width(&self) -> Result<Length, NoEffect> {
         self.face_width.ok_or(NoEffect::Missing("face width b"))
     }
-
-    /// Of a part of which nothing else is known.
-    #[must_use]
-    pub const fn of(part: Part) -> Self {
-        Self { part, pressure_angle: None, helix_angle: None, face_width: None }
-    }
 }
 
 /// How a ΔCD follows from a deviation: by the formula of an error of that size; by it as a bound, which needs all of the
@@ -282,6 +276,10 @@ mod tests {
         text.parse().unwrap()
     }
 
+    fn of_part_alone(part: Part) -> Meshing {
+        Meshing { part, pressure_angle: None, helix_angle: None, face_width: None }
+    }
+
     #[test]
     fn diameters() {
         let d = |m, z, beta: &str| reference_diameter(length(m), z, beta.parse().unwrap()).unwrap();
@@ -302,7 +300,7 @@ mod tests {
             teeth: Some(18),
             helix_angle: None,
         };
-        let meshing = Meshing { pressure_angle: Some("20".parse().unwrap()), ..Meshing::of(Part::Pinion) };
+        let meshing = Meshing { pressure_angle: Some("20".parse().unwrap()), ..of_part_alone(Part::Pinion) };
         let of = |kind, standard: Standard| {
             let permissible = standard.permissible(deviation_of(kind).unwrap(), 6, &wheel).unwrap();
             let total = total_of(kind, standard, 6, &wheel);
@@ -320,7 +318,7 @@ mod tests {
         let meshing = |part| Meshing {
             pressure_angle: Some("45".parse().unwrap()),
             face_width: Some(length("20")),
-            ..Meshing::of(part)
+            ..of_part_alone(part)
         };
         let of_part = |part, deviation| delta_cd(deviation, length("0.02"), &meshing(part), Model::Exact);
         let of_rack = |deviation| of_part(Part::Rack, deviation);
@@ -345,7 +343,7 @@ mod tests {
         for deviation in Deviation::ALL {
             assert_eq!(of_rack(deviation).is_ok(), effect(deviation).is_some(), "{deviation}");
         }
-        let bare = Meshing::of(Part::Rack);
+        let bare = of_part_alone(Part::Rack);
         assert_eq!(
             delta_cd(Deviation::SinglePitch, length("0.02"), &bare, Model::Exact).unwrap_err().to_string(),
             "it needs the normal pressure angle α_n"

@@ -4,15 +4,15 @@
 //! The result of many does not depend on the number of cores: strokes are dealt in blocks of fixed size, each solved from a
 //! fresh start.
 
+use std::convert::Infallible;
+
 use super::{Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
 /// Strokes to a block: long enough that starting one costs nothing, short enough to share out evenly. A rack that may roll
 /// is solved at many rolls for each stroke.
-const BLOCK: usize = 512;
-const ROLLING_BLOCK: usize = 16;
-/// What stands in memory until a stroke is solved.
-const UNSOLVED: Result<MeshPoint, MeshError> = Err(MeshError::StrokeOutOfDomain { stroke_mm: f64::NAN, limit_mm: 0.0 });
+const BLOCK: u64 = 512;
+const ROLLING_BLOCK: u64 = 16;
 
 impl Sampler<'_> {
     /// Solves one stroke. Near the last one it is faster; the result differs from a fresh start by rounding only.
@@ -40,15 +40,16 @@ impl Mesh {
     /// Solves many strokes on all cores.
     #[must_use]
     pub fn sample(&self, strokes_mm: &[f64]) -> Vec<Result<MeshPoint, MeshError>> {
-        let mut points = vec![UNSOLVED; strokes_mm.len()];
-        let block = self.strokes_to_a_block();
-        let blocks = strokes_mm.chunks(block).zip(points.chunks_mut(block));
-        parallel::deal(parallel::cores().min(blocks.len()), blocks, |(strokes, points)| {
-            let mut sampler = Sampler::new(self);
-            for (&stroke, point) in strokes.iter().zip(points) {
-                *point = sampler.at(stroke);
-            }
-        });
+        let mut points = Vec::with_capacity(strokes_mm.len());
+        let Ok(()) = self.sample_blocks(
+            strokes_mm.len() as u64,
+            |index| strokes_mm[index as usize],
+            |solved| solved.to_vec(),
+            |solved| -> Result<(), Infallible> {
+                points.extend(solved.into_iter().map(|(_, point)| point));
+                Ok(())
+            },
+        );
         points
     }
 
@@ -64,7 +65,10 @@ impl Mesh {
         make: impl Fn(&[(f64, Result<MeshPoint, MeshError>)]) -> T + Sync,
         take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
-        let block = self.strokes_to_a_block() as u64;
+        let block = match self.support() {
+            Support::Fixed => BLOCK,
+            Support::FreeRoll { .. } => ROLLING_BLOCK,
+        };
         let make_block = |index: u64| {
             let mut sampler = Sampler::new(self);
             let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
@@ -72,13 +76,6 @@ impl Mesh {
             make(&points)
         };
         parallel::in_order(parallel::cores(), count.div_ceil(block), make_block, take)
-    }
-
-    fn strokes_to_a_block(&self) -> usize {
-        match self.support() {
-            Support::Fixed => BLOCK,
-            Support::FreeRoll { .. } => ROLLING_BLOCK,
-        }
     }
 }
 
@@ -149,6 +146,6 @@ mod tests {
         let solved = std::sync::atomic::AtomicUsize::new(0);
         let count = |points: &[_]| solved.fetch_add(points.len(), std::sync::atomic::Ordering::Relaxed);
         assert_eq!(mesh.sample_blocks(u64::MAX, |_| 1.0, count, |_| Err("enough")), Err("enough"));
-        assert!(solved.into_inner() <= BLOCK * parallel::HELD * parallel::cores());
+        assert!(solved.into_inner() <= BLOCK as usize * parallel::HELD * parallel::cores());
     }
 }

@@ -142,10 +142,4 @@ impl Propagation {
         };
         Some(self.spreads.ends(error, result))
     }
-
-    /// Errors whose ΔCD is so near to zero that nothing linear describes it.
-    #[must_use]
-    pub fn folded(&self) -> &[DeviationKind] {
-        &self.upper.folded
-    }
 }
