@@ -204,6 +204,12 @@ fn own_field(text: &str, name: &str, own: &[(String, Field)]) -> Option<Field> {
         .or_else(|| with(&|own| same(&split_unit(own).0, name)))
 }
 
+/// A text without its unit and its number in a list.
+fn name_of(text: &str) -> String {
+    let (name, _) = split_unit(bare(text));
+    without_ordinal(&name).to_owned()
+}
+
 /// A name without its number in a list: `003 Pitch error`, `12. Rollenmaß`, `#4 fp`, `Pos. 3 Rollenmaß`.
 fn without_ordinal(name: &str) -> &str {
     let name = name.trim();

@@ -2,10 +2,9 @@
 
 use super::letters::joined;
 use super::role::{is_statistic, role};
-use super::unit::split_unit;
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
 use super::words::Words;
-use super::{Field, bare, has_total_pitch, heading, needs_part, of_pinion, of_rack, without_ordinal};
+use super::{Field, has_total_pitch, heading, name_of, needs_part, of_pinion, of_rack};
 use crate::deviation::DeviationKind;
 
 /// The longest known phrase, in words.
@@ -84,11 +83,6 @@ pub(crate) fn is_gear_size(text: &str) -> bool {
 
 const fn is_of_context(sense: Sense) -> bool {
     matches!(sense, Sense::Context | Sense::Gear | Sense::Alone([Field::PartId]))
-}
-
-pub(super) fn name_of(text: &str) -> String {
-    let (name, _) = split_unit(bare(text));
-    without_ordinal(&name).to_owned()
 }
 
 /// Whether it says nothing of what was measured.

@@ -1,11 +1,10 @@
 //! What the columns of a table with a row per characteristic hold, as measuring programs call them.
 
 use super::letters::joined;
-use super::near::name_of;
 use super::unit::split_unit;
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList};
 use super::words::Words;
-use super::{Field, bare};
+use super::{Field, bare, name_of};
 
 /// What a heading of a table with a row per characteristic says; `None` for what is none of it, as a column of values
 /// that is called after its part (`Teil 1`).
