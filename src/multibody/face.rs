@@ -156,7 +156,7 @@ impl Face {
 
     fn met(&self, on: &OnFace, force: f64, by_depth: f64) -> Touching {
         let &OnFace { gap, weight, by_angle, by_roll, .. } = on;
-        Touching { gap, by_angle, by_height: self.by_height, by_roll, weight, force, by_depth }
+        Touching { gap, by: [by_angle, self.by_height, by_roll], weight, force, by_depth }
     }
 
     /// Adds the sums to the load.

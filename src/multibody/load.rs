@@ -42,25 +42,12 @@ pub(super) struct Sliding {
 pub(super) struct Touching {
     pub(super) gap: f64,
     /// Its derivatives by ψ, a and φ.
-    pub(super) by_angle: f64,
-    pub(super) by_height: f64,
-    pub(super) by_roll: f64,
+    pub(super) by: [f64; 3],
     /// Share of a whole element.
     pub(super) weight: f64,
     /// Its force, N, and the force's derivative by the penetration, N/mm; 0 if it does not touch.
     pub(super) force: f64,
     pub(super) by_depth: f64,
-}
-
-/// A sphere that may touch: below the plane, or near it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NearSphere {
-    pub(super) gap: f64,
-    /// Of the angle by which its row is turned.
-    pub(super) sin: f64,
-    pub(super) cos: f64,
-    pub(super) row: usize,
-    pub(super) node: usize,
 }
 
 /// What evaluations share: counters and memory.
@@ -71,8 +58,6 @@ pub(super) struct Work {
     /// Elements of the last evaluation that a step may make touch: those whose gaps are below `margin`, mm.
     pub(super) near: Vec<Touching>,
     pub(super) margin: f64,
-    /// Memory for the spheres of one flank pair.
-    pub(super) found: Vec<NearSphere>,
 }
 
 impl Work {
@@ -82,7 +67,7 @@ impl Work {
     pub(super) fn bend(&self, law: &Law, step: &[f64; 3]) -> Bend {
         let (mut rest, mut harder) = ([0.0; 3], [0.0; 6]);
         for element in self.touching.0.iter().flatten().chain(&self.near) {
-            let g = [element.by_angle, element.by_height, element.by_roll];
+            let g = element.by;
             let opening = dot(&g, step);
             let depth = -(element.gap + opening);
             let after = if depth > 0.0 { law.force(depth, 0.0) } else { Force::default() };
@@ -120,13 +105,13 @@ impl Touchings {
         let (Some(mut right), Some(mut left)) = (deepest(&self.0[0]), deepest(&self.0[1])) else { return 0.0 };
         let mut rise = 0.0;
         for _ in 0..EXCHANGES {
-            let det = right.by_angle * left.by_height - left.by_angle * right.by_height;
+            let det = right.by[0] * left.by[1] - left.by[0] * right.by[1];
             if det == 0.0 {
                 return rise;
             }
-            let turn = (left.gap * right.by_height - right.gap * left.by_height) / det;
-            rise = (right.gap * left.by_angle - left.gap * right.by_angle) / det;
-            let after = |t: &Touching| t.gap + t.by_angle * turn + t.by_height * rise;
+            let turn = (left.gap * right.by[1] - right.gap * left.by[1]) / det;
+            rise = (right.gap * left.by[0] - left.gap * right.by[0]) / det;
+            let after = |t: &Touching| t.gap + t.by[0] * turn + t.by[1] * rise;
             let mut exchanged = false;
             for (side, kept) in self.0.iter().zip([&mut right, &mut left]) {
                 let (mut lowest, mut worst) = (after(kept) - 1e-12, None);
@@ -203,8 +188,7 @@ impl Load<'_> {
         sum.contacts += 1;
         sum.penetration = sum.penetration.max(depth);
         sum.note_tooth(tooth);
-        let touching =
-            Touching { gap: *gap, by_angle: g[0], by_height: g[1], by_roll: g[2], weight: *weight, force: f, by_depth };
+        let touching = Touching { gap: *gap, by: [g[0], g[1], g[2]], weight: *weight, force: f, by_depth };
         self.work.touching.0[usize::from(!right)].push(touching);
         if let Some((mu, fade)) = self.law.friction {
             self.work.counters.friction_evaluations += 1;

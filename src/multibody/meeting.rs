@@ -19,7 +19,6 @@ pub(super) struct Meeting<'a> {
 
 /// A row of the pinion's flank in a position.
 pub(super) struct PlacedRow<'a> {
-    pub(super) index: usize,
     pub(super) row: &'a Row,
     /// Roll angle at which it crosses the contact line.
     pub(super) crossing: f64,
@@ -47,15 +46,13 @@ impl<'a> Meeting<'a> {
         let range = if reach.cull { row_range(template, &placed, reach.polar) } else { 0..rows.len() };
         let line = placed.nu - placed.c;
         let (sin_c, cos_c) = trig::sin_cos(placed.c);
-        range.map(move |index| (index, &rows[index])).filter(move |(_, row)| !(reach.cull && bound.clears(row.w))).map(
-            move |(index, row)| PlacedRow {
-                index,
-                row,
-                crossing: line + template.kappa * row.w,
-                sin: sin_c * row.cos - cos_c * row.sin,
-                cos: cos_c * row.cos + sin_c * row.sin,
-            },
-        )
+        let rows = rows[range].iter().filter(move |row| !(reach.cull && bound.clears(row.w)));
+        rows.map(move |row| PlacedRow {
+            row,
+            crossing: line + template.kappa * row.w,
+            sin: sin_c * row.cos - cos_c * row.sin,
+            cos: cos_c * row.cos + sin_c * row.sin,
+        })
     }
 
     /// Whether a row's contact line lies so little before the profile's start that the rack's tip tells what is clear.

@@ -5,9 +5,9 @@
 use super::closest;
 use super::face::{Face, OnFace};
 use super::flank::Patch;
-use super::load::{Element, Load, NearSphere, Sliding};
+use super::load::{Element, Load, Sliding};
 use super::meeting::{Meeting, PlacedRow};
-use super::template::{EARLY, Node, Phase, Row, Template};
+use super::template::{EARLY, Node, Phase, Template};
 use crate::linear::dot;
 
 struct Plane {
@@ -25,35 +25,13 @@ impl Plane {
 
 /// Adds the contacts of one flank pair.
 pub(super) fn touch(meeting: &Meeting<'_>, load: &mut Load<'_>) {
-    let Meeting { pair, template, reach, placed, .. } = meeting;
-    let mut found = std::mem::take(&mut load.work.found);
-    found.clear();
-    find(meeting, &mut found, load);
+    let Meeting { pair, template, reach, placed, bound, .. } = meeting;
     let n_y = placed.n_w * placed.cos_shaft - placed.n_xi * placed.sin_shaft;
     let mut face = Face::new(load, (pair.right, pair.rack_tooth), [placed.n_zeta, placed.sign * pair.normal[0], n_y]);
-    for found in &found {
-        let row = &template.rows[found.row];
-        let sphere = Sphere::new(template, row, found);
-        let done = if reach.rolls {
-            sphere.touch_plane::<true>(meeting, &mut face, load)
-        } else {
-            sphere.touch_plane::<false>(meeting, &mut face, load)
-        };
-        if !done {
-            sphere.touch_patch(meeting, load);
-        }
-    }
-    face.close(load);
-    load.work.found = found;
-}
-
-/// Finds the spheres of one flank pair that are below the rack flank's plane, or near it.
-fn find(meeting: &Meeting<'_>, found: &mut Vec<NearSphere>, load: &mut Load<'_>) {
-    let Meeting { template, reach, placed, bound, .. } = meeting;
     let plain = meeting.is_plain();
     let margin = if plain { reach.margin.max(0.0) } else { 0.0 };
     for placed_row in meeting.rows() {
-        let PlacedRow { index, row, crossing, sin, cos } = placed_row;
+        let PlacedRow { row, crossing, sin, cos } = placed_row;
         let plane = Plane {
             nx: placed.n_xi * cos + placed.n_zeta * sin,
             ny: placed.n_zeta * cos - placed.n_xi * sin,
@@ -72,13 +50,14 @@ fn find(meeting: &Meeting<'_>, found: &mut Vec<NearSphere>, load: &mut Load<'_>)
             load.work.counters.spheres_tested += nodes.len() as u64;
             (0, nodes.len())
         };
-        for (node, station) in (from..).zip(&nodes[from..to]) {
-            let gap = plane.depth(station);
+        for node in &nodes[from..to] {
+            let gap = plane.depth(node);
             if gap < margin {
-                found.push(NearSphere { gap, sin, cos, row: index, node });
+                Sphere::new(template, &placed_row, node, gap).touch(meeting, &mut face, load);
             }
         }
     }
+    face.close(load);
 }
 
 impl Meeting<'_> {
@@ -151,9 +130,7 @@ struct Sphere {
 }
 
 impl Sphere {
-    fn new(template: &Template, row: &Row, found: &NearSphere) -> Self {
-        let NearSphere { gap, sin, cos, .. } = *found;
-        let node = &template.phases[row.phase].nodes[found.node];
+    fn new(template: &Template, &PlacedRow { row, sin, cos, .. }: &PlacedRow<'_>, node: &Node, gap: f64) -> Self {
         Self {
             gap,
             radius: node.radius,
@@ -164,6 +141,18 @@ impl Sphere {
                 node.xi * sin + node.zeta * cos,
                 row.w + node.radius * template.sin_base,
             ],
+        }
+    }
+
+    /// Adds the contact.
+    fn touch(&self, meeting: &Meeting<'_>, face: &mut Face, load: &mut Load<'_>) {
+        let done = if meeting.reach.rolls {
+            self.touch_plane::<true>(meeting, face, load)
+        } else {
+            self.touch_plane::<false>(meeting, face, load)
+        };
+        if !done {
+            self.touch_patch(meeting, load);
         }
     }
 
