@@ -35,38 +35,45 @@ pub enum PairSize {
 }
 
 impl PairSize {
+    /// Its name, its unit and its key in a spec.
+    const fn facts(self) -> [&'static str; 3] {
+        match self {
+            Self::NormalModule => ["normal module", "mm", "pair.normal_module"],
+            Self::NormalPressureAngle => ["normal pressure angle", "rad", "pair.normal_pressure_angle"],
+            Self::RackHelixAngle => ["rack helix angle", "rad", "rack.helix_angle"],
+            Self::RackFaceWidth => ["rack face width", "mm", "rack.face_width"],
+            Self::RackAddendum => ["rack addendum", "mm", "rack.addendum"],
+            Self::RackToothThickness => ["rack tooth thickness", "mm", "rack.tooth_thickness"],
+            Self::PinionTeeth => ["pinion number of teeth", "", "pinion.teeth"],
+            Self::PinionHelixAngle => ["pinion helix angle", "rad", "pinion.helix_angle"],
+            Self::PinionProfileShift => ["pinion profile shift", "", "pinion.profile_shift"],
+            Self::PinionTipDiameter => ["pinion tip diameter", "mm", "pinion.tip_diameter"],
+            Self::PinionRootFormDiameter => ["pinion root form diameter", "mm", "pinion.root_form_diameter"],
+            Self::PinionFaceWidth => ["pinion face width", "mm", "pinion.face_width"],
+            Self::PinionToothThicknessDeviation => {
+                ["pinion tooth thickness deviation", "mm", "pinion.tooth_thickness_deviation"]
+            }
+        }
+    }
+
     /// The name that people read.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::NormalModule => "normal module",
-            Self::NormalPressureAngle => "normal pressure angle",
-            Self::RackHelixAngle => "rack helix angle",
-            Self::RackFaceWidth => "rack face width",
-            Self::RackAddendum => "rack addendum",
-            Self::RackToothThickness => "rack tooth thickness",
-            Self::PinionTeeth => "pinion number of teeth",
-            Self::PinionHelixAngle => "pinion helix angle",
-            Self::PinionProfileShift => "pinion profile shift",
-            Self::PinionTipDiameter => "pinion tip diameter",
-            Self::PinionRootFormDiameter => "pinion root form diameter",
-            Self::PinionFaceWidth => "pinion face width",
-            Self::PinionToothThicknessDeviation => "pinion tooth thickness deviation",
-        }
+        self.facts()[0]
     }
 
     /// The unit its values are in: `mm`, `rad` or nothing.
     #[must_use]
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::NormalPressureAngle | Self::RackHelixAngle | Self::PinionHelixAngle => "rad",
-            Self::PinionTeeth | Self::PinionProfileShift => "",
-            _ => "mm",
-        }
+        self.facts()[1]
     }
-}
 
-impl PairSize {
+    /// Its key in a spec: `pair.normal_module`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        self.facts()[2]
+    }
+
     /// A value of it, with its unit; angles in degrees.
     fn shown(self, value: f64) -> String {
         match self.unit() {

@@ -400,35 +400,17 @@ impl Spec {
 
     /// Geometry that cannot mesh, with the place of the value to blame.
     fn bad_geometry(&self, error: &GeometryError) -> Diagnostic {
-        let span = match error {
-            GeometryError::OutOfDomain { quantity, .. } => self.span_of(*quantity),
-            GeometryError::PointedRack { .. } => self.span_of(PairSize::RackAddendum),
-            GeometryError::NoRackSpace { .. } => self.span_of(PairSize::RackToothThickness),
-            GeometryError::PointedPinion { .. } => self.span_of(PairSize::PinionTipDiameter),
-            GeometryError::NoInvolute { .. } => self.span_of(PairSize::PinionRootFormDiameter),
+        let quantity = match error {
+            GeometryError::OutOfDomain { quantity, .. } => *quantity,
+            GeometryError::PointedRack { .. } => PairSize::RackAddendum,
+            GeometryError::NoRackSpace { .. } => PairSize::RackToothThickness,
+            GeometryError::PointedPinion { .. } => PairSize::PinionTipDiameter,
+            GeometryError::NoInvolute { .. } => PairSize::PinionRootFormDiameter,
         };
         let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string());
-        match span {
-            Some(span) => diagnostic.at(&self.source, span, ""),
+        match self.values.at(quantity.key()) {
+            Some(written) => diagnostic.at(&self.source, written.span.clone(), ""),
             None => diagnostic,
-        }
-    }
-
-    fn span_of(&self, quantity: PairSize) -> Option<Range<usize>> {
-        match quantity {
-            PairSize::NormalModule => self.place(keys::PAIR_NORMAL_MODULE),
-            PairSize::NormalPressureAngle => self.place(keys::PAIR_NORMAL_PRESSURE_ANGLE),
-            PairSize::RackHelixAngle => self.place(keys::RACK_HELIX_ANGLE),
-            PairSize::RackFaceWidth => self.place(keys::RACK_FACE_WIDTH),
-            PairSize::RackAddendum => self.place(keys::RACK_ADDENDUM),
-            PairSize::RackToothThickness => self.place(keys::RACK_TOOTH_THICKNESS),
-            PairSize::PinionTeeth => self.place(keys::PINION_TEETH),
-            PairSize::PinionHelixAngle => self.place(keys::PINION_HELIX_ANGLE),
-            PairSize::PinionProfileShift => self.place(keys::PINION_PROFILE_SHIFT),
-            PairSize::PinionTipDiameter => self.place(keys::PINION_TIP_DIAMETER),
-            PairSize::PinionRootFormDiameter => self.place(keys::PINION_ROOT_FORM_DIAMETER),
-            PairSize::PinionFaceWidth => self.place(keys::PINION_FACE_WIDTH),
-            PairSize::PinionToothThicknessDeviation => self.place(keys::PINION_TOOTH_THICKNESS_DEVIATION),
         }
     }
 }
