@@ -316,12 +316,6 @@ impl Tally {
     }
 }
 
-fn fill(column: &mut [f64], mut value: impl FnMut() -> f64) {
-    for x in column {
-        *x = value();
-    }
-}
-
 /// Fills the columns of `inputs` with draws.
 fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs: &mut [Vec<f64>], scratch: &mut [f64]) {
     for ((value, uncertainty), column) in variables.variables.iter().zip(inputs.iter_mut()) {
@@ -330,17 +324,17 @@ fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs:
         match uncertainty.distribution {
             // correlated variables are scaled after they are combined
             Distribution::Normal if variables.factor.is_some() && uncertainty.dof.is_infinite() => {
-                fill(column, || random.normal(ziggurat));
+                column.fill_with(|| random.normal(ziggurat));
             }
             Distribution::Normal if uncertainty.dof.is_finite() => {
-                fill(column, || value + u * random.student(uncertainty.dof));
+                column.fill_with(|| value + u * random.student(uncertainty.dof));
             }
-            Distribution::Normal => fill(column, || value + u * random.normal(ziggurat)),
+            Distribution::Normal => column.fill_with(|| value + u * random.normal(ziggurat)),
             Distribution::Rectangular => {
-                fill(column, || value + half * (2.0 * random.uniform() - 1.0));
+                column.fill_with(|| value + half * (2.0 * random.uniform() - 1.0));
             }
-            Distribution::Triangular => fill(column, || value + half * random.triangular()),
-            Distribution::Arcsine => fill(column, || value + half * random.arcsine()),
+            Distribution::Triangular => column.fill_with(|| value + half * random.triangular()),
+            Distribution::Arcsine => column.fill_with(|| value + half * random.arcsine()),
         }
     }
     let Some(factor) = &variables.factor else { return };
