@@ -130,7 +130,8 @@ struct Sphere {
 }
 
 impl Sphere {
-    fn new(template: &Template, &PlacedRow { row, sin, cos, .. }: &PlacedRow<'_>, node: &Node, gap: f64) -> Self {
+    fn new(template: &Template, placed: &PlacedRow<'_>, node: &Node, gap: f64) -> Self {
+        let &PlacedRow { row, sin, cos, .. } = placed;
         Self {
             gap,
             radius: node.radius,
