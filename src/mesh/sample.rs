@@ -44,7 +44,7 @@ impl Mesh {
         let Ok(()) = self.sample_blocks(
             strokes_mm.len() as u64,
             |index| strokes_mm[index as usize],
-            |solved| solved.to_vec(),
+            <[_]>::to_vec,
             |solved| -> Result<(), Infallible> {
                 points.extend(solved.into_iter().map(|(_, point)| point));
                 Ok(())
