@@ -315,6 +315,7 @@ pub fn evaluate(
 
 /// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one
 /// could not be judged; indeterminate if any is; else pass.
+#[inline]
 pub(crate) fn overall(verdicts: impl Iterator<Item = Option<Verdict>>) -> Option<Verdict> {
     let worse = |a: Option<Verdict>, b: Option<Verdict>| match (a, b) {
         (Some(Verdict::Fail), _) | (_, Some(Verdict::Fail)) => Some(Verdict::Fail),

@@ -2,34 +2,21 @@
 //! it blocks; where their columns are from, it does not know.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::layout::Layout;
 use super::outcome::{KeptPart, Part, Problem, Tally, WORST, keep_worst};
 use super::plan::Plan;
 use super::request::Rows;
-use super::results::{Margin, Refusals, Results, spread_of};
+use super::results::{Margin, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
 use super::statistics::Statistics;
 use crate::deviation::DeviationValue;
 use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::{Length, shown};
+use crate::quantity::shown;
 use crate::table::{Block, Fault};
-use crate::uncertainty::Spreads;
-
-/// Rows that are evaluated together: their columns stay near at hand.
-const TOGETHER: usize = 512;
-
-/// Results of a block that are not in the statistics yet, of one quantity.
-#[derive(Default)]
-struct Uncounted {
-    results: Vec<Length>,
-    /// What measuring contributes to the variance of each.
-    gauges_mm2: Vec<f64>,
-}
 
 /// Evaluates the rows of blocks.
 pub(super) struct Evaluator<'a> {
@@ -41,8 +28,8 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
-    /// What of the block belongs there, once it is known to count.
-    uncounted: Vec<Uncounted>,
+    /// The results of the last block, which belong there once it is known to count.
+    results: Option<Results<'a>>,
     /// The errors on the teeth that their extents allow.
     errors: ChangingErrors<'a>,
     /// Which deviations are not suspicious.
@@ -62,7 +49,7 @@ impl<'a> Evaluator<'a> {
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: vec![Statistics::default(); quantities],
-            uncounted: (0..quantities).map(|_| Uncounted::default()).collect(),
+            results: None,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
@@ -73,10 +60,7 @@ impl<'a> Evaluator<'a> {
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
         self.written.clear();
         self.rejects.clear();
-        for uncounted in &mut self.uncounted {
-            uncounted.results.clear();
-            uncounted.gauges_mm2.clear();
-        }
+        self.results = None;
         self.tally.clear(self.plan.followed.len());
         self.tally.lines = block.line_count;
         self.tally.records = block.record_count;
@@ -89,17 +73,12 @@ impl<'a> Evaluator<'a> {
         for (doubted, column) in self.tally.doubted.iter_mut().zip(&self.layout.columns) {
             *doubted = column.map_or(0, |column| self.usual.doubted(block.values(column)));
         }
-        let columns = self.columns(block);
-        for first in (0..block.rows()).step_by(TOGETHER) {
-            let rows = first..block.rows().min(first + TOGETHER);
-            let refusals = refusals(block, &rows);
-            let deviations: Vec<_> = columns.iter().map(|column| &column[rows.clone()]).collect();
-            let results = Results::new(self.plan, self.layout, refusals, &deviations, &self.errors);
-            self.take(&results, Row { block, index: first, records_before });
-            let counts = &self.tally.counts;
-            if self.plan.request.strict && counts.rejected > 0 && counts.rows < block.rows() as u64 {
-                return;
-            }
+        let results = Results::new(self.plan, self.layout, block, &self.columns(block), &self.errors);
+        self.take(&results, Row { block, index: 0, records_before });
+        self.results = Some(results);
+        if self.tally.counts.rows < block.rows() as u64 {
+            // in strict mode a refused row is the last
+            return;
         }
         self.write_no_parts(block, block.record_count);
         if keeps_names {
@@ -135,35 +114,37 @@ impl<'a> Evaluator<'a> {
         values.collect()
     }
 
-    /// Takes the results of some rows, of which this is the first.
+    /// Takes the results of a block, of whose rows this is the first.
     fn take(&mut self, results: &Results<'_>, first: Row<'_>) {
-        if self.plan.request.statistics {
-            self.count(results);
-        }
-        for (index, refusal) in results.refusals.iter().enumerate() {
-            let row = Row { index: first.index + index, ..first };
-            self.write_no_parts(row.block, row.record() - 1);
-            self.tally.counts.rows += 1;
-            match refusal {
-                Some(refusal) => self.refuse(row, refusal),
-                None => self.take_part(row, results, index),
+        for rows in results.runs() {
+            let refused = rows.end;
+            for index in rows {
+                self.take_part(Row { index, ..first }, results);
             }
+            if let Some(refusal) = results.refusals.get(&refused) {
+                self.refuse(Row { index: refused, ..first }, refusal);
+            }
+        }
+        for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
+            results.all_of(output).into_iter().for_each(|result| moving.add(result));
         }
     }
 
-    /// Takes a part, whose results are in that row of them.
+    /// Takes a part.
     #[inline]
-    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>, index: usize) {
-        let verdict = results.verdicts[index];
-        if self.plan.request.rows.has(verdict) {
-            self.written.row(Some(row), &WrittenRow::Part { results, row: index });
-        }
+    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>) {
+        let verdict = results.verdicts[row.index];
+        self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
+        if self.plan.request.rows.has(verdict) {
+            self.write_no_parts(row.block, row.record() - 1);
+            self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
+        }
         let is_failure = self.keeps_failure(verdict);
         if !is_failure && !self.plan.request.statistics {
             return;
         }
-        let margin = results.margin(index);
+        let margin = results.margin(row.index);
         let worst = &self.tally.worst;
         let is_worst = worst.len() < WORST || worst.last().is_some_and(|last| margin.inside_by < last.margin);
         if self.plan.request.statistics && is_worst {
@@ -178,30 +159,13 @@ impl<'a> Evaluator<'a> {
 
     /// Takes the block into the statistics: a block behind the end of the run does not count.
     pub(super) fn count_block(&mut self) {
-        for (statistics, uncounted) in self.statistics.iter_mut().zip(&self.uncounted) {
-            statistics.add(&uncounted.results);
-            uncounted.gauges_mm2.iter().for_each(|gauge| statistics.add_gauge(*gauge));
-        }
-    }
-
-    /// Keeps results for the statistics.
-    fn count(&mut self, results: &Results<'_>) {
-        for (uncounted, output) in self.uncounted.iter_mut().zip(self.plan.quantities()) {
-            uncounted.results.extend(results.all_of(output));
-        }
-        for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            results.all_of(output).for_each(|result| moving.add(result));
-        }
-        for known in results.parts().filter_map(|row| results.uncertainty(row)) {
-            self.add_gauge(&known.spreads);
-        }
-    }
-
-    /// Keeps what measuring contributes to the variance of each result.
-    fn add_gauge(&mut self, spreads: &Spreads) {
-        for (uncounted, output) in self.uncounted.iter_mut().zip(self.plan.quantities()) {
-            let spread = self.plan.spread_of(output).and_then(|of| spread_of(self.plan, spreads, of));
-            uncounted.gauges_mm2.extend(spread.map(|spread| spread.gauge_mm2));
+        let Some(results) = self.results.take() else { return };
+        for (statistics, output) in self.statistics.iter_mut().zip(self.plan.quantities()) {
+            statistics.add(&results.all_of(output));
+            if let Some(of) = self.plan.spread_of(output) {
+                let spreads = results.uncertainties().filter_map(|known| spread_of(self.plan, &known.spreads, of));
+                spreads.for_each(|spread| statistics.add_gauge(spread.gauge_mm2));
+            }
         }
     }
 
@@ -227,8 +191,10 @@ impl<'a> Evaluator<'a> {
 
     /// A row with a cell that is no value, that is no row at all, or whose values have no results.
     fn refuse(&mut self, row: Row<'_>, Fault { column, text, message, .. }: &Fault) {
+        self.tally.counts.rows += 1;
         self.tally.counts.rejected += 1;
         if self.plan.request.rows == Rows::Every {
+            self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::None { reason: message });
         }
         self.keep_raw(row.block, row.index);
@@ -254,14 +220,4 @@ impl<'a> Evaluator<'a> {
             self.rejects.push(b'\n');
         }
     }
-}
-
-/// Why rows of a block are refused that have a cell that is no value, or are no rows at all: the first reason of each.
-fn refusals(block: &Block, rows: &Range<usize>) -> Refusals {
-    let mut refusals: Refusals = rows.clone().map(|_| None).collect();
-    let first = block.faults().partition_point(|fault| fault.row < rows.start);
-    for fault in block.faults()[first..].iter().take_while(|fault| fault.row < rows.end) {
-        refusals[fault.row - rows.start].get_or_insert_with(|| Box::new(fault.clone()));
-    }
-    refusals
 }

@@ -1,5 +1,9 @@
-//! The results of some rows of a block, column by column, and what they say about the limits. Called by the evaluator of
+//! The results of the rows of a block, column by column, and what they say about the limits. Called by the evaluator of
 //! blocks; `eval` combines and judges by the same functions.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::ops;
 
 use super::layout::Layout;
 use super::output::{Output, UncertainOutput};
@@ -14,18 +18,20 @@ use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Ends};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
-use crate::table::Fault;
+use crate::table::{Block, Fault};
 use crate::trig;
 use crate::uncertainty::{Spread, Spreads};
 
-/// The results of some rows.
+/// The results of the rows of a block.
 pub(super) struct Results<'a> {
     plan: &'a Plan,
     layout: &'a Layout,
-    /// Why a row makes no part.
-    pub(super) refusals: Refusals,
+    /// How many rows there are.
+    rows: usize,
+    /// Why rows make no part, by row; nothing else of such a row counts.
+    pub(super) refusals: BTreeMap<usize, Box<Fault>>,
     /// ΔCD of each kind of error, by its number.
-    each: [Vec<Option<Length>>; KINDS],
+    each: [Vec<Length>; KINDS],
     /// What each can do alone, where that is held against a limit.
     alone: [Vec<Option<Interval>>; KINDS],
     range: Vec<Option<Interval>>,
@@ -37,9 +43,6 @@ pub(super) struct Results<'a> {
     pub(super) verdicts: Vec<Option<Verdict>>,
 }
 
-/// By row, why it makes no part.
-pub(super) type Refusals = Vec<Option<Box<Fault>>>;
-
 /// How far a part is inside the nearest limit, which that is, and what is held against it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Margin {
@@ -49,9 +52,14 @@ pub(super) struct Margin {
 }
 
 /// What is wrong with a row; `column` is to blame, if one is.
-#[cold]
 fn fault(column: Option<usize>, message: String) -> Fault {
     Fault { row: 0, column, is_missing: false, text: String::new(), message }
+}
+
+/// What is wrong with what follows from the values of a row: `what`, of the column that is to blame, if one is.
+#[cold]
+fn no_result(what: &str, column: Option<usize>, problem: impl Into<DomainError>) -> Fault {
+    fault(column, format!("{what}: {}", problem.into()))
 }
 
 /// The value of an error as the bound takes it, mm or rad.
@@ -60,30 +68,38 @@ fn plain_value(value: DeviationValue) -> f64 {
     match value {
         DeviationValue::Length(length) => length.mm(),
         DeviationValue::Angle(angle) => angle.radians(),
-        DeviationValue::Slope(slope) => trig::atan(slope),
+        DeviationValue::Slope(slope) => angle_of(slope),
     }
+}
+
+#[inline(never)]
+fn angle_of(slope: f64) -> f64 {
+    trig::atan(slope)
 }
 
 /// The nearest decimals of a range; nothing of one that is open.
 #[inline]
 fn nearest(range: Result<Range, NoBound>) -> Result<Option<Interval>, QuantityError> {
-    range.ok().map(Interval::nearest).transpose()
+    let Ok(range) = range else { return Ok(None) };
+    Interval::nearest(range).map(Some)
 }
 
 impl<'a> Results<'a> {
     /// The results of the deviations, a column per source of the plan, but for rows that are refused already. What has no
-    /// bound is left out.
+    /// bound is left out. In strict mode nothing behind the first refused row counts.
     pub(super) fn new(
         plan: &'a Plan,
         layout: &'a Layout,
-        refusals: Refusals,
-        deviations: &[&[DeviationValue]],
+        block: &Block,
+        deviations: &[Cow<'_, [DeviationValue]>],
         errors: &ChangingErrors<'_>,
     ) -> Self {
         let mut results = Self {
             plan,
             layout,
-            refusals,
+            rows: block.rows(),
+            // of several faults of a row the first counts
+            refusals: block.faults().iter().rev().map(|fault| (fault.row, Box::new(fault.clone()))).collect(),
             each: Default::default(),
             alone: Default::default(),
             range: Vec::new(),
@@ -99,32 +115,38 @@ impl<'a> Results<'a> {
         if let Some(uncertain) = &plan.uncertain {
             results.uncertainties = results.by_row(|results, row| {
                 let deviations: Vec<_> = deviations.iter().map(|column| column[row]).collect();
-                let delta_cd = |kind: DeviationKind| results.each[kind as usize][row].unwrap_or_default();
+                let delta_cd = |kind: DeviationKind| results.each[kind as usize].get(row).copied().unwrap_or_default();
                 let known = uncertain.of_row(&plan.sources, &deviations, delta_cd, &plan.limits);
-                known.map(Some).map_err(|error| fault(None, error.to_string()))
+                known.map(Some).map_err(|error| Box::new(fault(None, error.to_string())))
             });
         }
         results.verdicts = results.by_row(Self::judge);
-        if plan.request.strict {
-            let first = results.refusals.iter().position(Option::is_some);
-            results.refusals.truncate(first.map_or(usize::MAX, |first| first + 1));
+        if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
+            results.rows = first + 1;
+            results.refusals.split_off(&results.rows);
         }
         results
     }
 
+    /// The rows that are parts: those between two that are refused.
+    pub(super) fn runs(&self) -> impl Iterator<Item = ops::Range<usize>> {
+        let mut next = 0;
+        self.refusals.keys().copied().chain([self.rows]).map(move |end| std::mem::replace(&mut next, end + 1)..end)
+    }
+
     /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
-    #[inline]
-    fn by_row<T: Default, C: FromIterator<T>>(&mut self, of: impl Fn(&Self, usize) -> Result<T, Fault>) -> C {
-        let mut refusals = std::mem::take(&mut self.refusals);
-        let come_to = |(row, refusal): (usize, &mut Option<Box<Fault>>)| match refusal {
-            Some(_) => T::default(),
-            None => of(self, row).unwrap_or_else(|reason| {
-                *refusal = Some(Box::new(reason));
-                T::default()
-            }),
-        };
-        let column = refusals.iter_mut().enumerate().map(come_to).collect();
-        self.refusals = refusals;
+    fn by_row<T: Default>(&mut self, mut of: impl FnMut(&Self, usize) -> Result<T, Box<Fault>>) -> Vec<T> {
+        let (mut column, mut refused) = (Vec::with_capacity(self.rows), Vec::new());
+        for rows in self.runs() {
+            column.resize_with(rows.start, T::default);
+            column.extend(rows.map(|row| {
+                of(self, row).unwrap_or_else(|reason| {
+                    refused.push((row, reason));
+                    T::default()
+                })
+            }));
+        }
+        self.refusals.extend(refused);
         column
     }
 
@@ -133,30 +155,37 @@ impl<'a> Results<'a> {
         let plan = self.plan;
         let (source, column) = (&plan.sources[index], self.layout.columns[index]);
         let kind = source.law.kind();
-        let refused = |problem: DomainError| fault(column, format!("{}: {problem}", kind.name()));
-        self.each[kind as usize] =
-            self.by_row(|_, row| source.law.delta_cd(deviations[row], plan.request.model).map(Some).map_err(refused));
+        self.each[kind as usize] = self.by_row(|_, row| {
+            let delta_cd = source.law.delta_cd(deviations[row], plan.request.model);
+            delta_cd.map_err(|problem| Box::new(no_result(kind.name(), column, problem)))
+        });
         if source.is_limited {
             self.alone[kind as usize] = self.by_row(|_, row| {
                 let error = source.extended.with_value(plain_value(deviations[row]));
-                nearest(plan.basis.alone(&error).map(ErrorRange::alone)).map_err(|problem| refused(problem.into()))
+                let range = nearest(plan.basis.alone(&error).map(ErrorRange::alone));
+                range.map_err(|problem| Box::new(no_result(kind.name(), column, problem)))
             });
         }
     }
 
     /// What all errors do together.
-    fn take_sums(&mut self, deviations: &[&[DeviationValue]], errors: &ChangingErrors<'_>) {
+    fn take_sums(&mut self, deviations: &[Cow<'_, [DeviationValue]>], errors: &ChangingErrors<'_>) {
         let plan = self.plan;
         let values = |row: usize| deviations.iter().map(move |column| plain_value(column[row]));
         if plan.needs_range || plan.needs_rss {
-            (self.range, self.rss) = self.by_row(|_, row| {
+            let (mut range, mut rss) = (vec![None; self.rows], vec![None; self.rows]);
+            let refused = |problem| Box::new(no_result("combination", None, problem));
+            self.by_row(|_, row| {
                 let together = errors.together(values(row));
-                let range = if plan.needs_range { nearest(together.range) } else { Ok(None) };
-                let rss = if plan.needs_rss { nearest(together.rss) } else { Ok(None) };
-                range
-                    .and_then(|range| Ok((range, rss?)))
-                    .map_err(|problem| fault(None, format!("combination: {}", DomainError::from(problem))))
+                if plan.needs_range {
+                    range[row] = nearest(together.range).map_err(refused)?;
+                }
+                if plan.needs_rss {
+                    rss[row] = nearest(together.rss).map_err(refused)?;
+                }
+                Ok(())
             });
+            (self.range, self.rss) = (range, rss);
         }
         if plan.needs_reached {
             self.reached = self.by_row(|_, row| Ok(reached(plan, &errors.with(values(row)))));
@@ -168,40 +197,50 @@ impl<'a> Results<'a> {
         self.uncertainties.get(row)?.as_ref()
     }
 
+    /// The uncertainties of all parts of which they are known.
+    pub(super) fn uncertainties(&self) -> impl Iterator<Item = &RowUncertainty> {
+        self.runs().flatten().filter_map(|row| self.uncertainty(row))
+    }
+
+    /// The verdict on a part.
     #[inline]
-    fn judge(&self, row: usize) -> Result<Option<Verdict>, Fault> {
-        let verdicts = self.judge_each(row)?;
-        let judged = verdicts[..self.plan.limits.len()].iter().copied();
-        Ok(overall(judged.chain(self.plan.unjudged.iter().map(|_| None))))
+    fn judge(&self, row: usize) -> Result<Option<Verdict>, Box<Fault>> {
+        let mut refused = None;
+        let judged = (0..self.plan.limits.len()).map(|limit| {
+            self.judge_by(limit, row).unwrap_or_else(|reason| {
+                refused.get_or_insert(reason);
+                None
+            })
+        });
+        let verdict = overall(judged.chain(self.plan.unjudged.iter().map(|_| None)));
+        refused.map_or(Ok(verdict), Err)
     }
 
     /// Why a part is indeterminate.
     #[cold]
     pub(super) fn too_near(&self, row: usize) -> String {
         let Request { stack, rule, .. } = &self.plan.request;
-        let verdicts = self.judge_each(row).unwrap_or_default();
-        let limits = self.plan.limits.iter().zip(verdicts);
-        let near = limits.filter(|(_, verdict)| *verdict == Some(Verdict::Indeterminate));
-        near.map(|((on, _), _)| too_near(*on, *stack, rule)).collect::<Vec<_>>().join("; ")
+        let limits = self.plan.limits.iter().enumerate();
+        let near = limits.filter(|(limit, _)| matches!(self.judge_by(*limit, row), Ok(Some(Verdict::Indeterminate))));
+        near.map(|(_, (on, _))| too_near(*on, *stack, rule)).collect::<Vec<_>>().join("; ")
     }
 
-    /// The verdict on each limit, as far as there are limits.
+    /// The verdict on the limit with that index; `None` without a result.
     #[inline]
-    fn judge_each(&self, row: usize) -> Result<[Option<Verdict>; 1 + KINDS], Fault> {
+    fn judge_by(&self, index: usize, row: usize) -> Result<Option<Verdict>, Box<Fault>> {
         let plan = self.plan;
+        let (on, limit) = &plan.limits[index];
+        let Some(result) = self.judged(*on, row) else { return Ok(None) };
         let uncertainty = self.uncertainty(row);
-        let mut verdicts = [None; 1 + KINDS];
-        for (index, (on, limit)) in plan.limits.iter().enumerate() {
-            let Some(result) = self.judged(*on, row) else { continue };
-            let standard = uncertainty.map_or((0.0, 0.0), |known| {
-                let ends = ends(plan, &known.spreads, *on, result);
-                (ends.lower_standard_mm, ends.upper_standard_mm)
-            });
-            let simulated = uncertainty.and_then(|known| known.inside(index));
-            let verdict = rule::verdict(&plan.request.rule, limit, result, standard, simulated);
-            verdicts[index] = Some(verdict.map_err(|error| fault(None, error.to_string()))?.0);
+        let standard = uncertainty.map_or((0.0, 0.0), |known| {
+            let ends = ends(plan, &known.spreads, *on, result);
+            (ends.lower_standard_mm, ends.upper_standard_mm)
+        });
+        let simulated = uncertainty.and_then(|known| known.inside(index));
+        match rule::verdict(&plan.request.rule, limit, result, standard, simulated) {
+            Ok((verdict, _)) => Ok(Some(verdict)),
+            Err(error) => Err(Box::new(fault(None, error.to_string()))),
         }
-        Ok(verdicts)
     }
 
     /// The probability that a limit is met, simulated or by the linear uncertainties; `None` without a result.
@@ -231,21 +270,27 @@ impl<'a> Results<'a> {
             })
     }
 
-    /// The rows that are parts.
-    pub(super) fn parts(&self) -> impl Iterator<Item = usize> {
-        (0..self.refusals.len()).filter(|row| self.refusals[*row].is_none())
-    }
-
     /// The results of an output that is a length, of all parts that have one.
-    pub(super) fn all_of(&self, output: &Output) -> impl Iterator<Item = Length> {
-        self.parts().filter_map(|row| self.of(output, row))
+    pub(super) fn all_of(&self, output: &Output) -> Vec<Length> {
+        let mut all = Vec::with_capacity(self.rows);
+        for rows in self.runs() {
+            match output {
+                Output::Error(kind) => all.extend_from_slice(&self.each[*kind as usize][rows]),
+                Output::RangeLower => all.extend(known(&self.range, rows).map(|range| range.lower)),
+                Output::RangeUpper => all.extend(known(&self.range, rows).map(|range| range.upper)),
+                Output::RssLower => all.extend(known(&self.rss, rows).map(|rss| rss.lower)),
+                Output::RssUpper => all.extend(known(&self.rss, rows).map(|rss| rss.upper)),
+                _ => all.extend(rows.filter_map(|row| self.of(output, row))),
+            }
+        }
+        all
     }
 
     /// The result of an output that is a length; `None` if there is none.
     #[inline]
     pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
         match output {
-            Output::Error(kind) => self.each[*kind as usize][row],
+            Output::Error(kind) => self.each[*kind as usize].get(row).copied(),
             Output::RangeLower => Some(at(&self.range, row)?.lower),
             Output::RangeUpper => Some(at(&self.range, row)?.upper),
             Output::RssLower => Some(at(&self.rss, row)?.lower),
@@ -271,6 +316,11 @@ impl<'a> Results<'a> {
 #[inline]
 fn at(column: &[Option<Interval>], row: usize) -> Option<Interval> {
     *column.get(row)?
+}
+
+/// What is known of some rows of a column, which may not be computed.
+fn known(column: &[Option<Interval>], rows: ops::Range<usize>) -> impl Iterator<Item = &Interval> {
+    column.get(rows).unwrap_or_default().iter().flatten()
 }
 
 /// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.

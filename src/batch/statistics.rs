@@ -93,11 +93,12 @@ impl Statistics {
     /// Takes values.
     pub(super) fn add(&mut self, values: &[Length]) {
         self.moments.merge(&LengthMoments::of(values));
+        let (mut smallest, mut largest) = (self.smallest, self.largest);
         for units in values.iter().map(|value| value.fm()) {
-            self.smallest = self.smallest.min(units);
-            self.largest = self.largest.max(units);
+            (smallest, largest) = (smallest.min(units), largest.max(units));
             self.magnitudes[usize::from(units < 0)].add(units.unsigned_abs());
         }
+        (self.smallest, self.largest) = (smallest, largest);
     }
 
     /// Takes what measuring contributes to the variance of a value, mm².

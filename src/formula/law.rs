@@ -199,8 +199,22 @@ impl Law {
     #[inline]
     pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
+        let of_length = match (self.shape(model), error) {
+            (Shape::Shift, DeviationValue::Length(length)) => Some(length),
+            (Shape::Step, DeviationValue::Length(length)) => {
+                Length::near(self.gain(model) * (length.fm() as f64).abs())
+            }
+            _ => None,
+        };
+        match of_length {
+            Some(delta_cd) => Ok(delta_cd),
+            None => self.of_turn_or_too_large(error, model),
+        }
+    }
+
+    /// The same of a lead, or why there is none.
+    fn of_turn_or_too_large(self, error: DeviationValue, model: Model) -> Result<Length, DomainError> {
         let function = match (self.shape(model), error) {
-            (Shape::Shift, DeviationValue::Length(length)) => return Ok(length),
             (Shape::Step, DeviationValue::Length(length)) => (length.fm() as f64).abs(),
             (shape, error) => of_turn(self.kind, shape, error)?,
         };

@@ -211,6 +211,7 @@ pub fn decide(
 ///
 /// # Errors
 /// [`QuantityError`] if a guard band is beyond the largest length.
+#[inline]
 pub(crate) fn verdict(
     rule: &Rule,
     limit: &Limit,

@@ -71,6 +71,7 @@ impl Interval {
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if an end is beyond the largest length.
+    #[inline]
     pub fn nearest(range: Range) -> Result<Self, QuantityError> {
         let nearest = |mm: f64| Length::nearest(mm * FM_PER_MM, "the sum of ΔCD");
         Ok(Self { lower: nearest(range.lower)?, upper: nearest(range.upper)? })

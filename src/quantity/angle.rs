@@ -35,8 +35,14 @@ impl Angle {
         Self::from_base(degrees, AngleUnit::Degree.scale(), "the angle")
     }
 
-    /// An angle of a number in `unit`.
+    /// An angle of a number in `unit`; `None` beyond the largest.
+    #[cfg(feature = "table")]
     #[inline]
+    pub(crate) fn of_plain(number: Decimal, unit: AngleUnit) -> Option<Self> {
+        Self::within(number.steps(unit.scale())?)
+    }
+
+    /// An angle of a number in `unit`.
     pub(crate) fn of_number(number: Decimal, unit: AngleUnit) -> Result<Self, QuantityError> {
         Self::of_steps(number.steps(unit.scale()), "the angle")
     }

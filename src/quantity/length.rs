@@ -41,8 +41,14 @@ impl Length {
         Self::from_base(mm, LengthUnit::Millimetre.scale(), "the length")
     }
 
-    /// A length of a number in `unit`.
+    /// A length of a number in `unit`; `None` beyond the largest.
+    #[cfg(feature = "table")]
     #[inline]
+    pub(crate) fn of_plain(number: Decimal, unit: LengthUnit) -> Option<Self> {
+        Self::within(number.steps(unit.scale())?)
+    }
+
+    /// A length of a number in `unit`.
     pub(crate) fn of_number(number: Decimal, unit: LengthUnit) -> Result<Self, QuantityError> {
         Self::of_steps(number.steps(unit.scale()), "the length")
     }
@@ -53,15 +59,21 @@ impl Length {
     /// [`QuantityError::Overflow`] naming the quantity, `what`.
     #[inline]
     pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
+        match Self::near(fm) {
+            Some(length) => Ok(length),
+            None => Self::of_steps(None, what),
+        }
+    }
+
+    /// The same; `None` beyond the largest length.
+    #[inline]
+    pub(crate) fn near(fm: f64) -> Option<Self> {
         let whole = fm as i64;
         // what lies between is exact in a double
         let between = fm - whole as f64;
         // NaN is within nothing
-        if fm.abs() <= Self::LARGEST.fm as f64 {
-            Ok(Self { fm: whole + i64::from(between >= 0.5) - i64::from(between <= -0.5) })
-        } else {
-            Self::of_steps(None, what)
-        }
+        let is_within = fm.abs() <= Self::LARGEST.fm as f64;
+        is_within.then(|| Self { fm: whole + i64::from(between >= 0.5) - i64::from(between <= -0.5) })
     }
 
     /// The sum of lengths, exactly.

@@ -98,12 +98,15 @@ macro_rules! grid_quantity {
                 self.$steps < 0
             }
 
+            /// So many steps of the grid; `None` beyond the largest.
+            #[inline]
+            fn within(steps: i64) -> Option<Self> {
+                (steps.unsigned_abs() <= super::LARGEST.unsigned_abs()).then_some(Self { $steps: steps })
+            }
+
             /// So many steps of the grid; `None` stands for more than there are. `what` names the quantity in the error.
             fn of_steps(steps: Option<i64>, what: &'static str) -> Result<Self, QuantityError> {
-                match steps {
-                    Some(steps) if steps.unsigned_abs() <= super::LARGEST.unsigned_abs() => Ok(Self { $steps: steps }),
-                    _ => Err(QuantityError::Overflow { what, largest: $largest }),
-                }
+                steps.and_then(Self::within).ok_or(QuantityError::Overflow { what, largest: $largest })
             }
 
             /// A number in the base unit, taken as its shortest decimal.

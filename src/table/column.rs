@@ -99,20 +99,24 @@ impl PlainNumbers {
     /// The deviation of a number; `None` where it is too large to be one.
     #[inline]
     pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
-        match (self.unit, self.nominal) {
-            (Unit::Length(unit), DeviationValue::Length(nominal)) => {
-                let deviation = Length::of_number(number, unit).ok()? - nominal;
-                match self.over {
-                    Some(over) => lead_slope(deviation, over).ok(),
-                    None => Some(DeviationValue::Length(deviation)),
-                }
+        match (self.unit, self.nominal, self.over) {
+            (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
+                let deviation = Length::of_plain(number, unit)? - nominal;
+                (deviation.abs() <= self.farthest.length).then_some(DeviationValue::Length(deviation))
             }
-            (Unit::Angle(unit), nominal) => {
-                Some(DeviationValue::Angle(Angle::of_number(number, unit).ok()?).less(nominal))
+            (Unit::Angle(unit), DeviationValue::Angle(nominal), None) => {
+                let deviation = Angle::of_plain(number, unit)? - nominal;
+                (deviation.abs() <= self.farthest.angle).then_some(DeviationValue::Angle(deviation))
             }
-            _ => None,
+            _ => self.slope(number),
         }
-        .filter(|deviation| !self.farthest.is_exceeded_by(*deviation))
+    }
+
+    /// The same of a helix slope deviation.
+    fn slope(&self, number: Decimal) -> Option<DeviationValue> {
+        let Unit::Length(unit) = self.unit else { return None };
+        let slope = lead_slope(Length::of_plain(number, unit)?, self.over?).ok()?;
+        (!self.farthest.is_exceeded_by(slope)).then_some(slope)
     }
 }
 

@@ -177,6 +177,14 @@ impl<'a> Stored<'a> {
         }
     }
 
+    /// The doubles of a column that has one in each row.
+    pub(crate) fn all_doubles(&self) -> Option<&[f64]> {
+        match (&self.values, &self.has_value) {
+            (Values::Doubles(values), None) => Some(values),
+            _ => None,
+        }
+    }
+
     /// All texts, one behind the other.
     pub(crate) fn all_text(&self) -> &[u8] {
         if let Values::Texts { bytes, .. } = &self.values { bytes } else { &[] }

@@ -1,7 +1,7 @@
 //! Errors of which each row of a table has other values. Where the pair is not known, what an error does is in proportion to
 //! its size, by its sign, and is computed once. Gives the same numbers as the bound of the errors as they are.
 
-use super::error::ErrorEffect;
+use super::error::{ErrorEffect, RackLines};
 use super::known::Own;
 use super::lead;
 use super::moments::{Moments, moments};
@@ -99,12 +99,15 @@ impl InProportion {
 #[inline]
 fn size(error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
     match &error.effect {
-        ErrorEffect::RackLead(lines) => {
-            let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;
-            lead::most_of_any_pair(lead::values_of(value, error.extent), Some(lines), height)
-        }
+        ErrorEffect::RackLead(lines) => size_of_lead(lines, error, value, basis),
         _ => value.abs(),
     }
+}
+
+#[inline(never)]
+fn size_of_lead(lines: &RackLines, error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
+    let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;
+    lead::most_of_any_pair(lead::values_of(value, error.extent), Some(lines), height)
 }
 
 #[cfg(test)]

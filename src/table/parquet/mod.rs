@@ -29,8 +29,8 @@ use crate::quantity::Decimal;
 use column::{StoredColumn, Values};
 use pages::CheckedPages;
 
-/// Rows that are read together.
-const RANGE_ROWS: usize = 1 << 15;
+/// Rows that are read together: their columns stay near at hand.
+const RANGE_ROWS: usize = 1 << 11;
 
 /// A Parquet file that was opened.
 pub struct ParquetTable {

@@ -5,7 +5,7 @@ use super::super::cell::{Cell, Record};
 use super::super::stored::Stored;
 use super::{PlainColumn, Rows, may_be_statistic};
 use crate::deviation::DeviationValue;
-use crate::quantity::Length;
+use crate::quantity::{Decimal, Length};
 
 impl Rows {
     /// The columns of plain numbers; `None` if rows have more to say.
@@ -90,13 +90,17 @@ impl Rows {
 fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], odd: &mut Vec<usize>) -> Vec<DeviationValue> {
     let Some(stored) = &fields[column.place] else { return Vec::new() };
     let mut values = Vec::with_capacity(stored.rows());
-    stored.numbers(|row, number| {
+    let mut take = |row: usize, number: Option<Decimal>| {
         let deviation = number.and_then(|number| column.numbers.deviation(number));
         values.push(deviation.unwrap_or_else(|| {
             odd.push(row);
             DeviationValue::Length(Length::ZERO)
         }));
-    });
+    };
+    match stored.all_doubles() {
+        Some(doubles) => doubles.iter().enumerate().for_each(|(row, value)| take(row, Decimal::of_double(*value))),
+        None => stored.numbers(take),
+    }
     values
 }
 
