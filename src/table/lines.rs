@@ -52,8 +52,14 @@ impl Beside<'_> {
         let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
         // of a number with a word behind it, what is near a nominal value counts
         let is_prose = !cell.is_number() || cell.is_measure() || cell.text().split_whitespace().count() > 2;
+        let corrects = |cell: &Cell| is_signed(cell) && self.columns.iter().any(|column| column.may_deviate_by(cell));
+        let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
         let value = value_in(&remark, self, false).filter(|value| is_prose && may_be_value(value));
-        let value = value.or_else(|| value_beyond(&remark, self.measured?, false))?;
+        let value = value.or_else(|| value_beyond(&remark, self.measured?, false));
+        let value = value.or_else(|| {
+            let is_said = has_digit(&remark.text) && has_scale(&remark.text);
+            (is_said || corrects(cell)).then(correction)
+        })?;
         Some(Unknown { place: format!("{column}, {}", value.place), ..value })
     }
 }
@@ -77,7 +83,6 @@ fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option
     // B liegt 0,061 drüber
     let begins_with_part = names.is_some_and(|names| names.begin(&found.title));
     let deviate = || !columns.is_empty() && columns.iter().all(|column| column.nominal == Nominal::None);
-    let is_signed = |cell: &Cell| cell.text().trim_start().starts_with(['+', '-', '\u{2212}']);
     let is_alone = found.cells.iter().filter(|cell| cell.is_number()).count() == 1;
     // behind the name of a part or with a sign, a number may say by how much a value deviates
     let is_deviation = |cell: &Cell| {
@@ -137,9 +142,27 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
     columns.iter().any(is_other).then(|| unread(&name))
 }
 
-/// Whether a text has a word for a factor.
+/// Whether a text has words for a factor, or says of a number by how much values are off: `0,06 zu groß`.
 pub(super) fn has_scale(text: &str) -> bool {
-    text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).any(|word| WordList::Scale.has(word))
+    let words: Vec<&str> =
+        text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).filter(|word| !word.is_empty()).collect();
+    let is_in = |list: WordList| {
+        words.iter().any(|word| list.has(word)) || words.windows(2).any(|pair| list.has(&pair.join(" ")))
+    };
+    is_in(WordList::Scale) || has_digit(text) && is_in(WordList::Shift)
+}
+
+/// Whether a number has a sign.
+pub(super) fn is_signed(cell: &Cell) -> bool {
+    cell.is_number() && cell.text().trim_start().starts_with(['+', '-', '\u{2212}'])
+}
+
+/// A mean or an extreme that is not among the values of any column: `Maximum: 25,30`.
+pub(super) fn other_than_values(aside: &AsideReading, measured: &MeasuredValues) -> Option<Unknown> {
+    let record = records(&without_punctuation(&aside.text), Separator::Blanks).ok()?.into_iter().next()?;
+    let found = named_values(&record.cells, aside.line)?;
+    let is_other = WordList::Mean.has(&found.title) && !measured.enclose_any(&found.cells);
+    is_other.then(|| Unknown { is_repeated: true, ..found.measured(true) })
 }
 
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a

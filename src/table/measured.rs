@@ -93,6 +93,11 @@ impl MeasuredValues {
             && unknown.cells.iter().all(is_so)
     }
 
+    /// Whether a number among some cells lies among the values of a column.
+    pub(crate) fn enclose_any(&self, cells: &[Cell]) -> bool {
+        cells.iter().any(|cell| self.columns.iter().any(|column| column.encloses(cell)))
+    }
+
     /// Whether a number is larger than the range of every column's values, so that it is no spread of them.
     pub(crate) fn are_narrower_than(&self, cell: &Cell) -> bool {
         let is_spread = |values: &ColumnValues| {

@@ -9,7 +9,8 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::Separator;
 use super::lines::{
-    Beside, has_scale, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
+    Beside, has_scale, is_signed, of_all_values, of_part, other_than_values, repeats_nominal, value_beyond,
+    without_name, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -138,7 +139,7 @@ impl Sorter<'_> {
         if self.is_title(unknown) || self.is_described(unknown) || !is_measurement && self.is_range(unknown) {
             self.sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });
         } else {
-            let is_unread = unknown.is_unread || unknown.column.is_none() && has_scale(title);
+            let is_unread = unknown.is_unread || has_scale(title);
             self.take(&Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() });
         }
     }
@@ -194,7 +195,8 @@ impl Sorter<'_> {
             .or_else(|| without_value(aside, self.shape, self.columns))
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
-            .or_else(|| of_all_values(aside, self.columns));
+            .or_else(|| of_all_values(aside, self.columns))
+            .or_else(|| other_than_values(aside, self.measured));
         let is_described = |unknown: &Unknown| {
             let behind = aside.text.strip_prefix(&unknown.title);
             behind.is_some_and(|behind| self.measured.are_described_by(unknown, behind))
@@ -214,7 +216,7 @@ impl Sorter<'_> {
         }
         let shape = self.shape;
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
-        let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure());
+        let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure() || is_signed(cell));
         let value = cells.find_map(|(row, cell)| self.beside.value_in_remark(cell, &unknown.place, line(row)));
         if let Some(value) = value {
             self.take(&value);

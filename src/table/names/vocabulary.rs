@@ -188,6 +188,8 @@ pub(crate) enum WordList {
     PageCount,
     /// By which factor values are written.
     Scale,
+    /// What says of values by how much they are off.
+    Shift,
     /// What a line speaks of that states a unit for a whole table.
     UnitSubject,
     /// What may stand between that and the unit.

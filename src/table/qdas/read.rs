@@ -221,6 +221,11 @@ impl Reader {
             }
             said.text = plain;
         }
+        if let Some(what) = changes_values(line.key, &said.text) {
+            let message = format!("K{:04}/{} says {what} `{}`", line.key, line.index, said.text);
+            let help = "nothing tells whether the values have it in: write them as they count, without this key";
+            return Err(self.bad(line.span(), message).help(help));
+        }
         for index in indices {
             let Draft { definition, values, .. } = self.draft(index, line)?;
             definition.say(line.key, said.clone(), !values.is_empty())?;
@@ -419,4 +424,15 @@ fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>> {
     };
     let start = start + line.len() - text.len();
     Some(Ok(Line { key, index, text, start }))
+}
+
+/// What a key says that values are changed by, if it changes them: the additive constant (K2071) or the factor (K2072).
+fn changes_values(key: u16, text: &str) -> Option<&'static str> {
+    let (what, neutral) = match key {
+        2071 => ("an additive constant of", 0.0),
+        2072 => ("a factor of", 1.0),
+        _ => return None,
+    };
+    let is_neutral = text.is_empty() || text.replace(',', ".").parse() == Ok(neutral);
+    (!is_neutral).then_some(what)
 }

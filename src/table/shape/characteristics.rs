@@ -11,7 +11,7 @@ use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
-use crate::table::grid::{Separator, bare_unit, differ, is_unit};
+use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{Field, Role, ValueKind, WordList, heading, is_context, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -77,8 +77,12 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         // a number or a short text may stand before what was measured, and be called a name too
         let name = called.max_by_key(named);
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
-        let is_row =
-            |record: &Record| (record.cells.len() > name.max(1) && record.numbers() > 0) || has_name(record, name);
+        // a value with a unit is no name: `P2 again: 25,30 mm`, cut at its comma
+        let may_be_name = |cell: &Cell| !(cell.is_number() && unit_in(&cell.text()).is_some());
+        let is_row = |record: &Record| {
+            record.cells.len() > name.max(1) && record.numbers() > 0 && may_be_name(&record.cells[name])
+                || has_name(record, name)
+        };
         let rows: Vec<usize> = (header + 1..records.len()).filter(|index| is_row(&records[*index])).collect();
         let parts = if has(&[Role::Measured, Role::Deviation]) {
             Vec::new()
