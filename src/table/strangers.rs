@@ -139,7 +139,9 @@ impl Sorter<'_> {
         if self.is_title(unknown) || self.is_described(unknown) || !is_measurement && self.is_range(unknown) {
             self.sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });
         } else {
-            let is_unread = unknown.is_unread || has_scale(title);
+            let cells = unknown.cells.iter().filter(|_| unknown.column.is_none()).map(Cell::text);
+            let words = cells.fold(title.clone(), |words, cell| format!("{words} {cell}"));
+            let is_unread = unknown.is_unread || has_scale(&words);
             self.take(&Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() });
         }
     }

@@ -107,7 +107,7 @@ impl Unknown {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
                 || self.is_repeated && self.is_fine()
-                || self.column.is_some() && is_again(title) && !self.counts_or_flags();
+                || is_again(title) && self.may_be_measured_again();
         }
         self.is_measurement
             || is_in_unit
@@ -136,6 +136,14 @@ impl Unknown {
     fn names_more(&self) -> bool {
         let words: Vec<_> = self.cells.iter().filter(|cell| !cell.is_number()).map(Cell::text).collect();
         self.column.is_none() && !near(&words.join(" ")).is_empty()
+    }
+
+    /// Whether its numbers may be of another measurement: a column that does not count them, a line with decimals.
+    fn may_be_measured_again(&self) -> bool {
+        match self.column {
+            Some(_) => !self.counts_or_flags(),
+            None => self.cells.iter().any(Cell::has_decimals),
+        }
     }
 
     /// Whether each number is 0, 1, the one above it or one more, as where measurements are counted: `Messung` 1, 2, 1, 2.

@@ -83,8 +83,7 @@ pub(crate) fn uncounted(record: &Record) -> Record {
     let is_word = |cell: &&Cell| !cell.is_number() && !cell.is_missing();
     let words = record.cells.iter().skip(1).take_while(is_word).count();
     let has_value = || record.cells[words + 1..].iter().any(Cell::is_number);
-    let is_united = || is_unit(&record.cells[1].text());
-    if !is_counted(record) || words == 0 || is_united() || !has_value() {
+    if !is_counted(record) || words == 0 || !has_value() {
         return record.clone();
     }
     let texts: Vec<_> = record.cells[..=words].iter().map(Cell::text).collect();
