@@ -164,6 +164,11 @@ impl Cell {
         decimals.map_or(0, |(_, decimals)| decimals.bytes().take_while(u8::is_ascii_digit).count())
     }
 
+    /// Whether it has nothing but the digits of a whole number.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.text().bytes().all(|byte| byte.is_ascii_digit())
+    }
+
     /// Whether it is a number.
     pub(crate) fn is_number(&self) -> bool {
         self.marks() != Marks::None

@@ -157,7 +157,7 @@ impl Unknown {
 
     /// Whether a first column without a name counts the rows.
     fn counts_rows(&self, place: usize) -> bool {
-        place == 0 && self.cells.iter().all(|cell| cell.text().chars().all(|c| c.is_ascii_digit()))
+        place == 0 && self.cells.iter().all(Cell::is_whole)
     }
 }
 

@@ -122,6 +122,18 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
+fn what_changes_values_is_refused() {
+    let lot = |keys: &str| read(&[("lot.dfq", format!("K0100 1\nK2002/1 rack_pitch\n{keys}\n1\n").as_str())]);
+    for keys in ["K2071/1 0,06", "K2071/0 -1", "K2072/1 10", "K2072/1 0", "K2072/1 x"] {
+        let refused = lot(keys).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains("an additive constant of") || refused.contains("a factor of"), "{keys}: {refused}");
+    }
+    for keys in ["K2071/1 0", "K2071/1 0,000", "K2072/1 1.0", "K2072/0 1", "K2072/1"] {
+        assert!(lot(keys).is_ok(), "{keys}");
+    }
+}
+
+#[test]
 fn only_attribute_0_makes_a_value() {
     let code = |code: &str, count, first_line| LeftOut { code: code.to_owned(), count, first_line };
     let keyed = "K0100 2\nK2002/1 rack_pitch\nK2002/2 rack_lead\nK0001/1 1\nK0002/1 0\nK0001/2 2\nK0002/2 290\nK0001/1 3\n\

@@ -31,9 +31,9 @@ pub struct ValueRow<'r> {
     pub remark: &'r str,
 }
 
-/// A `.dfq` file: definitions with a remark on all parts (K1900) if there is one, then a line of values per row. A value that is `None` or not
-/// finite is written as empty, with attribute 255. Latin-1, as the format's readers expect; characters beyond it become
-/// `?`.
+/// A `.dfq` file: definitions with a remark on all parts (K1900) if there is one, then a line of values per row. A value
+/// that is `None` or not finite is written as empty, with attribute 255. Latin-1, as the format's readers expect;
+/// characters beyond it become `?`.
 #[must_use]
 pub fn write<'r>(
     part: &PartDefinition,

@@ -94,7 +94,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
                 *place != name
                     && roles[*place].is_none()
                     && !is_counter()
-                    && !(*place < name && counts_rows(records, &rows, *place))
+                    && !(*place < name && !has_digit(&title) && counts_rows(records, &rows, *place))
                     && (!is_statistic_among(&title, &record.cells) || is_called_like_another(&record.cells, *place))
                     && (has_digit(&title) || !is_context(&title))
                     && !record.cells[*place].is_empty()
@@ -233,12 +233,7 @@ fn is_called_like_another(header: &[Cell], place: usize) -> bool {
 fn counts_rows(records: &[Record], rows: &[usize], place: usize) -> bool {
     let cells = || rows.iter().filter_map(|row| records[*row].cells.get(place));
     let number = |cell: &Cell| cell.text().parse::<u64>().ok();
-    cells().all(is_whole) && cells().filter_map(number).is_sorted_by(|one, next| one < next)
-}
-
-/// Whether a cell has nothing but the digits of a whole number.
-fn is_whole(cell: &Cell) -> bool {
-    cell.text().bytes().all(|byte| byte.is_ascii_digit())
+    cells().all(Cell::is_whole) && cells().filter_map(number).is_sorted_by(|one, next| one < next)
 }
 
 /// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
@@ -415,7 +410,7 @@ impl Characteristics {
         let unknown = |place: usize| {
             let cells: Vec<Cell> = self.rows.iter().filter_map(|row| records[*row].cells.get(place).cloned()).collect();
             // a list's numbers count its rows
-            let is_counted = (place < self.name || self.parts.is_empty()) && cells.iter().all(is_whole);
+            let is_counted = (place < self.name || self.parts.is_empty()) && cells.iter().all(Cell::is_whole);
             let title = header[place].text();
             // the largest of the parts' values is one of them
             let is_of_parts = |row: &usize| {
