@@ -65,8 +65,9 @@ impl Beside<'_> {
 }
 
 /// What of a line that is no part of the table may be a measured value: what has the name or the unit of one, a number
-/// with decimals that may be one of the columns', or as many numbers as a row has. Statistics and tolerances are none. A number
-/// behind a word that is no part's name is one near a column's nominal value only, and above the names with three decimals.
+/// with decimals that may be one of the columns', as many numbers as a row has, or a mean or an extreme that the values do
+/// not have. Other statistics and tolerances are none. A number behind a word that is no part's name is one near a column's
+/// nominal value only, and above the names with three decimals.
 fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option<Unknown> {
     let Beside { columns, width, of_parts: names, .. } = *beside;
     if !has_digit(&aside.text) {
@@ -97,7 +98,13 @@ fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option
     };
     let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
-    if found.could_be_measured() { Some(found) } else { may_be().then(|| found.measured(true)) }
+    // Maximum: 25,30
+    let is_of_others = || {
+        let are_others = |measured: &MeasuredValues| !measured.enclose_any(&found.cells);
+        WordList::Mean.has(&found.title) && beside.measured.is_some_and(are_others)
+    };
+    let may_be = may_be() || is_of_others();
+    if found.could_be_measured() { Some(found) } else { may_be.then(|| found.measured(true)) }
 }
 
 /// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.
@@ -155,14 +162,6 @@ pub(super) fn has_scale(text: &str) -> bool {
 /// Whether a number has a sign.
 pub(super) fn is_signed(cell: &Cell) -> bool {
     cell.is_number() && cell.text().trim_start().starts_with(['+', '-', '\u{2212}'])
-}
-
-/// A mean or an extreme that is not among the values of any column: `Maximum: 25,30`.
-pub(super) fn other_than_values(aside: &AsideReading, measured: &MeasuredValues) -> Option<Unknown> {
-    let record = records(&without_punctuation(&aside.text), Separator::Blanks).ok()?.into_iter().next()?;
-    let found = named_values(&record.cells, aside.line)?;
-    let is_other = WordList::Mean.has(&found.title) && !measured.enclose_any(&found.cells);
-    is_other.then(|| Unknown { is_repeated: true, ..found.measured(true) })
 }
 
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a

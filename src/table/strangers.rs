@@ -9,8 +9,7 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::Separator;
 use super::lines::{
-    Beside, has_scale, is_signed, of_all_values, of_part, other_than_values, repeats_nominal, value_beyond,
-    without_name, without_value,
+    Beside, has_scale, is_signed, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -197,8 +196,7 @@ impl Sorter<'_> {
             .or_else(|| without_value(aside, self.shape, self.columns))
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
-            .or_else(|| of_all_values(aside, self.columns))
-            .or_else(|| other_than_values(aside, self.measured));
+            .or_else(|| of_all_values(aside, self.columns));
         let is_described = |unknown: &Unknown| {
             let behind = aside.text.strip_prefix(&unknown.title);
             behind.is_some_and(|behind| self.measured.are_described_by(unknown, behind))
