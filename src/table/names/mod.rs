@@ -232,8 +232,10 @@ fn without_count(name: &str) -> &str {
 /// A name without the temperature at which all sizes are meant: `Rollenmaß bei 20 °C`.
 fn without_temperature(name: &str) -> &str {
     let bare = name.trim_end_matches(')');
+    let blanks = [' ', '(', '\u{a0}'];
     let before = bare.strip_suffix("20 °C").or_else(|| bare.strip_suffix("20°C"));
-    before.map_or(name, |before| before.trim_end_matches([' ', '(', '\u{a0}']))
+    let before = before.filter(|before| before.ends_with(blanks));
+    before.map_or(name, |before| before.trim_end_matches(blanks))
 }
 
 /// A name without the size of the roller behind it, or the symbol of what is measured over it: `Rollenmaß D4`,
