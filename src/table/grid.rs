@@ -159,21 +159,36 @@ fn aligned(text: &str, span: &Range<usize>) -> Vec<Cell> {
 fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     let mut cells = Vec::new();
     let mut start = span.start;
-    // a name and its value may be joined by a mark: pitch=12
+    // a name and its value may be joined by a mark: pitch=12, 部品2：25.1; a time is whole
+    let is_time = |before: &str, mark: char| match mark {
+        '\u{ff1a}' => before.bytes().all(|byte| byte.is_ascii_digit()),
+        _ => before.ends_with(|c: char| c.is_ascii_digit()),
+    };
     let breaks =
-        |at: usize, c: char| matches!(c, '=' | ':' | '\u{ff1a}') && !text[..at].ends_with(|c: char| c.is_ascii_digit());
+        |start: usize, at: usize, c: char| matches!(c, '=' | ':' | '\u{ff1a}') && !is_time(&text[start..at], c);
     let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
     for (at, c) in characters.chain([(span.end, ' ')]) {
         // blanks other than the plain one and the tab stand inside numbers
-        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(at, c) {
+        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(start, at, c) {
             if start < at {
                 cells.push(trimmed(text, start..at));
             }
             start = at + c.len_utf8();
         }
     }
+    // a sentence may end with a unit
+    if let Some(last) = cells.last_mut() {
+        let word = &text[last.span.clone()];
+        let bare = word.trim_end_matches(SENTENCE_ENDS);
+        if is_unit(bare) && !is_unit(word) {
+            *last = trimmed(text, last.span.start..last.span.start + bare.len());
+        }
+    }
     cells
 }
+
+/// What may stand at the end of a sentence.
+const SENTENCE_ENDS: [char; 7] = ['.', ',', ';', ':', '!', '?', '。'];
 
 /// Whether a text is a unit of length or angle, in brackets or not.
 pub(crate) fn is_unit(text: &str) -> bool {
@@ -231,8 +246,9 @@ fn is_time(tokens: &[Cell]) -> bool {
         && (tokens[0].text().contains(':') || tokens.get(1).is_some_and(|unit| unit.text().starts_with("Uhr")))
 }
 
-/// The unit behind a number.
+/// The unit behind a number; a sentence may end there: `195 µm.`
 pub(crate) fn unit_in(text: &str) -> Option<String> {
+    let text = text.trim_end_matches(SENTENCE_ENDS);
     let last = text.rfind(|c: char| c.is_numeric() || matches!(c, '.' | ','))?;
     let unit = text[last..].trim_start_matches(|c: char| c.is_numeric() || matches!(c, '.' | ',')).trim();
     (!unit.is_empty()).then(|| unit.to_owned())

@@ -149,14 +149,18 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
     columns.iter().any(is_other).then(|| unread(&name))
 }
 
-/// Whether a text has words for a factor, or says of a number by how much values are off: `0,06 zu groß`.
+/// Whether a text has words for a factor or a fraction of a millimetre, or says of a number by how much values are off: `0,06 zu groß`.
 pub(super) fn has_scale(text: &str) -> bool {
     let words: Vec<&str> =
         text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).filter(|word| !word.is_empty()).collect();
     let is_in = |list: WordList| {
         words.iter().any(|word| list.has(word)) || words.windows(2).any(|pair| list.has(&pair.join(" ")))
     };
-    is_in(WordList::Scale) || has_digit(text) && is_in(WordList::Shift)
+    let has_fraction = || {
+        let behind = text.split("1/10").skip(1).map(|behind| behind.trim_start_matches(['0', ' ']));
+        behind.into_iter().any(|behind| behind.starts_with("mm"))
+    };
+    is_in(WordList::Scale) || has_digit(text) && is_in(WordList::Shift) || has_fraction()
 }
 
 /// Whether a number has a sign.

@@ -62,7 +62,7 @@ pub(crate) struct Others {
     is_asked: bool,
     /// The errors of the spec of which there is no column.
     missing: Vec<DeviationKind>,
-    /// The errors whose column neither the spec names nor their key.
+    /// The errors of columns that neither the spec names nor their key.
     unnamed: Vec<DeviationKind>,
 }
 
@@ -72,12 +72,11 @@ impl Others {
         let column = |kind: &DeviationKind| columns.iter().find(|column| column.kind == Some(*kind));
         let is_named =
             |column: &Column, kind: DeviationKind| want.is_own(&column.title) || is_called(&column.title, kind.key());
-        let is_unnamed = |kind: &DeviationKind| column(kind).is_some_and(|column| !is_named(column, *kind));
-        let expected = || want.expected.iter().copied();
+        let unnamed = |column: &Column| column.kind.filter(|kind| !is_named(column, *kind));
         Self {
             is_asked: want.others_ignored && !want.expected.is_empty(),
-            missing: expected().filter(|kind| column(kind).is_none()).collect(),
-            unnamed: expected().filter(is_unnamed).collect(),
+            missing: want.expected.iter().copied().filter(|kind| column(kind).is_none()).collect(),
+            unnamed: columns.iter().filter_map(unnamed).collect(),
         }
     }
 

@@ -67,9 +67,24 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for comment in &records.comments {
-        table.take_remark(&format!("comment {}", comment.cell), &comment.text, &understood, want);
+        let title = format!("comment {}", comment.cell);
+        let stated = |line: &str| understood.contradicted_by(&format!("{name}, {title}"), line, want);
+        if let Some(refused) = comment.text.lines().filter(|_| !want.ignores(&title)).find_map(stated) {
+            return Err(refused.into());
+        }
+        table.take_remark(&title, &comment.text, &understood, want);
     }
     for other in &others {
+        let title = format!("{SHEET}{}", other.name);
+        // headings of columns there say nothing of these
+        let lines = other.head.iter().filter(|record| record.numbers() == 0 && record.filled().len() <= 2);
+        let stated = |line: &Record| {
+            understood.contradicted_by(&format!("{}, row {}", other.called, line.line), &line.in_words(), want)
+        };
+        let is_ignored = want.ignores(&other.name) || want.ignores(&title);
+        if let Some(refused) = lines.filter(|_| !is_ignored).find_map(stated) {
+            return Err(refused.into());
+        }
         table.take_other(other, &understood, want);
     }
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {

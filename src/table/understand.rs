@@ -11,10 +11,11 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, is_of_parts, names_value, role};
+use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, part_said, role};
 use super::number::{DecimalMark, Marks, normalise};
+use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
-use super::want::{Orientation, Want, ignore_option};
+use super::want::{Orientation, Want, ignore_option, quoted};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
@@ -374,7 +375,12 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         }
     }
     problems.extend(twice(&columns));
-    problems.extend(columns.iter().find_map(|column| other_unit(shape, &columns, column, want)));
+    let statements: Vec<_> = shape.statements(want).collect();
+    let said = |statement: &AsideReading| {
+        other_unit(shape, &columns, want, &format!("line {}", statement.line), &statement.text)
+    };
+    problems.extend(statements.iter().find_map(said));
+    problems.extend(other_part(shape, &columns, want));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
@@ -419,25 +425,24 @@ fn numbers_teeth(title: &str) -> Diagnostic {
     ))
 }
 
-/// A line beside the table that states another unit than the one that is assumed for a column, or than those that stand
-/// beside all of them; millimetres and degrees may be meant for others.
-fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -> Option<Diagnostic> {
-    let is_assumed = column.unit_from == UnitFrom::Key;
+/// A text at a place beside the table that states another unit than the one that is assumed for a column, or than those that
+/// stand beside all of them; millimetres and degrees may be meant for others.
+fn other_unit(shape: &Shape, columns: &[Column], want: &Want, place: &str, text: &str) -> Option<Diagnostic> {
+    let stated = stated_units(text);
     let is_common = |unit| matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree));
-    // beside a unit that the table itself tells
-    let is_of_others = |unit: Unit| {
-        column.unit_from != UnitFrom::Spec && (is_common(unit) || columns.iter().any(|column| column.unit == unit))
-    };
-    let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
-    let title = &column.title;
-    for statement in shape.statements(want) {
-        let stated = stated_units(&statement.text);
+    columns.iter().find_map(|column| {
+        let is_assumed = column.unit_from == UnitFrom::Key;
+        // beside a unit that the table itself tells
+        let is_of_others = |unit: Unit| {
+            column.unit_from != UnitFrom::Spec && (is_common(unit) || columns.iter().any(|column| column.unit == unit))
+        };
+        let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
         // mm and µm
         let has_own = !is_assumed && stated.iter().any(|stated| stated.unit == column.unit);
-        let stated = stated.into_iter().filter(|_| !has_own);
+        let stated = stated.iter().filter(|_| !has_own);
         let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
-        let unit = stated.map(|stated| stated.unit).find(is_other);
-        let help = match (unit, unknown_unit(&statement.text)) {
+        let title = &column.title;
+        let help = match (stated.map(|stated| stated.unit).find(is_other), unknown_unit(text)) {
             (Some(unit), _) => {
                 let measurement = shape.measurements.iter().find(|found| found.value.title == *title)?;
                 let units = [unit, column.unit].map(Unit::symbol);
@@ -445,22 +450,48 @@ fn other_unit(shape: &Shape, columns: &[Column], column: &Column, want: &Want) -
             }
             (None, Some(unknown)) if is_assumed => format!(
                 "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: {}",
-                ignore_option(&statement.text)
+                ignore_option(text)
             ),
-            (None, _) => continue,
+            (None, _) => return None,
         };
-        let (line, text, assumed) = (statement.line, shown(&statement.text), column.unit.symbol());
+        let (text, read_in) = (shown(text), column.unit.symbol());
         let message = if is_assumed {
-            format!("line {line} says `{text}`, and nothing else tells the unit of `{title}`, which would be {assumed}")
+            format!("{place} says `{text}`, and nothing else tells the unit of `{title}`, which would be {read_in}")
         } else {
-            format!("line {line} says `{text}`, and `{title}` is in {assumed}")
+            format!("{place} says `{text}`, and `{title}` is in {read_in}")
         };
-        return Some(Diagnostic::error(Code::BadTable, message).help(help));
-    }
-    None
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    })
+}
+
+/// A line above the values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
+/// `Teilung`.
+fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
+    let first = shape.lines.first().copied().unwrap_or_default();
+    let above = shape.asides.iter().filter(|aside| aside.line < first && !want.ignores(&aside.text));
+    above.filter_map(|aside| Some((aside, part_said(&aside.text)?))).find_map(|(aside, said)| {
+        let is_other = |column: &&Column| {
+            let is_named = want.is_own(&column.title) || part_said(&column.title).is_some();
+            !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
+        };
+        let column = columns.iter().find(is_other)?;
+        let (line, text, title, key) = (aside.line, shown(&aside.text), &column.title, column.kind?.key());
+        let message = format!("line {line} says `{text}`, and `{title}` would be read as `{key}`");
+        let help = format!(
+            "name the column, if it is: [batch.columns] {key} = {{ name = {} }}; or leave the line out: {}",
+            quoted(title),
+            ignore_option(&aside.text)
+        );
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    })
 }
 
 impl Understood {
+    /// The refusal of a text at a place beside the table that states another unit.
+    pub(crate) fn contradicted_by(&self, place: &str, text: &str, want: &Want) -> Option<Diagnostic> {
+        other_unit(&self.shape, &self.columns, want, place, text)
+    }
+
     /// A row that is called by a statistic or a limit of the others, and is none by its value: beyond them all, or an upper limit
     /// below them; it is a part, or of other parts. Asked where every row is there.
     pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {

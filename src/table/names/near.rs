@@ -5,7 +5,7 @@ use super::role::{is_statistic, role};
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
 use super::words::Words;
 use super::{Field, has_total_pitch, heading, name_of, needs_part, of_pinion, of_rack};
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 
 /// The longest known phrase, in words.
 const LONGEST_PHRASE: usize = 5;
@@ -63,6 +63,15 @@ pub(crate) fn says_deviation(text: &str) -> bool {
 /// Whether a name is that of a tolerance or a limit, and of no value: `Toleranz`, `Zulässige Abweichung`.
 pub(crate) fn is_tolerance(text: &str) -> bool {
     matches!(role(text), Some(Role::Upper | Role::Lower)) && (says(text, Sense::Tolerance) || says(text, Sense::Limit))
+}
+
+/// The part that a text speaks of; `None` if it speaks of none, or of both.
+pub(crate) fn part_said(text: &str) -> Option<Part> {
+    match (says(text, Sense::Rack), says(text, Sense::Pinion)) {
+        (true, false) => Some(Part::Rack),
+        (false, true) => Some(Part::Pinion),
+        _ => None,
+    }
 }
 
 /// Whether one of the words of a name has a sense.

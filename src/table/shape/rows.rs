@@ -220,7 +220,10 @@ pub(super) fn by_header(
     let first = row_of_units.filter(|units| *units >= below).map_or(below, |units| units + 1);
     for line in (0..header.record).chain(row_of_units.filter(|units| *units >= below)) {
         let record = &records[line];
-        if has_value_above(record, &named) {
+        if let Some(group) = group_of_no_value(record, &named).filter(|group| !want.ignores(&group.text())) {
+            let cell = Cell::of_text(&record.in_words(), 0..0);
+            shape.unknown.push(Unknown::line(&group.text(), record.line, vec![cell]).unread());
+        } else if has_value_above(record, &named) {
             shape.unknown.push(unknown_line(record, true));
         } else if !record.says_nothing() && units != Some(line) {
             shape.asides.push(aside(record));
@@ -270,10 +273,35 @@ pub(super) fn by_header(
     shape.share_units();
     shape.take_nameless(want);
     shape.lines = rows.iter().map(|row| row.line).collect();
+    let has_other_unit = |record: &&Record| {
+        shape.measurements.iter().map(|measurement| &measurement.value).any(|value| {
+            let unit = record.cells.get(value.place).map(Cell::text).filter(|text| is_unit(text));
+            differ(value.unit.as_deref(), unit.as_deref())
+        })
+    };
+    if let Some(record) = records[end..].iter().find(has_other_unit) {
+        return Err(NoShape::Units { record: record.clone() });
+    }
     shape.asides.extend(records[end..].iter().filter(|record| !record.says_nothing()).map(aside));
     shape.drop_valueless();
     shape.drop_changing_limits();
     Ok(shape)
+}
+
+/// What a line above the names calls columns of values that it says are none: `Nominal`, `Toleranzen`.
+fn group_of_no_value<'r>(record: &'r Record, named: &[Option<Named>]) -> Option<&'r Cell> {
+    let is_of_none = |cell: &Cell| {
+        let role = role(&cell.text());
+        role != Some(Role::Deviation) && role.is_some_and(Role::is_beside_value)
+    };
+    let is_value = |named: &Option<Named>| {
+        named.as_ref().is_some_and(|named| named.aspect == Role::Measured && !named.field.is_index())
+    };
+    record.cells.iter().enumerate().filter(|(_, cell)| is_of_none(cell)).find_map(|(place, cell)| {
+        let behind = record.cells.iter().skip(place + 1).position(|cell| !cell.is_empty());
+        let end = behind.map_or(named.len(), |behind| place + 1 + behind);
+        named.get(place..end)?.iter().any(is_value).then_some(cell)
+    })
 }
 
 /// A column without a heading beside the table, if there are only remarks in it: a row with a value there is rejected.

@@ -31,11 +31,12 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     let words: Vec<String> = words(text).map(str::to_lowercase).collect();
     let is_symbol = |word: &String| Unit::from_symbol(word).is_some();
     let is_between = |word: &String| WordList::BeforeUnit.has(word);
+    let is_subject = |word: &String| role(word) == Some(Role::Unit) || WordList::UnitSubject.has(word);
+    let says_nothing_else = words.iter().all(|word| is_symbol(word) || is_between(word) || is_subject(word));
     let unit_of = |at: usize| {
         let unit = Unit::from_symbol(&words[at])?;
         let mut before = words[..at].iter().rev().skip_while(|word| is_between(word) || is_symbol(word));
-        let is_subject = |word: &String| role(word) == Some(Role::Unit) || WordList::UnitSubject.has(word);
-        let is_clear = before.next().is_some_and(is_subject);
+        let is_clear = says_nothing_else || before.next().is_some_and(is_subject);
         let is_word = words[at].chars().count() > 1 && !matches!(words[at].as_str(), "in" | "min");
         if words[at] == "in" {
             return inch(&words, at);
@@ -45,9 +46,24 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     (0..words.len()).filter_map(unit_of).collect()
 }
 
-/// The words of a text, and its units of one letter or sign.
+/// The words of a text, and its units of one letter or sign; Japanese has another script in place of blanks.
 fn words(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°')).filter(|word| !word.is_empty())
+    let script = |c: char| match c {
+        '\u{3041}'..='\u{309f}' => 1,
+        '\u{30a0}'..='\u{30ff}' => 2,
+        '\u{4e00}'..='\u{9fff}' => 3,
+        _ => 0,
+    };
+    let words = text.split(|c: char| !c.is_alphanumeric() && !matches!(c, 'µ' | '°'));
+    words.flat_map(move |word| {
+        let mut rest = word;
+        std::iter::from_fn(move || {
+            let of = script(rest.chars().next()?);
+            let (word, behind) = rest.split_at(rest.find(|c| script(c) != of).unwrap_or(rest.len()));
+            rest = behind;
+            Some(word)
+        })
+    })
 }
 
 /// Inches behind a word for units, `Units: in`; before another unit of length `in` is none.
