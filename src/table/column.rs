@@ -6,7 +6,7 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, WordList, is_total, split_size, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_total, says_deviation, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::want::{Want, ignore_option, quoted};
@@ -751,8 +751,8 @@ fn unit(
     let units = if is_angle { ["deg", "arcmin"] } else { ["mm", "um"] };
     let units = fitting(measurement, kind, want, mark, units);
     let in_spec = kind.map(|kind| {
-        let column = format!("{} = {{ name = \"{}\", unit = \"{}\" }}", kind.key(), value.title, units[0]);
-        let other = units.get(1).map_or_else(String::new, |other| format!(", or \"{other}\""));
+        let column = mapping(kind.key(), Some(kind), &value.title, Some(units[0]));
+        let other = units.get(1).map_or_else(String::new, |other| format!(", or unit = \"{other}\""));
         format!("; or say it in the spec: [batch.columns] {column}{other}")
     });
     let help = behind_name(&value.title, &units) + &in_spec.unwrap_or_default();
@@ -775,6 +775,15 @@ pub(crate) fn fitting<'u>(
     };
     let fitting: Vec<&str> = units.into_iter().filter(fits).collect();
     if fitting.is_empty() { units.to_vec() } else { fitting }
+}
+
+/// The line of a spec that says what a column is; `kind` is the error that its name may be.
+pub(crate) fn mapping(key: &str, kind: Option<DeviationKind>, name: &str, unit: Option<&str>) -> String {
+    let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
+    let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
+    let holds = if has_nominal && says_deviation(name) { ", kind = \"deviation\"" } else { "" };
+    let extent = if kind.is_some() && is_total(name) { ", extent = \"total\"" } else { "" };
+    format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(name))
 }
 
 /// The advice to write one of some units behind a name.

@@ -42,7 +42,7 @@ pub(crate) struct Beside<'a> {
 impl Beside<'_> {
     /// What of a line may be a measured value. Above the names of the columns, titles stand.
     pub(super) fn value_in(&self, aside: &AsideReading, is_above: bool) -> Option<Unknown> {
-        value_in(aside, self, is_above).or_else(|| value_beyond(aside, self.measured?, is_above))
+        value_in(aside, self, is_above).or_else(|| value_beyond(aside, self.measured?))
     }
 
     /// What of a cell of the column at a place may be a value, and corrects one.
@@ -55,7 +55,7 @@ impl Beside<'_> {
         let corrects = |cell: &Cell| is_signed(cell) && self.columns.iter().any(|column| column.may_deviate_by(cell));
         let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
         let value = value_in(&remark, self, false).filter(|value| is_prose && may_be_value(value));
-        let value = value.or_else(|| value_beyond(&remark, self.measured?, false));
+        let value = value.or_else(|| value_beyond(&remark, self.measured?));
         let value = value.or_else(|| {
             let is_said = has_digit(&remark.text) && has_scale(&remark.text);
             (is_said || corrects(cell)).then(correction)
@@ -108,11 +108,10 @@ fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option
 }
 
 /// What of a line is near a nominal value and beyond all values of the table, whatever the words before it say: `NOK: 25,060`.
-/// Above the names, where titles are, it has three decimals.
-pub(super) fn value_beyond(aside: &AsideReading, measured: &MeasuredValues, is_above: bool) -> Option<Unknown> {
+pub(super) fn value_beyond(aside: &AsideReading, measured: &MeasuredValues) -> Option<Unknown> {
     let text = without_punctuation(&aside.text);
     let record = records(&text, Separator::Blanks).ok()?.into_iter().next()?;
-    let at = record.cells.iter().position(|cell| measured.is_beyond_all(cell) && (!is_above || cell.is_fine()))?;
+    let at = record.cells.iter().position(|cell| measured.is_beyond_all(cell))?;
     let title = record.cells[..at].iter().map(Cell::text).collect::<Vec<_>>().join(" ");
     let found = Unknown::line(&title, aside.line, vec![record.cells[at].clone()]).measured(true);
     Some(Unknown { is_repeated: true, ..found })

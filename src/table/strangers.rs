@@ -6,15 +6,14 @@ use std::collections::HashSet;
 use serde::Serialize;
 
 use super::cell::{Cell, Record};
-use super::column::Column;
+use super::column::{Column, mapping};
 use super::grid::Separator;
 use super::lines::{
     Beside, has_scale, is_signed, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role,
-    says_deviation, split_unit,
+    Field, Role, WordList, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
@@ -43,6 +42,9 @@ pub struct Stranger {
     /// What leaves it out, as `--ignore` takes it.
     #[serde(skip)]
     pub(crate) pattern: String,
+    /// Whether it stands in a line that is no part of the table, which no spec can name.
+    #[serde(skip)]
+    pub(crate) is_prose: bool,
 }
 
 /// What became of what is not understood.
@@ -180,7 +182,7 @@ impl Sorter<'_> {
     /// A value in the heading of a column.
     fn value_in_heading(&self, unknown: &Unknown) -> Option<Unknown> {
         let heading = AsideReading { line: 0, text: unknown.title.clone() };
-        let value = value_beyond(&heading, self.measured, false).filter(|_| unknown.column.is_some())?;
+        let value = value_beyond(&heading, self.measured).filter(|_| unknown.column.is_some())?;
         Some(Unknown { place: unknown.place.clone(), is_repeated: true, ..value })
     }
 
@@ -202,7 +204,11 @@ impl Sorter<'_> {
         };
         match found {
             Some(unknown) if !repeats_nominal(&unknown, aside, self.columns) && !is_described(&unknown) => {
+                let before = self.sorted.strangers.len();
                 self.take(&unknown);
+                for stranger in &mut self.sorted.strangers[before..] {
+                    stranger.is_prose = self.shape.orientation == Orientation::Rows;
+                }
             }
             _ => self.sorted.asides.push(aside.clone()),
         }
@@ -292,6 +298,7 @@ fn stranger(file: &str, unknown: &Unknown) -> Stranger {
         unit,
         near: names,
         pattern: unknown.pattern(),
+        is_prose: false,
     }
 }
 
@@ -362,7 +369,8 @@ const KEY: &str = "KEY";
 impl Stranger {
     /// The line of the spec that says what it is, if that is the nearest name; `None` for what the spec cannot name.
     fn mapping(&self) -> Option<String> {
-        let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(|name| *name == self.pattern)?;
+        let is_name = |name: &String| *name == self.pattern && !self.is_prose;
+        let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(is_name)?;
         // nothing tells which error it is, if it is one
         let kind = self.near.iter().find_map(|key| key.parse::<Field>().ok()?.kind());
         // form, crowning and runout are no error that a spec has, and only a pitch has a total
@@ -371,11 +379,6 @@ impl Stranger {
         if (kind.is_none() || is_lead) && is_other_of_flank(&name) || kind.is_some() && !is_pitch && is_total(&name) {
             return None;
         }
-        let unit = self.unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-        let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
-        let holds = if has_nominal && says_deviation(&name) { ", kind = \"deviation\"" } else { "" };
-        let extent = if kind.is_some() && is_total(&name) { ", extent = \"total\"" } else { "" };
-        let key = kind.map_or(KEY, DeviationKind::key);
-        Some(format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(&name)))
+        Some(mapping(kind.map_or(KEY, DeviationKind::key), kind, &name, self.unit.as_deref()))
     }
 }

@@ -115,7 +115,9 @@ impl Unknown {
             || !near(title).is_empty()
             || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
             || self.column.is_some() && repeats_value(title) && !self.counts_or_flags()
-            || self.column.is_none() && (is_again(title) || repeats_value(title) && values.len() > 1)
+            || self.column.is_none()
+                && (is_again(title) && !values.iter().all(|text| text.contains(':'))
+                    || repeats_value(title) && values.len() > 1)
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.

@@ -90,9 +90,12 @@ pub(crate) fn is_of_parts(name: &str) -> bool {
 
 /// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`.
 pub(crate) fn repeats_value(title: &str) -> bool {
-    let (name, _) = split_unit(title);
-    let name = name.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'));
-    matches!(role(name), Some(Role::Measured | Role::Deviation)) || is_again(name) || names_flank(name)
+    let (whole, _) = split_unit(title);
+    let name = whole.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'));
+    matches!(role(name), Some(Role::Measured | Role::Deviation))
+        || is_again(name)
+        || is_again(&whole)
+        || names_flank(name)
 }
 
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
