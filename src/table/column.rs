@@ -120,6 +120,38 @@ impl PlainNumbers {
     }
 }
 
+/// From where to where values reach, and one of the last digit that they are written with; mm or degrees.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    pub(crate) least: f64,
+    pub(crate) most: f64,
+    digit: f64,
+}
+
+impl Extent {
+    /// Of no values.
+    pub(crate) const NONE: Self = Self { least: f64::INFINITY, most: f64::NEG_INFINITY, digit: 1.0 };
+
+    /// With one more value, that a cell of a column holds.
+    pub(crate) fn with(self, value: DeviationValue, cell: &Cell, column: &Column) -> Self {
+        let value = value.base();
+        // of a value in a unit of its own, it is not known
+        let digit = if unit_in(&cell.text()).is_none() { column.digit(cell, column.unit) } else { SMALLEST_DIGIT };
+        let digit = self.digit.min(digit).max(SMALLEST_DIGIT);
+        Self { least: self.least.min(value), most: self.most.max(value), digit }
+    }
+
+    /// Whether a value lies among them, but for their last digit.
+    pub(crate) fn encloses(&self, value: f64) -> bool {
+        (self.least - self.digit..=self.most + self.digit).contains(&value)
+    }
+
+    /// Whether a number is no larger than they are apart, but for their last digit.
+    pub(crate) fn is_spread_by(&self, value: f64) -> bool {
+        value.abs() <= self.most - self.least + self.digit
+    }
+}
+
 /// Why a cell has no value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Problem {
@@ -336,17 +368,19 @@ impl Column {
     }
 
     /// Beyond which end of the others, mm or degrees, a value lies; `None` if it is among them or cannot be read.
-    pub(crate) fn beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: [f64; 2]) -> Option<Ordering> {
+    pub(crate) fn beyond(&self, cell: &Cell, beside: Companions<&Cell>, others: &Extent) -> Option<Ordering> {
         // of deviations, it may be that without signs
-        let largest = others[0].abs().max(others[1].abs());
-        let others = if self.nominal == Nominal::None { [-largest, largest] } else { others };
+        let largest = others.least.abs().max(others.most.abs());
+        let [least, most] =
+            if self.nominal == Nominal::None { [-largest, largest] } else { [others.least, others.most] };
         let value = self.read(cell, beside).ok()??.base();
         let digit = self.digit(cell, self.unit).max(SMALLEST_DIGIT);
-        if value < others[0] - digit {
-            Some(Ordering::Less)
-        } else {
-            (value > others[1] + digit).then_some(Ordering::Greater)
-        }
+        if value < least - digit { Some(Ordering::Less) } else { (value > most + digit).then_some(Ordering::Greater) }
+    }
+
+    /// Whether a number is larger than values are apart.
+    pub(crate) fn is_wider(&self, cell: &Cell, values: &Extent) -> bool {
+        cell.is_number() && !self.quantity(cell).is_ok_and(|value| values.is_spread_by(value.base()))
     }
 
     /// Whether a measured value is near a nominal one.

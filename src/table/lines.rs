@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use super::cell::Cell;
 use super::column::{Column, Nominal, Stated, has_tolerance_behind};
-use super::grid::{Separator, records};
+use super::grid::{Separator, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{Role, WordList, heading, is_context, is_statistic, is_value_heading, near, plain_widths, role};
 use super::reading::AsideReading;
@@ -48,18 +48,17 @@ impl Beside<'_> {
     /// What of a cell of the column at a place may be a value, and corrects one.
     pub(crate) fn value_in_remark(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
         let remark = AsideReading { line, text: cell.text().into_owned() };
-        let is_held = |cell: &Cell| self.columns.iter().any(|column| column.may_hold(cell));
-        let may_be_value = |value: &Unknown| !near(&value.title).is_empty() || value.cells.iter().any(is_held);
-        // of a number with a word behind it, what is near a nominal value counts
+        // of a number with a word behind it, what is near a nominal value counts, or has a sign
         let is_prose = !cell.is_number() || cell.is_measure() || cell.text().split_whitespace().count() > 2;
-        let corrects = |cell: &Cell| is_signed(cell) && self.columns.iter().any(|column| column.may_deviate_by(cell));
+        let is_of = |column: &Column, cell: &Cell| {
+            is_prose && column.may_hold(cell) || is_signed(cell) && column.may_deviate_by(cell)
+        };
+        let is_value = |cell: &Cell| self.columns.iter().any(|column| is_of(column, cell));
+        let is_meant = |value: &Unknown| is_prose && !near(&value.title).is_empty() || value.cells.iter().any(is_value);
         let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
-        let value = value_in(&remark, self, false).filter(|value| is_prose && may_be_value(value));
+        let value = value_in(&remark, self, false).filter(is_meant);
         let value = value.or_else(|| value_beyond(&remark, self.measured?));
-        let value = value.or_else(|| {
-            let is_said = has_digit(&remark.text) && has_scale(&remark.text);
-            (is_said || corrects(cell)).then(correction)
-        })?;
+        let value = value.or_else(|| has_scale(&remark.text).then(correction))?;
         Some(Unknown { place: format!("{column}, {}", value.place), ..value })
     }
 }
@@ -99,11 +98,8 @@ fn value_in(aside: &AsideReading, beside: &Beside<'_>, is_above: bool) -> Option
     let may_be_value = |cell: &Cell| is_value(cell) || is_deviation(cell);
     let may_be = || !is_statistic(&found.title) && role(&found.title).is_none() && found.cells.iter().any(may_be_value);
     // Maximum: 25,30
-    let is_of_others = || {
-        let are_others = |measured: &MeasuredValues| !measured.enclose_any(&found.cells);
-        WordList::Mean.has(&found.title) && beside.measured.is_some_and(are_others)
-    };
-    let may_be = may_be() || is_of_others();
+    let is_of_others = |measured: &MeasuredValues| measured.contradict(&found.title, &found.cells);
+    let may_be = may_be() || beside.measured.is_some_and(is_of_others);
     if found.could_be_measured() { Some(found) } else { may_be.then(|| found.measured(true)) }
 }
 
@@ -148,18 +144,14 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
     columns.iter().any(is_other).then(|| unread(&name))
 }
 
-/// Whether a text has words for a factor or a fraction of a millimetre, or says of a number by how much values are off: `0,06 zu groß`.
+/// Whether a text has words for a factor or a sign, or a fraction of a millimetre, or says of a number by how much values are
+/// off: `0,06 zu groß`.
 pub(super) fn has_scale(text: &str) -> bool {
-    let words: Vec<&str> =
-        text.split(|c: char| c.is_whitespace() || ",;:=()".contains(c)).filter(|word| !word.is_empty()).collect();
-    let is_in = |list: WordList| {
-        words.iter().any(|word| list.has(word)) || words.windows(2).any(|pair| list.has(&pair.join(" ")))
-    };
     let has_fraction = || {
-        let behind = text.split("1/10").skip(1).map(|behind| behind.trim_start_matches(['0', ' ']));
-        behind.into_iter().any(|behind| behind.starts_with("mm"))
+        let mut behind = text.split("1/10").skip(1).map(|behind| behind.trim_start_matches(['0', ' ']));
+        behind.any(|behind| behind.starts_with("mm"))
     };
-    is_in(WordList::Scale) || has_digit(text) && is_in(WordList::Shift) || has_fraction()
+    WordList::Scale.is_in(text) || has_digit(text) && WordList::Shift.is_in(text) || has_fraction()
 }
 
 /// Whether a number has a sign.
@@ -247,7 +239,9 @@ fn without_foreign(cells: &[Cell]) -> impl Iterator<Item = &Cell> {
         let unit = text.trim_end_matches([',', ';', '.', ')']);
         is_foreign_unit(unit) && !matches!(unit, "-" | "1")
     };
-    let is_other = move |at: usize| cells[at].is_number() && cells.get(at + 1).is_some_and(is_unit);
+    // `95 µm am Zahn 7` is no time of day
+    let has_none = |cell: &Cell| cell.is_number() && unit_in(&cell.text()).is_none();
+    let is_other = move |at: usize| has_none(&cells[at]) && cells.get(at + 1).is_some_and(is_unit);
     (0..cells.len()).filter(move |at| !is_other(*at)).map(|at| &cells[at])
 }
 

@@ -2,9 +2,9 @@
 //! values of a column. Asked about what is not understood.
 
 use super::cell::Cell;
-use super::column::{Column, Nominal, SMALLEST_DIGIT};
+use super::column::{Column, Extent, Nominal};
 use super::grid::is_unit;
-use super::names::{Role, WordList, is_statistic, is_tolerance, role};
+use super::names::{Role, WordList, is_of_parts, is_statistic, is_tolerance, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
 use super::unknown::Unknown;
@@ -23,23 +23,24 @@ pub(crate) struct MeasuredValues {
 struct ColumnValues {
     column: Column,
     nominals: Vec<DeviationValue>,
-    /// The least and the largest value, mm or degrees.
-    least: f64,
-    most: f64,
+    extent: Extent,
 }
 
 impl MeasuredValues {
     pub(crate) fn of(understood: &Understood) -> Self {
+        let ids = understood.shape.ids.iter().flat_map(|ids| &ids.cells);
+        let of_parts: Vec<bool> = ids.map(|name| is_of_parts(&name.text())).collect();
         let of_column = |(measurement, column): (&super::shape::Measurement, &Column)| {
             let beside = measurement.beside.get(Role::Nominal).into_iter().flat_map(|series| &series.cells);
             let stated = if let Nominal::Fixed(nominal) = column.nominal { Some(nominal) } else { None };
-            let values = measurement.value.cells.iter().filter_map(|cell| column.quantity(cell).ok());
-            let values = values.map(DeviationValue::base);
-            let (least, most) = values
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
+            let values = measurement.value.cells.iter().enumerate();
+            let values = values.filter(|(row, _)| of_parts.get(*row) != Some(&true));
+            let extent = values.fold(Extent::NONE, |extent, (_, cell)| {
+                column.quantity(cell).map_or(extent, |value| extent.with(value, cell, column))
+            });
             let nominals = stated.into_iter().chain(beside.filter_map(|cell| column.quantity(cell).ok()));
             let nominals = nominals.filter(|nominal| nominal.base() != 0.0).collect();
-            ColumnValues { column: column.clone(), nominals, least, most }
+            ColumnValues { column: column.clone(), nominals, extent }
         };
         Self {
             orientation: understood.shape.orientation,
@@ -93,23 +94,23 @@ impl MeasuredValues {
             && unknown.cells.iter().all(is_so)
     }
 
-    /// Whether a number among some cells lies among the values of a column.
-    pub(crate) fn enclose_any(&self, cells: &[Cell]) -> bool {
-        cells.iter().any(|cell| self.columns.iter().any(|column| column.encloses(cell)))
+    /// Whether no number among some cells is the mean, the extreme or the spread of a column that they are called.
+    pub(crate) fn contradict(&self, title: &str, cells: &[Cell]) -> bool {
+        let encloses = |cell: &Cell| self.columns.iter().any(|column| column.encloses(cell));
+        WordList::Mean.has(title) && !cells.iter().any(encloses)
+            || WordList::Spread.has(title) && cells.iter().all(|cell| self.are_narrower_than(cell))
     }
 
     /// Whether a number is larger than the range of every column's values, so that it is no spread of them.
     pub(crate) fn are_narrower_than(&self, cell: &Cell) -> bool {
-        let is_spread = |values: &ColumnValues| {
-            let range = values.most - values.least + SMALLEST_DIGIT;
-            values.column.quantity(cell).is_ok_and(|value| value.base().abs() <= range)
-        };
-        cell.is_number() && !self.columns.iter().any(is_spread)
+        self.columns.iter().all(|values| values.column.is_wider(cell, &values.extent))
     }
 
     /// Whether it also is larger or smaller than every value of the table.
     pub(crate) fn is_beyond_all(&self, cell: &Cell) -> bool {
-        self.columns.iter().any(|column| column.may_have(cell, |value| value < column.least || value > column.most))
+        self.columns
+            .iter()
+            .any(|column| column.may_have(cell, |value| value < column.extent.least || value > column.extent.most))
     }
 }
 
@@ -121,8 +122,7 @@ impl ColumnValues {
 
     /// Whether a number lies among its values.
     fn encloses(&self, cell: &Cell) -> bool {
-        let is_among = |value: f64| (self.least - SMALLEST_DIGIT..=self.most + SMALLEST_DIGIT).contains(&value);
-        self.column.quantity(cell).is_ok_and(|value| is_among(value.base()))
+        self.column.quantity(cell).is_ok_and(|value| self.extent.encloses(value.base()))
     }
 
     /// Whether cells may be its values once more: with decimals, and each near the nominal one, or else within its values and
@@ -135,7 +135,7 @@ impl ColumnValues {
         if matches!(self.column.nominal, Nominal::Fixed(_)) {
             return numbers.iter().all(|cell| self.column.may_hold(cell));
         }
-        let (least, most) = (self.least, self.most);
+        let Extent { least, most, .. } = self.extent;
         let half = if most > least { (most - least) / 2.0 } else { most.abs() / 2.0 };
         let is_among = |value: DeviationValue| (least - half..=most + half).contains(&value.base());
         numbers.iter().all(|cell| self.column.quantity(cell).is_ok_and(is_among))

@@ -205,7 +205,7 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     found.pieces.give_records(records, None);
     found.reading.header_line = None;
     for remark in remarks {
-        found.take_remark(&format!("K0009 in line {}", remark.line), &remark.text, &understood, want);
+        found.take_remark(&format!("K{:04} in line {}", remark.key, remark.line), &remark.text, &understood, want);
     }
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;

@@ -8,7 +8,7 @@ use std::mem::discriminant;
 use std::sync::Arc;
 
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, Nominal, Problem, UnitFrom, behind_name, fitting};
+use super::column::{Column, Extent, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, part_said, role};
@@ -500,15 +500,16 @@ impl Understood {
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
             let others = rows().filter(|(row, _)| !is_of_parts(&name(*row)));
-            let read = others.filter_map(|(row, cell)| column.read(cell, measurement.beside_row(row)).ok().flatten());
-            let others = read
-                .map(DeviationValue::base)
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
+            let others = others.fold(Extent::NONE, |extent, (row, cell)| {
+                let value = column.read(cell, measurement.beside_row(row)).ok().flatten();
+                value.map_or(extent, |value| extent.with(value, cell, column))
+            });
             let is_false = |(row, cell): &(usize, &Cell)| {
-                let side = column.beyond(cell, measurement.beside_row(*row), others);
+                let side = column.beyond(cell, measurement.beside_row(*row), &others);
                 side.is_some_and(|side| contradicts(&name(*row), side, column.nominal))
+                    || is_of_parts(&name(*row)) && WordList::Spread.has(&name(*row)) && column.is_wider(cell, &others)
             };
-            if let Some((row, cell)) = rows().find(is_false).filter(|_| others[0] <= others[1]) {
+            if let Some((row, cell)) = rows().find(is_false).filter(|_| others.least <= others.most) {
                 let (line, name, value) = (self.shape.lines[row], name(row), cell.text());
                 let message =
                     format!("{file}, line {line}: `{name}` is {value}, which the values of the other rows contradict");
@@ -574,7 +575,8 @@ fn contradicts(name: &str, side: Ordering, nominal: Nominal) -> bool {
         Ordering::Less => role(name) == Some(Role::Upper),
         _ => role(name) == Some(Role::Lower),
     };
-    is_limit || WordList::Mean.has(name) || WordList::Apart.has(name) && nominal != Nominal::None
+    let is_apart = WordList::Apart.has(name) || WordList::Spread.has(name);
+    is_limit || WordList::Mean.has(name) || is_apart && nominal != Nominal::None
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

@@ -3,7 +3,7 @@
 
 use super::cell::Cell;
 use super::grid::{is_date, only_units, unit_in};
-use super::names::{WordList, is_again, is_context, is_gear_size, near, repeats_value, split_unit};
+use super::names::{WordList, is_again, is_context, is_gear_size, is_statistic, near, repeats_value, split_unit};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -106,7 +106,7 @@ impl Unknown {
         if is_context(title) {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
-                || self.is_repeated && self.is_fine()
+                || self.is_repeated && (self.is_fine() || WordList::Requirement.has(title))
                 || is_again(title) && self.may_be_measured_again();
         }
         self.is_measurement
@@ -114,7 +114,7 @@ impl Unknown {
             || title.contains('[') && unit.is_some()
             || !near(title).is_empty()
             || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
-            || self.column.is_some() && repeats_value(title) && !self.counts_or_flags()
+            || self.column.is_some() && repeats_value(title) && !is_statistic(title) && !self.counts_or_flags()
             || self.column.is_none()
                 && (is_again(title) && !values.iter().all(|text| text.contains(':'))
                     || repeats_value(title) && values.len() > 1)

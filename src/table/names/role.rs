@@ -2,7 +2,7 @@
 
 use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
 use super::words::Words;
 use super::{Field, bare, name_of};
 
@@ -76,11 +76,22 @@ impl WordList {
         let name = if self.is_folded() { joined(&name_of(name)) } else { plain(name) };
         VOCABULARY.list(self).contains(&name)
     }
+
+    /// Whether some words of a text are in the list; Japanese has no blanks between them.
+    pub(crate) fn is_in(self, text: &str) -> bool {
+        let is_mark = |c: char| c.is_whitespace() || ",;:=()!".contains(c);
+        let words: Vec<_> = text.split(is_mark).map(plain).filter(|word| !word.is_empty()).collect();
+        let text = format!(" {} ", words.join(" "));
+        let is_said = |words: &String| {
+            text.contains(words) && (words.starts_with(is_japanese) || text.contains(&format!(" {words} ")))
+        };
+        VOCABULARY.list(self).iter().any(is_said)
+    }
 }
 
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    [WordList::Statistic, WordList::Apart, WordList::Mean].into_iter().any(|list| list.has(name))
+    [WordList::Statistic, WordList::Apart, WordList::Spread, WordList::Mean].into_iter().any(|list| list.has(name))
 }
 
 /// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.
@@ -88,19 +99,20 @@ pub(crate) fn is_of_parts(name: &str) -> bool {
     name.len() > 1 && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
 }
 
-/// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`.
+/// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`,
+/// `größter Wert`.
 pub(crate) fn repeats_value(title: &str) -> bool {
     let (whole, _) = split_unit(title);
     let name = whole.trim_matches(|c: char| c.is_ascii_digit() || matches!(c, ' ' | '#' | '.' | '_'));
     matches!(role(name), Some(Role::Measured | Role::Deviation))
         || is_again(name)
         || is_again(&whole)
-        || names_flank(name)
+        || says_which(name)
 }
 
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
 pub(crate) fn is_again(name: &str) -> bool {
-    WordList::Again.has(name) || name.split(' ').any(|word| WordList::Again.has(word))
+    WordList::Again.is_in(name)
 }
 
 /// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
@@ -115,16 +127,17 @@ pub(crate) fn names_page(line: &str) -> bool {
     behind.trim_start_matches([':', '.']).split_whitespace().all(is_count)
 }
 
-/// Whether a title says of which flank a value is, and nothing else.
-fn names_flank(name: &str) -> bool {
+/// Whether a title says of which flank a value is, or that it is an extreme, and nothing else.
+fn says_which(name: &str) -> bool {
     let known = Words::of(name).known().unwrap_or_default();
-    let is_side = |word: &&&Entry| word.senses.iter().any(|sense| matches!(sense, Sense::Left | Sense::Right));
-    let is_filling = |word: &&Entry| word.senses.contains(&Sense::Filling);
-    let sides = known.iter().filter(is_side).count();
-    sides > 0 && known.iter().all(|word| is_side(&word) || is_filling(word)) && name.chars().count() > 1
+    let says = |word: &Entry, said: fn(&Sense) -> bool| word.senses.iter().any(said);
+    let is_which =
+        |word: &Entry| says(word, |sense| matches!(sense, Sense::Left | Sense::Right | Sense::Greatest | Sense::Least));
+    let is_filling = |word: &Entry| says(word, |sense| matches!(sense, Sense::Filling | Sense::Measured));
+    known.iter().any(|word| is_which(word)) && known.iter().all(|word| is_which(word) || is_filling(word))
 }
 
-/// The name of a row without a mark behind it, in small letters.
+/// The name of a row without a mark behind it, in small letters: `X_max:` as `x max`.
 fn plain(name: &str) -> String {
-    name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase()
+    name.trim().trim_end_matches([':', '.', '=']).trim().to_lowercase().replace('_', " ")
 }

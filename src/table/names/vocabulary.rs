@@ -170,11 +170,13 @@ pub(crate) enum WordList {
     Statistic,
     /// Those of them that are no value of a part.
     Apart,
+    /// Those of them that are no larger than values are apart.
+    Spread,
     /// Those of them that lie among the values.
     Mean,
     /// What counts how often a part was measured, or holds what was measured once more.
     Again,
-    /// What is wanted of a value: its size, or a limit.
+    /// What is wanted of a value, its size or a limit, and where it stands.
     Requirement,
     /// Who measured.
     Person,
@@ -186,7 +188,7 @@ pub(crate) enum WordList {
     Page,
     /// What may stand between a page's number and that of all.
     PageCount,
-    /// By which factor values are written.
+    /// That values are no lengths or angles as they stand: by a factor, in parts of a tolerance, with the other sign.
     Scale,
     /// What says of values by how much they are off.
     Shift,

@@ -14,6 +14,8 @@ use crate::table::number::{DecimalMark, normalise};
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 500_000;
+/// The keys of remarks.
+const REMARKS: [u16; 3] = [9, 1900, 2900];
 /// The longest text of one value.
 const LONGEST_VALUE: usize = 200;
 /// Values of a file at most: a lot of a million parts has some millions.
@@ -142,6 +144,10 @@ impl Reader {
     }
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
+        let text = line.text.trim();
+        if REMARKS.contains(&line.key) && !text.is_empty() {
+            self.remarks.push(Remark { key: line.key, line: number, text: text.to_owned() });
+        }
         match line.key {
             100 => self.count_field(line),
             1..=99 => self.value_field(line, number),
@@ -253,9 +259,6 @@ impl Reader {
         } else {
             0
         };
-        if line.key == 9 && !text.is_empty() {
-            self.remarks.push(Remark { line: number, text: text.to_owned() });
-        }
         let indices = if line.index == 0 { 1..=self.drafts.len() } else { line.index..=line.index };
         self.work(indices.clone().count(), line)?;
         let counts = line.key != 2 || counts(text);

@@ -117,7 +117,10 @@ fn what_is_written_is_read_again() {
     assert_eq!(value(0, 0).unwrap().parse::<f64>().unwrap(), 0.1 + 0.2);
     assert_eq!(value(1, 0).unwrap().parse::<f64>().unwrap(), -1e-9);
     assert_eq!((value(0, 1), value(1, 1)), (None, None));
-    assert_eq!(qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(), ["no lead"]);
+    assert_eq!(
+        qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(),
+        ["judged without rack_lead", "no lead"]
+    );
     assert_eq!(qdas.table(&[]).record(1).unwrap().cells[0].text(), "P2");
 }
 

@@ -5,7 +5,9 @@ use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{Field, Role, heading, is_context, is_statistic, is_tolerance, names_value, role};
+use crate::table::names::{
+    Field, Role, heading, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
+};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -208,7 +210,8 @@ impl Lines<'_> {
                 && !record.cells[0].is_measure()
                 && !is_part_name(&title) =>
             {
-                shape.unknown.push(unknown_line(record, self.is_among(index, record)));
+                let is_value = index > self.first && says_value(&title, &record.cells[1..]);
+                shape.unknown.push(unknown_line(record, is_value || self.is_among(index, record)));
             }
             // a value whose name is not there
             _ if record.cells.iter().all(|cell| unit_in(&cell.text()).is_some_and(|unit| is_unit(&unit))) => {
@@ -218,6 +221,14 @@ impl Lines<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether a number behind a title is a value, and not that of a tooth or space: `rechts 95`, `Zahn 7: 95`.
+fn says_value(title: &str, behind: &[Cell]) -> bool {
+    let last = title.split_whitespace().next_back().unwrap_or_default();
+    let counts = heading(last, &[]).is_some_and(|heading| heading.fields.iter().all(|field| field.is_index()));
+    let numbers = behind.iter().filter(|cell| cell.is_number()).count();
+    numbers > usize::from(counts) && (counts || repeats_value(title))
 }
 
 /// A field that a line names without a number, and what stands in its place: `Rack pitch: n/a`.

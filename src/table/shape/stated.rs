@@ -25,7 +25,8 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
         Some((subject, unit)) if WordList::UnitSubject.has(subject) => unit,
         _ => text,
     };
-    if let Some(unit) = Unit::from_symbol(bare_unit(alone)) {
+    // the end of a sentence
+    if let Some(unit) = Unit::from_symbol(bare_unit(alone.trim_end_matches('.'))) {
         return vec![StatedUnit { unit, is_clear: true }];
     }
     let words: Vec<String> = words(text).map(str::to_lowercase).collect();

@@ -156,7 +156,7 @@ fn what_contradicts_the_start_of_a_long_table_ends_it() {
 
 #[test]
 fn headers_again_and_statistics_are_no_parts() {
-    let text = "part;rack_pitch\n;[mm]\nP1;0.01\npart;rack_pitch\n;[mm]\nP2;0.02\nMittelwert;0.015\nP3;0.04\nStd. dev;1\nmax:;0.04\n";
+    let text = "part;rack_pitch\n;[mm]\nP1;0.01\npart;rack_pitch\n;[mm]\nP2;0.02\nMittelwert;0.015\nP3;0.04\nStd. dev;0.015\nmax:;0.04\n";
     let found = parts(text, &asks(&[DeviationKind::RackPitch]));
     assert_eq!(found, ["P1: rack_pitch 0.01 mm", "P2: rack_pitch 0.02 mm", "P3: rack_pitch 0.04 mm"]);
 }
