@@ -162,7 +162,12 @@ pub(super) fn is_signed(cell: &Cell) -> bool {
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a
 /// name has a word for parts before it.
 pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
-    let words: Vec<&str> = aside.text.split(|c: char| c.is_whitespace() || ":;,=()".contains(c)).collect();
+    // a time of day is no number
+    let is_time = |word: &&str| {
+        word.contains(':') && word.split(':').all(|part| matches!(part.len(), 1..=2) && part.parse::<u8>().is_ok())
+    };
+    let pieces = aside.text.split_whitespace().filter(|word| !is_time(word));
+    let words: Vec<&str> = pieces.flat_map(|word| word.split([':', ';', ',', '=', '(', ')'])).collect();
     let ids: HashSet<Cow<'_, str>> = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).collect();
     let names_one = |at: &usize| {
         let before = at.checked_sub(1).map(|before| words[before]);

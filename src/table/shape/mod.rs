@@ -15,6 +15,7 @@ mod dimensions;
 mod headings;
 mod labels;
 mod merged;
+mod pages;
 mod refusal;
 mod rows;
 mod stated;
@@ -42,6 +43,7 @@ use dimensions::with_dimension_names;
 use headings::{Named, known};
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
 use merged::with_part_in_each_row;
+use pages::with_part_of_page;
 use rows::{by_header, find_header, header_of_strangers};
 
 /// The cells of one name.
@@ -311,6 +313,7 @@ impl Measurement {
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
     let records = with_parts_side_by_side(records, want);
     let records = with_part_in_each_row(&records, want);
+    let records = with_part_of_page(&records);
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)
