@@ -31,7 +31,7 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     let above = |page: usize| &records[page.checked_sub(1).map_or(0, |before| starts[before] + 1)..starts[page]];
     let words = above(0).iter().flat_map(part_lines).map(|line| line.word);
     let name_of = |word: &str, page: usize| {
-        above(page).iter().flat_map(part_lines).filter(|line| line.word == word).map(|line| line.name).last()
+        above(page).iter().rev().flat_map(part_lines).find(|line| line.word == word).map(|line| line.name)
     };
     let names_of = |word: String| {
         let names: Option<Vec<String>> = (0..starts.len()).map(|page| name_of(&word, page)).collect();
@@ -46,11 +46,10 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     let ends = starts.iter().skip(1).copied().chain([records.len()]);
     for ((start, end), name) in starts.iter().zip(ends).zip(&names) {
         let is_row = |record: &Record| record.cells.len() == header.cells.len() && record.numbers() > 0;
-        let in_one = |record: &Record| vec![Cell::of_text(&record.in_words(), record.span())];
-        rows.extend(records[start + 1..end].iter().map(|record| match is_row(record) {
-            true => with_cell(record, name),
+        rows.extend(records[start + 1..end].iter().map(|record| {
             // the end of one page, and the head of the next
-            false => Record { cells: in_one(record), ..record.clone() },
+            let in_one = || Record { cells: vec![Cell::of_text(&record.in_words(), record.span())], ..record.clone() };
+            if is_row(record) { with_cell(record, name) } else { in_one() }
         }));
     }
     rows.into()
