@@ -228,7 +228,9 @@ impl Column {
     fn has_clear_requirement(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
         let required = measurement.beside.get(Role::Nominal).filter(|series| WordList::Requirement.has(&series.title));
         let Some(required) = required.filter(|_| self.stated.is_none()) else { return Ok(()) };
-        let is_open = |cell: &&Cell| !cell.is_missing() && !has_tolerance_behind(&cell.text());
+        // no limit is 0
+        let is_zero = |cell: &Cell| self.quantity(cell).is_ok_and(|value| value.base() == 0.0);
+        let is_open = |cell: &&Cell| !cell.is_missing() && !has_tolerance_behind(&cell.text()) && !is_zero(cell);
         let Some(open) = required.cells.iter().find(is_open) else { return Ok(()) };
         let message =
             format!("`{}`: {} `{}` may be the nominal value or a limit", self.title, required.title, open.text());
@@ -681,12 +683,10 @@ fn companions(measurement: &Measurement, unit: Unit, is_slope: bool) -> Result<C
     Ok(beside)
 }
 
-/// What is measured in a text: without the uncertainty behind ±, and with the inch for the quotes that stand for it.
+/// What is measured in a text: without the uncertainty or the tolerance behind it, and with the inch for the quotes that stand
+/// for it.
 fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
-    let text = match text.split_once('±').or_else(|| text.split_once("+/-")) {
-        Some((value, _)) => value.trim_end(),
-        None => text,
-    };
+    let text = tolerance_behind(text).map_or(text, |at| text[..at].trim_end());
     let inches = text.strip_suffix('"').or_else(|| text.strip_suffix("''")).or_else(|| text.strip_suffix('\u{201d}'));
     match (unit, inches) {
         (Unit::Length(_), Some(number)) => format!("{number} in").into(),
@@ -704,9 +704,15 @@ fn near(nominal: DeviationValue, possible: Reach) -> Reach {
     }
 }
 
-/// Whether a tolerance or an uncertainty stands behind a number: `25 ±0,02`.
+/// Where a tolerance or an uncertainty begins behind a number: `25 ±0,02`, `25 +0,03/-0,03`.
+fn tolerance_behind(text: &str) -> Option<usize> {
+    let of_both = || text.find(" +").filter(|at| text[*at..].contains("/-") || text[*at..].contains("/ -"));
+    ["±", "+/-", "+-"].iter().find_map(|sign| text.find(sign)).or_else(of_both)
+}
+
+/// Whether a tolerance or an uncertainty stands behind a number.
 pub(crate) fn has_tolerance_behind(text: &str) -> bool {
-    ["±", "+/-", "+-"].iter().any(|sign| text.contains(sign))
+    tolerance_behind(text).is_some()
 }
 
 /// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.

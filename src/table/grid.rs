@@ -159,17 +159,15 @@ fn aligned(text: &str, span: &Range<usize>) -> Vec<Cell> {
 fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     let mut cells = Vec::new();
     let mut start = span.start;
-    // a name and its value may be joined by a mark: pitch=12, 部品2：25.1; a time is whole
-    let is_time = |before: &str, mark: char| match mark {
-        '\u{ff1a}' => before.bytes().all(|byte| byte.is_ascii_digit()),
-        _ => before.ends_with(|c: char| c.is_ascii_digit()),
+    // a name and its value may be joined by a mark, pitch=12, and a time has one: 9:12
+    let is_digit = |c: char| c.is_ascii_digit();
+    let breaks = |token: &str, c: char| {
+        matches!(c, '=' | ':' | '\u{ff1a}') && !(token.starts_with(is_digit) && token.ends_with(is_digit))
     };
-    let breaks =
-        |start: usize, at: usize, c: char| matches!(c, '=' | ':' | '\u{ff1a}') && !is_time(&text[start..at], c);
     let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
     for (at, c) in characters.chain([(span.end, ' ')]) {
         // blanks other than the plain one and the tab stand inside numbers
-        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(start, at, c) {
+        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(&text[start..at], c) {
             if start < at {
                 cells.push(trimmed(text, start..at));
             }

@@ -11,7 +11,7 @@ use super::measured::MeasuredValues;
 use super::names::{Role, WordList, heading, is_context, is_statistic, is_value_heading, near, plain_widths, role};
 use super::reading::AsideReading;
 use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
-use super::unknown::{Unknown, is_foreign_unit};
+use super::unknown::{Unknown, has_unit_behind, is_foreign_unit};
 use super::want::Orientation;
 
 /// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
@@ -48,10 +48,11 @@ impl Beside<'_> {
     /// What of a cell of the column at a place may be a value, and corrects one.
     pub(crate) fn value_in_remark(&self, cell: &Cell, column: &str, line: u64) -> Option<Unknown> {
         let remark = AsideReading { line, text: cell.text().into_owned() };
-        // of a number with a word behind it, what is near a nominal value counts, or has a sign
+        // of a number with a word behind it, what is near a nominal value counts, or has a unit or a sign
         let is_prose = !cell.is_number() || cell.is_measure() || cell.text().split_whitespace().count() > 2;
         let is_of = |column: &Column, cell: &Cell| {
-            is_prose && column.may_hold(cell) || is_signed(cell) && column.may_deviate_by(cell)
+            (is_prose || has_unit_behind(&cell.text())) && column.may_hold(cell)
+                || is_signed(cell) && column.may_deviate_by(cell)
         };
         let is_value = |cell: &Cell| self.columns.iter().any(|column| is_of(column, cell));
         let is_meant = |value: &Unknown| is_prose && !near(&value.title).is_empty() || value.cells.iter().any(is_value);
@@ -166,7 +167,8 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     let is_time = |word: &&str| {
         word.contains(':') && word.split(':').all(|part| matches!(part.len(), 1..=2) && part.parse::<u8>().is_ok())
     };
-    let pieces = aside.text.split_whitespace().filter(|word| !is_time(word));
+    let text = plain_widths(&aside.text);
+    let pieces = text.split_whitespace().filter(|word| !is_time(word));
     let words: Vec<&str> = pieces.flat_map(|word| word.split([':', ';', ',', '=', '(', ')'])).collect();
     let ids: HashSet<Cow<'_, str>> = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).collect();
     let names_one = |at: &usize| {

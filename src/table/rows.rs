@@ -696,5 +696,5 @@ fn is_called_of_parts(name: &str) -> bool {
 fn may_be_statistic(name: &[u8]) -> bool {
     let Some((first, last)) = name.first().zip(name.last()) else { return false };
     let is_letter = first.is_ascii_alphabetic() || *first == b' ' || !first.is_ascii() || !last.is_ascii();
-    is_letter && !last.is_ascii_digit() && (name.len() > 1 || matches!(first, b's' | b'S' | b'R'))
+    is_letter && !last.is_ascii_digit() && (name.len() > 1 || matches!(first, b's' | b'S' | b'R' | b'n' | b'N'))
 }

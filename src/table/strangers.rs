@@ -176,7 +176,7 @@ impl Sorter<'_> {
         let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
         !is_said && self.measured.may_have(cell)
             || WordList::Mean.has(title) && self.measured.is_beyond_all(cell)
-            || (is_spread(title) || WordList::Spread.has(title)) && self.measured.are_narrower_than(cell)
+            || (title == "R" || WordList::Spread.has(title)) && self.measured.are_narrower_than(cell)
     }
 
     /// A value in the heading of a column.

@@ -102,7 +102,8 @@ impl Unknown {
         if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;
         }
-        let is_in_unit = unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| unit_of(text));
+        let is_in_unit =
+            unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| has_unit_behind(text));
         if is_context(title) {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
@@ -125,7 +126,7 @@ impl Unknown {
         let text = cell.text();
         cell.is_number()
             || is_bounded(&text)
-            || self.is_measurement && unit_of(&text)
+            || self.is_measurement && has_unit_behind(&text)
             || self.title.is_empty() && speaks_of_value(&text)
     }
 
@@ -165,14 +166,13 @@ impl Unknown {
 
 /// Whether a remark speaks of a value: `corrected: 25,060 mm`, `dp = 80`.
 pub(crate) fn speaks_of_value(text: &str) -> bool {
-    text.contains(|c: char| c.is_ascii_digit()) && (unit_of(text) || !near(text).is_empty())
+    text.contains(|c: char| c.is_ascii_digit()) && (has_unit_behind(text) || !near(text).is_empty())
 }
 
 /// Whether a unit of length or angle stands behind the number in a text.
-fn unit_of(text: &str) -> bool {
-    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(['*', ')', ']', ' '])))
-        && !is_turn(text)
-        && !is_before_time(text)
+pub(crate) fn has_unit_behind(text: &str) -> bool {
+    let is_mark = |c: char| c.is_ascii_punctuation() && !matches!(c, '\'' | '"') || c == ' ';
+    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(is_mark))) && !is_turn(text) && !is_before_time(text)
 }
 
 /// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um`.

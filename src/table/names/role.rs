@@ -2,7 +2,7 @@
 
 use super::letters::joined;
 use super::unit::split_unit;
-use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
+use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList};
 use super::words::Words;
 use super::{Field, bare, name_of};
 
@@ -83,7 +83,8 @@ impl WordList {
         let words: Vec<_> = text.split(is_mark).map(plain).filter(|word| !word.is_empty()).collect();
         let text = format!(" {} ", words.join(" "));
         let is_said = |words: &String| {
-            text.contains(words) && (words.starts_with(is_japanese) || text.contains(&format!(" {words} ")))
+            let is_apart = words.starts_with(|c: char| c.is_ascii());
+            text.contains(words) && (!is_apart || text.contains(&format!(" {words} ")))
         };
         VOCABULARY.list(self).iter().any(is_said)
     }

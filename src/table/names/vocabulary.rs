@@ -178,6 +178,8 @@ pub(crate) enum WordList {
     Again,
     /// What is wanted of a value, its size or a limit, and where it stands.
     Requirement,
+    /// What names a part for good, whatever other number it has.
+    Serial,
     /// Who measured.
     Person,
     /// What else is measured of flanks.
@@ -208,7 +210,7 @@ impl WordList {
 
     /// Whether its names are those of columns, which are compared folded.
     pub(super) fn is_folded(self) -> bool {
-        matches!(self, Self::Requirement | Self::Person | Self::OtherFlank | Self::EvaluationLength)
+        matches!(self, Self::Requirement | Self::Serial | Self::Person | Self::OtherFlank | Self::EvaluationLength)
     }
 }
 

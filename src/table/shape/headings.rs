@@ -82,15 +82,16 @@ pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<
     }
 }
 
-/// Of several columns that may name the part, the one that the spec names, the one that is called so, or else the first; a
-/// second one is no error.
+/// Of several columns that may name the part, the one that the spec names, the one that is called so, the serial number, or
+/// else the first; a second one is no error.
 fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<(), NoShape> {
     let is_id = |found: &&mut Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
     let title = |found: &Option<Named>| found.as_ref().map_or_else(String::new, |found| found.series.title.clone());
     let rank = |found: &Option<Named>| match title(found) {
         own if want.is_own(&own) => 0,
         key if key.eq_ignore_ascii_case(Field::PartId.key()) => 1,
-        _ => 2,
+        serial if WordList::Serial.has(&serial) => 2,
+        _ => 3,
     };
     let mut ids: Vec<_> = named.iter_mut().filter(is_id).collect();
     ids.sort_by_key(|found| rank(found));
@@ -190,9 +191,9 @@ pub(super) fn is_statistic_among(name: &str, header: &[Cell]) -> bool {
     is_statistic(name) || is_spread(name) && header.iter().any(|cell| WordList::Mean.has(&cell.text()))
 }
 
-/// Whether it may be a standard deviation or a range, and may be a part as well.
+/// Whether it may be a standard deviation, a range or a count, and may be a part as well.
 pub(crate) fn is_spread(name: &str) -> bool {
-    matches!(name.trim(), "s" | "S" | "R")
+    matches!(name.trim(), "s" | "S" | "R" | "n" | "N")
 }
 
 /// Whether a text says what is known about a table, and names no part: `Temperatur`.

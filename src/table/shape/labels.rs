@@ -4,6 +4,7 @@ use super::headings::{Named, headings, is_part_name, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
+use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{
     Field, Role, heading, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
@@ -270,19 +271,24 @@ fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
     }
 }
 
-/// What says in brackets behind one value what is wanted of it, as its own: `25,004 mm (Soll 25,000)`, `4 µm (max. 10 µm)`.
+/// What says in brackets behind one value what is wanted of it, as its own: `25,004 mm (Soll 25,000)`, `4 µm (max. 10 µm)`,
+/// `25,004 mm (25,000 ±0,03)`.
 fn without_brackets(cells: &[Cell]) -> (&[Cell], Option<(Role, Series)>) {
     let whole = (cells, None);
-    let [rest @ .., word, number] = cells else { return whole };
-    let (title, text) = (word.text(), number.text());
-    let (Some(title), Some(text)) = (title.strip_prefix('('), text.strip_suffix(')')) else { return whole };
-    let number = Cell::of_text(text, number.span.clone());
-    let [value] = rest else { return whole };
-    match role(title) {
+    let Some(([value], inside)) = cells.split_at_checked(1).filter(|(_, inside)| !inside.is_empty()) else {
+        return whole;
+    };
+    let text = inside.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    let Some(text) = text.strip_prefix('(').and_then(|text| text.strip_suffix(')')) else { return whole };
+    let (title, number) = text.split_at(text.find(|c: char| c.is_ascii_digit() || "+-".contains(c)).unwrap_or(0));
+    let number = Cell::of_text(number, inside[0].span.start..inside[inside.len() - 1].span.end);
+    let is_size = title.is_empty() && has_tolerance_behind(&number.text());
+    match if is_size { Some(Role::Nominal) } else { role(title) } {
         Some(role @ (Role::Nominal | Role::Upper | Role::Lower)) if value.is_measure() && number.is_measure() => {
             // without a unit of its own, it has the value's
             let unit = unit_in(&value.text()).filter(|unit| is_unit(unit));
-            (rest, Some((role, Series { title: title.to_owned(), unit, cells: vec![number], ..Series::default() })))
+            let title = title.trim().to_owned();
+            (&cells[..1], Some((role, Series { title, unit, cells: vec![number], ..Series::default() })))
         }
         _ => whole,
     }
