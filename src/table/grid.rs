@@ -162,6 +162,7 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     // a name and its value may be joined by a mark, pitch=12, and a time has one: 9:12
     let is_digit = |c: char| c.is_ascii_digit();
     let breaks = |token: &str, c: char| {
+        let token = token.trim_start_matches(['[', '(']);
         matches!(c, '=' | ':' | '\u{ff1a}') && !(token.starts_with(is_digit) && token.ends_with(is_digit))
     };
     let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
