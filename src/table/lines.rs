@@ -198,7 +198,7 @@ fn without_punctuation(line: &str) -> String {
     // kana and ideographs have no blanks between them and numbers
     let is_unspaced = |c: char| c >= '\u{3000}';
     let mut spaced = String::new();
-    for c in plain_widths(line).chars() {
+    for c in plain_widths(&line.replace('：', " ")).chars() {
         if spaced.chars().next_back().is_some_and(|last| is_unspaced(last) != is_unspaced(c)) {
             spaced.push(' ');
         }
