@@ -11,7 +11,7 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Extent, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, part_said, role};
+use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, part_in_title, part_said, role};
 use super::number::{DecimalMark, Marks, normalise};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
@@ -464,12 +464,12 @@ fn other_unit(shape: &Shape, columns: &[Column], want: &Want, place: &str, text:
     })
 }
 
-/// A line above the values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
+/// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
 /// `Teilung`.
 fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
-    let first = shape.lines.first().copied().unwrap_or_default();
-    let above = shape.asides.iter().filter(|aside| aside.line < first && !want.ignores(&aside.text));
-    above.filter_map(|aside| Some((aside, part_said(&aside.text)?))).find_map(|(aside, said)| {
+    let last = shape.lines.iter().max().copied().unwrap_or_default();
+    let above = shape.asides.iter().filter(|aside| aside.line < last && !want.ignores(&aside.text));
+    above.filter_map(|aside| Some((aside, part_in_title(&aside.text)?))).find_map(|(aside, said)| {
         let is_other = |column: &&Column| {
             let is_named = want.is_own(&column.title) || part_said(&column.title).is_some();
             !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))

@@ -30,7 +30,11 @@ pub(crate) fn near(text: &str) -> Vec<Field> {
 /// Whether a name is known to be no measured error: dates, operators, machines, serial numbers, and what a gear is, such
 /// as its module or the diameter of the roller.
 pub(crate) fn is_context(text: &str) -> bool {
-    let Some(known) = Words::of(&name_of(text)).known() else { return false };
+    is_of_context_only(&name_of(text)) || is_gear_size(text)
+}
+
+fn is_of_context_only(name: &str) -> bool {
+    let Some(known) = Words::of(name).known() else { return false };
     // `Maß` is written like a mass, and says nothing
     let is_open = |word: &Entry| word.senses.contains(&Sense::Context) && word.senses.contains(&Sense::Filling);
     let says_it = |word: &&Entry| !is_open(word) && word.senses.iter().any(|sense| is_of_context(*sense));
@@ -65,6 +69,20 @@ pub(crate) fn is_tolerance(text: &str) -> bool {
     matches!(role(text), Some(Role::Upper | Role::Lower)) && (says(text, Sense::Tolerance) || says(text, Sense::Limit))
 }
 
+/// The part that a title says that all is of, and says nothing else but numbers: `Messprotokoll Ritzel 4711`.
+pub(crate) fn part_in_title(text: &str) -> Option<Part> {
+    let is_plain = |word: &Entry| {
+        let is_part = |sense: &Sense| matches!(sense, Sense::Rack | Sense::Pinion | Sense::Filling | Sense::Measured);
+        word.senses.iter().any(is_part)
+    };
+    let says_nothing_else = |word: &str| {
+        let known = || Words::of(word).known().is_some_and(|known| known.iter().all(|word| is_plain(word)));
+        word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
+    };
+    let mut words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.all(says_nothing_else).then(|| part_said(text)).flatten()
+}
+
 /// The part that a text speaks of; `None` if it speaks of none, or of both.
 pub(crate) fn part_said(text: &str) -> Option<Part> {
     match (says(text, Sense::Rack), says(text, Sense::Pinion)) {
@@ -84,10 +102,18 @@ fn says(text: &str, sense: Sense) -> bool {
 
 /// Whether a name is known to be a size of the gear, such as its module or the diameter of the roller.
 pub(crate) fn is_gear_size(text: &str) -> bool {
-    is_context(text)
-        && Words::of(&name_of(text))
-            .known()
-            .is_some_and(|known| known.iter().any(|word| word.senses.contains(&Sense::Gear)))
+    let name = name_of(text);
+    let name = without_symbol(&name);
+    is_of_context_only(name)
+        && Words::of(name).known().is_some_and(|known| known.iter().any(|word| word.senses.contains(&Sense::Gear)))
+}
+
+/// The name of a size of a gear without its symbol: `Zahnbreite b =`, `Eingriffswinkel αn`, `Taster: Ø`.
+fn without_symbol(name: &str) -> &str {
+    const SYMBOLS: [&str; 12] = ["b", "d", "l", "m", "mn", "z", "ø", "α", "αn", "αt", "β", "da"];
+    let Some((before, symbol)) = name.trim_end_matches(['=', ' ']).rsplit_once([' ', ':']) else { return name };
+    let is_symbol = SYMBOLS.contains(&symbol.to_lowercase().replace('_', "").as_str());
+    if is_symbol { before.trim_end_matches([':', ' ']) } else { name }
 }
 
 const fn is_of_context(sense: Sense) -> bool {

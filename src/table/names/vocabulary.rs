@@ -180,6 +180,8 @@ pub(crate) enum WordList {
     Requirement,
     /// What names a part for good, whatever other number it has.
     Serial,
+    /// What a title calls a report of measurements.
+    Report,
     /// Who measured.
     Person,
     /// What else is measured of flanks.

@@ -24,35 +24,55 @@ struct PartLine {
 }
 
 /// The records with the name of its part behind each characteristic, below one header; what else stands between these is a
-/// line of words. Other records as they are.
+/// line of words, and a part without characteristics has the first one, without a value. Other records as they are.
 pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     let Some(header) = records.iter().find(|record| is_header(record)) else { return records.into() };
-    let starts: Vec<usize> = (0..records.len()).filter(|at| texts(&records[*at]) == texts(header)).collect();
-    let above = |page: usize| &records[page.checked_sub(1).map_or(0, |before| starts[before] + 1)..starts[page]];
-    let words = above(0).iter().flat_map(part_lines).map(|line| line.word);
-    let name_of = |word: &str, page: usize| {
-        above(page).iter().rev().flat_map(part_lines).find(|line| line.word == word).map(|line| line.name)
-    };
-    let names_of = |word: String| {
-        let names: Option<Vec<String>> = (0..starts.len()).map(|page| name_of(&word, page)).collect();
-        // the number of a drawing is that of all parts
-        names.filter(|names| names.iter().collect::<HashSet<_>>().len() == names.len())
-    };
-    let Some(names) = words.into_iter().find_map(names_of).filter(|names| names.len() > 1) else {
+    let is_again = |record: &Record| texts(record) == texts(header);
+    let is_row = |record: &Record| record.cells.len() == header.cells.len() && record.numbers() > 0;
+    let above = records.iter().take_while(|record| !is_again(record));
+    let mut words = above.clone().flat_map(part_lines).map(|line| line.word);
+    let Some(word) = words.find(|word| are_apart(records, word)) else { return records.into() };
+    let Some(first) = records.iter().skip(above.count()).find(|record| is_row(record)) else { return records.into() };
+    if records.iter().filter(|record| is_again(record)).count() < 2 {
         return records.into();
+    }
+    let is_kept = |heading: &Cell| matches!(role(&heading.text()), Some(Role::Name | Role::Unit));
+    let without_value = |line: &Record, part: &str| {
+        let both = first.cells.iter().zip(&header.cells);
+        let cells = both.map(|(cell, heading)| if is_kept(heading) { cell.clone() } else { Cell::default() }).collect();
+        with_cell(&Record { cells, ..line.clone() }, part)
     };
-    let mut rows = records[..starts[0]].to_vec();
+    let is_start = |record: &Record| named(record, &word).is_some();
+    let start = records.iter().position(is_start).unwrap_or(0);
+    let mut rows = records[..start].to_vec();
     rows.push(with_cell(header, "part"));
-    let ends = starts.iter().skip(1).copied().chain([records.len()]);
-    for ((start, end), name) in starts.iter().zip(ends).zip(&names) {
-        let is_row = |record: &Record| record.cells.len() == header.cells.len() && record.numbers() > 0;
-        rows.extend(records[start + 1..end].iter().map(|record| {
-            // the end of one page, and the head of the next
+    for page in records[start..].chunk_by(|_, next| !is_start(next)) {
+        let part = named(&page[0], &word).unwrap_or_default();
+        let is_same = |row: &Record| {
+            row.cells.len() > header.cells.len() && row.cells.last().is_some_and(|cell| cell.text() == part)
+        };
+        if !page.iter().any(is_row) && !rows.iter().any(is_same) {
+            rows.push(without_value(&page[0], &part));
+        }
+        rows.extend(page.iter().filter(|record| !is_again(record)).map(|record| {
+            // the head of a page, and its end
             let in_one = || Record { cells: vec![Cell::of_text(&record.in_words(), record.span())], ..record.clone() };
-            if is_row(record) { with_cell(record, name) } else { in_one() }
+            if is_row(record) { with_cell(record, &part) } else { in_one() }
         }));
     }
     rows.into()
+}
+
+/// Whether the lines with a word for parts name several, one behind the other; the number of a drawing is that of all.
+fn are_apart(records: &[Record], word: &str) -> bool {
+    let mut names: Vec<String> = records.iter().filter_map(|record| named(record, word)).collect();
+    names.dedup();
+    names.len() > 1 && names.iter().collect::<HashSet<_>>().len() == names.len()
+}
+
+/// The name that a line has behind a word for parts.
+fn named(record: &Record, word: &str) -> Option<String> {
+    part_lines(record).into_iter().find(|line| line.word == word).map(|line| line.name)
 }
 
 /// Whether a record names characteristics and their values, and no column of parts.
