@@ -23,44 +23,53 @@ struct PartLine {
     name: String,
 }
 
-/// The records with the name of its part behind each characteristic, below one header; what else stands between these is a
-/// line of words, and a part without characteristics has the first one, without a value. Other records as they are.
+/// The records with the name of its part behind each characteristic, below one header; the head of a page is a line of words,
+/// and a part without characteristics has the first one, without a value. Other records as they are, also where headers differ.
 pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
-    let Some(header) = records.iter().find(|record| is_header(record)) else { return records.into() };
+    let mut headers = records.iter().filter(|record| is_header(record));
+    let Some(header) = headers.next() else { return records.into() };
     let is_again = |record: &Record| texts(record) == texts(header);
+    let pages = headers.try_fold(1, |pages, header| is_again(header).then_some(pages + 1));
+    if pages.is_none_or(|pages| pages < 2) {
+        return records.into();
+    }
     let is_row = |record: &Record| record.cells.len() == header.cells.len() && record.numbers() > 0;
     let above = records.iter().take_while(|record| !is_again(record));
     let mut words = above.clone().flat_map(part_lines).map(|line| line.word);
     let Some(word) = words.find(|word| are_apart(records, word)) else { return records.into() };
     let Some(first) = records.iter().skip(above.count()).find(|record| is_row(record)) else { return records.into() };
-    if records.iter().filter(|record| is_again(record)).count() < 2 {
-        return records.into();
-    }
-    let is_kept = |heading: &Cell| matches!(role(&heading.text()), Some(Role::Name | Role::Unit));
-    let without_value = |line: &Record, part: &str| {
-        let both = first.cells.iter().zip(&header.cells);
-        let cells = both.map(|(cell, heading)| if is_kept(heading) { cell.clone() } else { Cell::default() }).collect();
-        with_cell(&Record { cells, ..line.clone() }, part)
-    };
     let is_start = |record: &Record| named(record, &word).is_some();
     let start = records.iter().position(is_start).unwrap_or(0);
     let mut rows = records[..start].to_vec();
     rows.push(with_cell(header, "part"));
     for page in records[start..].chunk_by(|_, next| !is_start(next)) {
         let part = named(&page[0], &word).unwrap_or_default();
-        let is_same = |row: &Record| {
-            row.cells.len() > header.cells.len() && row.cells.last().is_some_and(|cell| cell.text() == part)
-        };
+        let is_same = |row: &Record| row.cells.len() > header.cells.len() && is_of(row, &part);
         if !page.iter().any(is_row) && !rows.iter().any(is_same) {
-            rows.push(without_value(&page[0], &part));
+            rows.push(with_cell(&without_value(first, header, &page[0]), &part));
         }
-        rows.extend(page.iter().filter(|record| !is_again(record)).map(|record| {
-            // the head of a page, and its end
-            let in_one = || Record { cells: vec![Cell::of_text(&record.in_words(), record.span())], ..record.clone() };
-            if is_row(record) { with_cell(record, &part) } else { in_one() }
-        }));
+        let head = page.iter().position(is_again).unwrap_or(1);
+        rows.extend(page[..head].iter().map(in_one_cell));
+        let below = page[head..].iter().filter(|record| !is_again(record));
+        rows.extend(below.map(|record| if is_row(record) { with_cell(record, &part) } else { record.clone() }));
     }
     rows.into()
+}
+
+fn is_of(row: &Record, part: &str) -> bool {
+    row.cells.last().is_some_and(|cell| cell.text() == part)
+}
+
+/// A characteristic without its value, which stands for all of a page.
+fn without_value(characteristic: &Record, header: &Record, page: &Record) -> Record {
+    let is_kept = |heading: &Cell| matches!(role(&heading.text()), Some(Role::Name | Role::Unit));
+    let cells = characteristic.cells.iter().zip(&header.cells);
+    let cells = cells.map(|(cell, heading)| if is_kept(heading) { cell.clone() } else { Cell::default() });
+    Record { cells: cells.collect(), ..page.clone() }
+}
+
+fn in_one_cell(record: &Record) -> Record {
+    Record { cells: vec![Cell::of_text(&record.in_words(), record.span())], ..record.clone() }
 }
 
 /// Whether the lines with a word for parts name several, one behind the other; the number of a drawing is that of all.
@@ -77,17 +86,19 @@ fn named(record: &Record, word: &str) -> Option<String> {
 
 /// Whether a record names characteristics and their values, and no column of parts.
 fn is_header(record: &Record) -> bool {
+    if record.numbers() > 0 {
+        return false;
+    }
     let roles: Vec<_> = record.cells.iter().filter_map(|cell| role(&cell.text())).collect();
-    record.numbers() == 0
-        && roles.contains(&Role::Name)
-        && roles.contains(&Role::Measured)
-        && !roles.contains(&Role::Part)
+    roles.contains(&Role::Name) && roles.contains(&Role::Measured) && !roles.contains(&Role::Part)
 }
 
 /// What a line says of parts: `Teil 421`, `Seriennummer: 421`, or two cells.
 fn part_lines(record: &Record) -> Vec<PartLine> {
     let line = |word: &str, name: &str| {
-        let (word, name) = (word.trim(), name.trim());
+        // what else the line says stands behind the name
+        let name = name.split([',', ';']).next().unwrap_or_default().trim();
+        let word = word.trim();
         (is_part_name(word) && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
     };
     let within = |cell: &Cell| {
