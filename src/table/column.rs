@@ -6,10 +6,10 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, WordList, is_total, says_deviation, split_size, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_total, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
-use super::want::{Want, ignore_option, quoted};
+use super::want::{Want, ignore_option, mapping, quoted};
 use crate::deviation::plausible::{self, Reach, WrittenIn};
 use crate::deviation::{Countable, DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -815,15 +815,6 @@ pub(crate) fn fitting<'u>(
     };
     let fitting: Vec<&str> = units.into_iter().filter(fits).collect();
     if fitting.is_empty() { units.to_vec() } else { fitting }
-}
-
-/// The line of a spec that says what a column is; `kind` is the error that its name may be.
-pub(crate) fn mapping(key: &str, kind: Option<DeviationKind>, name: &str, unit: Option<&str>) -> String {
-    let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-    let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
-    let holds = if has_nominal && says_deviation(name) { ", kind = \"deviation\"" } else { "" };
-    let extent = if kind.is_some() && is_total(name) { ", extent = \"total\"" } else { "" };
-    format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(name))
 }
 
 /// The advice to write one of some units behind a name.

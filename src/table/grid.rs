@@ -178,7 +178,7 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     // a sentence may end with a unit
     if let Some(last) = cells.last_mut() {
         let word = &text[last.span.clone()];
-        let bare = word.trim_end_matches(SENTENCE_ENDS);
+        let bare = without_end(word);
         if is_unit(bare) && !is_unit(word) {
             *last = trimmed(text, last.span.start..last.span.start + bare.len());
         }
@@ -186,8 +186,10 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     cells
 }
 
-/// What may stand at the end of a sentence.
-const SENTENCE_ENDS: [char; 7] = ['.', ',', ';', ':', '!', '?', '。'];
+/// A text without the mark at the end of a sentence.
+pub(crate) fn without_end(text: &str) -> &str {
+    text.trim_end_matches(['.', ',', ';', ':', '!', '?', '。'])
+}
 
 /// Whether a text is a unit of length or angle, in brackets or not.
 pub(crate) fn is_unit(text: &str) -> bool {
@@ -247,7 +249,7 @@ fn is_time(tokens: &[Cell]) -> bool {
 
 /// The unit behind a number; a sentence may end there: `195 µm.`
 pub(crate) fn unit_in(text: &str) -> Option<String> {
-    let text = text.trim_end_matches(SENTENCE_ENDS);
+    let text = without_end(text);
     let last = text.rfind(|c: char| c.is_numeric() || matches!(c, '.' | ','))?;
     let unit = text[last..].trim_start_matches(|c: char| c.is_numeric() || matches!(c, '.' | ',')).trim();
     (!unit.is_empty()).then(|| unit.to_owned())

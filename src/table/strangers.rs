@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use serde::Serialize;
 
 use super::cell::{Cell, Record};
-use super::column::{Column, mapping};
+use super::column::Column;
 use super::grid::Separator;
 use super::lines::{
     Beside, has_scale, is_signed, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
@@ -19,7 +19,7 @@ use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
-use super::want::{Orientation, Want, ignore_option, quoted};
+use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;

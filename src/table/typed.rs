@@ -67,25 +67,10 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     for comment in &records.comments {
-        let title = format!("comment {}", comment.cell);
-        let stated = |line: &str| understood.contradicted_by(&format!("{name}, {title}"), line, want);
-        if let Some(refused) = comment.text.lines().filter(|_| !want.ignores(&title)).find_map(stated) {
-            return Err(refused.into());
-        }
-        table.take_remark(&title, &comment.text, &understood, want);
+        table.take_remark(&format!("comment {}", comment.cell), &comment.text, &understood, want)?;
     }
     for other in &others {
-        let title = format!("{SHEET}{}", other.name);
-        // headings of columns there say nothing of these
-        let lines = other.head.iter().filter(|record| record.numbers() == 0 && record.filled().len() <= 2);
-        let stated = |line: &Record| {
-            understood.contradicted_by(&format!("{}, row {}", other.called, line.line), &line.in_words(), want)
-        };
-        let is_ignored = want.ignores(&other.name) || want.ignores(&title);
-        if let Some(refused) = lines.filter(|_| !is_ignored).find_map(stated) {
-            return Err(refused.into());
-        }
-        table.take_other(other, &understood, want);
+        table.take_other(other, &understood, want)?;
     }
     if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
         let counts = [(hidden.rows, "hidden row"), (hidden.columns, "hidden column")].into_iter();
@@ -133,7 +118,15 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
 
 impl Table {
     /// A remark on a value is not used; one that speaks of a value is a stranger.
-    fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) {
+    ///
+    /// # Errors
+    /// One that states another unit than that of the values.
+    fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) -> Result<(), Diagnostic> {
+        let place = format!("{}, {title}", self.name);
+        let stated = |line: &str| understood.contradicted_by(&place, line, want);
+        if let Some(refused) = text.lines().filter(|_| !want.ignores(title)).find_map(stated) {
+            return Err(refused);
+        }
         let title = title.to_owned();
         let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
         let beside =
@@ -150,21 +143,34 @@ impl Table {
         self.strangers.extend(sorted.strangers);
         self.to_be_named.extend(sorted.to_be_named);
         self.reading.not_used.extend(sorted.not_used);
+        Ok(())
     }
 
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
-    fn take_other(&mut self, sheet: &Sheet, understood: &Understood, want: &Want) {
+    ///
+    /// # Errors
+    /// A line that states another unit than that of the values.
+    fn take_other(&mut self, sheet: &Sheet, understood: &Understood, want: &Want) -> Result<(), Diagnostic> {
         if sheet.head.is_empty() {
-            return;
+            return Ok(());
         }
         let title = format!("{SHEET}{}", sheet.name);
         if !want.ignores(&sheet.name) && !want.ignores(&title) {
+            // headings of columns there say nothing of these
+            let mut lines = sheet.head.iter().filter(|record| record.numbers() == 0 && record.filled().len() <= 2);
+            let stated = |line: &Record| {
+                understood.contradicted_by(&format!("{}, row {}", sheet.called, line.line), &line.in_words(), want)
+            };
+            if let Some(refused) = lines.find_map(stated) {
+                return Err(refused);
+            }
             let found = strangers::of_sheet(&sheet.called, &sheet.head, understood, want);
             self.strangers
                 .extend(found.strangers.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
             self.to_be_named.extend(found.to_be_named);
         }
         self.reading.not_used.push(NotUsed { title, why: "another sheet is read" });
+        Ok(())
     }
 }
 
@@ -205,7 +211,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     found.pieces.give_records(records, None);
     found.reading.header_line = None;
     for remark in remarks {
-        found.take_remark(&format!("K{:04} in line {}", remark.key, remark.line), &remark.text, &understood, want);
+        let place = format!("K{:04} in line {}", remark.key, remark.line);
+        found.take_remark(&place, &remark.text, &understood, want)?;
     }
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;

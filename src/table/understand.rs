@@ -15,7 +15,7 @@ use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, p
 use super::number::{DecimalMark, Marks, normalise};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
-use super::want::{Orientation, Want, ignore_option, quoted};
+use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
@@ -406,10 +406,9 @@ fn twice(columns: &[Column]) -> Option<Diagnostic> {
         let first = columns[..index].iter().find(|first| first.kind == Some(kind))?;
         let message = format!("two columns for `{}`: `{}` and `{}`", kind.key(), first.title, column.title);
         let help = format!(
-            "say which counts, and leave the other out: [batch.columns] {} = {{ name = \"{}\" }}, [batch] ignore = [\"{}\"]",
-            kind.key(),
-            first.title,
-            column.title
+            "say which counts, and leave the other out: [batch.columns] {}, [batch] ignore = [{}]",
+            mapping(kind.key(), Some(kind), &first.title, None),
+            quoted(&column.title)
         );
         Some(Diagnostic::error(Code::BadTable, message).help(help))
     };
@@ -478,8 +477,8 @@ fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnost
         let (line, text, title, key) = (aside.line, shown(&aside.text), &column.title, column.kind?.key());
         let message = format!("line {line} says `{text}`, and `{title}` would be read as `{key}`");
         let help = format!(
-            "name the column, if it is: [batch.columns] {key} = {{ name = {} }}; or leave the line out: {}",
-            quoted(title),
+            "name the column, if it is: [batch.columns] {}; or leave the line out: {}",
+            mapping(key, column.kind, title, None),
             ignore_option(&aside.text)
         );
         Some(Diagnostic::error(Code::BadTable, message).help(help))

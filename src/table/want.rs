@@ -2,7 +2,7 @@
 //! Filled by the spec and the command line; asked by every step of the reading.
 
 use super::encoding::Encoding;
-use super::names::{Field, ValueKind, is_called};
+use super::names::{Field, ValueKind, is_called, is_total, says_deviation};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -120,6 +120,15 @@ pub(crate) fn quoted(text: &str) -> String {
     let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
     let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));
     format!("\"{escaped}\"")
+}
+
+/// The line of a spec that says what a column is; `kind` is the error that its name may be.
+pub(crate) fn mapping(key: &str, kind: Option<DeviationKind>, name: &str, unit: Option<&str>) -> String {
+    let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
+    let has_nominal = matches!(kind, Some(DeviationKind::RackOverRoller | DeviationKind::PinionRadial));
+    let holds = if has_nominal && says_deviation(name) { ", kind = \"deviation\"" } else { "" };
+    let extent = if kind.is_some() && is_total(name) { ", extent = \"total\"" } else { "" };
+    format!("{key} = {{ name = {}{unit}{holds}{extent} }}", quoted(name))
 }
 
 /// The option that leaves out what fits a pattern, as a shell takes it.

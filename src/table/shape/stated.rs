@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Shape, has_digit};
 use crate::quantity::{LengthUnit, Unit};
 use crate::table::cell::Cell;
-use crate::table::grid::{bare_unit, is_unit};
+use crate::table::grid::{bare_unit, is_unit, without_end};
 use crate::table::names::{Role, WordList, role};
 use crate::table::reading::AsideReading;
 use crate::table::want::Want;
@@ -26,7 +26,7 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
         _ => text,
     };
     // the end of a sentence
-    if let Some(unit) = Unit::from_symbol(bare_unit(alone.trim_end_matches('.'))) {
+    if let Some(unit) = Unit::from_symbol(bare_unit(without_end(alone))) {
         return vec![StatedUnit { unit, is_clear: true }];
     }
     let words: Vec<String> = words(text).map(str::to_lowercase).collect();
