@@ -11,7 +11,7 @@ use super::request::Rows;
 use super::results::{Margin, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
 use super::statistics::Statistics;
-use crate::deviation::DeviationValue;
+use crate::deviation::DeviationValues;
 use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
@@ -105,11 +105,12 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The deviations of each source in the rows of a block.
-    fn columns<'b>(&self, block: &'b Block) -> Vec<Cow<'b, [DeviationValue]>> {
+    fn columns<'b>(&self, block: &'b Block) -> Vec<Cow<'b, DeviationValues>> {
         let columns = self.plan.sources.iter().zip(&self.layout.columns);
         let values = columns.map(|(source, column)| match (column, source.of_every_part) {
-            (Some(column), _) => block.values(*column).into(),
-            (None, value) => value.map(|value| vec![value; block.rows()]).unwrap_or_default().into(),
+            (Some(column), _) => Cow::Borrowed(block.values(*column)),
+            (None, Some(value)) => Cow::Owned(DeviationValues::repeated(value, block.rows())),
+            (None, None) => Cow::Owned(DeviationValues::default()),
         });
         values.collect()
     }

@@ -11,7 +11,7 @@ use super::plan::Plan;
 use super::request::Request;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValues};
 use crate::evaluation::{overall, too_near};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
@@ -62,19 +62,13 @@ fn no_result(what: &str, column: Option<usize>, problem: impl Into<DomainError>)
     fault(column, format!("{what}: {}", problem.into()))
 }
 
-/// The value of an error as the bound takes it, mm or rad.
-#[inline]
-fn plain_value(value: DeviationValue) -> f64 {
-    match value {
-        DeviationValue::Length(length) => length.mm(),
-        DeviationValue::Angle(angle) => angle.radians(),
-        DeviationValue::Slope(slope) => angle_of(slope),
+/// The values of an error as the bound takes them, mm or rad.
+fn plain_values(values: &DeviationValues) -> Vec<f64> {
+    match values {
+        DeviationValues::Lengths(lengths) => lengths.iter().map(|length| length.mm()).collect(),
+        DeviationValues::Angles(angles) => angles.iter().map(|angle| angle.radians()).collect(),
+        DeviationValues::Slopes(slopes) => slopes.iter().map(|slope| trig::atan(*slope)).collect(),
     }
-}
-
-#[inline(never)]
-fn angle_of(slope: f64) -> f64 {
-    trig::atan(slope)
 }
 
 /// The nearest decimals of a range; nothing of one that is open.
@@ -91,7 +85,7 @@ impl<'a> Results<'a> {
         plan: &'a Plan,
         layout: &'a Layout,
         block: &Block,
-        deviations: &[Cow<'_, [DeviationValue]>],
+        deviations: &[Cow<'_, DeviationValues>],
         errors: &ChangingErrors<'_>,
     ) -> Self {
         let mut results = Self {
@@ -108,13 +102,14 @@ impl<'a> Results<'a> {
             uncertainties: Vec::new(),
             verdicts: Vec::new(),
         };
-        for (index, deviations) in deviations.iter().enumerate() {
-            results.take_error(index, deviations);
+        let values: Vec<_> = deviations.iter().map(|deviations| plain_values(deviations)).collect();
+        for (index, (deviations, values)) in deviations.iter().zip(&values).enumerate() {
+            results.take_error(index, deviations, values);
         }
-        results.take_sums(deviations, errors);
+        results.take_sums(&values, errors);
         if let Some(uncertain) = &plan.uncertain {
             results.uncertainties = results.by_row(|results, row| {
-                let deviations: Vec<_> = deviations.iter().map(|column| column[row]).collect();
+                let deviations: Vec<_> = deviations.iter().map(|column| column.at(row)).collect();
                 let delta_cd = |kind: DeviationKind| results.each[kind as usize].get(row).copied().unwrap_or_default();
                 let known = uncertain.of_row(&plan.sources, &deviations, delta_cd, &plan.limits);
                 known.map(Some).map_err(|error| Box::new(fault(None, error.to_string())))
@@ -151,44 +146,53 @@ impl<'a> Results<'a> {
     }
 
     /// ΔCD of an error, and what the error can do alone if that has a limit.
-    fn take_error(&mut self, index: usize, deviations: &[DeviationValue]) {
+    fn take_error(&mut self, index: usize, deviations: &DeviationValues, values: &[f64]) {
         let plan = self.plan;
         let (source, column) = (&plan.sources[index], self.layout.columns[index]);
         let kind = source.law.kind();
-        self.each[kind as usize] = self.by_row(|_, row| {
-            let delta_cd = source.law.delta_cd(deviations[row], plan.request.model);
-            delta_cd.map_err(|problem| Box::new(no_result(kind.name(), column, problem)))
+        self.each[kind as usize] = source.law.delta_cds(deviations, plan.request.model).unwrap_or_else(|| {
+            self.by_row(|_, row| {
+                let delta_cd = source.law.delta_cd(deviations.at(row), plan.request.model);
+                delta_cd.map_err(|problem| Box::new(no_result(kind.name(), column, problem)))
+            })
         });
         if source.is_limited {
             self.alone[kind as usize] = self.by_row(|_, row| {
-                let error = source.extended.with_value(plain_value(deviations[row]));
+                let error = source.extended.with_value(values[row]);
                 let range = nearest(plan.basis.alone(&error).map(ErrorRange::alone));
                 range.map_err(|problem| Box::new(no_result(kind.name(), column, problem)))
             });
         }
     }
 
-    /// What all errors do together.
-    fn take_sums(&mut self, deviations: &[Cow<'_, [DeviationValue]>], errors: &ChangingErrors<'_>) {
+    /// What all errors do together; `values` has a column per error, mm or rad.
+    fn take_sums(&mut self, values: &[Vec<f64>], errors: &ChangingErrors<'_>) {
         let plan = self.plan;
-        let values = |row: usize| deviations.iter().map(move |column| plain_value(column[row]));
         if plan.needs_range || plan.needs_rss {
-            let (mut range, mut rss) = (vec![None; self.rows], vec![None; self.rows]);
-            let refused = |problem| Box::new(no_result("combination", None, problem));
-            self.by_row(|_, row| {
-                let together = errors.together(values(row));
+            let mut refused = Vec::new();
+            let mut end = |column: &mut Vec<_>, row: usize, range: Result<Range, NoBound>| {
+                column.push(nearest(range).unwrap_or_else(|problem| {
+                    refused.push((row, problem));
+                    None
+                }));
+            };
+            let (mut range, mut rss) = (Vec::with_capacity(self.rows), Vec::with_capacity(self.rows));
+            errors.each_together(self.rows, values, |row, together| {
                 if plan.needs_range {
-                    range[row] = nearest(together.range).map_err(refused)?;
+                    end(&mut range, row, together.range);
                 }
                 if plan.needs_rss {
-                    rss[row] = nearest(together.rss).map_err(refused)?;
+                    end(&mut rss, row, together.rss);
                 }
-                Ok(())
             });
             (self.range, self.rss) = (range, rss);
+            for (row, problem) in refused {
+                self.refusals.entry(row).or_insert_with(|| Box::new(no_result("combination", None, problem)));
+            }
         }
         if plan.needs_reached {
-            self.reached = self.by_row(|_, row| Ok(reached(plan, &errors.with(values(row)))));
+            let errors = |row: usize| errors.with(values.iter().map(|column| column[row]));
+            self.reached = self.by_row(|_, row| Ok(reached(plan, &errors(row))));
         }
     }
 

@@ -208,7 +208,7 @@ fn doubted_rows(input: &MeshInput) -> Vec<String> {
         let (leads, lengths): (Vec<_>, Vec<_>) =
             values.into_iter().partition(|value| matches!(value, DeviationValue::Angle(_)));
         let of = |values: &[DeviationValue], is_lead| {
-            let count = usual.doubted(values);
+            let count = values.iter().filter(|value| usual.is_reached_by(**value)).count() as u64;
             (count > 0).then(|| format!("the {part}'s table: {}", DoubtedColumn { usual, is_lead, count }))
         };
         [of(&lengths, false), of(&leads, true)].into_iter().flatten()

@@ -291,7 +291,7 @@ impl Args {
                     output.diagnostic(fault);
                 }
                 let judged = if faults.is_empty() {
-                    let errors = kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column)[index]));
+                    let errors = kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column).at(index)));
                     Some(self.evaluate(read, &basis, &errors.collect::<Vec<_>>())?)
                 } else {
                     None

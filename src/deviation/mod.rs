@@ -14,6 +14,7 @@ mod pinion;
 pub mod plausible;
 mod rack;
 mod tooth_range;
+mod values;
 
 pub use error::{DeviationError, DeviationQuantity};
 pub(crate) use error::{MAX_LEAD_RAD, MAX_LENGTH_MM};
@@ -26,3 +27,4 @@ pub use measured::{
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
 pub use tooth_range::{FIRST_ODD_TOOTH, ToothRange, ToothRangeError};
+pub use values::DeviationValues;

@@ -16,7 +16,7 @@
 
 use std::fmt;
 
-use super::{DeviationValue, MAX_LEAD_RAD};
+use super::{DeviationValue, DeviationValues, MAX_LEAD_RAD};
 use crate::quantity::{Angle, Length};
 
 /// A whole number of millimetres.
@@ -97,8 +97,10 @@ impl Reach {
 
     /// How many of a column's values are suspicious, if this is what is usual.
     #[must_use]
-    pub fn doubted(&self, values: &[DeviationValue]) -> u64 {
-        values.iter().filter(|value| self.is_reached_by(**value)).count() as u64
+    pub fn doubted(&self, values: &DeviationValues) -> u64 {
+        let mut count = 0;
+        values.for_each(|value| count += u64::from(self.is_reached_by(value)));
+        count
     }
 
     /// Whether a value is beyond it or at its end.

@@ -15,6 +15,8 @@
 
 pub use super::catalogue::page_of;
 use super::{FormulaPage, Influence, Model, Sensitivity, domain};
+#[cfg(feature = "batch")]
+use crate::deviation::DeviationValues;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::quantity::{Angle, DomainError, FM_PER_MM, Length};
 use crate::trig;
@@ -209,6 +211,18 @@ impl Law {
         match of_length {
             Some(delta_cd) => Ok(delta_cd),
             None => self.of_turn_or_too_large(error, model),
+        }
+    }
+
+    /// ΔCD of lengths that are errors; `None` where one has none, or the law takes no length.
+    #[cfg(feature = "batch")]
+    pub(crate) fn delta_cds(self, errors: &DeviationValues, model: Model) -> Option<Vec<Length>> {
+        let DeviationValues::Lengths(lengths) = errors else { return None };
+        let gain = self.gain(model);
+        match self.shape(model) {
+            Shape::Shift => Some(lengths.clone()),
+            Shape::Step => lengths.iter().map(|length| Length::near(gain * (length.fm() as f64).abs())).collect(),
+            Shape::Sine | Shape::Tangent => None,
         }
     }
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+#[cfg(feature = "table")]
+use super::number::millionths;
 use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
 use super::unit::LengthUnit;
 use super::{FM_PER_MM, QuantityError, grid_quantity};
@@ -48,6 +50,23 @@ impl Length {
         Self::within(number.steps(unit.scale())?)
     }
 
+    /// Doubles in `unit`, each of which is its shortest decimal, less another length; `None` if one has more than six decimals
+    /// or the difference is larger than `largest`.
+    #[cfg(feature = "table")]
+    pub(crate) fn of_doubles(doubles: &[f64], unit: LengthUnit, less: Self, largest: Self) -> Option<Vec<Self>> {
+        let step = unit.scale().of_millionth()?;
+        let most = Self::LARGEST.fm / step;
+        let mut are_plain = true;
+        let lengths = doubles.iter().map(|value| {
+            let (millionths, is_shortest) = millionths(*value);
+            let fm = millionths.wrapping_mul(step).wrapping_sub(less.fm);
+            are_plain &= is_shortest & (-most..=most).contains(&millionths) & (-largest.fm..=largest.fm).contains(&fm);
+            Self { fm }
+        });
+        let lengths = lengths.collect();
+        are_plain.then_some(lengths)
+    }
+
     /// A length of a number in `unit`.
     pub(crate) fn of_number(number: Decimal, unit: LengthUnit) -> Result<Self, QuantityError> {
         Self::of_steps(number.steps(unit.scale()), "the length")
@@ -68,12 +87,11 @@ impl Length {
     /// The same; `None` beyond the largest length.
     #[inline]
     pub(crate) fn near(fm: f64) -> Option<Self> {
-        let whole = fm as i64;
-        // what lies between is exact in a double
-        let between = fm - whole as f64;
         // NaN is within nothing
         let is_within = fm.abs() <= Self::LARGEST.fm as f64;
-        is_within.then(|| Self { fm: whole + i64::from(between >= 0.5) - i64::from(between <= -0.5) })
+        // half of one, itself, would take what lies just below a half to the next whole number
+        let half = 0.5_f64.next_down();
+        is_within.then(|| Self { fm: (fm + half.copysign(fm)) as i64 })
     }
 
     /// The sum of lengths, exactly.

@@ -58,6 +58,13 @@ impl Scale {
     pub(crate) const fn steps(self) -> f64 {
         (self.factor * POWERS_OF_TEN[self.exponent as usize]) as f64
     }
+
+    /// The steps of a millionth of the unit, if they are a whole number.
+    #[cfg(feature = "table")]
+    pub(super) fn of_millionth(self) -> Option<i64> {
+        let power = POWERS_OF_TEN.get(usize::try_from(self.exponent - 6).ok()?)?;
+        i64::try_from(self.factor.checked_mul(*power)?).ok()
+    }
 }
 
 impl Decimal {
@@ -154,15 +161,10 @@ impl Decimal {
     #[cfg(feature = "table")]
     #[inline]
     pub(crate) fn of_double(value: f64) -> Option<Self> {
-        const PLACES: i32 = 6;
-        const MILLION: f64 = 1e6;
-        // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
-        const OF_15_DIGITS: i64 = 999_999_999_999_999;
-        // a whole number beside the nearest one does not read as this double
-        let millionths = (value * MILLION + 0.5_f64.copysign(value)) as i64;
-        let is_of_15_digits = (-OF_15_DIGITS..=OF_15_DIGITS).contains(&millionths);
-        if is_of_15_digits && millionths as f64 / MILLION == value {
-            return Some(Self { negative: millionths < 0, digits: millionths.unsigned_abs(), exponent: -PLACES });
+        const MILLIONTH: i32 = -6;
+        let (millionths, is_shortest) = millionths(value);
+        if is_shortest {
+            return Some(Self { negative: millionths < 0, digits: millionths.unsigned_abs(), exponent: MILLIONTH });
         }
         Self::of_display(format_args!("{value:e}"))
     }
@@ -211,6 +213,23 @@ impl Decimal {
         }
         self
     }
+}
+
+/// The whole number of millionths nearest to a double, and whether these are its shortest decimal. Without a branch, so that
+/// several doubles are gone through at once.
+#[cfg(feature = "table")]
+#[inline]
+pub(super) fn millionths(value: f64) -> (i64, bool) {
+    const MILLION: f64 = 1e6;
+    // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
+    const OF_15_DIGITS: f64 = 999_999_999_999_999.0;
+    // a double as large has whole numbers for its last digits
+    const WHOLE: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
+    let rounded = value * MILLION + WHOLE;
+    let millionths = rounded - WHOLE;
+    // a whole number beside the nearest one does not read as this double
+    let is_shortest = (millionths / MILLION == value) & (millionths.abs() <= OF_15_DIGITS);
+    (rounded.to_bits().wrapping_sub(WHOLE.to_bits()).cast_signed(), is_shortest)
 }
 
 /// A text that is written without asking for memory: millions of numbers are.

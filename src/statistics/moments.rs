@@ -24,9 +24,12 @@ impl LengthMoments {
     /// Those of some lengths.
     #[cfg(feature = "batch")]
     pub(crate) fn of(lengths: &[Length]) -> Self {
-        let each = || lengths.iter().map(|length| i128::from(length.fm()));
-        let squares_fm2 = each().try_fold(0_i128, |squares, fm| squares.checked_add(fm * fm));
-        Self { count: lengths.len() as u64, sum_fm: each().sum(), squares_fm2 }
+        /// The squares of so many of the largest length can be added.
+        const ADDED: usize = 128;
+        let fm = |length: &Length| i128::from(length.fm());
+        let squares = |lengths: &[Length]| lengths.iter().map(|length| fm(length) * fm(length)).sum::<i128>();
+        let squares_fm2 = lengths.chunks(ADDED).map(squares).try_fold(0_i128, i128::checked_add);
+        Self { count: lengths.len() as u64, sum_fm: lengths.iter().map(fm).sum(), squares_fm2 }
     }
 
     /// Adds other lengths.

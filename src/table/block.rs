@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::encoding::text;
 use super::reading::AsideReading;
-use crate::deviation::DeviationValue;
+use crate::deviation::{DeviationValue, DeviationValues};
 
 /// Bytes of a block's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,9 +45,9 @@ pub struct Contradiction {
 /// Some rows of a table.
 #[derive(Debug, Default)]
 pub struct Block {
-    /// One slice per column of the table; a column that nobody needs is empty. Where a row has a fault, the value is
+    /// By column of the table; one that nobody needs is empty. Where a row has a fault, the value is
     /// nothing that was measured.
-    pub(crate) values: Vec<Vec<DeviationValue>>,
+    pub(crate) values: Vec<DeviationValues>,
     /// By row.
     pub(crate) faults: Vec<Fault>,
     /// Numbers of spaces or teeth.
@@ -87,8 +87,9 @@ impl Block {
 
     /// The values of a column.
     #[must_use]
-    pub fn values(&self, column: usize) -> &[DeviationValue] {
-        self.values.get(column).map_or(&[], Vec::as_slice)
+    pub fn values(&self, column: usize) -> &DeviationValues {
+        const NONE: &DeviationValues = &DeviationValues::Lengths(Vec::new());
+        self.values.get(column).unwrap_or(NONE)
     }
 
     /// What is wrong with rows, in their order.
@@ -122,11 +123,11 @@ impl Block {
         self.names.get(row).map(|span| self.bytes(*span).trim_ascii())
     }
 
-    /// Forgets everything but the room.
-    pub(crate) fn clear(&mut self, columns: usize) {
-        self.values.resize_with(columns, Vec::new);
-        for values in &mut self.values {
-            values.clear();
+    /// Forgets everything but the room; the columns are for such values.
+    pub(crate) fn clear(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
+        self.values.resize_with(like.len(), DeviationValues::default);
+        for (values, like) in self.values.iter_mut().zip(like) {
+            values.restart(like);
         }
         self.faults.clear();
         self.index.clear();

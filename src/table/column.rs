@@ -112,6 +112,17 @@ impl PlainNumbers {
         }
     }
 
+    /// The deviations of doubles, each of which is its shortest decimal, where all are lengths that the double alone tells;
+    /// `None` where a number needs a closer look.
+    pub(crate) fn lengths(&self, doubles: &[f64]) -> Option<Vec<Length>> {
+        match (self.unit, self.nominal, self.over) {
+            (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
+                Length::of_doubles(doubles, unit, nominal, self.farthest.length)
+            }
+            _ => None,
+        }
+    }
+
     /// The same of a helix slope deviation.
     fn slope(&self, number: Decimal) -> Option<DeviationValue> {
         let Unit::Length(unit) = self.unit else { return None };
@@ -304,6 +315,15 @@ impl Column {
             (Nominal::None, Unit::Length(_)) => Some(DeviationValue::Length(Length::ZERO)),
             (Nominal::None, Unit::Angle(_)) => Some(DeviationValue::Angle(Angle::ZERO)),
             (Nominal::Beside, _) => None,
+        }
+    }
+
+    /// No deviation, in the dimension of this column's.
+    pub(crate) const fn nothing(&self) -> DeviationValue {
+        match (self.unit, self.evaluated) {
+            (Unit::Length(_), Stated::None) => DeviationValue::Length(Length::ZERO),
+            (Unit::Length(_), _) => DeviationValue::Slope(0.0),
+            (Unit::Angle(_), _) => DeviationValue::Angle(Angle::ZERO),
         }
     }
 

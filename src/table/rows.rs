@@ -26,7 +26,7 @@ use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
 use crate::deviation::DeviationValue;
-use crate::quantity::{Decimal, Length, Unit, shown};
+use crate::quantity::{Decimal, Unit, shown};
 
 /// A column of which plain numbers say all.
 #[derive(Debug, Clone, Copy)]
@@ -173,7 +173,7 @@ impl Rows {
 
     /// The rows of a chunk of text; the chunk's bytes become the block's text.
     pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: ChunkContent, block: &mut Block) {
-        block.clear(self.setup.columns.len());
+        block.clear(self.setup.columns.iter().map(Column::nothing));
         std::mem::swap(&mut block.text, chunk);
         match holds {
             ChunkContent::Records => self.records(block),
@@ -252,7 +252,9 @@ impl Rows {
             at += usize::from(quoted);
             if let PlainField::Value(column) = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                values[column.number].push(column.numbers.deviation(number)?);
+                if !values[column.number].push(column.numbers.deviation(number)?) {
+                    return None;
+                }
                 at = end;
             } else {
                 let start = at;
@@ -302,7 +304,9 @@ impl Rows {
         if block.contradiction.is_some() {
             return;
         }
-        block.values.resize_with(self.setup.columns.len(), Vec::new);
+        if block.values.is_empty() {
+            block.clear(self.setup.columns.iter().map(Column::nothing));
+        }
         block.record_count += 1;
         let raw = match text {
             _ if !self.wanted.keeps_raw => Span::default(),
@@ -574,7 +578,7 @@ impl Rows {
         }
         block.copied.extend(std::iter::repeat_n(Span::default(), self.wanted.copied.len()));
         for (number, _) in self.needed() {
-            block.values[number].push(DeviationValue::Length(Length::ZERO));
+            block.values[number].push_nothing();
         }
         if self.setup.index.is_some() {
             block.index.push(None);
@@ -623,10 +627,8 @@ pub(crate) fn put(
 ) {
     let is_missing = matches!(value, Ok(None));
     let fault = match value {
-        Ok(Some(value)) => {
-            block.values[number].push(value);
-            return;
-        }
+        Ok(Some(value)) if block.values[number].push(value) => return,
+        Ok(Some(value)) => format!("{value} is of another dimension than the values of the column"),
         Ok(None) => missing(column, cell),
         Err(problem) => {
             let help = match problem {
@@ -649,7 +651,7 @@ pub(crate) fn put(
             problem.message()
         }
     };
-    block.values[number].push(DeviationValue::Length(Length::ZERO));
+    block.values[number].push_nothing();
     block.fault(Some(number), is_missing, &shown(&cell.text()), fault);
 }
 

@@ -247,7 +247,7 @@ impl Gatherer {
                     _ => self.refuse(number, line, fault),
                 }
             }
-            let value = |column: usize| block.values[column].get(row).copied().filter(|_| present[column]);
+            let value = |column: usize| block.values[column].get(row).filter(|_| present[column]);
             let index = block.index.get(row).copied().flatten();
             self.row(number, line, index, &value);
         }

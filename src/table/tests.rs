@@ -69,7 +69,7 @@ fn part(block: &Block, row: usize, keys: &[&str]) -> String {
         words.push(match fault(Some(column)) {
             Some(fault) if fault.is_missing => format!("{key} missing"),
             Some(fault) => format!("{key}: {}", fault.message),
-            None => format!("{key} {}", block.values(column)[row]),
+            None => format!("{key} {}", block.values(column).at(row)),
         });
     }
     words.join(" ")

@@ -20,12 +20,6 @@ const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_DEVIATION: f64 = 0.200_936_803_059_955_2;
 
 impl Moments {
-    /// The same of an error that is so many times as large, in proportion to which both are.
-    #[inline]
-    pub(super) fn scaled(self, by: f64) -> Self {
-        Self { mean_mm: by * self.mean_mm, deviation_mm: by * self.deviation_mm }
-    }
-
     /// Of a tolerance, of whose two ends these are the moments: what it does grows in proportion to it, either way.
     fn or(self, other: Self) -> Self {
         let mean_mm = FOLDED_MEAN * 0.5 * (self.mean_mm + other.mean_mm);

@@ -48,22 +48,73 @@ impl<'a> ChangingErrors<'a> {
         self.errors.iter().zip(values).map(|(error, value)| error.with_value(value)).collect()
     }
 
-    /// What all can do with these values, mm or rad, as [`Basis::together`].
-    #[must_use]
+    /// Calls `take` with what all can do together in each of so many rows, as [`Basis::together`]; `values` holds a column
+    /// per error, mm or rad.
     #[inline]
-    pub fn together(&self, values: impl Iterator<Item = f64>) -> Combined<Range> {
+    pub fn each_together(&self, rows: usize, values: &[Vec<f64>], mut take: impl FnMut(usize, Combined<Range>)) {
         let Some(InProportion { own, per_mm }) = &self.in_proportion else {
-            return self.basis.together(&self.with(values));
+            return (0..rows).for_each(|row| {
+                take(row, self.basis.together(&self.with(values.iter().map(|column| column[row]))));
+            });
         };
-        let (mut sum, mut scatter) = (Sum::default(), StatisticalSum::default());
-        for ((error, per_mm), value) in self.errors.iter().zip(per_mm).zip(values) {
-            let (per_mm, size) = (&per_mm[usize::from(value < 0.0)], size(error, value, self.basis));
-            sum.raw_lower += size * per_mm.raw_lower;
-            sum.raw_upper += size * per_mm.raw_upper;
-            sum.better = larger(sum.better, size * per_mm.better);
-            scatter.add(per_mm.moments.scaled(size));
+        for start in (0..rows).step_by(STRIP) {
+            let end = rows.min(start + STRIP);
+            let mut sums = Sums::default();
+            for ((error, per_mm), column) in self.errors.iter().zip(per_mm).zip(values) {
+                let values = &column[start..end];
+                match &error.effect {
+                    ErrorEffect::RackLead(lines) => {
+                        sums.add(values, per_mm, |value| size_of_lead(lines, error, value, self.basis));
+                    }
+                    _ => sums.add(values, per_mm, f64::abs),
+                }
+            }
+            (start..end).for_each(|row| take(row, sums.together(row - start, *own)));
         }
-        let range = Ok(sum.with_own(*own));
+    }
+}
+
+/// Rows whose sums stay near at hand.
+const STRIP: usize = 256;
+
+/// The sums of some rows, column by column: several rows are added up at once.
+struct Sums {
+    raw_lower: [f64; STRIP],
+    raw_upper: [f64; STRIP],
+    better: [f64; STRIP],
+    mean: [f64; STRIP],
+    variance: [f64; STRIP],
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        let zeros = [0.0; STRIP];
+        Self { raw_lower: zeros, raw_upper: zeros, better: zeros, mean: zeros, variance: zeros }
+    }
+}
+
+impl Sums {
+    /// Adds what an error of these values does, whose size in mm is `size` of a value: it is in proportion to that.
+    #[inline]
+    fn add(&mut self, values: &[f64], [above, below]: &[PerMm; 2], size: impl Fn(f64) -> f64) {
+        for (row, value) in values.iter().enumerate().take(STRIP) {
+            let (per_mm, size) = (if *value < 0.0 { below } else { above }, size(*value));
+            let deviation = size * per_mm.moments.deviation_mm;
+            self.raw_lower[row] += size * per_mm.raw_lower;
+            self.raw_upper[row] += size * per_mm.raw_upper;
+            self.better[row] = larger(self.better[row], size * per_mm.better);
+            self.mean[row] += size * per_mm.moments.mean_mm;
+            self.variance[row] += deviation * deviation;
+        }
+    }
+
+    /// What all do together in a row.
+    #[inline]
+    fn together(&self, row: usize, own: Own) -> Combined<Range> {
+        let mut sum = Sum::default();
+        (sum.raw_lower, sum.raw_upper, sum.better) = (self.raw_lower[row], self.raw_upper[row], self.better[row]);
+        let range = Ok(sum.with_own(own));
+        let scatter = StatisticalSum { mean: self.mean[row], variance: self.variance[row] };
         Combined { range, rss: Ok(scatter.around(own.range, range)) }
     }
 }
@@ -95,15 +146,7 @@ impl InProportion {
     }
 }
 
-/// How large an error of this value is, mm: what an error of a pair that is not known does is in proportion to it.
-#[inline]
-fn size(error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
-    match &error.effect {
-        ErrorEffect::RackLead(lines) => size_of_lead(lines, error, value, basis),
-        _ => value.abs(),
-    }
-}
-
+/// How large a lead of this value is, mm: what it does to a pair that is not known is in proportion to it.
 #[inline(never)]
 fn size_of_lead(lines: &RackLines, error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
     let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;
@@ -138,17 +181,21 @@ mod tests {
                 };
                 let errors: Vec<_> = laws.into_iter().filter_map(error).collect();
                 let changing = ChangingErrors::new(&basis, errors.clone());
-                for round in 0..50_i64 {
-                    let value = |(index, error): (usize, &ExtendedError)| {
-                        let value =
-                            Length::from_fm((round * 37 + index as i64 * 101) % 83 * 700_000_001 - 29_000_000_000);
-                        let is_angle = matches!(error.effect, ErrorEffect::RackLead(_));
-                        if is_angle { 0.1 * value.mm() } else { value.mm() }
-                    };
-                    let values = || errors.iter().enumerate().map(value);
-                    let expected = basis.together(&changing.with(values()));
-                    assert_eq!(changing.together(values()), expected, "{extent:?} {rolls}");
-                }
+                let value = |row: usize, index: usize| {
+                    let fm = (row as i64 * 37 + index as i64 * 101) % 83 * 700_000_001 - 29_000_000_000;
+                    let is_angle = matches!(errors[index].effect, ErrorEffect::RackLead(_));
+                    if is_angle { 0.1 * Length::from_fm(fm).mm() } else { Length::from_fm(fm).mm() }
+                };
+                let rows = STRIP + 50;
+                let column = |index: usize| (0..rows).map(|row| value(row, index)).collect();
+                let columns: Vec<Vec<f64>> = (0..errors.len()).map(column).collect();
+                let mut next = 0;
+                changing.each_together(rows, &columns, |row, together| {
+                    let expected = basis.together(&changing.with(columns.iter().map(|column| column[row])));
+                    assert_eq!((row, together), (next, expected), "{extent:?} {rolls}");
+                    next += 1;
+                });
+                assert_eq!(next, rows);
             }
         }
         assert_eq!(laws.map(Law::kind), DeviationKind::ALL);

@@ -219,8 +219,8 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
 /// Means and variances of errors, which are independent.
 #[derive(Default)]
 pub(super) struct StatisticalSum {
-    mean: f64,
-    variance: f64,
+    pub(super) mean: f64,
+    pub(super) variance: f64,
 }
 
 impl StatisticalSum {
@@ -233,7 +233,8 @@ impl StatisticalSum {
     /// Where ΔCD lies at one stroke for all but a few parts, around the pair's own range.
     #[inline]
     pub(super) fn around(&self, own: Range, total: Result<Range, NoBound>) -> Range {
-        let spread = DEVIATIONS * self.variance.sqrt();
+        // measured errors act with their values: a root of nothing would be taken for every row of a table
+        let spread = if self.variance == 0.0 { 0.0 } else { DEVIATIONS * self.variance.sqrt() };
         let range = Range { lower: own.lower + self.mean - spread, upper: own.upper + self.mean + spread };
         // nothing goes beyond the worst case
         total.map_or(range, |total| Range {

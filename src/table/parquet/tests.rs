@@ -434,7 +434,7 @@ fn parts(bytes: &[u8]) -> Vec<String> {
             parts.push(match fault {
                 Some(fault) if fault.is_missing => format!("{name}: missing"),
                 Some(fault) => format!("{name}: {}", fault.message),
-                None => format!("{name}: {}", block.values(0)[row]),
+                None => format!("{name}: {}", block.values(0).at(row)),
             });
         }
     }

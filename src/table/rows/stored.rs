@@ -3,9 +3,8 @@
 use super::super::block::{Block, Span};
 use super::super::cell::{Cell, Record};
 use super::super::stored::Stored;
-use super::{PlainColumn, Rows, may_be_statistic};
-use crate::deviation::DeviationValue;
-use crate::quantity::{Decimal, Length};
+use super::{Column, PlainColumn, Rows, may_be_statistic};
+use crate::deviation::{DeviationValue, DeviationValues};
 
 impl Rows {
     /// The columns of plain numbers; `None` if rows have more to say.
@@ -30,9 +29,11 @@ impl Rows {
     /// come first.
     pub(crate) fn stored(&self, fields: &[Option<Stored<'_>>], before: u64, block: &mut Block) {
         let rows = fields.iter().flatten().map(Stored::rows).max().unwrap_or(0);
-        block.clear(self.setup.columns.len());
+        block.clear(self.setup.columns.iter().map(Column::nothing));
         let plain = self.plain_columns();
-        let Some(columns) = plain.filter(|columns| columns.iter().all(|column| fields[column.place].is_some())) else {
+        let of_column = |column: &PlainColumn| Some((*column, fields[column.place].as_ref()?));
+        let plain: Option<Vec<_>> = plain.and_then(|columns| columns.iter().map(of_column).collect());
+        let Some(columns) = plain else {
             for row in 0..rows {
                 self.record(&stored_record(fields, row, before), None, block);
             }
@@ -40,7 +41,10 @@ impl Rows {
         };
         // what cannot be told from the numbers alone is looked at as a record
         let mut odd = Vec::new();
-        let mut values: Vec<_> = columns.iter().map(|column| deviations(column, fields, &mut odd)).collect();
+        let of_column = |(column, stored): &(PlainColumn, &Stored<'_>)| {
+            deviations(column, stored, self.setup.columns[column.number].nothing(), &mut odd)
+        };
+        let mut values: Vec<_> = columns.iter().map(of_column).collect();
         let names = self.setup.id.and_then(|place| fields[place].as_ref());
         if let Some(names) = names {
             odd.extend((0..rows).filter(|row| names.text(*row).is_none_or(may_be_statistic)));
@@ -53,12 +57,12 @@ impl Rows {
         odd.dedup();
         let mut first = 0;
         for end in odd.into_iter().chain([rows]) {
-            for (column, values) in columns.iter().zip(&mut values) {
+            for ((column, _), values) in columns.iter().zip(&mut values) {
                 let of_block = &mut block.values[column.number];
                 if end - first == rows {
                     std::mem::swap(of_block, values);
                 } else {
-                    of_block.extend_from_slice(&values[first..end]);
+                    of_block.extend_from(values, first..end);
                 }
             }
             if let Some(names) = names {
@@ -87,20 +91,23 @@ impl Rows {
 }
 
 /// The deviations of a column's numbers; a row without one is odd.
-fn deviations(column: &PlainColumn, fields: &[Option<Stored<'_>>], odd: &mut Vec<usize>) -> Vec<DeviationValue> {
-    let Some(stored) = &fields[column.place] else { return Vec::new() };
-    let mut values = Vec::with_capacity(stored.rows());
-    let mut take = |row: usize, number: Option<Decimal>| {
-        let deviation = number.and_then(|number| column.numbers.deviation(number));
-        values.push(deviation.unwrap_or_else(|| {
-            odd.push(row);
-            DeviationValue::Length(Length::ZERO)
-        }));
-    };
-    match stored.all_doubles() {
-        Some(doubles) => doubles.iter().enumerate().for_each(|(row, value)| take(row, Decimal::of_double(*value))),
-        None => stored.numbers(take),
+fn deviations(
+    column: &PlainColumn,
+    stored: &Stored<'_>,
+    nothing: DeviationValue,
+    odd: &mut Vec<usize>,
+) -> DeviationValues {
+    if let Some(lengths) = stored.all_doubles().and_then(|doubles| column.numbers.lengths(doubles)) {
+        return DeviationValues::Lengths(lengths);
     }
+    let mut values = DeviationValues::repeated(nothing, 0);
+    stored.numbers(|row, number| {
+        let deviation = number.and_then(|number| column.numbers.deviation(number));
+        if !deviation.is_some_and(|deviation| values.push(deviation)) {
+            values.push_nothing();
+            odd.push(row);
+        }
+    });
     values
 }
 

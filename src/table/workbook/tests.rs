@@ -22,7 +22,9 @@ fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, S
         for row in 0..block.rows() {
             let is_there =
                 |column: &usize| block.faults().iter().all(|fault| (fault.row, fault.column) != (row, Some(*column)));
-            let value = |column| if is_there(&column) { block.values(column)[row].to_string() } else { String::new() };
+            let value = |column| {
+                if is_there(&column) { block.values(column).at(row).to_string() } else { String::new() }
+            };
             let values: Vec<_> = (0..block.values.len()).map(value).collect();
             let name = block.name(row).unwrap_or_default();
             all.push(format!("{}: {name}|{}", block.lines[row], values.join("|")));

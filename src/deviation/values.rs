@@ -1,0 +1,128 @@
+//! The values of a column: all of one dimension, so that nobody asks each of a million values what it is.
+
+use std::ops::Range;
+
+use super::DeviationValue;
+use crate::quantity::{Angle, Length};
+
+/// Values of one dimension, in the order of their rows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DeviationValues {
+    /// Deviations in length.
+    Lengths(Vec<Length>),
+    /// Deviations in angle.
+    Angles(Vec<Angle>),
+    /// Tangents of deviations in angle.
+    Slopes(Vec<f64>),
+}
+
+impl Default for DeviationValues {
+    /// No lengths.
+    fn default() -> Self {
+        Self::Lengths(Vec::new())
+    }
+}
+
+impl DeviationValues {
+    /// The same value, so many times.
+    #[must_use]
+    pub fn repeated(value: DeviationValue, count: usize) -> Self {
+        match value {
+            DeviationValue::Length(length) => Self::Lengths(vec![length; count]),
+            DeviationValue::Angle(angle) => Self::Angles(vec![angle; count]),
+            DeviationValue::Slope(slope) => Self::Slopes(vec![slope; count]),
+        }
+    }
+
+    /// Forgets the values; those to come are of the dimension of this one.
+    pub(crate) fn restart(&mut self, like: DeviationValue) {
+        match (&mut *self, like) {
+            (Self::Lengths(values), DeviationValue::Length(_)) => values.clear(),
+            (Self::Angles(values), DeviationValue::Angle(_)) => values.clear(),
+            (Self::Slopes(values), DeviationValue::Slope(_)) => values.clear(),
+            _ => *self = Self::repeated(like, 0),
+        }
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Lengths(values) => values.len(),
+            Self::Angles(values) => values.len(),
+            Self::Slopes(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value of a row, of which there must be one.
+    #[inline]
+    pub(crate) fn at(&self, row: usize) -> DeviationValue {
+        match self {
+            Self::Lengths(values) => DeviationValue::Length(values[row]),
+            Self::Angles(values) => DeviationValue::Angle(values[row]),
+            Self::Slopes(values) => DeviationValue::Slope(values[row]),
+        }
+    }
+
+    /// The value of a row; `None` behind the last.
+    #[must_use]
+    pub fn get(&self, row: usize) -> Option<DeviationValue> {
+        (row < self.len()).then(|| self.at(row))
+    }
+
+    /// Calls `take` with each.
+    #[inline]
+    pub fn for_each(&self, mut take: impl FnMut(DeviationValue)) {
+        match self {
+            Self::Lengths(values) => values.iter().for_each(|length| take(DeviationValue::Length(*length))),
+            Self::Angles(values) => values.iter().for_each(|angle| take(DeviationValue::Angle(*angle))),
+            Self::Slopes(values) => values.iter().for_each(|slope| take(DeviationValue::Slope(*slope))),
+        }
+    }
+
+    /// Appends a value; one of another dimension stays out. Whether it is in.
+    #[inline]
+    pub(crate) fn push(&mut self, value: DeviationValue) -> bool {
+        match (self, value) {
+            (Self::Lengths(values), DeviationValue::Length(length)) => values.push(length),
+            (Self::Angles(values), DeviationValue::Angle(angle)) => values.push(angle),
+            (Self::Slopes(values), DeviationValue::Slope(slope)) => values.push(slope),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Appends a 0, for a row without a value.
+    pub(crate) fn push_nothing(&mut self) {
+        match self {
+            Self::Lengths(values) => values.push(Length::ZERO),
+            Self::Angles(values) => values.push(Angle::ZERO),
+            Self::Slopes(values) => values.push(0.0),
+        }
+    }
+
+    /// Keeps the first ones.
+    pub(crate) fn truncate(&mut self, count: usize) {
+        match self {
+            Self::Lengths(values) => values.truncate(count),
+            Self::Angles(values) => values.truncate(count),
+            Self::Slopes(values) => values.truncate(count),
+        }
+    }
+
+    /// Appends some of another column of the same dimension.
+    pub(crate) fn extend_from(&mut self, other: &Self, rows: Range<usize>) {
+        match (self, other) {
+            (Self::Lengths(values), Self::Lengths(more)) => values.extend_from_slice(&more[rows]),
+            (Self::Angles(values), Self::Angles(more)) => values.extend_from_slice(&more[rows]),
+            (Self::Slopes(values), Self::Slopes(more)) => values.extend_from_slice(&more[rows]),
+            (values, _) => rows.for_each(|_| values.push_nothing()),
+        }
+    }
+}
