@@ -213,7 +213,7 @@ impl Evaluation {
             check.verdict = Some(decision.verdict);
             check.decision = Some(decision);
         }
-        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
+        self.verdict = overall(&self.limits);
         Ok(())
     }
 
@@ -235,7 +235,7 @@ impl Evaluation {
             check.result = Err(why);
             (check.verdict, check.decision) = (None, None);
         }
-        self.verdict = overall(self.limits.iter().map(|check| check.verdict));
+        self.verdict = overall(&self.limits);
     }
 
     /// Whether any error's ΔCD depends on the model.
@@ -306,24 +306,28 @@ pub fn evaluate(
             LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
         })
         .collect();
-    let verdict = overall(limits.iter().map(|check| check.verdict));
+    let verdict = overall(&limits);
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
     let notes = stack.notes(&bound);
     let (reached, rule) = (None, Rule::Simple);
     Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached, rule, limits, verdict })
 }
 
-/// Of the verdicts on all limits, `None` where one could not be judged: fail if any fails; open if there are none or one
-/// could not be judged; indeterminate if any is; else pass.
+/// The verdict on all limits; `None` without any.
+fn overall(limits: &[LimitCheck]) -> Option<Verdict> {
+    limits.iter().map(|check| check.verdict).reduce(worse).flatten()
+}
+
+/// Of the verdicts on two limits, or on some of them and another, `None` where one could not be judged: fail if any is; open
+/// if one could not be judged; indeterminate if any is; else pass.
 #[inline]
-pub(crate) fn overall(verdicts: impl Iterator<Item = Option<Verdict>>) -> Option<Verdict> {
-    let worse = |a: Option<Verdict>, b: Option<Verdict>| match (a, b) {
+pub(crate) fn worse(one: Option<Verdict>, other: Option<Verdict>) -> Option<Verdict> {
+    match (one, other) {
         (Some(Verdict::Fail), _) | (_, Some(Verdict::Fail)) => Some(Verdict::Fail),
         (None, _) | (_, None) => None,
         (Some(Verdict::Indeterminate), _) | (_, Some(Verdict::Indeterminate)) => Some(Verdict::Indeterminate),
         _ => Some(Verdict::Pass),
-    };
-    verdicts.reduce(worse)?
+    }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::deviation::DeviationValues;
 use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::shown;
+use crate::quantity::{Length, shown};
 use crate::table::{Block, Fault};
 
 /// Evaluates the rows of blocks.
@@ -28,6 +28,8 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
+    /// The margins of the worst parts so far, the worst first: one that is none of these is none of all tables'.
+    worst: Vec<Length>,
     /// The results of the last block, which belong there once it is known to count.
     results: Option<Results<'a>>,
     /// The errors on the teeth that their extents allow.
@@ -48,7 +50,8 @@ impl<'a> Evaluator<'a> {
             written: RowWriter::new(plan),
             rejects: Vec::new(),
             tally: Tally::default(),
-            statistics: vec![Statistics::default(); quantities],
+            statistics: (0..quantities).map(|_| Statistics::default()).collect(),
+            worst: Vec::new(),
             results: None,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
@@ -127,7 +130,7 @@ impl<'a> Evaluator<'a> {
             }
         }
         for (moving, (_, output)) in self.tally.moving.iter_mut().zip(&self.plan.followed) {
-            results.all_of(output).into_iter().for_each(|result| moving.add(result));
+            results.all_of(output).iter().for_each(|result| moving.add(*result));
         }
     }
 
@@ -146,9 +149,7 @@ impl<'a> Evaluator<'a> {
             return;
         }
         let margin = results.margin(row.index);
-        let worst = &self.tally.worst;
-        let is_worst = worst.len() < WORST || worst.last().is_some_and(|last| margin.inside_by < last.margin);
-        if self.plan.request.statistics && is_worst {
+        if self.plan.request.statistics && self.is_worst(margin.inside_by) {
             let part = self.kept(row, verdict, margin);
             keep_worst(&mut self.tally.worst, KeptPart { part, margin: margin.inside_by });
         }
@@ -168,6 +169,18 @@ impl<'a> Evaluator<'a> {
                 spreads.for_each(|spread| statistics.add_gauge(spread.gauge_mm2));
             }
         }
+    }
+
+    /// Whether a part with this margin is among the worst so far.
+    #[inline]
+    fn is_worst(&mut self, margin: Length) -> bool {
+        if self.worst.get(WORST - 1).is_some_and(|last| margin >= *last) {
+            return false;
+        }
+        let at = self.worst.partition_point(|other| *other <= margin);
+        self.worst.truncate(WORST - 1);
+        self.worst.insert(at, margin);
+        true
     }
 
     fn keeps_failure(&self, verdict: Option<Verdict>) -> bool {

@@ -12,7 +12,7 @@ use super::request::Request;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
-use crate::evaluation::{overall, too_near};
+use crate::evaluation::{too_near, worse};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Ends};
@@ -115,7 +115,7 @@ impl<'a> Results<'a> {
                 known.map(Some).map_err(|error| Box::new(fault(None, error.to_string())))
             });
         }
-        results.verdicts = results.by_row(Self::judge);
+        results.judge();
         if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
             results.rows = first + 1;
             results.refusals.split_off(&results.rows);
@@ -206,18 +206,18 @@ impl<'a> Results<'a> {
         self.runs().flatten().filter_map(|row| self.uncertainty(row))
     }
 
-    /// The verdict on a part.
-    #[inline]
-    fn judge(&self, row: usize) -> Result<Option<Verdict>, Box<Fault>> {
-        let mut refused = None;
-        let judged = (0..self.plan.limits.len()).map(|limit| {
-            self.judge_by(limit, row).unwrap_or_else(|reason| {
-                refused.get_or_insert(reason);
-                None
-            })
-        });
-        let verdict = overall(judged.chain(self.plan.unjudged.iter().map(|_| None)));
-        refused.map_or(Ok(verdict), Err)
+    /// Judges the parts. Without limits, or with one that could not be judged, a verdict that is not fail is open.
+    fn judge(&mut self) {
+        let is_open = self.plan.limits.is_empty() || !self.plan.unjudged.is_empty();
+        let mut verdicts = is_open.then(|| vec![None; self.rows]);
+        for limit in 0..self.plan.limits.len() {
+            let judged = self.by_row(|results, row| results.judge_by(limit, row));
+            verdicts = Some(match verdicts {
+                None => judged,
+                Some(before) => before.into_iter().zip(judged).map(|(one, other)| worse(one, other)).collect(),
+            });
+        }
+        self.verdicts = verdicts.unwrap_or_default();
     }
 
     /// Why a part is indeterminate.
@@ -275,7 +275,10 @@ impl<'a> Results<'a> {
     }
 
     /// The results of an output that is a length, of all parts that have one.
-    pub(super) fn all_of(&self, output: &Output) -> Vec<Length> {
+    pub(super) fn all_of(&self, output: &Output) -> Cow<'_, [Length]> {
+        if let (Output::Error(kind), true) = (output, self.refusals.is_empty()) {
+            return Cow::Borrowed(&self.each[*kind as usize]);
+        }
         let mut all = Vec::with_capacity(self.rows);
         for rows in self.runs() {
             match output {
@@ -287,7 +290,7 @@ impl<'a> Results<'a> {
                 _ => all.extend(rows.filter_map(|row| self.of(output, row))),
             }
         }
-        all
+        all.into()
     }
 
     /// The result of an output that is a length; `None` if there is none.

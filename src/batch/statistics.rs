@@ -9,9 +9,8 @@ use crate::quantity::{FM_PER_MM, Length};
 use crate::statistics::LengthMoments;
 use crate::statistics::capability::{FEWEST_PARTS, Normality};
 
-/// Leading bits of a magnitude that tell its bin: bins are 1/1024 of their values wide at most.
-const BIN_BITS: u32 = 11;
-const BINS: usize = 1 << BIN_BITS;
+/// Bits of a magnitude behind its leading one that tell its bin: bins are 1/1024 of their values wide at most.
+const BIN_BITS: u32 = 10;
 
 /// Statistics of values given some at a time.
 #[derive(Debug, Clone)]
@@ -19,8 +18,7 @@ pub struct Statistics {
     moments: LengthMoments,
     smallest: i64,
     largest: i64,
-    /// Of the values that are not negative, and of those that are.
-    magnitudes: [Histogram; 2],
+    histogram: Histogram,
     /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
     gauge: (u128, u64),
     /// Sum of the magnitudes of the differences of successive values, in 1e-12 mm, and how many there are.
@@ -66,12 +64,6 @@ impl MovingRange {
     }
 }
 
-/// Counts of magnitudes; bins for magnitudes that occur.
-#[derive(Debug, Clone, Default)]
-struct Histogram {
-    doublings: Vec<Option<Box<[u64; BINS]>>>,
-}
-
 /// The quantiles that are reported.
 pub const QUANTILES: [f64; 9] = [0.00135, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.99865];
 
@@ -82,7 +74,7 @@ impl Default for Statistics {
             moments: LengthMoments::default(),
             smallest: i64::MAX,
             largest: i64::MIN,
-            magnitudes: Default::default(),
+            histogram: Histogram::default(),
             gauge: (0, 0),
             moving: (0, 0),
         }
@@ -96,7 +88,7 @@ impl Statistics {
         let (mut smallest, mut largest) = (self.smallest, self.largest);
         for units in values.iter().map(|value| value.fm()) {
             (smallest, largest) = (smallest.min(units), largest.max(units));
-            self.magnitudes[usize::from(units < 0)].add(units.unsigned_abs());
+            self.histogram.add(units);
         }
         (self.smallest, self.largest) = (smallest, largest);
     }
@@ -139,13 +131,11 @@ impl Statistics {
             return None;
         }
         // half the width of a bin to both sides of its middle, at least half a unit
-        let edges = |(middle, count): (f64, u64), sign: f64| {
-            let half = (middle / f64::from(1 << BIN_BITS)).max(0.5e-12);
-            (sign * middle - half, sign * middle + half, count)
+        let edges = |(middle, count): (f64, u64)| {
+            let half = (middle.abs() / f64::from(2 << BIN_BITS)).max(0.5e-12);
+            (middle - half, middle + half, count)
         };
-        let [positive, negative] = &self.magnitudes;
-        let below = negative.ascending().rev().map(|bin| edges(bin, -1.0));
-        let groups: Vec<_> = below.chain(positive.ascending().map(|bin| edges(bin, 1.0))).collect();
+        let groups: Vec<_> = self.bins().map(edges).collect();
         Normality::of_groups(&groups, mean, deviation)
     }
 
@@ -155,8 +145,8 @@ impl Statistics {
         self.largest = self.largest.max(other.largest);
         self.moments.merge(&other.moments);
         self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
-        for (magnitudes, more) in self.magnitudes.iter_mut().zip(&other.magnitudes) {
-            magnitudes.merge(more);
+        if other.count() > 0 {
+            self.histogram.merge(&other.histogram, other.smallest, other.largest);
         }
     }
 
@@ -210,8 +200,7 @@ impl Statistics {
 
     /// The middle of each bin that is not empty, mm, and its count.
     fn bins(&self) -> impl Iterator<Item = (f64, u64)> {
-        let [positive, negative] = &self.magnitudes;
-        negative.ascending().rev().map(|(magnitude, count)| (-magnitude, count)).chain(positive.ascending())
+        self.histogram.between(self.smallest, self.largest)
     }
 
     /// The values between two ends (mm) counted in bins of equal width; a value within 0.05 % of the edge of
@@ -241,49 +230,66 @@ fn millimetres(units: i64) -> f64 {
     units as f64 / FM_PER_MM
 }
 
+/// Counts of values by their sign, their power of two and [`BIN_BITS`] more: the leading bits of a double. Only pages of memory
+/// whose bins occur are there.
+#[derive(Debug, Clone)]
+struct Histogram {
+    counts: Vec<u64>,
+}
+
+impl Default for Histogram {
+    fn default() -> Self {
+        Self { counts: vec![0; 2 * Self::ZERO + 1] }
+    }
+}
+
 impl Histogram {
-    /// Bin 0 of doubling 0 holds 0; doubling 0 holds single units, and doubling d > 0 the magnitudes
-    /// 2^(10 + d) to 2^(11 + d).
+    /// The bin of 0; those of negative values lie below it.
+    const ZERO: usize = (i64::BITS as usize) << BIN_BITS;
+    /// Bits of a double behind those that tell its bin.
+    const REST: u32 = f64::MANTISSA_DIGITS - 1 - BIN_BITS;
+    /// The leading bits of 1.0, less one, for 0 has a bin of its own.
+    const BEFORE_ONE: u64 = (1.0_f64.to_bits() >> Self::REST) - 1;
+
     #[inline]
-    fn add(&mut self, magnitude: u64) {
-        let bits = u64::BITS - magnitude.leading_zeros();
-        let doubling = bits.saturating_sub(BIN_BITS);
-        // the leading bits: all of them for small magnitudes
-        let bin = (magnitude >> doubling) as usize & (BINS - 1);
-        let doubling = doubling as usize;
-        match self.doublings.get_mut(doubling) {
-            Some(Some(bins)) => bins[bin] += 1,
-            _ => self.grow(doubling)[bin] += 1,
+    fn bin(value: i64) -> usize {
+        let leading = (value as f64).abs().to_bits() >> Self::REST;
+        let from_zero = leading.saturating_sub(Self::BEFORE_ONE) as usize;
+        if value < 0 { Self::ZERO - from_zero } else { Self::ZERO + from_zero }
+    }
+
+    /// The middle of a bin, mm.
+    fn middle(bin: usize) -> f64 {
+        let from_zero = bin.abs_diff(Self::ZERO) as u64;
+        if from_zero == 0 {
+            return 0.0;
+        }
+        let edge = |from_zero: u64| f64::from_bits((from_zero + Self::BEFORE_ONE) << Self::REST);
+        let (low, high) = (edge(from_zero), edge(from_zero + 1));
+        // a narrow bin holds a single whole number, its lowest
+        let middle = if high - low > 1.0 { 0.5 * (low + high) } else { low };
+        (if bin < Self::ZERO { -middle } else { middle }) / FM_PER_MM
+    }
+
+    #[inline]
+    fn add(&mut self, value: i64) {
+        self.counts[Self::bin(value)] += 1;
+    }
+
+    /// Takes the counts of another, whose values reach from the smallest to the largest.
+    fn merge(&mut self, other: &Self, smallest: i64, largest: i64) {
+        let bins = Self::bin(smallest)..=Self::bin(largest);
+        for (count, more) in self.counts[bins.clone()].iter_mut().zip(&other.counts[bins]) {
+            *count += more;
         }
     }
 
-    #[cold]
-    fn grow(&mut self, doubling: usize) -> &mut [u64; BINS] {
-        if self.doublings.len() <= doubling {
-            self.doublings.resize(doubling + 1, None);
-        }
-        self.doublings[doubling].get_or_insert_with(|| Box::new([0; BINS]))
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for (doubling, bins) in other.doublings.iter().enumerate() {
-            let Some(bins) = bins else { continue };
-            for (to, from) in self.grow(doubling).iter_mut().zip(bins.iter()) {
-                *to += from;
-            }
-        }
-    }
-
-    /// The middle of each bin that is not empty, mm, and its count.
-    fn ascending(&self) -> impl DoubleEndedIterator<Item = (f64, u64)> + '_ {
-        self.doublings.iter().enumerate().flat_map(|(doubling, bins)| {
-            let bins = bins.iter().flat_map(|bins| bins.iter().enumerate());
-            bins.filter(|(_, count)| **count > 0).map(move |(bin, count)| {
-                let low = (bin as u64) << doubling;
-                let middle = low + ((1 << doubling) >> 1);
-                (millimetres(i64::try_from(middle).unwrap_or(i64::MAX)), *count)
-            })
-        })
+    /// The middle of each bin that is not empty, mm, and its count, where the values reach from the smallest to the largest.
+    fn between(&self, smallest: i64, largest: i64) -> impl Iterator<Item = (f64, u64)> {
+        let first = Self::bin(smallest);
+        let counts = self.counts.get(first..=Self::bin(largest)).unwrap_or_default();
+        let filled = counts.iter().enumerate().filter(|(_, count)| **count > 0);
+        filled.map(move |(index, count)| (Self::middle(first + index), *count))
     }
 }
 

@@ -100,16 +100,21 @@ impl PlainNumbers {
     #[inline]
     pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
         match (self.unit, self.nominal, self.over) {
-            (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
-                let deviation = Length::of_plain(number, unit)? - nominal;
-                (deviation.abs() <= self.farthest.length).then_some(DeviationValue::Length(deviation))
-            }
+            (Unit::Length(_), DeviationValue::Length(_), None) => self.length(number).map(DeviationValue::Length),
             (Unit::Angle(unit), DeviationValue::Angle(nominal), None) => {
                 let deviation = Angle::of_plain(number, unit)? - nominal;
                 (deviation.abs() <= self.farthest.angle).then_some(DeviationValue::Angle(deviation))
             }
             _ => self.slope(number),
         }
+    }
+
+    /// The same of lengths; `None` of other columns.
+    #[inline]
+    pub(crate) fn length(&self, number: Decimal) -> Option<Length> {
+        let (Unit::Length(unit), DeviationValue::Length(nominal)) = (self.unit, self.nominal) else { return None };
+        let deviation = Length::of_plain(number, unit)? - nominal;
+        (deviation.abs() <= self.farthest.length).then_some(deviation)
     }
 
     /// The deviations of doubles, each of which is its shortest decimal, where all are lengths that the double alone tells;
@@ -545,15 +550,13 @@ impl Column {
     /// Whether every value is far below the tolerances beside it, as it is if it has another unit than they.
     pub(crate) fn is_far_below_tolerance(&self, measurement: &Measurement) -> bool {
         const TIMES: f64 = 500.0;
-        let mut largest: f64 = 0.0;
-        let mut widest: f64 = 0.0;
-        for (row, cell) in measurement.value.cells.iter().enumerate() {
-            let beside = measurement.beside_row(row);
-            if let Ok(Some(value)) = self.read(cell, beside) {
-                largest = largest.max(value.base().abs());
-            }
-            widest = widest.max(self.widest(&beside).unwrap_or(0.0));
+        let rows = || measurement.value.cells.iter().enumerate().map(|(row, cell)| (cell, measurement.beside_row(row)));
+        let widest = rows().map(|(_, beside)| self.widest(&beside).unwrap_or(0.0)).fold(0.0, f64::max);
+        if widest == 0.0 {
+            return false;
         }
+        let read = rows().filter_map(|(cell, beside)| self.read(cell, beside).ok().flatten());
+        let largest = read.map(|value| value.base().abs()).fold(0.0, f64::max);
         largest > 0.0 && TIMES * largest < widest
     }
 

@@ -25,7 +25,7 @@ use super::strangers::Others;
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
-use crate::deviation::DeviationValue;
+use crate::deviation::{DeviationValue, DeviationValues};
 use crate::quantity::{Decimal, Unit, shown};
 
 /// A column of which plain numbers say all.
@@ -252,8 +252,13 @@ impl Rows {
             at += usize::from(quoted);
             if let PlainField::Value(column) = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                if !values[column.number].push(column.numbers.deviation(number)?) {
-                    return None;
+                match &mut values[column.number] {
+                    DeviationValues::Lengths(lengths) => lengths.push(column.numbers.length(number)?),
+                    others => {
+                        if !others.push(column.numbers.deviation(number)?) {
+                            return None;
+                        }
+                    }
                 }
                 at = end;
             } else {

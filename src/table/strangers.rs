@@ -98,6 +98,9 @@ impl Others {
 
 /// Sorts what a table, or another sheet of its workbook, has besides the measurements that are understood.
 pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Want, others: &Others) -> Sorted {
+    if shape.unknown.is_empty() && shape.asides.is_empty() {
+        return Sorted::default();
+    }
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
     let (columns, width) = (understood.columns.as_slice(), shape.header.len());
     let beside = Beside { columns, width, of_parts: Some(&names), measured: Some(&measured) };

@@ -11,7 +11,7 @@ use super::cell::{Cell, Content, Record};
 use super::column::{Column, Extent, Nominal, Problem, UnitFrom, behind_name, fitting};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, is_called, is_of_parts, names_value, part_in_title, part_said, role};
+use super::names::{Field, Role, WordList, is_called, may_be_of_parts, names_value, part_in_title, part_said, role};
 use super::number::{DecimalMark, Marks, normalise};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
@@ -496,17 +496,24 @@ impl Understood {
     pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {
         let ids = if self.is_teeth { self.shape.index.as_ref()? } else { self.shape.ids.as_ref()? };
         let name = |row: usize| ids.cells.get(row).map(Cell::text).unwrap_or_default();
+        let of_parts: Vec<bool> = (0..self.shape.lines.len()).map(|row| may_be_of_parts(&name(row))).collect();
+        if !of_parts.contains(&true) {
+            return None;
+        }
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
-            let others = rows().filter(|(row, _)| !is_of_parts(&name(*row)));
+            let others = rows().filter(|(row, _)| !(of_parts[*row] && name(*row).len() > 1));
             let others = others.fold(Extent::NONE, |extent, (row, cell)| {
                 let value = column.read(cell, measurement.beside_row(row)).ok().flatten();
                 value.map_or(extent, |value| extent.with(value, cell, column))
             });
             let is_false = |(row, cell): &(usize, &Cell)| {
+                if !of_parts[*row] {
+                    return false;
+                }
                 let side = column.beyond(cell, measurement.beside_row(*row), &others);
                 side.is_some_and(|side| contradicts(&name(*row), side, column.nominal))
-                    || is_of_parts(&name(*row)) && WordList::Spread.has(&name(*row)) && column.is_wider(cell, &others)
+                    || name(*row).len() > 1 && WordList::Spread.has(&name(*row)) && column.is_wider(cell, &others)
             };
             if let Some((row, cell)) = rows().find(is_false).filter(|_| others.least <= others.most) {
                 let (line, name, value) = (self.shape.lines[row], name(row), cell.text());

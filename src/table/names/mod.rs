@@ -15,7 +15,9 @@ pub(crate) use letters::plain_widths;
 pub(crate) use near::{
     is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, part_in_title, part_said, says_deviation,
 };
-pub(crate) use role::{is_again, is_of_parts, is_statistic, names_page, repeats_value, role};
+pub(crate) use role::{
+    is_again, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value, role, says_which,
+};
 pub(crate) use unit::{split_size, split_unit};
 
 use crate::deviation::{DeviationKind, Part};

@@ -97,7 +97,12 @@ pub(crate) fn is_statistic(name: &str) -> bool {
 
 /// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.
 pub(crate) fn is_of_parts(name: &str) -> bool {
-    name.len() > 1 && (is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower)))
+    name.len() > 1 && may_be_of_parts(name)
+}
+
+/// The same where one letter is none of a part, either.
+pub(crate) fn may_be_of_parts(name: &str) -> bool {
+    is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower))
 }
 
 /// Whether a column is called a value or a deviation, once more or in place of another: `Istwert`, `2. Messung`, `Wdh.`, `links`,

@@ -56,6 +56,11 @@ fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
     let starts: Vec<usize> = (0..above.len()).filter(is_named).collect();
     let [first, second, ..] = starts[..] else { return None };
     let width = second - first;
+    let is_even = starts.windows(2).all(|pair| pair[1] - pair[0] == width);
+    let is_whole = titles.len() == first + width * starts.len() && above.len() <= titles.len();
+    if width < 2 || !is_even || !is_whole {
+        return None;
+    }
     let titles_of =
         |start: usize| titles.get(start..start + width).map(|titles| titles.iter().map(Cell::text).collect::<Vec<_>>());
     let group = titles_of(first)?;
@@ -64,9 +69,7 @@ fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
         let name = above[*start].text();
         !names_value(&name, &want.own) && role(&name).is_none() && titles_of(*start).as_ref() == Some(&group)
     };
-    let is_even = starts.windows(2).all(|pair| pair[1] - pair[0] == width);
-    let is_whole = titles.len() == first + width * starts.len() && above.len() <= titles.len();
     let has_no_part = titles[..first].iter().all(|title| role(&title.text()) != Some(Role::Part));
-    let is_table = width > 1 && values == 1 && is_even && is_whole && has_no_part && starts.iter().all(is_part);
+    let is_table = values == 1 && has_no_part && starts.iter().all(is_part);
     is_table.then_some(Groups { names: header - 1, starts, width })
 }
