@@ -179,7 +179,8 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     if let Some(last) = cells.last_mut() {
         let word = &text[last.span.clone()];
         let bare = without_end(word);
-        if is_unit(bare) && !is_unit(word) {
+        // a question leaves the value open
+        if !word.contains('?') && is_unit(bare) && !is_unit(word) {
             *last = trimmed(text, last.span.start..last.span.start + bare.len());
         }
     }

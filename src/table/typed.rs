@@ -135,7 +135,8 @@ impl Table {
         let mut sorted = strangers::Sorted::default();
         match lines.find_map(|line| beside.value_in_remark(&line, &title, 0)) {
             Some(value) => {
-                let value = Unknown { title: title.clone(), place: title, ..value }.measured(true);
+                // whatever the letters of its cell say
+                let value = Unknown { title: title.clone(), place: title, ..value }.unread();
                 sorted.take(&self.name, &value, want, &Others::of(&understood.columns, want));
             }
             None => sorted.not_used.push(NotUsed { title, why: "no measurement" }),

@@ -108,7 +108,8 @@ impl Unknown {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
                 || self.is_repeated && (self.is_fine() || WordList::Requirement.has(title))
-                || is_again(title) && self.may_be_measured_again();
+                || is_again(title) && self.may_be_measured_again()
+                || WordList::Words.has(title) && self.cells.iter().any(Cell::has_decimals);
         }
         self.is_measurement
             || is_in_unit
@@ -130,9 +131,9 @@ impl Unknown {
             || self.title.is_empty() && speaks_of_value(&text)
     }
 
-    /// Whether its numbers have the decimals of measured values.
+    /// Whether a number of it has the decimals of measured values; a workbook drops zeros of others.
     fn is_fine(&self) -> bool {
-        self.cells.iter().filter(|cell| cell.is_number()).all(Cell::is_fine)
+        self.cells.iter().any(Cell::is_fine)
     }
 
     /// Whether a line goes on with the name of a measurement: `lot 2: rack pitch 212 µm`.

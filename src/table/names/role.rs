@@ -34,6 +34,10 @@ pub(crate) fn role(text: &str) -> Option<Role> {
     if !tolerance && (has(Sense::Rack) || has(Sense::Pinion)) && (has(Sense::Upper) || has(Sense::Lower)) {
         return None;
     }
+    // the largest value, and no limit: Max. Ist, max. Abweichung
+    if !tolerance && (has(Sense::Measured) || has(Sense::Deviation)) && (has(Sense::Greatest) || has(Sense::Least)) {
+        return None;
+    }
     let upper = has(Sense::Upper) || has(Sense::Greatest) || (has(Sense::Plus) && tolerance);
     let lower = has(Sense::Lower) || has(Sense::Least) || (has(Sense::Minus) && tolerance);
     match (upper, lower) {
@@ -134,7 +138,7 @@ pub(crate) fn names_page(line: &str) -> bool {
 }
 
 /// Whether a title says of which flank a value is, or that it is an extreme, and nothing else.
-fn says_which(name: &str) -> bool {
+pub(crate) fn says_which(name: &str) -> bool {
     let known = Words::of(name).known().unwrap_or_default();
     let says = |word: &Entry, said: fn(&Sense) -> bool| word.senses.iter().any(said);
     let is_which =

@@ -184,6 +184,10 @@ pub(crate) enum WordList {
     Report,
     /// Who measured.
     Person,
+    /// Who measured, for whom, and what they say: words, and no numbers with decimals.
+    Words,
+    /// That somebody is content with a value.
+    Approval,
     /// What else is measured of flanks.
     OtherFlank,
     /// The probe, in a line above a table.
@@ -212,7 +216,10 @@ impl WordList {
 
     /// Whether its names are those of columns, which are compared folded.
     pub(super) fn is_folded(self) -> bool {
-        matches!(self, Self::Requirement | Self::Serial | Self::Person | Self::OtherFlank | Self::EvaluationLength)
+        matches!(
+            self,
+            Self::Requirement | Self::Serial | Self::Person | Self::Words | Self::OtherFlank | Self::EvaluationLength
+        )
     }
 }
 

@@ -381,7 +381,7 @@ impl Characteristics {
                 None => continue,
             };
             let first = self.place(role).unwrap_or(place);
-            if first < place && (role == Role::Unit || self.has_numbers(records, place)) {
+            if first != place && (role == Role::Unit || self.has_numbers(records, place)) {
                 return two(first, place);
             }
         }
@@ -526,6 +526,14 @@ impl<'a> Reading<'a> {
             (Some(measured), deviation) if beside.get(Role::Nominal).is_some() || (in_spec && deviation.is_some()) => {
                 (measured, deviation, Some(ValueKind::Measured))
             }
+            (None, Some(deviation)) if self.found.place(Role::Measured).is_some() && says_zero(&deviation) => {
+                // a report that nobody filled in
+                (
+                    Series { cells: vec![Cell::default(); self.parts.len()], ..deviation },
+                    None,
+                    Some(ValueKind::Deviation),
+                )
+            }
             (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
             (measured, None) => {
                 // without values, any unit will do
@@ -565,6 +573,11 @@ impl<'a> Reading<'a> {
         let cells = self.found.parts.iter().map(|place| cell(place).unwrap_or_default()).collect();
         Series { title: title.text().into_owned(), cells, ..Series::default() }
     }
+}
+
+/// Whether no digit of its numbers is other than 0.
+fn says_zero(series: &Series) -> bool {
+    !series.cells.iter().any(|cell| cell.text().contains(|c: char| ('1'..='9').contains(&c)))
 }
 
 fn twice(named: &Named, title: &Cell) -> NoShape {

@@ -4,7 +4,7 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_statistic, names_page, role,
+    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_statistic, names_page, role, says_which,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -114,12 +114,18 @@ fn is_known(cell: &Cell, want: &Want) -> bool {
     heading(&text, &want.own).is_some() || WordList::EvaluationLength.has(&text)
 }
 
-/// Whether a column is called nominal, a tolerance or a deviation, of whatever part: `P1 Soll`.
+/// Whether a column is called nominal, a tolerance or a deviation, of whatever part, or a flank or a tooth: `P1 Soll`, `links`.
 pub(super) fn says_no_part(text: &str) -> bool {
     let is_none = |text: &str| role(text).is_some_and(Role::is_beside_value);
     // Soll-Ist, |Abw.|
     let is_word = |word: &&str| word.chars().count() > 2;
+    let is_index = |text: &str| {
+        heading(text, &[])
+            .is_some_and(|heading| heading.fields.iter().all(|field| matches!(field, Field::Space | Field::Tooth)))
+    };
     is_none(text)
+        || text.chars().count() > 1 && says_which(text)
+        || has_digit(text) && is_index(text.trim_end_matches(|c: char| c.is_ascii_digit()))
         || text.split_whitespace().any(is_none)
         || heading(text, &[]).is_none() && text.split(['-', '/', '|', '[']).filter(is_word).any(is_none)
 }

@@ -7,7 +7,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, heading, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
+    Field, Role, WordList, heading, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -119,7 +119,7 @@ pub(super) fn by_label(
             continue;
         };
         let cells = behind_label(&records[*index], has_units);
-        let cells = without_verdict(cells, has_places);
+        let cells = without_approval(cells, has_places);
         let (cells, brackets) = if has_places { (cells, None) } else { without_brackets(cells) };
         if !named.series.fill(cells, named.field.is_angle()) {
             return Err(NoShape::Units { record: records[*index].clone() });
@@ -294,19 +294,19 @@ fn without_brackets(cells: &[Cell]) -> (&[Cell], Option<(Role, Series)>) {
     }
 }
 
-/// The cells of one value without what somebody thought of it, which stands behind it or its unit; where cells have places, a
-/// verdict right behind a value may be another part's.
-fn without_verdict(cells: &[Cell], has_places: bool) -> &[Cell] {
+/// The cells of one value without an approval, which stands behind it or its unit; where cells have places, one right behind a
+/// value may be another part's.
+fn without_approval(cells: &[Cell], has_places: bool) -> &[Cell] {
     let Some((last, rest)) = cells.split_last() else { return cells };
     let is_behind_unit = || rest.last().is_some_and(|cell| is_unit(&cell.text()));
     let numbers = rest.iter().filter(|cell| cell.is_number()).count();
-    let is_kept = !is_verdict(&last.text()) || numbers == 0 || has_places && (numbers > 1 || !is_behind_unit());
+    let is_kept = !is_approval(&last.text()) || numbers == 0 || has_places && (numbers > 1 || !is_behind_unit());
     if is_kept { cells } else { rest }
 }
 
-/// Whether a text says what somebody thought of the value before it, and nothing else: `i.O.`, `(OK)`.
-fn is_verdict(text: &str) -> bool {
-    role(text.trim_matches(['(', ')', '!', ',', ';'])) == Some(Role::Status)
+/// Whether a text says that somebody was content with the value before it, and nothing else: `i.O.`, `(OK)`.
+fn is_approval(text: &str) -> bool {
+    WordList::Approval.has(text.trim_matches(['(', ')', '!', ',', ';']))
 }
 
 impl Series {

@@ -68,7 +68,7 @@ pub fn values(bytes: &[u8], want: &Want) -> Result<Values, String> {
     };
     for block in table.blocks().map_err(|error| error.to_string())? {
         for (index, (_, column)) in values.columns.iter_mut().enumerate() {
-            column.extend_from_slice(block.values(index));
+            block.values(index).for_each(|value| column.push(value));
         }
         values.faults.extend(block.faults().iter().map(|fault| values.rows + fault.row));
         values.rows += block.rows();
