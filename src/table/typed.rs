@@ -178,7 +178,8 @@ impl Table {
 /// The refusal of numbers that are shown with another unit than the one they are read in, by their number format.
 fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: bool) -> Option<Diagnostic> {
     let unit = Unit::from_symbol(&shown.text);
-    if unit.is_none() && !shown.text.contains(['%', '<', '>']) {
+    let is_other = shown.text.contains(['%', '<', '>']) || shown.text.starts_with(['-', '\u{2212}', '/', ',']);
+    if unit.is_none() && !is_other {
         return None;
     }
     let columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
@@ -188,7 +189,10 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
         "{name}, row {row}: numbers of `{}` are shown with `{text}` by their format, and would be read in {read_in}",
         other.title
     );
-    Some(Diagnostic::error(Code::BadTable, message).help("let the number format and the heading say the same unit"))
+    Some(
+        Diagnostic::error(Code::BadTable, message)
+            .help("let the number format show the numbers as they are, with the unit of the heading"),
+    )
 }
 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {

@@ -41,12 +41,17 @@ pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, String> {
     shown
 }
 
-/// The words and marks of a number format's part for positive numbers: `mm` of `0.000" mm";-0.000" mm"`.
+/// The words and marks of a number format's part for positive numbers: `mm` of `0.000" mm";-0.000" mm"`, and what makes others of
+/// them: a minus before them, a divisor, a comma behind them for thousands.
 fn beside_number(code: &str) -> String {
     let code = code.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     let mut text = String::new();
     let (mut is_quoted, mut characters) = (false, code.chars());
+    let is_digit = |c: char| matches!(c, '0' | '#' | '?');
+    // the first letter of a date, or digit of a number
+    let mut first = None;
     while let Some(c) = characters.next() {
+        let behind = || characters.as_str().split(';').next().unwrap_or_default();
         match c {
             '"' => is_quoted = !is_quoted,
             _ if is_quoted => text.push(c),
@@ -54,7 +59,13 @@ fn beside_number(code: &str) -> String {
             // a colour, a condition, a currency
             '[' => while characters.next().is_some_and(|c| c != ']') {},
             ';' => break,
+            // a blank of that width, a character that fills the cell
+            '_' | '*' => _ = characters.next(),
             '%' | '<' | '>' | '°' => text.push(c),
+            '-' if first.is_none() => text.push(c),
+            '/' if first.is_some_and(is_digit) => text.push(c),
+            ',' if first.is_some_and(is_digit) && !behind().contains(is_digit) => text.push(c),
+            _ if is_digit(c) || c.is_ascii_alphabetic() => _ = first.get_or_insert(c),
             _ => {}
         }
     }
@@ -73,6 +84,15 @@ mod tests {
             ("[Red]0.00%", "%"),
             ("&quot;&lt;&quot;0.0", "<"),
             ("#,##0.00_ ", ""),
+            ("_-* #,##0.00_-;-* #,##0.00_-", ""),
+            ("+0.000;-0.000", ""),
+            ("yyyy-mm-dd", ""),
+            ("d/m/yyyy, hh:mm", ""),
+            ("0.0E-00", ""),
+            ("-0.000", "-"),
+            ("&quot;-&quot;0.000&quot; mm&quot;", "- mm"),
+            ("#,##0.0,", ","),
+            ("0.000/1000", "/"),
             ("General", ""),
         ] {
             assert_eq!(beside_number(code), text, "{code}");

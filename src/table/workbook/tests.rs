@@ -206,7 +206,7 @@ fn a_number_format_that_shows_another_unit_is_refused() {
     for format in ["0.000", "0.0\" µm\"", "#,##0.00_-", "0.0\" i.O.\""] {
         assert_eq!(rows(&book(format), None, "").unwrap(), expected, "{format}");
     }
-    for (format, shown) in [("0.000\" mm\"", "mm"), ("0.0%", "%"), ("\"<\"0.0", "<")] {
+    for (format, shown) in [("0.000\" mm\"", "mm"), ("0.0%", "%"), ("\"<\"0.0", "<"), ("-0.0", "-"), ("0.0,", ",")] {
         let refused = rows(&book(format), None, "").unwrap_err();
         let message = format!("row 2: numbers of `rack_pitch [um]` are shown with `{shown}` by their format");
         assert!(refused.contains(&message), "{format}: {refused}");
