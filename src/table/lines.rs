@@ -6,11 +6,14 @@ use std::collections::HashSet;
 
 use super::cell::Cell;
 use super::column::{Column, Nominal, Stated, has_tolerance_behind};
-use super::grid::{Separator, records, unit_in};
+use super::grid::{Separator, is_date, records, unit_in};
 use super::measured::MeasuredValues;
-use super::names::{Role, WordList, heading, is_context, is_statistic, is_value_heading, near, plain_widths, role};
+use super::names::{
+    Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, near, plain_widths, role,
+    says_deviation,
+};
 use super::reading::AsideReading;
-use super::shape::{PartNames, Shape, has_digit, is_part_name, uncounted};
+use super::shape::{PartLine, PartNames, Shape, has_digit, is_part_name, part_line, uncounted};
 use super::unknown::{Unknown, has_unit_behind, is_foreign_unit};
 use super::want::Orientation;
 
@@ -59,7 +62,8 @@ impl Beside<'_> {
         let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
         let value = value_in(&remark, self, false).filter(is_meant);
         let value = value.or_else(|| value_beyond(&remark, self.measured?));
-        let value = value.or_else(|| has_scale(&remark.text).then(correction))?;
+        let is_correction = has_scale(&remark.text) || is_prose && speaks_of_deviation(&remark.text);
+        let value = value.or_else(|| is_correction.then(correction))?;
         Some(Unknown { place: format!("{column}, {}", value.place), ..value })
     }
 }
@@ -131,11 +135,11 @@ pub(super) fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Colu
     Some(Unknown::line(&name, aside.line, vec![Cell::of_text(&behind, 0..0)]).unread())
 }
 
-/// What a line says of all values, and nothing else does: by which factor they are written, and over which length they are
-/// evaluated.
+/// What a line says of all values, and nothing else does: by which factor they are written, that they are nominal, a statistic or
+/// do not count, and over which length they are evaluated.
 pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<Unknown> {
     let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
-    if has_scale(&aside.text) {
+    if has_scale(&aside.text) || is_of_parts(&aside.text) || is_rejected(&aside.text) {
         return Some(unread(&aside.text));
     }
     let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
@@ -153,6 +157,22 @@ pub(super) fn has_scale(text: &str) -> bool {
         behind.any(|behind| behind.starts_with("mm"))
     };
     WordList::Scale.is_in(text) || has_digit(text) && WordList::Shift.is_in(text) || has_fraction()
+}
+
+/// Whether a line says that values do not count, or a part, and has no other number than that of the part: `Messung ungültig`,
+/// `Teil 422 Ausschuss`.
+fn is_rejected(text: &str) -> bool {
+    let words: Vec<&str> = text.split([' ', ':', ';', ',', '(', ')']).filter(|word| !word.is_empty()).collect();
+    let is_behind_part = |at: usize| at.checked_sub(1).is_some_and(|before| is_part_name(words[before]));
+    WordList::Rejected.is_in(text)
+        && (0..words.len())
+            .all(|at| !words[at].starts_with(|c: char| c.is_ascii_digit()) || is_behind_part(at) || is_date(words[at]))
+}
+
+/// Whether the words before a number are those of a deviation, or of the worst value: `deviation 109`, `worst part 109`.
+fn speaks_of_deviation(text: &str) -> bool {
+    let number = text.find(|c: char| c.is_ascii_digit());
+    number.is_some_and(|at| WordList::Mean.has(&text[..at]) || says_deviation(&text[..at]))
 }
 
 /// Whether a number has a sign.
@@ -182,6 +202,16 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     Some(Unknown::line(words[at], aside.line, vec![Cell::of_text(value, 0..0)]).measured(true))
 }
 
+/// A line above rows of one part that names another one, by the word of their column: `Teil 421`.
+pub(super) fn of_other_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
+    let ids = shape.ids.as_ref().filter(|_| Some(aside.line) < shape.header_line)?;
+    let PartLine { word, name } = part_line(&aside.text)?;
+    let is_of_column = ids.title.to_lowercase().starts_with(&word.to_lowercase());
+    let is_other = |id: &Cell| id.text() == ids.cells[0].text() && !id.text().contains(&name);
+    let is_meant = is_of_column && ids.cells.iter().all(is_other) && shape.part_names().may_have(&name);
+    is_meant.then(|| Unknown::line(&word, aside.line, vec![Cell::of_text(&name, 0..0)]).unread())
+}
+
 /// A number alone in its line among values behind their names.
 pub(super) fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     let cell = Cell::of_text(aside.text.trim(), 0..0);
@@ -191,7 +221,7 @@ pub(super) fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknow
 
 /// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,
 /// `部品Bは25.061でした。` A day keeps its dots.
-fn without_punctuation(line: &str) -> String {
+pub(super) fn without_punctuation(line: &str) -> String {
     let is_kept = |c: char| c.is_alphanumeric() || "+-\u{2212}°'′″%€$".contains(c);
     let is_day = |word: &str| word.ends_with('.') && word.split('.').all(|part| part.len() <= 2);
     let is_decimal = |word: &str| Cell::of_text(word, 0..0).has_decimals();

@@ -9,7 +9,8 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::Separator;
 use super::lines::{
-    Beside, has_scale, is_signed, of_all_values, of_part, repeats_nominal, value_beyond, without_name, without_value,
+    Beside, has_scale, is_signed, of_all_values, of_other_part, of_part, repeats_nominal, value_beyond, without_name,
+    without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -200,10 +201,11 @@ impl Sorter<'_> {
             .or_else(|| without_value(aside, self.shape, self.columns))
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
+            .or_else(|| of_other_part(aside, self.shape))
             .or_else(|| of_all_values(aside, self.columns));
         let is_described = |unknown: &Unknown| {
-            let behind = aside.text.strip_prefix(&unknown.title);
-            behind.is_some_and(|behind| self.measured.are_described_by(unknown, behind))
+            let text = without_punctuation(&aside.text);
+            text.strip_prefix(&unknown.title).is_some_and(|behind| self.measured.are_described_by(unknown, behind))
         };
         match found {
             Some(unknown) if !repeats_nominal(&unknown, aside, self.columns) && !is_described(&unknown) => {

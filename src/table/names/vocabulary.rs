@@ -198,6 +198,8 @@ pub(crate) enum WordList {
     PageCount,
     /// That values are no lengths or angles as they stand: by a factor, in parts of a tolerance, with the other sign.
     Scale,
+    /// What says that values or a part do not count.
+    Rejected,
     /// What says of values by how much they are off.
     Shift,
     /// What a line speaks of that states a unit for a whole table.

@@ -22,6 +22,7 @@ mod stated;
 
 pub(crate) use headings::{PartNames, is_numbered, is_part_name, is_spread};
 pub(crate) use labels::uncounted;
+pub(crate) use pages::{PartLine, part_line};
 pub(crate) use refusal::{NoShape, located, many};
 pub(crate) use stated::{stated_units, unknown_unit};
 

@@ -18,9 +18,9 @@ use crate::table::cell::{Cell, Record};
 use crate::table::names::{Role, role};
 
 /// A word for parts, and the name behind it.
-struct PartLine {
-    word: String,
-    name: String,
+pub(crate) struct PartLine {
+    pub(crate) word: String,
+    pub(crate) name: String,
 }
 
 /// The records with the name of its part behind each characteristic, below one header; the head of a page is a line of words,
@@ -95,19 +95,22 @@ fn is_header(record: &Record) -> bool {
 
 /// What a line says of parts: `Teil 421`, `Seriennummer: 421`, or two cells.
 fn part_lines(record: &Record) -> Vec<PartLine> {
-    let line = |word: &str, name: &str| {
-        // what else the line says stands behind the name
-        let name = name.split([',', ';']).next().unwrap_or_default().trim();
-        let word = word.trim();
-        (is_part_name(word) && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
-    };
-    let within = |cell: &Cell| {
-        let text = cell.text();
-        let (word, name) = text.split_once([':', '=']).or_else(|| text.trim().rsplit_once(' '))?;
-        line(word, name)
-    };
-    let beside = record.cells.windows(2).filter_map(|pair| line(pair[0].text().trim_end_matches(':'), &pair[1].text()));
-    record.cells.iter().filter_map(within).chain(beside).collect()
+    let within = |cell: &Cell| part_line(&cell.text());
+    let beside = |pair: &[Cell]| named_by(pair[0].text().trim_end_matches(':'), &pair[1].text());
+    record.cells.iter().filter_map(within).chain(record.cells.windows(2).filter_map(beside)).collect()
+}
+
+/// What a text says of a part: `Teil 421`.
+pub(crate) fn part_line(text: &str) -> Option<PartLine> {
+    let (word, name) = text.split_once([':', '=']).or_else(|| text.trim().rsplit_once(' '))?;
+    named_by(word, name)
+}
+
+fn named_by(word: &str, name: &str) -> Option<PartLine> {
+    // what else the line says stands behind the name
+    let name = name.split([',', ';']).next().unwrap_or_default().trim();
+    let word = word.trim();
+    (is_part_name(word) && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
 }
 
 fn texts(record: &Record) -> Vec<Cow<'_, str>> {
