@@ -14,7 +14,7 @@ use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, WordList, is_called, may_be_of_parts, names_value, part_in_title, part_said, role};
 use super::number::{DecimalMark, Marks, normalise};
 use super::reading::AsideReading;
-use super::shape::{Measurement, NoShape, Shape, located, shape, stated_units, unknown_unit};
+use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape, stated_units, unknown_unit};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -464,13 +464,18 @@ fn other_unit(shape: &Shape, columns: &[Column], want: &Want, place: &str, text:
 }
 
 /// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
-/// `Teilung`.
+/// `Teilung`; or, as a title, than all of them are, whatever their names say.
 fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
     let last = shape.lines.iter().max().copied().unwrap_or_default();
-    let above = shape.asides.iter().filter(|aside| aside.line < last && !want.ignores(&aside.text));
+    // a word without a number is a title, wherever it stands
+    let is_title = |aside: &AsideReading| !has_digit(&aside.text);
+    let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
+    let above = shape.asides.iter().filter(may_say);
     above.filter_map(|aside| Some((aside, part_in_title(&aside.text)?))).find_map(|(aside, said)| {
+        let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == said));
         let is_other = |column: &&Column| {
-            let is_named = want.is_own(&column.title) || part_said(&column.title).is_some();
+            let is_named =
+                want.is_own(&column.title) || (is_of_both || !is_title(aside)) && part_said(&column.title).is_some();
             !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
         };
         let column = columns.iter().find(is_other)?;
