@@ -14,6 +14,7 @@ mod pinion;
 pub mod plausible;
 mod rack;
 mod tooth_range;
+#[cfg(feature = "table")]
 mod values;
 
 pub use error::{DeviationError, DeviationQuantity};
@@ -27,4 +28,5 @@ pub use measured::{
 pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
 pub use tooth_range::{FIRST_ODD_TOOTH, ToothRange, ToothRangeError};
+#[cfg(feature = "table")]
 pub use values::DeviationValues;

@@ -16,7 +16,9 @@
 
 use std::fmt;
 
-use super::{DeviationValue, DeviationValues, MAX_LEAD_RAD};
+#[cfg(feature = "table")]
+use super::DeviationValues;
+use super::{DeviationValue, MAX_LEAD_RAD};
 use crate::quantity::{Angle, Length};
 
 /// A whole number of millimetres.
@@ -97,6 +99,7 @@ impl Reach {
 
     /// How many of a column's values are suspicious, if this is what is usual.
     #[must_use]
+    #[cfg(feature = "table")]
     pub fn doubted(&self, values: &DeviationValues) -> u64 {
         let mut count = 0;
         values.for_each(|value| count += u64::from(self.is_reached_by(value)));

@@ -286,7 +286,7 @@ fn aspect(senses: &[Sense]) -> Option<Role> {
         || (senses.iter().skip(1).any(|sense| *sense == Sense::Minus) && !lower)
         || (has(Sense::Limit) && !upper && !lower)
         || (has(Sense::Nominal) && has(Sense::Measured))
-        || (has(Sense::Greatest) && !deviation)
+        || ((has(Sense::Greatest) || has(Sense::Largest)) && !deviation)
     {
         return None;
     }

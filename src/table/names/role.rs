@@ -35,7 +35,8 @@ pub(crate) fn role(text: &str) -> Option<Role> {
         return None;
     }
     // the largest value, and no limit: Max. Ist, max. Abweichung
-    if !tolerance && (has(Sense::Measured) || has(Sense::Deviation)) && (has(Sense::Greatest) || has(Sense::Least)) {
+    let is_extreme = (has(Sense::Measured) || has(Sense::Deviation)) && (has(Sense::Greatest) || has(Sense::Least));
+    if has(Sense::Largest) || is_extreme && !tolerance {
         return None;
     }
     let upper = has(Sense::Upper) || has(Sense::Greatest) || (has(Sense::Plus) && tolerance);
@@ -141,8 +142,11 @@ pub(crate) fn names_page(line: &str) -> bool {
 pub(crate) fn says_which(name: &str) -> bool {
     let known = Words::of(name).known().unwrap_or_default();
     let says = |word: &Entry, said: fn(&Sense) -> bool| word.senses.iter().any(said);
-    let is_which =
-        |word: &Entry| says(word, |sense| matches!(sense, Sense::Left | Sense::Right | Sense::Greatest | Sense::Least));
+    let is_which = |word: &Entry| {
+        says(word, |sense| {
+            matches!(sense, Sense::Left | Sense::Right | Sense::Greatest | Sense::Least | Sense::Largest)
+        })
+    };
     let is_filling = |word: &Entry| says(word, |sense| matches!(sense, Sense::Filling | Sense::Measured));
     known.iter().any(|word| is_which(word)) && known.iter().all(|word| is_which(word) || is_filling(word))
 }

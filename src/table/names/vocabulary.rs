@@ -78,6 +78,8 @@ pub(super) enum Sense {
     Uncertainty,
     Greatest,
     Least,
+    /// The greatest of values, and no limit of them.
+    Largest,
     /// It changes nothing.
     Filling,
     /// What no error is called.

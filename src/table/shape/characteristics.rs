@@ -12,7 +12,9 @@ use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
-use crate::table::names::{Field, Role, ValueKind, WordList, heading, is_context, names_value, role, split_unit};
+use crate::table::names::{
+    Field, Role, ValueKind, WordList, heading, is_context, names_value, role, says_which, split_unit,
+};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -184,7 +186,7 @@ fn drop_lone_extreme(roles: &mut [Option<Role>], parts: &[usize], header: &Recor
 /// Whether a heading is that of the largest or the smallest value, or of a limit.
 fn is_extreme(heading: &Cell) -> bool {
     let title = heading.text();
-    WordList::Mean.has(&title) && matches!(role(&title), Some(Role::Upper | Role::Lower))
+    WordList::Mean.has(&title) && (says_which(&title) || matches!(role(&title), Some(Role::Upper | Role::Lower)))
 }
 
 /// Whether two cells hold the same number, whichever their decimal mark is.
@@ -412,12 +414,13 @@ impl Characteristics {
             // a list's numbers count its rows
             let is_counted = (place < self.name || self.parts.is_empty()) && cells.iter().all(Cell::is_whole);
             let title = header[place].text();
-            // the largest of the parts' values is one of them
+            // the largest of the values is one of them
             let is_of_parts = |row: &usize| {
                 let record = &records[*row];
                 let is_part = |part: &Cell| record.cells.get(place).is_some_and(|cell| is_same_number(part, cell));
-                let mut parts = self.parts.iter().filter_map(|part| record.cells.get(*part));
-                record.cells.get(place).is_none_or(Cell::is_missing) || parts.any(is_part)
+                let values = self.parts.iter().copied().chain(self.place(Role::Measured));
+                let mut values = values.filter_map(|value| record.cells.get(value));
+                record.cells.get(place).is_none_or(Cell::is_missing) || values.any(is_part)
             };
             let is_value = if is_extreme(&header[place]) {
                 !self.rows.iter().all(is_of_parts)
