@@ -279,9 +279,9 @@ impl Histogram {
     /// Takes the counts of another, whose values reach from the smallest to the largest.
     fn merge(&mut self, other: &Self, smallest: i64, largest: i64) {
         let bins = Self::bin(smallest)..=Self::bin(largest);
-        for (count, more) in self.counts[bins.clone()].iter_mut().zip(&other.counts[bins]) {
-            *count += more;
-        }
+        // what is not written to takes no memory
+        let filled = self.counts[bins.clone()].iter_mut().zip(&other.counts[bins]).filter(|(_, more)| **more > 0);
+        filled.for_each(|(count, more)| *count += more);
     }
 
     /// The middle of each bin that is not empty, mm, and its count, where the values reach from the smallest to the largest.
