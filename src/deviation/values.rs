@@ -122,7 +122,10 @@ impl DeviationValues {
             (Self::Lengths(values), Self::Lengths(more)) => values.extend_from_slice(&more[rows]),
             (Self::Angles(values), Self::Angles(more)) => values.extend_from_slice(&more[rows]),
             (Self::Slopes(values), Self::Slopes(more)) => values.extend_from_slice(&more[rows]),
-            (values, _) => rows.for_each(|_| values.push_nothing()),
+            (values, _) => {
+                debug_assert!(false, "a column has one dimension");
+                rows.for_each(|_| values.push_nothing());
+            }
         }
     }
 }

@@ -170,6 +170,25 @@ mod tests {
         text.parse().expect(text)
     }
 
+    /// Doubles that are gone through at once are the lengths that each is by itself, or are left to that.
+    #[cfg(feature = "table")]
+    #[test]
+    fn doubles_at_once_are_lengths_one_by_one() {
+        let less = Length::from_fm(25_000_000_000_000);
+        for unit in LengthUnit::ALL {
+            for value in [0.0, -0.0, 25.0131, -25.0131, 24.999_999, 1e-6, 5e-7, 0.1, 0.3, 999.5, 123_456.789_012, 1e9] {
+                let by_itself = Length::of_plain(Decimal::of_double(value).unwrap(), unit).map(|length| length - less);
+                let at_once = Length::of_doubles(&[value], unit, less, Length::LARGEST);
+                let at_once = at_once.map(|lengths| lengths[0]);
+                assert!(at_once.is_none() || at_once == by_itself, "{value} {unit:?}: {at_once:?} {by_itself:?}");
+            }
+            assert_eq!(Length::of_doubles(&[1.25, f64::NAN], unit, less, Length::LARGEST), None);
+            assert_eq!(Length::of_doubles(&[1.25, 0.123_456_7], unit, less, Length::LARGEST), None);
+            assert!(Length::of_doubles(&[1.25, -0.5], unit, less, Length::LARGEST).is_some());
+            assert_eq!(Length::of_doubles(&[1.25], unit, less, Length::from_fm(1)), None);
+        }
+    }
+
     #[test]
     fn units_are_exact() {
         for text in ["12.7", "12.7mm", "12700 um", "12700 µm", "12700μm", "0.5 in", "500mil", " +12.7 mm "] {
