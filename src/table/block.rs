@@ -123,12 +123,17 @@ impl Block {
         self.names.get(row).map(|span| self.bytes(*span).trim_ascii())
     }
 
-    /// Forgets everything but the room; the columns are for such values.
-    pub(crate) fn clear(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
+    /// Columns for such values, without any so far.
+    pub(crate) fn start_columns(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
         self.values.resize_with(like.len(), DeviationValues::default);
         for (values, like) in self.values.iter_mut().zip(like) {
             values.restart(like);
         }
+    }
+
+    /// Forgets everything but the room; the columns are for such values.
+    pub(crate) fn clear(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
+        self.start_columns(like);
         self.faults.clear();
         self.index.clear();
         self.text.clear();

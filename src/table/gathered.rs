@@ -10,7 +10,7 @@ use super::understand::Understood;
 pub(crate) fn gathered(understood: &Understood) -> Block {
     let Understood { shape, columns, .. } = understood;
     let mut block = Block::default();
-    block.clear(columns.iter().map(Column::nothing));
+    block.start_columns(columns.iter().map(Column::nothing));
     for (row, line) in shape.lines.iter().enumerate() {
         let series = shape.ids.iter().chain(shape.measurements.iter().map(|measurement| &measurement.value));
         let texts: Vec<_> = series.map(|series| series.cells.get(row).map(Cell::text).unwrap_or_default()).collect();

@@ -310,7 +310,7 @@ impl Rows {
             return;
         }
         if block.values.is_empty() {
-            block.clear(self.setup.columns.iter().map(Column::nothing));
+            block.start_columns(self.setup.columns.iter().map(Column::nothing));
         }
         block.record_count += 1;
         let raw = match text {
