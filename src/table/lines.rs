@@ -10,7 +10,7 @@ use super::grid::{Separator, is_date, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
     Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, near, plain_widths, role,
-    says_deviation,
+    says_deviation, says_which,
 };
 use super::reading::AsideReading;
 use super::shape::{PartLine, PartNames, Shape, has_digit, is_part_name, part_line, uncounted};
@@ -169,10 +169,11 @@ fn is_rejected(text: &str) -> bool {
             .all(|at| !words[at].starts_with(|c: char| c.is_ascii_digit()) || is_behind_part(at) || is_date(words[at]))
 }
 
-/// Whether the words before a number are those of a deviation, or of the worst value: `deviation 109`, `worst part 109`.
+/// Whether the words before a number are those of a deviation, of the worst value or of a flank: `deviation 109`,
+/// `worst part 109`, `right flank 109`.
 fn speaks_of_deviation(text: &str) -> bool {
-    let number = text.find(|c: char| c.is_ascii_digit());
-    number.is_some_and(|at| WordList::Mean.has(&text[..at]) || says_deviation(&text[..at]))
+    let before = text.find(|c: char| c.is_ascii_digit()).map(|number| &text[..number]);
+    before.is_some_and(|words| WordList::Mean.has(words) || says_deviation(words) || says_which(words.trim()))
 }
 
 /// Whether a number has a sign.

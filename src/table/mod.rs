@@ -169,6 +169,7 @@ impl Table {
             }
         }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);
+        reading.notes.extend(sorted.notes);
         if understood.is_teeth {
             reading.unit_counted =
                 if teeth::is_rack(&understood.columns, shape.index_field) { "space" } else { "tooth" };

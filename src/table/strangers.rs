@@ -14,7 +14,8 @@ use super::lines::{
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role, split_unit,
+    Field, Role, WordList, is_again, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role,
+    split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
@@ -56,6 +57,8 @@ pub(crate) struct Sorted {
     pub(crate) asides: Vec<AsideReading>,
     /// The errors whose columns the spec has to name before `others = "ignore"` leaves the strangers out.
     pub(crate) to_be_named: Vec<DeviationKind>,
+    /// What columns say against values that count.
+    pub(crate) notes: Vec<String>,
 }
 
 /// What `others = "ignore"` leaves out: once every error of the spec is found, what cannot be one of those whose column only its
@@ -110,7 +113,9 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     shape.unknown.iter().for_each(|unknown| sorter.take_unknown(unknown));
     shape.asides.iter().for_each(|aside| sorter.take_line(aside));
     shape.unknown.iter().for_each(|unknown| sorter.take_remark(unknown));
-    sorter.sorted
+    let kept = shape.unknown.iter().filter(|unknown| !unknown.is_ignored(want));
+    let notes = kept.filter_map(|unknown| rejection(file, &unknown.title, unknown.cells.iter()));
+    Sorted { notes: notes.collect(), ..sorter.sorted }
 }
 
 /// A table of which the columns and lines beside the measurements are sorted.
@@ -235,11 +240,15 @@ impl Sorter<'_> {
 }
 
 /// What of another sheet may be a measurement: columns, or else the first line that would be one beside the table that is read.
-/// A number below a name for context is none.
-pub(crate) fn of_sheet(file: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
+/// A number below a name for context is none, and in a sheet that is called a repetition each is one.
+pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
     let others = &Others::of(&understood.columns, want);
     let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
     let mut sorted = columns.unwrap_or_default();
+    if let Some(record) = records.iter().find(|record| is_again(sheet) && record.numbers() > 0) {
+        let again = Unknown::line(sheet, record.line, record.cells.clone()).unread();
+        sorted.take(file, &again, want, others);
+    }
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
     let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
     let heading =
@@ -286,6 +295,17 @@ impl Sorted {
             self.strangers.push(stranger(file, unknown));
         }
     }
+}
+
+/// What a column or a comment says against a part or its value, which count all the same: `NOK`, `Messwert ungültig`.
+pub(crate) fn rejection<'a>(file: &str, title: &str, cells: impl IntoIterator<Item = &'a Cell>) -> Option<String> {
+    let is_said = |text: &str| {
+        WordList::Disapproval.has(text)
+            || WordList::Rejected.is_in(text)
+            || WordList::Validity.has(title) && WordList::Negation.has(text)
+    };
+    let said = cells.into_iter().map(Cell::text).find(|text| is_said(text))?;
+    Some(format!("{file}: `{title}` says `{}`: that is not used, and parts are judged by their values", shown(&said)))
 }
 
 fn stranger(file: &str, unknown: &Unknown) -> Stranger {

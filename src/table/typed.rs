@@ -131,9 +131,10 @@ impl Table {
         let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
         let beside =
             Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
-        let mut lines = text.lines().map(|line| Cell::of_text(line, 0..0));
+        let lines: Vec<Cell> = text.lines().map(|line| Cell::of_text(line, 0..0)).collect();
         let mut sorted = strangers::Sorted::default();
-        match lines.find_map(|line| beside.value_in_remark(&line, &title, 0)) {
+        self.reading.notes.extend(strangers::rejection(&self.name, &title, &lines).filter(|_| !want.ignores(&title)));
+        match lines.iter().find_map(|line| beside.value_in_remark(line, &title, 0)) {
             Some(value) => {
                 // whatever the letters of its cell say
                 let value = Unknown { title: title.clone(), place: title, ..value }.unread();
@@ -165,7 +166,7 @@ impl Table {
             if let Some(refused) = lines.find_map(stated) {
                 return Err(refused);
             }
-            let found = strangers::of_sheet(&sheet.called, &sheet.head, understood, want);
+            let found = strangers::of_sheet(&sheet.called, &sheet.name, &sheet.head, understood, want);
             self.strangers
                 .extend(found.strangers.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
             self.to_be_named.extend(found.to_be_named);
@@ -175,24 +176,32 @@ impl Table {
     }
 }
 
-/// The refusal of numbers that are shown with another unit than the one they are read in, by their number format.
+/// The refusal of numbers that their format strikes through, or shows with another unit than the one they are read in.
 fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: bool) -> Option<Diagnostic> {
-    let unit = Unit::from_symbol(&shown.text);
-    let is_other = shown.text.contains(['%', '<', '>']) || shown.text.starts_with(['-', '\u{2212}', '/', ',']);
-    if unit.is_none() && !is_other {
+    let (row, text, is_struck_through) = (shown.row, &shown.style.text, shown.style.is_struck_through);
+    let unit = Unit::from_symbol(text);
+    let is_other = text.contains(['%', '<', '>']) || text.starts_with(['-', '\u{2212}', '/', ',']);
+    if unit.is_none() && !is_other && !is_struck_through {
         return None;
     }
-    let columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
-    let other = columns.into_iter().find(|column| unit != Some(column.unit))?;
-    let (row, text, read_in) = (shown.row, &shown.text, other.unit.symbol());
-    let message = format!(
-        "{name}, row {row}: numbers of `{}` are shown with `{text}` by their format, and would be read in {read_in}",
-        other.title
-    );
-    Some(
-        Diagnostic::error(Code::BadTable, message)
-            .help("let the number format show the numbers as they are, with the unit of the heading"),
-    )
+    let mut columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
+    let other = columns.find(|column| is_struck_through || unit != Some(column.unit))?;
+    let title = &other.title;
+    let (message, help) = if is_struck_through {
+        (
+            format!("{name}, row {row}: a number of `{title}` is struck through"),
+            "leave its row out of the table; or show the number plainly, if it counts",
+        )
+    } else {
+        let read_in = other.unit.symbol();
+        (
+            format!(
+                "{name}, row {row}: numbers of `{title}` are shown with `{text}` by their format, and would be read in {read_in}"
+            ),
+            "let the number format show the numbers as they are, with the unit of the heading",
+        )
+    };
+    Some(Diagnostic::error(Code::BadTable, message).help(help))
 }
 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {

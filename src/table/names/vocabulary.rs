@@ -190,6 +190,11 @@ pub(crate) enum WordList {
     Words,
     /// That somebody is content with a value.
     Approval,
+    /// That somebody is not.
+    Disapproval,
+    /// Whether a value counts or a part is good, and that it is not.
+    Validity,
+    Negation,
     /// What else is measured of flanks.
     OtherFlank,
     /// The probe, in a line above a table.

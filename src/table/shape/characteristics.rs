@@ -126,7 +126,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let known = rows.iter().filter(is_known).count();
         let is_read = has(&[Role::Measured, Role::Deviation]) || !parts.is_empty();
         let parts = settle_parts(&mut roles, parts, &rows, records);
-        drop_lone_extreme(&mut roles, &parts, record);
+        drop_extremes(&mut roles, &parts, record);
         // so many roles leave no doubt, though none of the names is known
         let is_sure = roles.contains(&Some(Role::Name)) && roles.iter().flatten().count() > 2 && !rows.is_empty();
         ((known > 0 || is_sure) && is_read).then_some(Characteristics { header, roles, name, parts, rows, known })
@@ -171,15 +171,21 @@ fn settle_parts(roles: &mut [Option<Role>], parts: Vec<usize>, rows: &[usize], r
     parts
 }
 
-/// An extreme behind the parts, without the other one, is made of their values, and no limit: `Max`.
-fn drop_lone_extreme(roles: &mut [Option<Role>], parts: &[usize], header: &Record) {
-    let is_limit = |place: &usize| matches!(roles[*place], Some(Role::Upper | Role::Lower));
-    let limits: Vec<usize> = (0..roles.len()).filter(is_limit).collect();
+/// An extreme is no limit where it may be made of the values: right behind the measured ones, or alone behind the parts.
+fn drop_extremes(roles: &mut [Option<Role>], parts: &[usize], header: &Record) {
+    let is_limit = |role: Option<Role>| matches!(role, Some(Role::Upper | Role::Lower));
+    let limits: Vec<usize> = (0..roles.len()).filter(|place| is_limit(roles[*place])).collect();
     if let ([limit], Some(last)) = (&limits[..], parts.last())
         && limit > last
         && is_extreme(&header.cells[*limit])
     {
         roles[*limit] = None;
+    }
+    if let Some(measured) = roles.iter().position(|role| *role == Some(Role::Measured)) {
+        let behind = measured + 1..roles.len();
+        for place in behind.take_while(|place| is_extreme(&header.cells[*place])) {
+            roles[place] = None;
+        }
     }
 }
 

@@ -1,24 +1,32 @@
-//! What number formats show beside a number: `0.000" mm"` shows millimetres, whatever the heading says. Read from the
-//! styles of a workbook.
+//! What formats show beside a number: `0.000" mm"` shows millimetres, whatever the heading says, and a font may strike
+//! it through. Read from the styles of a workbook.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::xml::{Tags, attribute, name};
 
-/// A unit, or another word or mark, that a column of numbers is shown with.
+/// How a column of numbers is shown, if not by their digits alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Shown {
     /// The column, from 0.
     pub(crate) column: usize,
     /// The first row in which it is so, from 1.
     pub(crate) row: u32,
-    /// What is shown.
-    pub(crate) text: String,
+    pub(crate) style: Style,
 }
 
-/// What each style of cells shows beside a number, by its index; styles that show nothing are left out.
-pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, String> {
+/// How a style shows a number.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Style {
+    /// What is shown beside it.
+    pub(crate) text: String,
+    pub(crate) is_struck_through: bool,
+}
+
+/// How each style of cells shows a number, by its index; styles that show nothing but the number are left out.
+pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, Style> {
     let mut formats: HashMap<u32, String> = HashMap::from([(9, "%".to_owned()), (10, "%".to_owned())]);
+    let (mut fonts, mut struck) = (0, HashSet::new());
     let (mut shown, mut is_of_cells, mut index) = (HashMap::new(), false, 0);
     Tags::default().each(styles, &mut |tag| {
         let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok());
@@ -29,10 +37,15 @@ pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, String> {
                     formats.insert(id, beside_number(code));
                 }
             }
+            "font" => fonts += 1,
+            "strike" if !matches!(attribute(tag, "val"), Some("0" | "false")) => _ = struck.insert(fonts),
             "cellXfs" => is_of_cells = true,
             "xf" if is_of_cells => {
-                let text = number("numFmtId").and_then(|id| formats.get(&id)).filter(|text| !text.is_empty());
-                shown.extend(text.map(|text| (index, text.clone())));
+                let text = number("numFmtId").and_then(|id| formats.get(&id)).cloned().unwrap_or_default();
+                // fonts are numbered from 0
+                let is_struck_through = number("fontId").is_some_and(|font| struck.contains(&(font + 1)));
+                let style = Style { text, is_struck_through };
+                shown.extend(Some((index, style)).filter(|(_, style)| *style != Style::default()));
                 index += 1;
             }
             _ => {}
@@ -97,9 +110,11 @@ mod tests {
         ] {
             assert_eq!(beside_number(code), text, "{code}");
         }
-        let styles = "<numFmts><numFmt numFmtId=\"164\" formatCode=\"0.0&quot; in&quot;\"/></numFmts><cellStyleXfs><xf numFmtId=\"9\"/>\
-                      </cellStyleXfs><cellXfs><xf numFmtId=\"0\"/><xf numFmtId=\"164\"/><xf numFmtId=\"10\"/></cellXfs>";
-        let expected = HashMap::from([(1, "in".to_owned()), (2, "%".to_owned())]);
+        let styles = "<fonts><font/><font><strike/></font><font><strike val=\"0\"/></font></fonts><numFmts><numFmt numFmtId=\"164\" formatCode=\"0.0&quot; in&quot;\"/></numFmts><cellStyleXfs><xf numFmtId=\"9\"/>\
+                      </cellStyleXfs><cellXfs><xf numFmtId=\"0\"/><xf numFmtId=\"164\"/><xf numFmtId=\"10\" fontId=\"2\"/><xf fontId=\"1\"/></cellXfs>";
+        let shown = [(1, "in", false), (2, "%", false), (3, "", true)];
+        let style = |text: &str, is_struck_through| Style { text: text.to_owned(), is_struck_through };
+        let expected = shown.map(|(index, text, is_struck)| (index, style(text, is_struck))).into();
         assert_eq!(shown_by_style(styles.as_bytes()), expected);
     }
 }

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
-use super::format::Shown;
+use super::format::{Shown, Style};
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
 
@@ -59,11 +59,11 @@ impl SheetXml {
     }
 
     /// What its numbers in a range are shown with; columns count from the range's first.
-    pub(super) fn shown(&self, by_style: &HashMap<u32, String>, range: CellRange) -> Vec<Shown> {
+    pub(super) fn shown(&self, by_style: &HashMap<u32, Style>, range: CellRange) -> Vec<Shown> {
         let shown = |(&(style, column), &row): (&(u32, u32), &u32)| {
             let is_in_range = range.has_column(column) && range.has_row(row.saturating_sub(1));
-            let text = by_style.get(&style).filter(|_| is_in_range)?.clone();
-            Some(Shown { column: (column - range.columns.0) as usize, row, text })
+            let style = by_style.get(&style).filter(|_| is_in_range)?.clone();
+            Some(Shown { column: (column - range.columns.0) as usize, row, style })
         };
         self.styles.iter().filter_map(shown).collect()
     }

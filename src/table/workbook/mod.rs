@@ -25,7 +25,7 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
 use comments::comments;
-use format::shown_by_style;
+use format::{Style, shown_by_style};
 use hidden::{HiddenCount, SheetXml, sheet_parts};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
@@ -227,8 +227,8 @@ fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
 struct Checked {
     /// What the XML of each sheet says, in their order; none where that cannot be known.
     sheets: Vec<Option<SheetXml>>,
-    /// What styles show beside numbers.
-    styles: HashMap<u32, String>,
+    /// How styles show numbers.
+    styles: HashMap<u32, Style>,
     /// The comments on cells of any sheet.
     comments: Vec<Comment>,
 }
