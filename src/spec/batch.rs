@@ -180,6 +180,8 @@ impl Spec {
             given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
             module: self.get(keys::PAIR_NORMAL_MODULE),
             face_width: self.get(keys::RACK_FACE_WIDTH),
+            pinion_face_width: self.get(keys::PINION_FACE_WIDTH),
+            roller: self.roller_of(DeviationKind::RackOverRoller).map(|(roller, _)| roller),
             pinion_teeth: self.get(keys::PINION_TEETH).map(i64::from),
             over_pin: self.nominal_over_pin().ok(),
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
@@ -286,15 +288,11 @@ impl Spec {
         let stated = column.and_then(|column| column.kind.as_ref());
         let in_column = column.and_then(|column| column.nominal.as_ref());
         let nominal = in_column.or(said_of(&self.nominals, kind));
-        let roller = said_of(&self.errors, kind).and_then(|written| match &written.value {
-            WrittenError::OverRoller { roller, .. } => Some((roller, written)),
-            _ => None,
-        });
         let refused = |code, holds, span: &Range<usize>, help| {
             let message = format!("the column of `{}` holds {holds}", kind.key());
             Err(Diagnostic::error(code, message).at(&self.source, span.clone(), "").help(help).into())
         };
-        match (stated, nominal, roller) {
+        match (stated, nominal, self.roller_of(kind)) {
             (Some(stated), ..) if stated.value == "deviation" => in_column.map_or(Ok(None), |nominal| {
                 let help = "remove `nominal`, or write kind = \"measured\"";
                 refused(Code::BadErrorEntry, "deviations, which have no nominal value", &nominal.span, help)
@@ -303,10 +301,22 @@ impl Spec {
                 let holds = "measured values, and there is no nominal value";
                 refused(Code::MissingKey, holds, &stated.span, "add `nominal = …` beside it")
             }
+            (_, Some(nominal), _)
+                if said_of(&self.nominals, kind).is_some_and(|other| other.value != nominal.value) =>
+            {
+                let holds = "values less the nominal one, and [errors] gives another nominal value";
+                refused(Code::BadErrorEntry, holds, &nominal.span, "give one nominal value")
+            }
             (_, Some(nominal), _) => Ok(Some(nominal.value)),
-            (_, None, Some((roller, written))) => self.over_roller(*roller, written).map(Some),
+            (_, None, Some((roller, written))) => self.over_roller(roller, written).map(Some),
             (None, None, None) => Ok(None),
         }
+    }
+
+    /// The roller from which a nominal measure is to be computed, and where it is written.
+    fn roller_of(&self, kind: DeviationKind) -> Option<(Length, &Located<WrittenError>)> {
+        let written = said_of(&self.errors, kind)?;
+        if let WrittenError::OverRoller { roller, .. } = written.value { Some((roller, written)) } else { None }
     }
 
     /// The nominal measure over a roller.

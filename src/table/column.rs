@@ -6,7 +6,7 @@ use std::mem::discriminant;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::{bare_unit, unit_in};
-use super::names::{Field, Role, ValueKind, WordList, is_total, split_size, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_total, says_deviation, says_largest, split_size, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::{Measurement, Series};
 use super::want::{Want, ignore_option, mapping, quoted};
@@ -235,23 +235,39 @@ impl Column {
             column.evaluated = evaluated(given.and_then(|given| given.length), want, &value.title)?;
         }
         column.has_size_of_title(want)?;
-        column.has_clear_requirement(measurement)?;
+        column.has_clear_nominal(measurement)?;
         Ok(column)
     }
 
-    /// A requirement is the nominal value where it has a tolerance, or the spec gives one that it is held against; else it may
-    /// be a limit.
-    fn has_clear_requirement(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
-        let required = measurement.beside.get(Role::Nominal).filter(|series| WordList::Requirement.has(&series.title));
-        let Some(required) = required.filter(|_| self.stated.is_none()) else { return Ok(()) };
-        // no limit is 0
-        let is_zero = |cell: &Cell| self.quantity(cell).is_ok_and(|value| value.base() == 0.0);
-        let is_open = |cell: &&Cell| !cell.is_missing() && !has_tolerance_behind(&cell.text()) && !is_zero(cell);
-        let Some(open) = required.cells.iter().find(is_open) else { return Ok(()) };
+    /// What stands beside a value as wanted is its nominal one if it is 0 or the spec gives one that it is held against, or else
+    /// if it is a size that parts have; a requirement needs a tolerance as well. Anything else may be a limit.
+    fn has_clear_nominal(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
+        let wanted = measurement.beside.get(Role::Nominal).filter(|_| self.stated.is_none());
+        let Some((wanted, kind)) = wanted.zip(self.kind) else { return Ok(()) };
+        let is_requirement = WordList::Requirement.has(&wanted.title);
+        let is_size = |cell: &Cell| {
+            let size = self.quantity_in(cell, self.unit_beside(Role::Nominal)).map_or(0.0, |value| value.base().abs());
+            size == 0.0
+                || size >= self.smallest_size() && !says_deviation(&self.title) && !is_requirement
+                || is_requirement && has_tolerance_behind(&cell.text())
+        };
+        let Some(open) = wanted.cells.iter().find(|cell| !cell.is_missing() && !is_size(cell)) else { return Ok(()) };
         let message =
-            format!("`{}`: {} `{}` may be the nominal value or a limit", self.title, required.title, open.text());
-        let help = format!("call the column nominal or limit, or leave it out: {}", ignore_option(&required.title));
+            format!("`{}`: {} `{}` may be the nominal value or a limit", self.title, wanted.title, open.text());
+        let help = format!(
+            "call the column limit, or leave it out: {}; or give the nominal value in the spec: [errors] {} = {{ nominal = … }}",
+            ignore_option(&wanted.title),
+            kind.key()
+        );
         Err(Diagnostic::error(Code::BadTable, message).help(help))
+    }
+
+    /// The smallest size of a part of which errors are taken, mm or degrees: half a module, or else a millimetre, and a degree.
+    fn smallest_size(&self) -> f64 {
+        match self.module {
+            Some(module) if matches!(self.unit, Unit::Length(_)) => module.mm() / 2.0,
+            _ => 1.0,
+        }
     }
 
     /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.
@@ -321,6 +337,11 @@ impl Column {
             (Nominal::None, Unit::Angle(_)) => Some(DeviationValue::Angle(Angle::ZERO)),
             (Nominal::Beside, _) => None,
         }
+    }
+
+    /// The one length over which f_Hβ is evaluated, in a column of it.
+    pub(crate) fn evaluated_over(&self) -> Option<Length> {
+        if let Stated::Fixed(over) = self.evaluated { Some(over) } else { None }
     }
 
     /// No deviation, in the dimension of this column's.
@@ -740,15 +761,20 @@ pub(crate) fn has_tolerance_behind(text: &str) -> bool {
 
 /// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.
 fn single(kind: DeviationKind, title: &str, want: &Want) -> Result<(), Diagnostics> {
-    if !want.is_own(title) || !is_total(title) || kind.counts() == Countable::Tooth {
-        return Ok(());
-    }
     let (name, key) = (quoted(split_unit(title).0.trim()), kind.key());
-    let message = format!(
-        "the spec maps `{title}`, the name of a total over the teeth, to {key}, and says not on which teeth its values are"
-    );
     // only steps between teeth have a total
-    let extent = if kind.counts() == Countable::Pitch { "total" } else { "each" };
+    let (message, extent) = if says_largest(title) {
+        (format!("`{title}` is the largest of several teeth's, and nothing says so of {key}"), "each")
+    } else if want.is_own(title) && is_total(title) && kind.counts() != Countable::Tooth {
+        (
+            format!(
+                "the spec maps `{title}`, the name of a total over the teeth, to {key}, and says not on which teeth its values are"
+            ),
+            if kind.counts() == Countable::Pitch { "total" } else { "each" },
+        )
+    } else {
+        return Ok(());
+    };
     let help = format!(
         "say it under [batch.columns]: {key} = {{ name = {name}, extent = \"{extent}\" }}, or \"one\" if each is of one tooth"
     );

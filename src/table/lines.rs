@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 
 use super::cell::Cell;
-use super::column::{Column, Nominal, Stated, has_tolerance_behind};
+use super::column::{Column, Nominal, has_tolerance_behind};
 use super::grid::{Separator, is_date, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
@@ -16,6 +16,7 @@ use super::reading::AsideReading;
 use super::shape::{PartLine, PartNames, Shape, has_digit, is_part_name, part_line, uncounted};
 use super::unknown::{Unknown, has_unit_behind, is_foreign_unit};
 use super::want::Orientation;
+use crate::quantity::Length;
 
 /// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
 pub(super) fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: &[Column]) -> bool {
@@ -145,8 +146,8 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<
     let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
     let names = (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ")));
     let (name, length) = names.into_iter().find(|(name, _)| WordList::EvaluationLength.has(name))?;
-    let is_other = |column: &Column| matches!(column.evaluated, Stated::Fixed(over) if length.parse() != Ok(over));
-    columns.iter().any(is_other).then(|| unread(&name))
+    let is_other = |over: Length| length.parse() != Ok(over);
+    columns.iter().filter_map(Column::evaluated_over).any(is_other).then(|| unread(&name))
 }
 
 /// Whether a text has words for a factor or a sign, or a fraction of a millimetre, or says of a number by how much values are

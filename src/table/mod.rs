@@ -94,10 +94,10 @@ pub(crate) use understand::in_words;
 
 use std::sync::Arc;
 
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 use crate::quantity::{Unit, shown};
 use block::line_of;
-use column::{Stated, UnitFrom};
+use column::UnitFrom;
 use names::Role;
 use shape::Measurement;
 use strangers::Others;
@@ -136,6 +136,11 @@ impl Table {
     fn new(name: &str, format: &'static str, understood: &Understood, want: &Want) -> Self {
         let shape = &understood.shape;
         let others = Others::of(&understood.columns, want);
+        let part = if understood.is_teeth && !teeth::is_rack(&understood.columns, shape.index_field) {
+            Part::Pinion
+        } else {
+            Part::Rack
+        };
         let mut sorted = strangers::sort(name, shape, understood, want, &others);
         let mut reading = Reading {
             file: name.to_owned(),
@@ -168,14 +173,20 @@ impl Table {
                 ));
             }
         }
+        if understood.is_teeth {
+            sorted.take_titles_of_other(name, part, want, &others);
+        }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);
         reading.notes.extend(sorted.notes);
         if understood.is_teeth {
-            reading.unit_counted =
-                if teeth::is_rack(&understood.columns, shape.index_field) { "space" } else { "tooth" };
+            reading.unit_counted = if part == Part::Rack { "space" } else { "tooth" };
         }
         for column in understood.columns.iter().filter(|column| column.evaluated_over_face_width(want)) {
-            reading.notes.push(format!("{name}: `{}` is evaluated over the rack's face width", column.title));
+            reading.notes.push(format!(
+                "{name}: `{}` is evaluated over the {}'s face width",
+                column.title,
+                part.name()
+            ));
         }
         let titles: Vec<_> = shape.header.iter().map(|cell| cell.text().into_owned()).collect();
         let pieces = Pieces::of(understood, want);
@@ -268,7 +279,7 @@ impl Table {
 impl Column {
     fn evaluated_over_face_width(&self, want: &Want) -> bool {
         let given = self.kind.and_then(|kind| want.given(kind)).and_then(|given| given.length);
-        matches!(self.evaluated, Stated::Fixed(_)) && given.is_none()
+        self.evaluated_over().is_some() && given.is_none()
     }
 }
 

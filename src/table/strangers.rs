@@ -7,24 +7,24 @@ use serde::Serialize;
 
 use super::cell::{Cell, Record};
 use super::column::Column;
-use super::grid::Separator;
+use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, has_scale, is_signed, of_all_values, of_other_part, of_part, repeats_nominal, value_beyond, without_name,
     without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, is_again, is_called, is_context, is_other_of_flank, is_statistic, is_total, near, role,
-    split_unit,
+    Field, Role, WordList, is_again, is_called, is_context, is_other_of_flank, is_statistic, is_total, near,
+    part_in_title, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::shown;
+use crate::quantity::{Length, shown};
 
 /// A column, line or characteristic that may be a measurement and is not understood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -139,6 +139,9 @@ impl Sorter<'_> {
     /// A column, or a line with a name and numbers.
     fn take_unknown(&mut self, unknown: &Unknown) {
         let title = &unknown.title;
+        if self.is_other_size(unknown) {
+            return self.take(&unknown.clone().unread());
+        }
         if let Some(value) = self.value_in_heading(unknown) {
             self.take(&value);
         }
@@ -152,6 +155,21 @@ impl Sorter<'_> {
             let words = cells.fold(title.clone(), |words, cell| format!("{words} {cell}"));
             let is_unread = unknown.is_unread || has_scale(&words);
             self.take(&Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() });
+        }
+    }
+
+    /// Whether it is another evaluation length than f_Hβ is taken over, or another roller than the nominal measure follows from.
+    fn is_other_size(&self, unknown: &Unknown) -> bool {
+        let unit = split_unit(&unknown.title).1.or_else(|| unknown.unit.clone()).unwrap_or_default();
+        let mut sizes = unknown.cells.iter().filter(|cell| cell.is_number()).map(|cell| {
+            let size = cell.text().replace(',', ".");
+            if unit_in(&size).is_some() { size } else { format!("{size} {unit}") }.trim().parse::<Length>()
+        });
+        let mut is_other = |wanted: Length| sizes.any(|size| size != Ok(wanted));
+        if WordList::EvaluationLength.has(&unknown.title) {
+            self.columns.iter().find_map(Column::evaluated_over).is_some_and(is_other)
+        } else {
+            WordList::Roller.has(&unknown.title) && self.want.roller.is_some_and(&mut is_other)
         }
     }
 
@@ -270,6 +288,15 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
 }
 
 impl Sorted {
+    /// Titles that say that the teeth or spaces of a table are those of the other part.
+    pub(crate) fn take_titles_of_other(&mut self, file: &str, part: Part, want: &Want, others: &Others) {
+        let is_other = |aside: &AsideReading| part_in_title(&aside.text).is_some_and(|said| said != part);
+        for title in self.asides.extract_if(.., |aside| is_other(aside)).collect::<Vec<_>>() {
+            let cell = Cell::of_text(&title.text, 0..0);
+            self.take(file, &Unknown::line(&title.text, title.line, vec![cell]).unread(), want, others);
+        }
+    }
+
     pub(crate) fn take(&mut self, file: &str, unknown: &Unknown, want: &Want, others: &Others) {
         let in_the_way = others.in_the_way(unknown);
         let title = &unknown.title;
@@ -300,7 +327,7 @@ impl Sorted {
 /// What a column or a comment says against a part or its value, which count all the same: `NOK`, `Messwert ungültig`.
 pub(crate) fn rejection<'a>(file: &str, title: &str, cells: impl IntoIterator<Item = &'a Cell>) -> Option<String> {
     let is_said = |text: &str| {
-        WordList::Disapproval.has(text)
+        WordList::Disapproval.is_in(text)
             || WordList::Rejected.is_in(text)
             || WordList::Validity.has(title) && WordList::Negation.has(text)
     };

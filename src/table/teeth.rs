@@ -126,6 +126,26 @@ impl PinionTeeth {
         let measured: BTreeSet<i64> = whole.map(|row| row.tooth).collect();
         (0..teeth).find(|tooth| !measured.contains(tooth))
     }
+
+    /// What is wrong with single pitch deviations of all teeth, if all have the same sign: they add up to 0.
+    fn without_signs(&self) -> Option<LineFault> {
+        let has_one_sign = |flank: fn(&PinionTooth) -> Option<Length>| {
+            let first = self.rows.first().and_then(flank).filter(|first| !first.is_zero());
+            first.is_some_and(|first| {
+                let is_alike = |other: Length| !other.is_zero() && other.is_negative() == first.is_negative();
+                self.rows.iter().all(|row| flank(row).is_some_and(is_alike))
+            })
+        };
+        let (left, right) = (has_one_sign(|row| row.left_pitch), has_one_sign(|row| row.right_pitch));
+        (left || right).then(|| LineFault {
+            line: self.rows[0].line,
+            message: format!(
+                "the {} flanks' single pitch deviations have one sign, and around a pinion they add up to 0: write each \
+                 with its sign, less their mean",
+                if left { "left" } else { "right" }
+            ),
+        })
+    }
 }
 
 /// A rack's spaces or a pinion's teeth.
@@ -174,10 +194,7 @@ pub(crate) struct LineFault {
 
 /// Whether columns of teeth or spaces are those of a rack.
 pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
-    let has = |fields: &[Field]| columns.iter().any(|column| fields.contains(&column.field));
-    let is_pinion = index == Some(Field::Tooth)
-        || has(&[Field::LeftPitch, Field::RightPitch, Field::Radial, Field::Error(DeviationKind::PinionRadial)]);
-    !is_pinion
+    !columns.iter().map(|column| column.field).chain(index).any(Field::is_of_tooth)
 }
 
 /// A space or tooth has no higher number: racks have some thousands at most.
@@ -349,9 +366,13 @@ impl Gatherer {
     /// the next turn.
     pub(crate) fn finish(mut self) -> Vec<ToothedPart> {
         let Some(teeth) = self.pinion_teeth else { return self.parts };
-        for part in self.parts.iter_mut().filter(|part| part.numbers.iter().copied().eq(1..=teeth)) {
-            if let Teeth::Pinion(pinion) = &mut part.teeth {
+        for part in &mut self.parts {
+            let Teeth::Pinion(pinion) = &mut part.teeth else { continue };
+            if part.numbers.iter().copied().eq(1..=teeth) {
                 pinion.rows.iter_mut().for_each(|row| row.tooth %= teeth);
+            }
+            if usize::try_from(teeth) == Ok(part.numbers.len()) && part.fault.is_none() {
+                part.fault = pinion.without_signs();
             }
         }
         self.parts
@@ -375,6 +396,7 @@ fn find(columns: &[Column], fields: &[Field]) -> Option<usize> {
 fn check_columns(table: &Table) -> Result<(), Diagnostic> {
     let columns = &table.columns;
     columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
+    refuse_one_flank(&table.name, columns)?;
     for fields in [OVER_PIN, RADIAL, LEAD] {
         refuse_two(&table.name, columns, fields)?;
     }
@@ -426,6 +448,19 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
         ),
         _ => Ok(()),
     }
+}
+
+/// Refuses pitch deviations of one flank side, beside which nothing is known of the other.
+fn refuse_one_flank(name: &str, columns: &[Column]) -> Result<(), Diagnostic> {
+    let of = |field: Field| find(columns, &[field]).map(|column| &columns[column].title);
+    let (title, other) = match (of(Field::LeftPitch), of(Field::RightPitch)) {
+        (Some(left), None) => (left, Field::RightPitch.key()),
+        (None, Some(right)) => (right, Field::LeftPitch.key()),
+        _ => return Ok(()),
+    };
+    let message = format!("{name}: `{title}` is of one flank side, and of the other nothing is said");
+    Err(Diagnostic::error(Code::BadTable, message)
+        .help(format!("add a column {other}; 0 says that these flanks stand where they should")))
 }
 
 /// Refuses two columns of the same quantity.

@@ -350,6 +350,10 @@ fn choices(
 /// Reads the values of a shape with a decimal mark.
 fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
     let is_teeth = want.teeth.unwrap_or_else(|| is_teeth(shape));
+    let fields = shape.measurements.iter().map(|measurement| measurement.field);
+    let is_pinion = is_teeth && fields.chain(shape.index_field).any(Field::is_of_tooth);
+    let of_pinion = is_pinion.then(|| Want { face_width: want.pinion_face_width, ..want.clone() });
+    let want = of_pinion.as_ref().unwrap_or(want);
     let mut columns = Vec::with_capacity(shape.measurements.len());
     let mut problems: Vec<_> =
         shape.index.iter().filter(|_| !is_teeth).map(|index| numbers_teeth(&index.title)).collect();

@@ -86,7 +86,7 @@ impl Unknown {
 
     /// Whether it holds numbers, and its name or unit is that of a measurement; or units of which nothing tells what they are of.
     pub(crate) fn could_be_measured(&self) -> bool {
-        if self.units().is_some() || self.is_unread {
+        if self.units().is_some() || self.is_unread || self.has_signs() {
             return true;
         }
         let title = &self.title;
@@ -120,6 +120,12 @@ impl Unknown {
             || self.column.is_none()
                 && (is_again(title) && !values.iter().all(|text| text.contains(':'))
                     || repeats_value(title) && values.len() > 1)
+    }
+
+    /// Whether it holds the signs of numbers that stand elsewhere.
+    fn has_signs(&self) -> bool {
+        let is_sign = |cell: &Cell| matches!(cell.text().trim(), "+" | "-" | "\u{2212}" | "plus" | "minus" | "moins");
+        WordList::Sign.has(&self.title) && self.cells.iter().any(is_sign)
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.

@@ -62,6 +62,10 @@ pub struct Want {
     pub module: Option<Length>,
     /// The rack's face width, over which f_Hβ is evaluated where nothing else is said.
     pub face_width: Option<Length>,
+    /// The pinion's face width, over which f_Hβ of its teeth is evaluated.
+    pub pinion_face_width: Option<Length>,
+    /// The roller over which a rack is measured, if the nominal measure follows from it.
+    pub roller: Option<Length>,
     /// How many teeth the pinion has.
     pub pinion_teeth: Option<i64>,
     /// The nominal measure over the pin, if the spec tells it.

@@ -13,7 +13,8 @@ mod words;
 
 pub(crate) use letters::plain_widths;
 pub(crate) use near::{
-    is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, part_in_title, part_said, says_deviation,
+    is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, part_in_title, part_said,
+    says_deviation, says_largest,
 };
 pub(crate) use role::{
     is_again, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value, role, says_which,
@@ -91,6 +92,14 @@ impl Field {
     #[must_use]
     pub const fn is_index(self) -> bool {
         matches!(self, Self::PartId | Self::Space | Self::Tooth)
+    }
+
+    /// Whether it is one of a pinion's teeth, and of no rack's spaces.
+    pub(crate) const fn is_of_tooth(self) -> bool {
+        matches!(
+            self,
+            Self::Tooth | Self::LeftPitch | Self::RightPitch | Self::Radial | Self::Error(DeviationKind::PinionRadial)
+        )
     }
 
     /// Whether its values are angles.
@@ -255,9 +264,13 @@ fn without_roller(name: &str) -> &str {
     if is_size || behind == "mdr" { before.trim_end() } else { name }
 }
 
-/// Whether it speaks of F_p, which adds up what f_p is of a single tooth; in capitals, it may be either.
+/// Whether it speaks of F_p, which adds up what f_p is of a single tooth; in capitals, it may be either, and its index may stand
+/// apart, as where a text is copied: `F p`, `F_{p}`.
 fn has_total_pitch(name: &str) -> bool {
-    name.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "Fp" | "F_p" | "FP" | "F_P"))
+    let name = plain_widths(name);
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    words.iter().any(|word| matches!(*word, "Fp" | "FP"))
+        || words.windows(2).any(|pair| matches!(pair, ["F", "p" | "P"]))
 }
 
 /// What each word means beside the others; `None` if one has no meaning in a heading. `M` beside a name is one, too: of

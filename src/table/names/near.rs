@@ -64,6 +64,11 @@ pub(crate) fn says_deviation(text: &str) -> bool {
     says(text, Sense::Deviation)
 }
 
+/// Whether a name is that of the largest of several values: `fp max`.
+pub(crate) fn says_largest(text: &str) -> bool {
+    says(text, Sense::Greatest) || says(text, Sense::Largest)
+}
+
 /// Whether a name is that of a tolerance or a limit, and of no value: `Toleranz`, `Zulässige Abweichung`.
 pub(crate) fn is_tolerance(text: &str) -> bool {
     matches!(role(text), Some(Role::Upper | Role::Lower)) && (says(text, Sense::Tolerance) || says(text, Sense::Limit))

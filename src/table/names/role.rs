@@ -9,6 +9,10 @@ use super::{Field, bare, name_of};
 /// What a heading of a table with a row per characteristic says; `None` for what is none of it, as a column of values
 /// that is called after its part (`Teil 1`).
 pub(crate) fn role(text: &str) -> Option<Role> {
+    // a magnitude says no sign: |Dev|
+    if text.trim().starts_with('|') {
+        return None;
+    }
     let (name, unit) = split_unit(bare(text));
     let known = Words::of(&name).known()?;
     if let [word] = known.as_slice()

@@ -195,6 +195,10 @@ pub(crate) enum WordList {
     /// Whether a value counts or a part is good, and that it is not.
     Validity,
     Negation,
+    /// The diameter of the roller over which a rack is measured.
+    Roller,
+    /// The signs of numbers in another column.
+    Sign,
     /// What else is measured of flanks.
     OtherFlank,
     /// The probe, in a line above a table.
@@ -227,7 +231,13 @@ impl WordList {
     pub(super) fn is_folded(self) -> bool {
         matches!(
             self,
-            Self::Requirement | Self::Serial | Self::Person | Self::Words | Self::OtherFlank | Self::EvaluationLength
+            Self::Requirement
+                | Self::Serial
+                | Self::Person
+                | Self::Words
+                | Self::OtherFlank
+                | Self::EvaluationLength
+                | Self::Roller
         )
     }
 }
