@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use crate::deviation::{self, DeviationKind, ToothRange};
+use crate::deviation::{Countable, DeviationKind, ToothRange};
 use crate::formula::domain;
 use crate::gear::MOST_TEETH;
 use crate::judge::Rule;
@@ -43,7 +43,7 @@ pub(crate) enum Kind {
         of_lead: bool,
     },
     /// On which teeth an error is that counts these.
-    Extent(deviation::Countable),
+    Extent(Countable),
     /// One of these words.
     Word(&'static [&'static str]),
     /// The name of an accuracy standard and its edition.
@@ -143,12 +143,12 @@ impl<T> Clone for Key<T> {
 }
 
 impl<T> Key<T> {
-    const fn new(path: &'static str, kind: Kind) -> Self {
-        Self { any: AnyKey { path, kind, doc: "" }, holds: PhantomData }
+    const fn new(kind: Kind) -> Self {
+        Self { any: AnyKey { path: "", kind, doc: "" }, holds: PhantomData }
     }
 
-    const fn with(self, doc: &'static str) -> Self {
-        Self { any: AnyKey { doc, ..self.any }, ..self }
+    const fn with(self, path: &'static str, doc: &'static str) -> Self {
+        Self { any: AnyKey { path, doc, ..self.any }, ..self }
     }
 }
 
@@ -165,13 +165,17 @@ const fn section(name: &'static str, doc: &'static str, keys: &'static [AnyKey])
 }
 
 /// Declares a section with its keys. A key is declared once, here: what reads, describes, suggests and sets it follows.
+/// Keys that are read by name have a constant with their type.
 macro_rules! section {
-    ($section:ident = $path:literal, $about:literal { $($key:ident: $type:ty = $value:expr, $doc:literal;)* }) => {
-        $(
+    ($section:ident = $path:literal, $about:literal {
+        $($($key:ident: $type:ty =)? $name:literal, $value:expr, $doc:literal;)*
+    }) => {
+        $($(
             #[doc = $doc]
-            pub const $key: Key<$type> = $value.with($doc);
-        )*
-        pub(crate) const $section: Section = section($path, $about, &[$($key.any),*]);
+            pub const $key: Key<$type> = $value.with(concat!($path, ".", $name), $doc);
+        )?)*
+        pub(crate) const $section: Section =
+            section($path, $about, &[$($value.with(concat!($path, ".", $name), $doc).any),*]);
     };
 }
 
@@ -181,45 +185,45 @@ mod simulation;
 pub(crate) use scatter::SCATTER;
 pub use simulation::*;
 
-const fn text(path: &'static str) -> Key<String> {
-    Key::new(path, Kind::Text)
+const fn text() -> Key<String> {
+    Key::new(Kind::Text)
 }
 
-const fn file(path: &'static str) -> Key<String> {
-    Key::new(path, Kind::File)
+const fn file() -> Key<String> {
+    Key::new(Kind::File)
 }
 
-const fn length(path: &'static str, domain: Domain) -> Key<Length> {
-    Key::new(path, Kind::Length(domain))
+const fn length(domain: Domain) -> Key<Length> {
+    Key::new(Kind::Length(domain))
 }
 
-const fn angle(path: &'static str, domain: Domain) -> Key<Angle> {
-    Key::new(path, Kind::Angle(domain))
+const fn angle(domain: Domain) -> Key<Angle> {
+    Key::new(Kind::Angle(domain))
 }
 
-const fn number(path: &'static str, domain: Domain) -> Key<f64> {
-    Key::new(path, Kind::Number(domain))
+const fn number(domain: Domain) -> Key<f64> {
+    Key::new(Kind::Number(domain))
 }
 
-const fn measure(path: &'static str, domain: Domain, unit: MeasureUnit) -> Key<f64> {
-    Key::new(path, Kind::Measure(domain, unit))
+const fn measure(domain: Domain, unit: MeasureUnit) -> Key<f64> {
+    Key::new(Kind::Measure(domain, unit))
 }
 
-const fn count(path: &'static str, domain: Domain) -> Key<u32> {
-    Key::new(path, Kind::Count(domain))
+const fn count(domain: Domain) -> Key<u32> {
+    Key::new(Kind::Count(domain))
 }
 
-const fn word(path: &'static str, words: &'static [&'static str]) -> Key<&'static str> {
-    Key::new(path, Kind::Word(words))
+const fn word(words: &'static [&'static str]) -> Key<&'static str> {
+    Key::new(Kind::Word(words))
 }
 
-const fn teeth(path: &'static str) -> Key<ToothRange> {
-    Key::new(path, Kind::Teeth)
+const fn teeth() -> Key<ToothRange> {
+    Key::new(Kind::Teeth)
 }
 
 /// A key that does not hold one value: what reads its section reads it.
-const fn composite(path: &'static str, kind: Kind) -> Key<()> {
-    Key::new(path, kind)
+const fn of(kind: Kind) -> Key<()> {
+    Key::new(kind)
 }
 
 /// The same without a name of its own in the program.
@@ -235,13 +239,21 @@ const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
     Domain { name, symbol, lower: DomainEnd::Inclusive(0), upper: DomainEnd::None }
 }
 
-section! {
-    TOP = "", "What may be wrong with a rack and pinion, and how much of it is permitted." {
-        TITLE: String = text("title"), "Printed above the results.";
-        CORRELATIONS: () = composite("correlation", Kind::Tables(&CORRELATION)),
-            "Which uncertainties belong together; any number, each between two values.";
-    }
-}
+/// Printed above the results.
+pub const TITLE: Key<String> = text().with("title", "Printed above the results.");
+
+pub(crate) const TOP: Section = section(
+    "",
+    "What may be wrong with a rack and pinion, and how much of it is permitted.",
+    &[
+        TITLE.any,
+        key(
+            "correlation",
+            Kind::Tables(&CORRELATION),
+            "Which uncertainties belong together; any number, each between two values.",
+        ),
+    ],
+);
 
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
@@ -254,19 +266,14 @@ pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "di
 
 section! {
     CORRELATION = "correlation", "The correlation of two uncertain values." {
-        CORRELATION_BETWEEN: () = composite("correlation.between", Kind::Pair),
-            "The two values: their keys, such as \"rack_pitch\" or \"rack.face_width\".";
-        CORRELATION_COEFFICIENT: f64 = number(
-            "correlation.coefficient",
-            between("correlation coefficient", "r", -1, 1),
-        ),
-            "Correlation coefficient r, -1 to 1.";
+        "between", of(Kind::Pair), "The two values: their keys, such as \"rack_pitch\" or \"rack.face_width\".";
+        "coefficient", number(between("correlation coefficient", "r", -1, 1)), "Correlation coefficient r, -1 to 1.";
     }
 }
 
 section! {
     DECISION = "decision", "How a verdict is reached." {
-        DECISION_RULE: Rule = Key::new("decision.rule", Kind::Rule),
+        DECISION_RULE: Rule = "rule", Key::<Rule>::new(Kind::Rule),
             "simple: the measured value decides. iso14253: with a guard band of 1.65 standard uncertainties. \
              guard=VALUE: with that guard band. Default simple.";
     }
@@ -274,15 +281,15 @@ section! {
 
 section! {
     PAIR = "pair", "What rack and pinion have in common." {
-        PAIR_NORMAL_MODULE: Length = length("pair.normal_module", domain::NORMAL_MODULE), "Normal module m_n.";
-        PAIR_TRANSVERSE_MODULE: Length = length("pair.transverse_module", domain::TRANSVERSE_MODULE),
+        PAIR_NORMAL_MODULE: Length = "normal_module", length(domain::NORMAL_MODULE), "Normal module m_n.";
+        PAIR_TRANSVERSE_MODULE: Length = "transverse_module", length(domain::TRANSVERSE_MODULE),
             "Transverse module of the pinion m_t, instead of the normal one: m_n = m_t cos β_p.";
-        PAIR_NORMAL_PRESSURE_ANGLE: Angle = angle("pair.normal_pressure_angle", domain::NORMAL_PRESSURE_ANGLE),
+        PAIR_NORMAL_PRESSURE_ANGLE: Angle = "normal_pressure_angle", angle(domain::NORMAL_PRESSURE_ANGLE),
             "Normal pressure angle α_n, above 0° and at most 45°.";
-        PAIR_SHAFT_ANGLE: Angle = angle("pair.shaft_angle", domain::SHAFT_ANGLE),
+        PAIR_SHAFT_ANGLE: Angle = "shaft_angle", angle(domain::SHAFT_ANGLE),
             "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the \
              pinion's axis lies square across the rack.";
-        PAIR_CONTACT: &'static str = word("pair.contact", &[BOTH_FLANKS]),
+        PAIR_CONTACT: &'static str = "contact", word(&[BOTH_FLANKS]),
             "\"both flanks\" states, where the geometry is not given, that a tooth of the rack and one of the pinion \
              always carry with both flanks: ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|, ε and c being length and offset of the \
              path of contact in pitches.";
@@ -294,58 +301,47 @@ pub(crate) const BOTH_FLANKS: &str = "both flanks";
 
 section! {
     RACK = "rack", "Nominal geometry of the rack." {
-        RACK_HELIX_ANGLE: Angle = angle("rack.helix_angle", domain::RACK_HELIX_ANGLE),
+        RACK_HELIX_ANGLE: Angle = "helix_angle", angle(domain::RACK_HELIX_ANGLE),
             "Helix angle of the teeth β_r, right hand positive. Default 0.";
-        RACK_FACE_WIDTH: Length = length("rack.face_width", domain::FACE_WIDTH), "Face width k.";
-        RACK_ADDENDUM: Length = length("rack.addendum", Domain::positive("addendum of the rack", "h_a")),
+        RACK_FACE_WIDTH: Length = "face_width", length(domain::FACE_WIDTH), "Face width k.";
+        RACK_ADDENDUM: Length = "addendum", length(Domain::positive("addendum of the rack", "h_a")),
             "Height of the tooth tips above the reference plane.";
-        RACK_TOOTH_THICKNESS: Length = length("rack.tooth_thickness", domain::TOOTH_THICKNESS),
+        RACK_TOOTH_THICKNESS: Length = "tooth_thickness", length(domain::TOOTH_THICKNESS),
             "Normal tooth thickness s_n at the reference plane. Default π m_n / 2.";
-        RACK_DATUM: Length = length("rack.datum", domain::DATUM),
+        RACK_DATUM: Length = "datum", length(domain::DATUM),
             "Distance K from the measuring datum (the bar's axis or back) to the reference plane.";
-        RACK_TOOTHED_LENGTH: Length = length("rack.toothed_length", Domain::positive("toothed length", "L")),
+        RACK_TOOTHED_LENGTH: Length = "toothed_length", length(Domain::positive("toothed length", "L")),
             "Length L of the toothed part; its developed diameter is L/π.";
-        RACK_PIN: Length = length("rack.pin", domain::PIN_DIAMETER),
-            "Diameter of the pin behind measured over-pin values.";
-        RACK_MEASURED: String = file("rack.measured"), "Table of measured spaces: over-pin, position, lead.";
-        RACK_DEVIATIONS: () = composite("rack.deviation", Kind::Tables(&RACK_DEVIATION)),
-            "Deviations of some teeth; any number, they add up.";
-        RACK_CROWNING: Length = length("rack.crowning", FORM),
+        RACK_PIN: Length = "pin", length(domain::PIN_DIAMETER), "Diameter of the pin behind measured over-pin values.";
+        RACK_MEASURED: String = "measured", file(), "Table of measured spaces: over-pin, position, lead.";
+        "deviation", of(Kind::Tables(&RACK_DEVIATION)), "Deviations of some teeth; any number, they add up.";
+        RACK_CROWNING: Length = "crowning", length(FORM),
             "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
-        RACK_TIP_RELIEF: () = composite("rack.tip_relief", Kind::Whole(&TIP_RELIEF)),
-            "Relief of the flanks towards their tips.";
+        RACK_TIP_RELIEF: () = "tip_relief", of(Kind::Whole(&TIP_RELIEF)), "Relief of the flanks towards their tips.";
     }
 }
 
 section! {
     PINION = "pinion", "Nominal geometry of the pinion." {
-        PINION_TEETH: u32 = count("pinion.teeth", between("number of teeth", "z", 1, MOST_TEETH as i64)),
-            "Number of teeth z.";
-        PINION_HELIX_ANGLE: Angle = angle("pinion.helix_angle", domain::PINION_HELIX_ANGLE),
+        PINION_TEETH: u32 = "teeth", count(between("number of teeth", "z", 1, MOST_TEETH as i64)), "Number of teeth z.";
+        PINION_HELIX_ANGLE: Angle = "helix_angle", angle(domain::PINION_HELIX_ANGLE),
             "Helix angle at the reference cylinder β_p, right hand positive. Default 0.";
-        PINION_PROFILE_SHIFT: f64 = number("pinion.profile_shift", Domain::any("profile shift coefficient", "x")),
+        PINION_PROFILE_SHIFT: f64 = "profile_shift", number(Domain::any("profile shift coefficient", "x")),
             "Profile shift coefficient x, in units of m_n. Default 0.";
-        PINION_FACE_WIDTH: Length = length("pinion.face_width", Domain::positive("face width of the pinion", "b")),
+        PINION_FACE_WIDTH: Length = "face_width", length(Domain::positive("face width of the pinion", "b")),
             "Face width b.";
-        PINION_TIP_DIAMETER: Length = length("pinion.tip_diameter", Domain::positive("tip diameter", "d_a")),
+        PINION_TIP_DIAMETER: Length = "tip_diameter", length(Domain::positive("tip diameter", "d_a")),
             "Tip diameter d_a.";
-        PINION_ROOT_FORM_DIAMETER: Length = length(
-            "pinion.root_form_diameter",
-            Domain::positive("root form diameter", "d_Ff"),
-        ),
+        PINION_ROOT_FORM_DIAMETER: Length = "root_form_diameter", length(Domain::positive("root form diameter", "d_Ff")),
             "Root form diameter d_Ff, where the involute starts.";
-        PINION_TOOTH_THICKNESS_DEVIATION: Length = length(
-            "pinion.tooth_thickness_deviation",
-            Domain::any("tooth thickness deviation of the pinion", "E_s"),
-        ),
+        PINION_TOOTH_THICKNESS_DEVIATION: Length = "tooth_thickness_deviation",
+            length(Domain::any("tooth thickness deviation of the pinion", "E_s")),
             "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.";
-        PINION_MEASURED: String = file("pinion.measured"),
-            "Table of measured teeth: radial, left and right pitch, lead.";
-        PINION_DEVIATIONS: () = composite("pinion.deviation", Kind::Tables(&PINION_DEVIATION)),
-            "Deviations of some teeth; any number, they add up.";
-        PINION_CROWNING: Length = length("pinion.crowning", FORM),
+        PINION_MEASURED: String = "measured", file(), "Table of measured teeth: radial, left and right pitch, lead.";
+        "deviation", of(Kind::Tables(&PINION_DEVIATION)), "Deviations of some teeth; any number, they add up.";
+        PINION_CROWNING: Length = "crowning", length(FORM),
             "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
-        PINION_PROFILE_SLOPE: Length = length("pinion.profile_slope", Domain::any("profile slope", "f_Hα")),
+        PINION_PROFILE_SLOPE: Length = "profile_slope", length(Domain::any("profile slope", "f_Hα")),
             "Removed at the tip, in proportion to the roll angle from the start of the involute.";
     }
 }
@@ -355,36 +351,28 @@ section! {
     "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
      error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
      which teeth; total presumes cumulative deviations with a mean of zero." {
-        ERRORS_RACK_OVER_ROLLER: () = composite("errors.rack_over_roller", Kind::Error(DeviationKind::RackOverRoller)),
+        "rack_over_roller", of(Kind::Error(DeviationKind::RackOverRoller)),
             "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
-        ERRORS_RACK_PITCH: () = composite("errors.rack_pitch", Kind::Error(DeviationKind::RackPitch)),
-            "Pitch error of the rack, along its axis.";
-        ERRORS_RACK_LEAD: () = composite("errors.rack_lead", Kind::Error(DeviationKind::RackLead)),
+        "rack_pitch", of(Kind::Error(DeviationKind::RackPitch)), "Pitch error of the rack, along its axis.";
+        "rack_lead", of(Kind::Error(DeviationKind::RackLead)),
             "Lead angle error of the rack; or { f_h_beta, length }, a helix slope deviation over its length.";
-        ERRORS_PINION_RADIAL: () = composite("errors.pinion_radial", Kind::Error(DeviationKind::PinionRadial)),
-            "Radial measurement error of the pinion.";
-        ERRORS_PINION_PITCH: () = composite("errors.pinion_pitch", Kind::Error(DeviationKind::PinionPitch)),
+        "pinion_radial", of(Kind::Error(DeviationKind::PinionRadial)), "Radial measurement error of the pinion.";
+        "pinion_pitch", of(Kind::Error(DeviationKind::PinionPitch)),
             "Single pitch deviation f_p of the pinion, transverse, at the reference circle.";
-        ERRORS_PINION_LEAD: () = composite("errors.pinion_lead", Kind::Error(DeviationKind::PinionLead)),
+        "pinion_lead", of(Kind::Error(DeviationKind::PinionLead)),
             "Helix slope deviation f_Hβ of the pinion over its face width, along the transverse base tangent.";
     }
 }
 
 section! {
     LIMITS = "limits", "Permitted ΔCD: of the combination, and of single errors." {
-        LIMITS_CENTER_DISTANCE: () = composite("limits.center_distance", Kind::Limit), "Limits of the combined ΔCD.";
-        LIMITS_RACK_OVER_ROLLER: () = composite("limits.rack_over_roller", Kind::Limit),
-            "Limits of ΔCD from the rack's over-roller error.";
-        LIMITS_RACK_PITCH: () = composite("limits.rack_pitch", Kind::Limit),
-            "Limits of ΔCD from the rack's pitch error.";
-        LIMITS_RACK_LEAD: () = composite("limits.rack_lead", Kind::Limit),
-            "Limits of ΔCD from the rack's lead angle error.";
-        LIMITS_PINION_RADIAL: () = composite("limits.pinion_radial", Kind::Limit),
-            "Limits of ΔCD from the pinion's radial error.";
-        LIMITS_PINION_PITCH: () = composite("limits.pinion_pitch", Kind::Limit),
-            "Limits of ΔCD from the pinion's pitch error.";
-        LIMITS_PINION_LEAD: () = composite("limits.pinion_lead", Kind::Limit),
-            "Limits of ΔCD from the pinion's helix slope deviation.";
+        "center_distance", of(Kind::Limit), "Limits of the combined ΔCD.";
+        "rack_over_roller", of(Kind::Limit), "Limits of ΔCD from the rack's over-roller error.";
+        "rack_pitch", of(Kind::Limit), "Limits of ΔCD from the rack's pitch error.";
+        "rack_lead", of(Kind::Limit), "Limits of ΔCD from the rack's lead angle error.";
+        "pinion_radial", of(Kind::Limit), "Limits of ΔCD from the pinion's radial error.";
+        "pinion_pitch", of(Kind::Limit), "Limits of ΔCD from the pinion's pitch error.";
+        "pinion_lead", of(Kind::Limit), "Limits of ΔCD from the pinion's helix slope deviation.";
     }
 }
 
@@ -395,28 +383,26 @@ const DISPLACEMENT: Domain = Domain::any("displacement", "e");
 
 section! {
     TIP_RELIEF = "rack.tip_relief", "Tip relief of the rack, growing linearly from its start to the tip." {
-        RACK_TIP_RELIEF_AMOUNT: Length = length("rack.tip_relief.amount", FORM),
-            "Removed at the tip, normal to the flank.";
-        RACK_TIP_RELIEF_START: Length = length("rack.tip_relief.start", Domain::any("start of the tip relief", "h_0")),
+        RACK_TIP_RELIEF_AMOUNT: Length = "amount", length(FORM), "Removed at the tip, normal to the flank.";
+        RACK_TIP_RELIEF_START: Length = "start", length(Domain::any("start of the tip relief", "h_0")),
             "Height above the reference plane at which it starts.";
     }
 }
 
 section! {
     RACK_DEVIATION = "rack.deviation", "What is wrong with some teeth of the rack." {
-        RACK_DEVIATION_TEETH: ToothRange = teeth("rack.deviation.teeth"), "The teeth concerned. Default \"all\".";
-        RACK_DEVIATION_OVER_ROLLER: Length = length("rack.deviation.over_roller", DISPLACEMENT),
+        RACK_DEVIATION_TEETH: ToothRange = "teeth", teeth(), "The teeth concerned. Default \"all\".";
+        RACK_DEVIATION_OVER_ROLLER: Length = "over_roller", length(DISPLACEMENT),
             "Pitch-line shift of both flanks, along Z; the tip stays.";
-        RACK_DEVIATION_PITCH: Length = length("rack.deviation.pitch", DISPLACEMENT),
+        RACK_DEVIATION_PITCH: Length = "pitch", length(DISPLACEMENT),
             "The pitch before each of these teeth is longer by this; later teeth keep the sum.";
-        RACK_DEVIATION_SHIFT: Length = length("rack.deviation.shift", DISPLACEMENT), "The teeth shifted along X.";
-        RACK_DEVIATION_THICKNESS: Length = length("rack.deviation.thickness", DISPLACEMENT),
+        RACK_DEVIATION_SHIFT: Length = "shift", length(DISPLACEMENT), "The teeth shifted along X.";
+        RACK_DEVIATION_THICKNESS: Length = "thickness", length(DISPLACEMENT),
             "Change of the normal tooth thickness at the reference plane.";
-        RACK_DEVIATION_LEAD: Angle = angle("rack.deviation.lead", Domain::any("lead deviation", "Δβ")),
+        RACK_DEVIATION_LEAD: Angle = "lead", angle(Domain::any("lead deviation", "Δβ")),
             "Helix angle deviation: each flank turned about the vertical through its own mid-width point.";
-        RACK_DEVIATION_LEFT: Length = length("rack.deviation.left", DISPLACEMENT),
-            "Left flank alone, along X, outward positive.";
-        RACK_DEVIATION_RIGHT: Length = length("rack.deviation.right", DISPLACEMENT),
+        RACK_DEVIATION_LEFT: Length = "left", length(DISPLACEMENT), "Left flank alone, along X, outward positive.";
+        RACK_DEVIATION_RIGHT: Length = "right", length(DISPLACEMENT),
             "Right flank (facing +X) alone, along X, outward positive.";
     }
 }
@@ -424,12 +410,8 @@ section! {
 section! {
     ECCENTRICITY = "pinion.deviation.eccentricity",
     "The tooth system sits off the axis of rotation, towards a tooth." {
-        PINION_DEVIATION_ECCENTRICITY_AMOUNT: Length = length(
-            "pinion.deviation.eccentricity.amount",
-            Domain::any("eccentricity", "f_e"),
-        ),
-            "How far.";
-        PINION_DEVIATION_ECCENTRICITY_TOOTH: u32 = count("pinion.deviation.eccentricity.tooth", between("tooth number", "j", 0, MOST_TEETH as i64 - 1)),
+        PINION_DEVIATION_ECCENTRICITY_AMOUNT: Length = "amount", length(Domain::any("eccentricity", "f_e")), "How far.";
+        PINION_DEVIATION_ECCENTRICITY_TOOTH: u32 = "tooth", count(between("tooth number", "j", 0, MOST_TEETH as i64 - 1)),
             "Towards which tooth, 0 to z - 1.";
     }
 }
@@ -437,93 +419,85 @@ section! {
 section! {
     PINION_DEVIATION = "pinion.deviation",
     "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle." {
-        PINION_DEVIATION_TEETH: ToothRange = teeth("pinion.deviation.teeth"),
-            "The teeth concerned, 0 to z - 1. Default \"all\".";
-        PINION_DEVIATION_SHIFT: Length = length("pinion.deviation.shift", DISPLACEMENT),
-            "The teeth shifted towards higher index.";
-        PINION_DEVIATION_THICKNESS: Length = length("pinion.deviation.thickness", DISPLACEMENT),
+        PINION_DEVIATION_TEETH: ToothRange = "teeth", teeth(), "The teeth concerned, 0 to z - 1. Default \"all\".";
+        PINION_DEVIATION_SHIFT: Length = "shift", length(DISPLACEMENT), "The teeth shifted towards higher index.";
+        PINION_DEVIATION_THICKNESS: Length = "thickness", length(DISPLACEMENT),
             "Change of the transverse tooth thickness.";
-        PINION_DEVIATION_LEAD: Angle = angle("pinion.deviation.lead", Domain::any("lead deviation", "Δβ")),
+        PINION_DEVIATION_LEAD: Angle = "lead", angle(Domain::any("lead deviation", "Δβ")),
             "Helix angle deviation; the section at mid-width stays.";
-        PINION_DEVIATION_LEFT: Length = length("pinion.deviation.left", DISPLACEMENT),
+        PINION_DEVIATION_LEFT: Length = "left", length(DISPLACEMENT),
             "Left flank (facing lower index) alone, outward positive.";
-        PINION_DEVIATION_RIGHT: Length = length("pinion.deviation.right", DISPLACEMENT),
+        PINION_DEVIATION_RIGHT: Length = "right", length(DISPLACEMENT),
             "Right flank (facing higher index) alone, outward positive.";
-        PINION_DEVIATION_RADIAL: Length = length("pinion.deviation.radial", DISPLACEMENT),
+        PINION_DEVIATION_RADIAL: Length = "radial", length(DISPLACEMENT),
             "The space after each of these teeth sits higher by this.";
-        PINION_DEVIATION_ECCENTRICITY: () = composite("pinion.deviation.eccentricity", Kind::Whole(&ECCENTRICITY)),
-            "The whole part off its axis.";
+        "eccentricity", of(Kind::Whole(&ECCENTRICITY)), "The whole part off its axis.";
     }
 }
 
 section! {
     SUPPORT = "support", "How the rack is held." {
-        SUPPORT_ROLL: &'static str = word("support.roll", &["fixed", "free"]),
+        SUPPORT_ROLL: &'static str = "roll", word(&["fixed", "free"]),
             "Whether the rack may roll about its own axis. Default fixed.";
-        SUPPORT_ROLL_AXIS_DEPTH: Length = length(
-            "support.roll_axis_depth",
-            Domain::any("depth of the roll axis", "h_roll"),
-        ),
+        SUPPORT_ROLL_AXIS_DEPTH: Length = "roll_axis_depth", length(Domain::any("depth of the roll axis", "h_roll")),
             "How far the roll axis lies below the reference plane.";
     }
 }
 
 section! {
     TOLERANCE = "tolerance", "What an error given as { class = … } refers to." {
-        TOLERANCE_STANDARD: Standard = Key::new("tolerance.standard", Kind::Standard),
+        TOLERANCE_STANDARD: Standard = "standard", Key::<Standard>::new(Kind::Standard),
             "The accuracy standard and its edition, such as iso1328-1:1995.";
-        TOLERANCE_DIAMETER: RackDiameter = Key::new("tolerance.diameter", Kind::RackDiameter),
+        TOLERANCE_DIAMETER: RackDiameter = "diameter", Key::<RackDiameter>::new(Kind::RackDiameter),
             "Which reference diameter stands for the rack: \"pinion\", \"developed\" (L/π), or a length. No default.";
     }
 }
 
 /// What a column holds: the value itself, or its difference from nominal.
-pub(crate) const COLUMN_KIND: Key<&'static str> = word("kind", &["measured", "deviation"])
-    .with("Whether the column holds measured values or deviations. Default: measured if there is a nominal value.");
+pub(crate) const COLUMN_KIND: Key<&'static str> = word(&["measured", "deviation"]).with(
+    "kind",
+    "Whether the column holds measured values or deviations. Default: measured if there is a nominal value.",
+);
 
 pub(crate) const COLUMN_NAME: Key<String> =
-    text("name").with("The column's name in the header, if it is not the error's own.");
+    text().with("name", "The column's name in the header, if it is not the error's own.");
 
 const LENGTH_UNIT: AnyKey =
     key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm.");
 
 pub(crate) const LENGTH_NOMINAL: Key<Length> =
-    length("nominal", Domain::any("nominal value", "M_nom")).with("Nominal value of what was measured.");
+    length(Domain::any("nominal value", "M_nom")).with("nominal", "Nominal value of what was measured.");
 
 pub(crate) const ANGLE_NOMINAL: Key<Angle> =
-    angle("nominal", Domain::any("nominal value", "β_nom")).with("Nominal value of what was measured.");
+    angle(Domain::any("nominal value", "β_nom")).with("nominal", "Nominal value of what was measured.");
 
 pub(crate) const EVALUATION_LENGTH: Key<Length> =
-    length("length", domain::EVALUATION_LENGTH).with("Evaluation length of f_Hβ.");
+    length(domain::EVALUATION_LENGTH).with("length", "Evaluation length of f_Hβ.");
 
 pub(crate) const PART_ID: Key<String> =
-    text("part_id").with("Name of the column that names the part. Default part_id.");
+    text().with("part_id", "Name of the column that names the part. Default part_id.");
 
-const fn column_extent(unit: deviation::Countable) -> AnyKey {
+const fn column_extent(of: Countable) -> AnyKey {
     key(
         EXTENT,
-        Kind::Extent(unit),
+        Kind::Extent(of),
         "On which teeth each value is. Default: as [errors] says, or as of any measured value.",
     )
 }
 
-pub(crate) const SIZE_COLUMN: Section = section(
-    "batch.columns.(size)",
-    "A column of sizes.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Space)],
-);
+/// The keys of a column of lengths, whose errors are on these.
+const fn length_column(of: Countable) -> [AnyKey; 5] {
+    [COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(of)]
+}
 
-pub(crate) const PITCH_COLUMN: Section = section(
-    "batch.columns.(pitch)",
-    "A column of pitches.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Pitch)],
-);
+pub(crate) const SIZE_COLUMN: Section =
+    section("batch.columns.(size)", "A column of sizes.", &length_column(Countable::Space));
 
-pub(crate) const SLOPE_COLUMN: Section = section(
-    "batch.columns.pinion_lead",
-    "A column of helix slope deviations f_Hβ.",
-    &[COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(deviation::Countable::Tooth)],
-);
+pub(crate) const PITCH_COLUMN: Section =
+    section("batch.columns.(pitch)", "A column of pitches.", &length_column(Countable::Pitch));
+
+pub(crate) const SLOPE_COLUMN: Section =
+    section("batch.columns.pinion_lead", "A column of helix slope deviations f_Hβ.", &length_column(Countable::Tooth));
 
 pub(crate) const ANGLE_COLUMN: Section = section(
     "batch.columns.rack_lead",
@@ -538,7 +512,7 @@ pub(crate) const ANGLE_COLUMN: Section = section(
         EVALUATION_LENGTH.any,
         ANGLE_NOMINAL.any,
         COLUMN_KIND.any,
-        column_extent(deviation::Countable::Tooth),
+        column_extent(Countable::Tooth),
     ],
 );
 
@@ -558,13 +532,12 @@ pub(crate) const BATCH_COLUMNS: Section = section(
 
 section! {
     BATCH = "batch", "Tables with a row per part." {
-        BATCH_COLUMN_TABLES: () = composite("batch.columns", Kind::Table(&BATCH_COLUMNS)),
-            "Columns that are named or measured otherwise.";
-        BATCH_IGNORE: () = composite("batch.ignore", Kind::Texts),
+        "columns", of(Kind::Table(&BATCH_COLUMNS)), "Columns that are named or measured otherwise.";
+        "ignore", of(Kind::Texts),
             "Names of columns that are not to be used: `*` stands for any characters, and case does not count.";
-        BATCH_DECIMAL: &'static str = word("batch.decimal", &["comma", "point"]),
+        BATCH_DECIMAL: &'static str = "decimal", word(&["comma", "point"]),
             "What stands before decimals in tables, those of teeth included. Default: found from their numbers.";
-        BATCH_OTHERS: &'static str = word("batch.others", &["ignore"]),
+        BATCH_OTHERS: &'static str = "others", word(&["ignore"]),
             "Once every error has its column: columns that are not understood are listed and not used.";
     }
 }
@@ -580,23 +553,18 @@ section! {
     BUDGET = "budget",
     "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \
      \"each\" or \"total\" beside one, on which teeth. Default each." {
-        BUDGET_STACK: &'static str = word("budget.stack", &["worst", "rss", "simulation"]),
+        BUDGET_STACK: &'static str = "stack", word(&["worst", "rss", "simulation"]),
             "How tolerances add up. Default worst.";
-        BUDGET_CONFORMING: f64 = number("budget.conforming", FRACTION),
+        BUDGET_CONFORMING: f64 = "conforming", number(FRACTION),
             "Fraction of random assemblies that must conform. Default 0.9973.";
-        BUDGET_DISTRIBUTION: &'static str = word("budget.distribution", &["uniform", "normal", "triangular"]),
+        BUDGET_DISTRIBUTION: &'static str = "distribution", word(&["uniform", "normal", "triangular"]),
             "How errors spread within their tolerances. Default uniform.";
-        BUDGET_RACK_OVER_ROLLER: () = composite("budget.rack_over_roller", Kind::Tolerance(DeviationKind::RackOverRoller)),
-            "Tolerance of the over-roller error.";
-        BUDGET_RACK_PITCH: () = composite("budget.rack_pitch", Kind::Tolerance(DeviationKind::RackPitch)),
-            "Tolerance of the rack's pitch error.";
-        BUDGET_RACK_LEAD: () = composite("budget.rack_lead", Kind::Tolerance(DeviationKind::RackLead)),
-            "Tolerance of the rack's lead angle error.";
-        BUDGET_PINION_RADIAL: () = composite("budget.pinion_radial", Kind::Tolerance(DeviationKind::PinionRadial)),
-            "Tolerance of the pinion's radial error.";
-        BUDGET_PINION_PITCH: () = composite("budget.pinion_pitch", Kind::Tolerance(DeviationKind::PinionPitch)),
-            "Tolerance of the pinion's pitch error.";
-        BUDGET_PINION_LEAD: () = composite("budget.pinion_lead", Kind::Tolerance(DeviationKind::PinionLead)),
+        "rack_over_roller", of(Kind::Tolerance(DeviationKind::RackOverRoller)), "Tolerance of the over-roller error.";
+        "rack_pitch", of(Kind::Tolerance(DeviationKind::RackPitch)), "Tolerance of the rack's pitch error.";
+        "rack_lead", of(Kind::Tolerance(DeviationKind::RackLead)), "Tolerance of the rack's lead angle error.";
+        "pinion_radial", of(Kind::Tolerance(DeviationKind::PinionRadial)), "Tolerance of the pinion's radial error.";
+        "pinion_pitch", of(Kind::Tolerance(DeviationKind::PinionPitch)), "Tolerance of the pinion's pitch error.";
+        "pinion_lead", of(Kind::Tolerance(DeviationKind::PinionLead)),
             "Tolerance of the pinion's helix slope deviation; not among those sought where none is named.";
     }
 }

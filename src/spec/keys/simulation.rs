@@ -1,6 +1,6 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, MeasureUnit, Section, between, composite, count, from_zero, length, measure, section, word};
+use super::{Key, Kind, MeasureUnit, Section, between, count, from_zero, length, measure, of, section, word};
 use crate::quantity::{Domain, DomainEnd, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
@@ -13,119 +13,84 @@ const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
 
 section! {
     YOKE = "simulation.yoke", "The sprung yoke behind the mesh and the bush at the rack's other end." {
-        SIMULATION_YOKE_PRELOAD: f64 = measure(
-            "simulation.yoke.preload",
-            Domain::positive("preload of the yoke's spring", "F_y"), MeasureUnit::FORCE,
-        ),
+        SIMULATION_YOKE_PRELOAD: f64 = "preload",
+            measure(Domain::positive("preload of the yoke's spring", "F_y"), MeasureUnit::FORCE),
             "Force of the yoke's spring with the rack in its nominal place. Default simulation.preload.";
-        SIMULATION_YOKE_RATE: f64 = measure(
-            "simulation.yoke.rate",
-            from_zero("rate of the yoke's spring", "c_y"), MeasureUnit::RATE,
-        ),
+        SIMULATION_YOKE_RATE: f64 = "rate", measure(from_zero("rate of the yoke's spring", "c_y"), MeasureUnit::RATE),
             "Rate of the spring. Default 100 N/mm.";
-        SIMULATION_YOKE_CLEARANCE: Length = length(
-            "simulation.yoke.clearance",
-            from_zero("clearance of the yoke", "s_y"),
-        ),
+        SIMULATION_YOKE_CLEARANCE: Length = "clearance", length(from_zero("clearance of the yoke", "s_y")),
             "Travel until the yoke meets its stop. Default 0.15 mm.";
-        SIMULATION_YOKE_STOP: f64 = measure(
-            "simulation.yoke.stop",
-            from_zero("stiffness of the yoke's stop", "c_s"), MeasureUnit::RATE,
-        ),
+        SIMULATION_YOKE_STOP: f64 = "stop", measure(from_zero("stiffness of the yoke's stop", "c_s"), MeasureUnit::RATE),
             "Stiffness of the stop. Default 1e5 N/mm.";
-        SIMULATION_YOKE_BUSH: f64 = measure(
-            "simulation.yoke.bush",
-            from_zero("stiffness of the bush", "c_b"), MeasureUnit::RATE,
-        ),
+        SIMULATION_YOKE_BUSH: f64 = "bush", measure(from_zero("stiffness of the bush", "c_b"), MeasureUnit::RATE),
             "Stiffness of the flexible bush as it is felt at the mesh. Default 20 N/mm.";
     }
 }
 
 section! {
     SIMULATION = "simulation", "The multibody simulation; every key has a default." {
-        SIMULATION_START: Length = length("simulation.start", Domain::any("start of the stroke", "s_0")),
+        SIMULATION_START: Length = "start", length(Domain::any("start of the stroke", "s_0")),
             "Stroke at which the run starts. Default 0.";
-        SIMULATION_STROKE: Length = length("simulation.stroke", Domain::positive("stroke", "s")),
+        SIMULATION_STROKE: Length = "stroke", length(Domain::positive("stroke", "s")),
             "How far the rack travels. Default 50 mm.";
-        SIMULATION_SPEED: f64 = measure("simulation.speed", Domain::positive("speed of the rack", "v"), MeasureUnit::SPEED),
+        SIMULATION_SPEED: f64 = "speed", measure(Domain::positive("speed of the rack", "v"), MeasureUnit::SPEED),
             "Speed of the rack. Default 20 mm/s.";
-        SIMULATION_RAMP: Length = length("simulation.ramp", Domain::positive("ramp", "s_r")),
+        SIMULATION_RAMP: Length = "ramp", length(Domain::positive("ramp", "s_r")),
             "Travel during which the speed is reached. Default 1 mm.";
-        SIMULATION_PRELOAD: f64 = measure("simulation.preload", Domain::positive("preload", "F"), MeasureUnit::FORCE),
+        SIMULATION_PRELOAD: f64 = "preload", measure(Domain::positive("preload", "F"), MeasureUnit::FORCE),
             "Force that presses the pinion on. Default 500 N.";
-        SIMULATION_SUPPORT: &'static str = word("simulation.support", &["slider", "yoke"]),
+        SIMULATION_SUPPORT: &'static str = "support", word(&["slider", "yoke"]),
             "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis \
              fixed, the rack pressed on by a sprung yoke. Default slider.";
-        SIMULATION_YOKE: () = composite("simulation.yoke", Kind::Table(&YOKE)), "The yoke, with support = \"yoke\".";
-        SIMULATION_CONTACT: &'static str = word("simulation.contact", &["spheres", "analytic"]),
+        "yoke", of(Kind::Table(&YOKE)), "The yoke, with support = \"yoke\".";
+        SIMULATION_CONTACT: &'static str = "contact", word(&["spheres", "analytic"]),
             "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the \
              load spread over the contact line. Default spheres.";
-        SIMULATION_STIFFNESS: f64 = measure("simulation.stiffness", Domain::positive("contact stiffness", "k"), MeasureUnit::NONE),
+        SIMULATION_STIFFNESS: f64 = "stiffness", measure(Domain::positive("contact stiffness", "k"), MeasureUnit::NONE),
             "Contact stiffness k, N/mm^a; of one sphere, or of 1 mm of contact line.";
-        SIMULATION_STIFFNESS_EXPONENT: f64 = measure(
-            "simulation.stiffness_exponent",
-            exponent("stiffness exponent", "a"), MeasureUnit::NONE,
-        ),
+        SIMULATION_STIFFNESS_EXPONENT: f64 = "stiffness_exponent",
+            measure(exponent("stiffness exponent", "a"), MeasureUnit::NONE),
             "Exponent of the penetration, 1 to 2.5.";
-        SIMULATION_DAMPING: f64 = measure("simulation.damping", from_zero("contact damping", "c"), MeasureUnit::NONE),
+        SIMULATION_DAMPING: f64 = "damping", measure(from_zero("contact damping", "c"), MeasureUnit::NONE),
             "Contact damping c.";
-        SIMULATION_DAMPING_EXPONENT: f64 = measure(
-            "simulation.damping_exponent",
-            exponent("damping exponent", "b"), MeasureUnit::NONE,
-        ),
+        SIMULATION_DAMPING_EXPONENT: f64 = "damping_exponent",
+            measure(exponent("damping exponent", "b"), MeasureUnit::NONE),
             "Exponent of the penetration's rate, 1 to 2.5.";
-        SIMULATION_INDENTATION_EXPONENT: f64 = measure(
-            "simulation.indentation_exponent",
-            exponent("indentation exponent", "e"), MeasureUnit::NONE,
-        ),
+        SIMULATION_INDENTATION_EXPONENT: f64 = "indentation_exponent",
+            measure(exponent("indentation exponent", "e"), MeasureUnit::NONE),
             "Exponent of the penetration in the damping term, 1 to 2.5.";
-        SIMULATION_FRICTION: f64 = measure("simulation.friction", from_zero("friction coefficient", "μ"), MeasureUnit::NONE),
+        SIMULATION_FRICTION: f64 = "friction", measure(from_zero("friction coefficient", "μ"), MeasureUnit::NONE),
             "Friction coefficient μ. Default 0.";
-        SIMULATION_FRICTION_SPEED: f64 = measure(
-            "simulation.friction_speed",
-            Domain::positive("friction regularisation speed", "v_f"), MeasureUnit::SPEED,
-        ),
+        SIMULATION_FRICTION_SPEED: f64 = "friction_speed",
+            measure(Domain::positive("friction regularisation speed", "v_f"), MeasureUnit::SPEED),
             "Sliding speed below which friction fades.";
-        SIMULATION_PROFILE_NODES: u32 = count(
-            "simulation.profile_nodes",
-            nodes("number of spheres over the profile", "n_p"),
-        ),
+        SIMULATION_PROFILE_NODES: u32 = "profile_nodes", count(nodes("number of spheres over the profile", "n_p")),
             "Spheres over the profile of a flank.";
-        SIMULATION_WIDTH_NODES: u32 = count("simulation.width_nodes", nodes("number of spheres over the width", "n_w")),
+        SIMULATION_WIDTH_NODES: u32 = "width_nodes", count(nodes("number of spheres over the width", "n_w")),
             "Spheres over the width of a flank.";
-        SIMULATION_SPHERE_RADIUS: Length = length("simulation.sphere_radius", from_zero("sphere radius", "R")),
+        SIMULATION_SPHERE_RADIUS: Length = "sphere_radius", length(from_zero("sphere radius", "R")),
             "Largest radius of a sphere.";
-        SIMULATION_PATCH_CELLS: u32 = count(
-            "simulation.patch_cells",
-            between("number of cells of a rack flank", "n_c", 1, 1000),
-        ),
+        SIMULATION_PATCH_CELLS: u32 = "patch_cells", count(between("number of cells of a rack flank", "n_c", 1, 1000)),
             "Cells of two triangles of a rack flank along each direction where it is not plane.";
-        SIMULATION_STRIPS: u32 = count("simulation.strips", nodes("number of strips over the width", "n_s")),
+        SIMULATION_STRIPS: u32 = "strips", count(nodes("number of strips over the width", "n_s")),
             "Strips over the width, with contact = \"analytic\".";
-        SIMULATION_PINION_MASS: f64 = measure(
-            "simulation.pinion_mass",
-            from_zero("mass of the pinion", "m_p"), MeasureUnit::MASS,
-        ),
+        SIMULATION_PINION_MASS: f64 = "pinion_mass", measure(from_zero("mass of the pinion", "m_p"), MeasureUnit::MASS),
             "Mass of the pinion. Default that of its cylinder in steel.";
-        SIMULATION_PINION_INERTIA: f64 = measure(
-            "simulation.pinion_inertia",
-            from_zero("inertia of the pinion", "J_p"), MeasureUnit::INERTIA,
-        ),
+        SIMULATION_PINION_INERTIA: f64 = "pinion_inertia",
+            measure(from_zero("inertia of the pinion", "J_p"), MeasureUnit::INERTIA),
             "Moment of inertia of the pinion about its axis. Default that of its cylinder in steel.";
-        SIMULATION_RACK_MASS: f64 = measure("simulation.rack_mass", from_zero("mass of the rack", "m_r"), MeasureUnit::MASS),
+        SIMULATION_RACK_MASS: f64 = "rack_mass", measure(from_zero("mass of the rack", "m_r"), MeasureUnit::MASS),
             "Mass of the rack. Default that of a round bar in steel.";
-        SIMULATION_RACK_INERTIA: f64 = measure(
-            "simulation.rack_inertia",
-            from_zero("inertia of the rack", "J_r"), MeasureUnit::INERTIA,
-        ),
+        SIMULATION_RACK_INERTIA: f64 = "rack_inertia",
+            measure(from_zero("inertia of the rack", "J_r"), MeasureUnit::INERTIA),
             "Moment of inertia of the rack about its roll axis. Default that of a round bar in steel.";
-        SIMULATION_INTEGRATOR: &'static str = word("simulation.integrator", &["implicit", "explicit"]),
+        SIMULATION_INTEGRATOR: &'static str = "integrator", word(&["implicit", "explicit"]),
             "How time is stepped through. Default implicit.";
-        SIMULATION_TOLERANCE: Length = length("simulation.tolerance", Domain::positive("tolerance of a step", "ε")),
+        SIMULATION_TOLERANCE: Length = "tolerance", length(Domain::positive("tolerance of a step", "ε")),
             "Largest error of a step in time.";
-        SIMULATION_SPACING: Length = length("simulation.spacing", Domain::positive("spacing of the samples", "Δs")),
+        SIMULATION_SPACING: Length = "spacing", length(Domain::positive("spacing of the samples", "Δs")),
             "Travel from one printed position to the next. Default 0.1 mm.";
-        SIMULATION_MAX_STEPS: u32 = count("simulation.max_steps", between("step limit", "n", 1, 1_000_000_000)),
+        SIMULATION_MAX_STEPS: u32 = "max_steps", count(between("step limit", "n", 1, 1_000_000_000)),
             "Most steps in time before a run gives up. Default 1 000 000.";
     }
 }
