@@ -1,48 +1,9 @@
 //! Why a simulation cannot be set up or cannot go on. Raised by the scene and the runs; holds data, words only in
 //! `Display`, and always names what to change.
 
+use super::ParameterName;
 use crate::mesh::MeshError;
 use crate::quantity::Rounded;
-
-/// A number of [`Parameters`](super::Parameters).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // each is the parameter of the same name
-#[non_exhaustive]
-pub enum ParameterName {
-    Start,
-    Stroke,
-    Speed,
-    Ramp,
-    Preload,
-    Stiffness,
-    StiffnessExponent,
-    Damping,
-    DampingExponent,
-    IndentationExponent,
-    Friction,
-    FrictionSpeed,
-    ProfileNodes,
-    WidthNodes,
-    SphereRadius,
-    PatchCells,
-    Strips,
-    Spacing,
-    Tolerance,
-    EnergyTolerance,
-    MaxSteps,
-    PinionMass,
-    PinionInertia,
-    RackMass,
-    RackInertia,
-    RollAxisDepth,
-    YokePreload,
-    YokeRate,
-    YokeClearance,
-    YokeStop,
-    BushStiffness,
-}
-
-display_by_name!(ParameterName);
 
 /// A value with its unit, and the domain that it is outside of.
 fn outside(name: ParameterName, value: f64, min: f64, max: f64) -> String {

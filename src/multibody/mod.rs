@@ -30,8 +30,10 @@ mod strips;
 mod template;
 
 pub use compare::exact_mean_mm;
-pub use error::{ParameterName, SimulationError};
+pub use error::SimulationError;
 pub use outcome::{Counters, Energy, Outcome, RunEnd, Sample, Steady, Watch, YokeSample};
-pub use parameters::{ContactModel, Integrator, Masses, Parameters, SphereGrid, StripGrid, Support, Yoke};
+pub use parameters::{
+    ContactModel, Integrator, Masses, ParameterName, Parameters, SphereGrid, StripGrid, Support, Yoke,
+};
 pub use scene::Scene;
 pub use state::{Coordinates, Forces};

@@ -1,7 +1,7 @@
 //! What a simulation can be told, with defaults. Written by the spec layer, checked once by
 //! [`Scene::new`](super::Scene::new), read by the runs.
 
-use super::error::{ParameterName as Name, SimulationError};
+use super::SimulationError;
 
 /// Spheres on the pinion's flanks, triangles on the rack's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,68 +204,74 @@ impl Default for Parameters {
 
 /// What people call a parameter, the unit of its values, and its domain.
 struct Row {
-    name: Name,
     words: &'static str,
     /// Empty for numbers.
     unit: &'static str,
-    min: f64,
-    max: f64,
+    domain: [f64; 2],
     /// Its value, if the run has it.
     value: fn(&Parameters) -> Option<f64>,
 }
 
-const fn row(
-    name: Name,
-    words: &'static str,
-    unit: &'static str,
-    [min, max]: [f64; 2],
-    value: fn(&Parameters) -> Option<f64>,
-) -> Row {
-    Row { name, words, unit, min, max, value }
+/// Declares the parameters with their rows.
+macro_rules! parameters {
+    ($($name:ident($words:literal, $unit:literal, $domain:expr) = $value:expr;)*) => {
+        /// A number of [`Parameters`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum ParameterName {
+            $(#[doc = concat!("The ", $words, ".")] $name,)*
+        }
+
+        impl ParameterName {
+            /// Every parameter, in the order in which they are checked and told.
+            pub(crate) const ALL: [Self; ROWS.len()] = [$(Self::$name),*];
+        }
+
+        static ROWS: [Row; [$($words),*].len()] =
+            [$(Row { words: $words, unit: $unit, domain: $domain, value: $value }),*];
+    };
 }
 
-/// Every parameter, in the order in which they are checked.
-static ROWS: [Row; 31] = [
-    row(Name::Start, "start stroke", "mm", [-1e6, 1e6], |p| Some(p.start_mm)),
-    row(Name::Stroke, "stroke", "mm", [1e-6, 1e6], |p| Some(p.stroke_mm)),
-    row(Name::Speed, "speed", "mm/s", [1e-6, 1e6], |p| Some(p.speed_mm_per_s)),
-    row(Name::Ramp, "start ramp", "mm", [1e-9, 1e6], |p| Some(p.ramp_mm)),
-    row(Name::Preload, "preload", "N", [1e-6, 1e9], |p| Some(p.preload_n)),
-    row(Name::Stiffness, "contact stiffness", "N/mm^a", [1.0, 1e15], |p| Some(p.stiffness)),
-    row(Name::StiffnessExponent, "stiffness exponent", "", [1.0, 2.5], |p| Some(p.stiffness_exponent)),
-    row(Name::Damping, "contact damping", "N/((mm/s)^b mm^e)", [0.0, 1e15], |p| Some(p.damping)),
-    row(Name::DampingExponent, "damping exponent", "", [1.0, 2.5], |p| Some(p.damping_exponent)),
-    row(Name::IndentationExponent, "indentation exponent", "", [1.0, 2.5], |p| Some(p.indentation_exponent)),
-    row(Name::Friction, "friction coefficient", "", [0.0, 0.5], |p| Some(p.friction)),
-    row(Name::FrictionSpeed, "friction regularisation speed", "mm/s", [1e-9, 1e6], |p| Some(p.friction_speed_mm_per_s)),
-    row(Name::ProfileNodes, "spheres over the profile", "", [2.0, 1e5], |p| Some(p.spheres()?.profile_nodes.into())),
-    row(Name::WidthNodes, "spheres over the width", "", [2.0, 1e5], |p| Some(p.spheres()?.width_nodes.into())),
-    row(Name::SphereRadius, "sphere radius", "mm", [0.0, 1e3], |p| Some(p.spheres()?.radius_mm)),
-    row(Name::PatchCells, "cells of a rack flank", "", [1.0, 1e3], |p| Some(p.spheres()?.patch_cells.into())),
-    row(Name::Strips, "strips over the width", "", [2.0, 1e5], |p| Some(p.strips()?.strips.into())),
-    row(Name::RollAxisDepth, "roll axis depth", "mm", [-1e6, 1e6], |p| match p.support {
-        Support::FreeRoll { axis_depth_mm } => Some(axis_depth_mm),
-        _ => None,
-    }),
-    row(Name::YokePreload, "yoke preload", "N", [1e-6, 1e9], |p| Some(p.yoke()?.preload_n)),
-    row(Name::YokeRate, "yoke rate", "N/mm", [0.0, 1e9], |p| Some(p.yoke()?.rate_n_per_mm)),
-    row(Name::YokeClearance, "yoke clearance", "mm", [0.0, 1e3], |p| Some(p.yoke()?.clearance_mm)),
-    row(Name::YokeStop, "yoke stop stiffness", "N/mm", [0.0, 1e12], |p| Some(p.yoke()?.stop_n_per_mm)),
-    row(Name::BushStiffness, "bush stiffness", "N/mm", [0.0, 1e9], |p| Some(p.yoke()?.bush_n_per_mm)),
-    row(Name::PinionMass, "pinion mass", "kg", [0.0, 1e9], |p| p.masses.pinion_kg),
-    row(Name::PinionInertia, "pinion inertia", "kg mm²", [0.0, 1e9], |p| p.masses.pinion_kg_mm2),
-    row(Name::RackMass, "rack mass", "kg", [0.0, 1e9], |p| p.masses.rack_kg),
-    row(Name::RackInertia, "rack inertia", "kg mm²", [0.0, 1e9], |p| p.masses.rack_kg_mm2),
-    row(Name::Tolerance, "tolerance", "mm", [1e-12, 1.0], |p| Some(p.tolerance_mm)),
-    row(Name::EnergyTolerance, "energy tolerance", "", [1e-12, 1.0], |p| Some(p.energy_tolerance)),
+parameters! {
+    Start("start stroke", "mm", [-1e6, 1e6]) = |p| Some(p.start_mm);
+    Stroke("stroke", "mm", [1e-6, 1e6]) = |p| Some(p.stroke_mm);
+    Speed("speed", "mm/s", [1e-6, 1e6]) = |p| Some(p.speed_mm_per_s);
+    Ramp("start ramp", "mm", [1e-9, 1e6]) = |p| Some(p.ramp_mm);
+    YokePreload("yoke preload", "N", [1e-6, 1e9]) = |p| Some(p.yoke()?.preload_n);
+    YokeRate("yoke rate", "N/mm", [0.0, 1e9]) = |p| Some(p.yoke()?.rate_n_per_mm);
+    YokeClearance("yoke clearance", "mm", [0.0, 1e3]) = |p| Some(p.yoke()?.clearance_mm);
+    YokeStop("yoke stop stiffness", "N/mm", [0.0, 1e12]) = |p| Some(p.yoke()?.stop_n_per_mm);
+    BushStiffness("bush stiffness", "N/mm", [0.0, 1e9]) = |p| Some(p.yoke()?.bush_n_per_mm);
+    Preload("preload", "N", [1e-6, 1e9]) = |p| Some(p.preload_n);
+    RollAxisDepth("roll axis depth", "mm", [-1e6, 1e6]) = |p| p.roll_axis_depth_mm();
+    Stiffness("contact stiffness", "N/mm^a", [1.0, 1e15]) = |p| Some(p.stiffness);
+    StiffnessExponent("stiffness exponent", "", [1.0, 2.5]) = |p| Some(p.stiffness_exponent);
+    Damping("contact damping", "N/((mm/s)^b mm^e)", [0.0, 1e15]) = |p| Some(p.damping);
+    DampingExponent("damping exponent", "", [1.0, 2.5]) = |p| Some(p.damping_exponent);
+    IndentationExponent("indentation exponent", "", [1.0, 2.5]) = |p| Some(p.indentation_exponent);
+    Friction("friction coefficient", "", [0.0, 0.5]) = |p| Some(p.friction);
+    FrictionSpeed("friction regularisation speed", "mm/s", [1e-9, 1e6]) = |p| Some(p.friction_speed_mm_per_s);
+    ProfileNodes("spheres over the profile", "", [2.0, 1e5]) = |p| Some(p.spheres()?.profile_nodes.into());
+    WidthNodes("spheres over the width", "", [2.0, 1e5]) = |p| Some(p.spheres()?.width_nodes.into());
+    SphereRadius("sphere radius", "mm", [0.0, 1e3]) = |p| Some(p.spheres()?.radius_mm);
+    PatchCells("cells of a rack flank", "", [1.0, 1e3]) = |p| Some(p.spheres()?.patch_cells.into());
+    Strips("strips over the width", "", [2.0, 1e5]) = |p| Some(p.strips()?.strips.into());
+    PinionMass("pinion mass", "kg", [0.0, 1e9]) = |p| p.masses.pinion_kg;
+    PinionInertia("pinion inertia", "kg mm²", [0.0, 1e9]) = |p| p.masses.pinion_kg_mm2;
+    RackMass("rack mass", "kg", [0.0, 1e9]) = |p| p.masses.rack_kg;
+    RackInertia("rack inertia", "kg mm²", [0.0, 1e9]) = |p| p.masses.rack_kg_mm2;
+    Tolerance("tolerance", "mm", [1e-12, 1.0]) = |p| Some(p.tolerance_mm);
+    EnergyTolerance("energy tolerance", "", [1e-12, 1.0]) = |p| Some(p.energy_tolerance);
     // at least a ten-millionth of the stroke, as `Parameters::check` has it
-    row(Name::Spacing, "sample spacing", "mm", [0.0, f64::MAX], |p| Some(p.spacing_mm)),
-    row(Name::MaxSteps, "step limit", "", [1.0, 1e12], |p| Some(p.max_steps as f64)),
-];
+    Spacing("sample spacing", "mm", [0.0, f64::MAX]) = |p| Some(p.spacing_mm);
+    MaxSteps("step limit", "", [1.0, 1e12]) = |p| Some(p.max_steps as f64);
+}
 
-impl Name {
+display_by_name!(ParameterName);
+
+impl ParameterName {
     fn row(self) -> &'static Row {
-        ROWS.iter().find(|row| row.name == self).unwrap_or(&ROWS[0])
+        &ROWS[self as usize]
     }
 
     /// The name that people read.
@@ -279,6 +285,11 @@ impl Name {
     pub fn unit(self) -> &'static str {
         self.row().unit
     }
+
+    /// Its value, if the run has it.
+    pub(crate) fn value(self, parameters: &Parameters) -> Option<f64> {
+        (self.row().value)(parameters)
+    }
 }
 
 impl Parameters {
@@ -288,6 +299,10 @@ impl Parameters {
 
     fn strips(&self) -> Option<StripGrid> {
         if let ContactModel::Analytic(grid) = self.contact { Some(grid) } else { None }
+    }
+
+    fn roll_axis_depth_mm(&self) -> Option<f64> {
+        if let Support::FreeRoll { axis_depth_mm } = self.support { Some(axis_depth_mm) } else { None }
     }
 
     /// The yoke, if there is one.
@@ -300,9 +315,10 @@ impl Parameters {
     /// # Errors
     /// [`SimulationError::OutOfDomain`] names the first one outside.
     pub fn check(&self) -> Result<(), SimulationError> {
-        for &Row { name, min, max, value, .. } in &ROWS {
-            let min = if name == Name::Spacing { self.stroke_mm * 1e-7 } else { min };
-            if let Some(value) = value(self).filter(|value| !(min..=max).contains(value)) {
+        for name in ParameterName::ALL {
+            let [min, max] = name.row().domain;
+            let min = if name == ParameterName::Spacing { self.stroke_mm * 1e-7 } else { min };
+            if let Some(value) = name.value(self).filter(|value| !(min..=max).contains(value)) {
                 return Err(SimulationError::OutOfDomain { name, value, min, max });
             }
         }

@@ -155,46 +155,25 @@ impl SimulationReport<'_> {
         format!("{support}; {contact}; {time}")
     }
 
-    /// The numbers that the run was given, those only that it used.
+    /// The parameters that the run follows, and masses, as they are told.
     fn given(&self) -> Vec<(ParameterName, f64)> {
         use ParameterName as Name;
         let p = self.parameters;
-        let mut given = vec![(Name::Stroke, p.stroke_mm), (Name::Speed, p.speed_mm_per_s)];
-        if p.start_mm != 0.0 {
-            given.insert(0, (Name::Start, p.start_mm));
-        }
-        match p.support {
-            Support::Yoke(yoke) => given.extend([
-                (Name::YokePreload, yoke.preload_n),
-                (Name::YokeRate, yoke.rate_n_per_mm),
-                (Name::YokeClearance, yoke.clearance_mm),
-                (Name::YokeStop, yoke.stop_n_per_mm),
-                (Name::BushStiffness, yoke.bush_n_per_mm),
-            ]),
-            Support::FreeRoll { axis_depth_mm } => {
-                given.extend([(Name::Preload, p.preload_n), (Name::RollAxisDepth, axis_depth_mm)]);
-            }
-            Support::Fixed => given.push((Name::Preload, p.preload_n)),
-        }
-        given.extend([(Name::Stiffness, p.stiffness), (Name::StiffnessExponent, p.stiffness_exponent)]);
-        if !self.quasi_static {
-            given.extend([
-                (Name::Damping, p.damping),
-                (Name::DampingExponent, p.damping_exponent),
-                (Name::IndentationExponent, p.indentation_exponent),
-            ]);
-        }
-        given.push((Name::Friction, p.friction));
-        if p.friction > 0.0 {
-            given.push((Name::FrictionSpeed, p.friction_speed_mm_per_s));
-        }
-        if let ContactModel::Spheres(grid) = p.contact {
-            given.push((Name::SphereRadius, grid.radius_mm));
-        }
+        let is_yoke = matches!(p.support, Support::Yoke(_));
+        let is_told = |name: &Name| match name {
+            Name::Start => p.start_mm != 0.0,
+            Name::Preload => !is_yoke,
+            Name::Damping | Name::DampingExponent | Name::IndentationExponent => !self.quasi_static,
+            Name::FrictionSpeed => p.friction > 0.0,
+            Name::Ramp | Name::ProfileNodes | Name::WidthNodes => false,
+            name => (*name as usize) <= Name::SphereRadius as usize,
+        };
+        let told = Name::ALL.into_iter().filter(is_told);
+        let mut given: Vec<_> = told.filter_map(|name| Some((name, name.value(p)?))).collect();
         if !self.quasi_static {
             // from N s²/mm, which is a tonne
             let [turning, moving, rolling] = self.inertias.map(|value| tidy(1000.0 * value));
-            let moves = if matches!(p.support, Support::Yoke(_)) { Name::RackMass } else { Name::PinionMass };
+            let moves = if is_yoke { Name::RackMass } else { Name::PinionMass };
             given.extend([(moves, moving), (Name::PinionInertia, turning)]);
             if self.outcome.counters.coordinates > 2 {
                 given.push((Name::RackInertia, rolling));
