@@ -118,28 +118,20 @@ pub fn too_near(on: LimitTarget, stack: Stack, rule: &Rule) -> String {
     format!("{what} is too near a limit to prove conformity or non-conformity (rule {rule})")
 }
 
-/// Who judges a combination.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JudgedBy {
-    /// The bound: no placement of the errors leaves it.
-    Bound,
-    /// The exact mesh: both parts' teeth are known.
-    Mesh,
-    /// The statistical sum.
-    Statistical,
+named! {
+    /// Who judges a combination.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum JudgedBy {
+        /// The bound: no placement of the errors leaves it.
+        Bound = "bound",
+        /// The exact mesh: both parts' teeth are known.
+        Mesh = "mesh",
+        /// The statistical sum.
+        Statistical = "statistical",
+    }
 }
 
 impl JudgedBy {
-    /// `bound`, `mesh` or `statistical`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Bound => "bound",
-            Self::Mesh => "mesh",
-            Self::Statistical => "statistical",
-        }
-    }
-
     /// Of errors, on a pair of which this is known.
     #[must_use]
     pub fn of(stack: Stack, errors: usize, basis: &Basis) -> Self {

@@ -86,6 +86,31 @@ macro_rules! display_by_name {
     };
 }
 
+/// An enum of which every variant has a name.
+macro_rules! named {
+    (
+        $(#[$of_type:meta])*
+        pub enum $type:ident {
+            $($(#[$of_variant:meta])* $variant:ident = $name:literal),+ $(,)?
+        }
+    ) => {
+        $(#[$of_type])*
+        pub enum $type {
+            $($(#[$of_variant])* $variant),+
+        }
+
+        impl $type {
+            #[doc = concat!("Its name" $(, " `", $name, "`")+, ".")]
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),+
+                }
+            }
+        }
+    };
+}
+
 #[cfg(feature = "batch")]
 pub mod batch;
 pub mod budget;

@@ -172,17 +172,19 @@ pub enum BudgetError {
     Combination(#[from] EvaluationError),
 }
 
-/// How errors spread within their tolerances.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[non_exhaustive]
-pub enum ToleranceDistribution {
-    /// Every value alike: all that is known is the tolerance.
-    #[default]
-    Uniform,
-    /// Normal with a standard deviation of a third of the tolerance; parts beyond it are sorted out.
-    Normal,
-    /// Triangular with its peak at nominal.
-    Triangular,
+named! {
+    /// How errors spread within their tolerances.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[non_exhaustive]
+    pub enum ToleranceDistribution {
+        /// Every value alike: all that is known is the tolerance.
+        #[default]
+        Uniform = "uniform",
+        /// Normal with a standard deviation of a third of the tolerance; parts beyond it are sorted out.
+        Normal = "normal",
+        /// Triangular with its peak at nominal.
+        Triangular = "triangular",
+    }
 }
 
 impl ToleranceDistribution {
@@ -190,16 +192,6 @@ impl ToleranceDistribution {
     #[must_use]
     pub fn of_name(name: &str) -> Self {
         [Self::Normal, Self::Triangular].into_iter().find(|spread| spread.name() == name).unwrap_or_default()
-    }
-
-    /// `uniform`, `normal` or `triangular`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Uniform => "uniform",
-            Self::Normal => "normal",
-            Self::Triangular => "triangular",
-        }
     }
 }
 

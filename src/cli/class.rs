@@ -283,7 +283,7 @@ impl Args {
             }
             let sized = self.sized(part, Some(spec))?;
             if let (Some(diameter), Some(source)) = (&sized.wheel.diameter, sized.diameter_source) {
-                diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.in_words()));
+                diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.name()));
             }
             for value in of_part {
                 let deviation = match value.graded {
@@ -381,7 +381,7 @@ fn term(standard: Standard, kind: DeviationKind, sized: &Sized) -> Option<String
     let limiting = standard.that_limits(deviation)?;
     let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
     let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
-        format!(", d = {:.4} mm ({})", diameter.mm(), source.in_words())
+        format!(", d = {:.4} mm ({})", diameter.mm(), source.name())
     });
     let cap = match deviation {
         Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {

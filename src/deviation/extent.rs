@@ -2,31 +2,35 @@
 
 use std::str::FromStr;
 
-/// On which teeth an error is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Extent {
-    /// One space, one step between teeth, or one tooth; which one is not known.
-    One,
-    /// A run of successive spaces, pitches or teeth.
-    Part,
-    /// Every one, with the same value.
-    All,
-    /// Every one, each with a value of its own, of either sign, within ± the value.
-    Each,
-    /// Of a pitch: the total cumulative deviation F_p of either flank side, which deviate independently.
-    Total,
+named! {
+    /// On which teeth an error is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Extent {
+        /// One space, one step between teeth, or one tooth; which one is not known.
+        One = "one",
+        /// A run of successive spaces, pitches or teeth.
+        Part = "part",
+        /// Every one, with the same value.
+        All = "all",
+        /// Every one, each with a value of its own, of either sign, within ± the value.
+        Each = "each",
+        /// Of a pitch: the total cumulative deviation F_p of either flank side, which deviate independently.
+        Total = "total",
+    }
 }
 
-/// What an extent counts, as its words say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Countable {
-    /// A space between teeth, for sizes.
-    Space,
-    /// A step from tooth to tooth, for pitches.
-    Pitch,
-    /// A tooth, for leads.
-    Tooth,
+named! {
+    /// What an extent counts, as its words say.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    pub enum Countable {
+        /// A space between teeth, for sizes.
+        Space = "space",
+        /// A step from tooth to tooth, for pitches.
+        Pitch = "pitch",
+        /// A tooth, for leads.
+        Tooth = "tooth",
+    }
 }
 
 /// A text that names no extent.
@@ -41,18 +45,6 @@ impl Extent {
     /// Every extent.
     pub const EVERY: [Self; 5] = [Self::One, Self::Part, Self::All, Self::Each, Self::Total];
 
-    /// `one`, `part`, `all`, `each` or `total`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::One => "one",
-            Self::Part => "part",
-            Self::All => "all",
-            Self::Each => "each",
-            Self::Total => "total",
-        }
-    }
-
     /// Whether an error that counts these can have it: only a pitch has a total.
     #[must_use]
     pub const fn fits(self, counted: Countable) -> bool {
@@ -62,11 +54,7 @@ impl Extent {
     /// In words: `one space`, `every pitch, any sign`. Where pitches add up, `in_contact` says how many at most.
     #[must_use]
     pub fn words(self, counted: Countable, in_contact: Option<u32>) -> String {
-        let one = match counted {
-            Countable::Space => "space",
-            Countable::Pitch => "pitch",
-            Countable::Tooth => "tooth",
-        };
+        let one = counted.name();
         let mut words = match self {
             Self::One => format!("one {one}"),
             Self::Part => format!("a run of {}", if one == "tooth" { "teeth".to_owned() } else { plural(one) }),

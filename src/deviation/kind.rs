@@ -7,24 +7,15 @@ use super::{Countable, Extent};
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
-/// A part of the pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Part {
-    /// The rack.
-    Rack,
-    /// The pinion.
-    Pinion,
-}
-
-impl Part {
-    /// `rack` or `pinion`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rack => "rack",
-            Self::Pinion => "pinion",
-        }
+named! {
+    /// A part of the pair.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Part {
+        /// The rack.
+        Rack = "rack",
+        /// The pinion.
+        Pinion = "pinion",
     }
 }
 

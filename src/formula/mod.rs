@@ -40,31 +40,24 @@ pub use part_deviation::PartDeviation;
 
 use crate::quantity::Length;
 
-/// Which reading of a formula to use, where the paper's differs from the exact one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-pub enum Model {
-    /// Exact for rigid teeth.
-    ///
-    /// The pressure angle is taken in the plane in which the error was measured.
-    #[default]
-    Exact,
-    /// As the paper prints it.
-    ///
-    /// Of the pinion's lead, which the paper has no formula for, the exact formula.
-    Paper,
+named! {
+    /// Which reading of a formula to use, where the paper's differs from the exact one.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum Model {
+        /// Exact for rigid teeth.
+        ///
+        /// The pressure angle is taken in the plane in which the error was measured.
+        #[default]
+        Exact = "exact",
+        /// As the paper prints it.
+        ///
+        /// Of the pinion's lead, which the paper has no formula for, the exact formula.
+        Paper = "paper",
+    }
 }
 
 impl Model {
-    /// `exact` or `paper`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Exact => "exact",
-            Self::Paper => "paper",
-        }
-    }
-
     /// The one that it is compared with.
     #[must_use]
     pub const fn other(self) -> Self {

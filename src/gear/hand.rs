@@ -1,14 +1,16 @@
 //! The hand of teeth, as drawings name it. Follows from the sign of a helix angle and nothing else.
 
-/// Which way teeth lean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hand {
-    /// A positive helix angle.
-    Right,
-    /// A negative helix angle.
-    Left,
-    /// No helix angle.
-    Spur,
+named! {
+    /// Which way teeth lean.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Hand {
+        /// A positive helix angle.
+        Right = "right",
+        /// A negative helix angle.
+        Left = "left",
+        /// No helix angle.
+        Spur = "spur",
+    }
 }
 
 impl Hand {
@@ -21,16 +23,6 @@ impl Hand {
             Self::Left
         } else {
             Self::Spur
-        }
-    }
-
-    /// Its name in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Right => "right",
-            Self::Left => "left",
-            Self::Spur => "spur",
         }
     }
 }

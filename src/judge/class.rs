@@ -23,30 +23,19 @@ pub enum RackDiameter {
     Given(Length),
 }
 
-/// Where a diameter comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DiameterSource {
-    /// The pinion's own reference diameter m_n z / cos β.
-    Own,
-    /// For a rack, the reference diameter of the mating pinion.
-    MatingPinion,
-    /// For a rack, L/π.
-    Developed,
-    /// Given as a number.
-    Given,
-}
-
-impl DiameterSource {
-    /// In words, as it stands behind the diameter.
-    #[must_use]
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Self::Own => "reference diameter",
-            Self::MatingPinion => "reference diameter of the mating pinion",
-            Self::Developed => "developed, L/π",
-            Self::Given => "given",
-        }
+named! {
+    /// Where a diameter comes from.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    #[non_exhaustive]
+    pub enum DiameterSource {
+        /// The pinion's own reference diameter m_n z / cos β.
+        Own = "reference diameter",
+        /// For a rack, the reference diameter of the mating pinion.
+        MatingPinion = "reference diameter of the mating pinion",
+        /// For a rack, L/π.
+        Developed = "developed, L/π",
+        /// Given as a number.
+        Given = "given",
     }
 }
 
@@ -78,7 +67,7 @@ impl ErrorClass {
             self.permissible.value_um(),
         );
         if let Some((diameter, source)) = &self.diameter {
-            text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.in_words()));
+            text.push_str(&format!(", d = {:.3} mm ({})", diameter.mm(), source.name()));
         }
         if let Some(total) = &self.total {
             text.push_str(&format!("; {} = {} µm of either flank side caps it", total.symbol(), total.value_um()));

@@ -48,26 +48,16 @@ impl fmt::Display for LimitTarget {
 /// The limits of an evaluation.
 pub type Limits = Vec<(LimitTarget, Limit)>;
 
-/// The outcome of a comparison with a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Inside the limit, or on it.
-    Pass,
-    /// Outside the limit.
-    Fail,
-    /// Too near the limit for the uncertainty or the guard band: neither conformity nor non-conformity is proven.
-    Indeterminate,
-}
-
-impl Verdict {
-    /// `pass`, `fail` or `indeterminate`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Indeterminate => "indeterminate",
-        }
+named! {
+    /// The outcome of a comparison with a limit.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Verdict {
+        /// Inside the limit, or on it.
+        Pass = "pass",
+        /// Outside the limit.
+        Fail = "fail",
+        /// Too near the limit for the uncertainty or the guard band: neither conformity nor non-conformity is proven.
+        Indeterminate = "indeterminate",
     }
 }
 

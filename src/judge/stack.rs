@@ -7,35 +7,28 @@ use std::fmt;
 use crate::judge::bound::{Bound, Combined, NoBound, Note, Range};
 use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
-/// How errors are combined to the result that is judged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[non_exhaustive]
-pub enum Stack {
-    /// The worst case: what these errors can do wherever on the teeth they are.
-    ///
-    /// No placement of these errors on the teeth leaves it.
-    #[default]
-    #[cfg_attr(feature = "cli", value(alias = "worst"))]
-    Range,
-    /// Mean ± 3 standard deviations; no bound.
-    ///
-    /// Statistical: all but a few of many such parts, at any one stroke.
-    Rss,
+named! {
+    /// How errors are combined to the result that is judged.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    #[non_exhaustive]
+    pub enum Stack {
+        /// The worst case: what these errors can do wherever on the teeth they are.
+        ///
+        /// No placement of these errors on the teeth leaves it.
+        #[default]
+        #[cfg_attr(feature = "cli", value(alias = "worst"))]
+        Range = "range",
+        /// Mean ± 3 standard deviations; no bound.
+        ///
+        /// Statistical: all but a few of many such parts, at any one stroke.
+        Rss = "rss",
+    }
 }
 
 impl Stack {
     /// Every one.
     pub const ALL: [Self; 2] = [Self::Range, Self::Rss];
-
-    /// `range` or `rss`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Range => "range",
-            Self::Rss => "rss",
-        }
-    }
 
     /// What the combination of a bound rests on.
     #[must_use]

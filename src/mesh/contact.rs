@@ -58,41 +58,27 @@ pub(super) struct Across {
     pub(super) half_width: f64,
 }
 
-/// Where on the flanks a contact is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum ContactKind {
-    /// Along a whole generator: flank against flank.
-    Line,
-    /// Inside both flanks at one point; only with flank form.
-    Point,
-    /// At the pinion's tip edge.
-    TipEdge,
-    /// At the edge where the pinion's involute starts.
-    RootEdge,
-    /// At the edge between the rack's flank and its tip plane.
-    RackEdge,
-    /// At an end face of the rack.
-    RackEndEdge,
-    /// At an end face of the pinion.
-    PinionEndEdge,
-    /// Where two of these edges meet.
-    Corner,
-}
-
-impl ContactKind {
-    /// The name in tables and CSV: `line`, `tip edge`, `rack edge`, `end edge`, ...
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Line => "line",
-            Self::Point => "point",
-            Self::TipEdge => "tip edge",
-            Self::RootEdge => "root edge",
-            Self::RackEdge => "rack edge",
-            Self::RackEndEdge | Self::PinionEndEdge => "end edge",
-            Self::Corner => "corner",
-        }
+named! {
+    /// Where on the flanks a contact is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    #[non_exhaustive]
+    pub enum ContactKind {
+        /// Along a whole generator: flank against flank.
+        Line = "line",
+        /// Inside both flanks at one point; only with flank form.
+        Point = "point",
+        /// At the pinion's tip edge.
+        TipEdge = "tip edge",
+        /// At the edge where the pinion's involute starts.
+        RootEdge = "root edge",
+        /// At the edge between the rack's flank and its tip plane.
+        RackEdge = "rack edge",
+        /// At an end face of the rack.
+        RackEndEdge = "end edge",
+        /// At an end face of the pinion.
+        PinionEndEdge = "end edge",
+        /// Where two of these edges meet.
+        Corner = "corner",
     }
 }
 

@@ -3,23 +3,18 @@
 use super::ContactKind;
 use crate::quantity::Rounded;
 
-/// Which flank of the rack.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum FlankSide {
-    /// The flanks that face +X.
-    Right,
-    /// The flanks that face −X.
-    Left,
-}
-
-impl std::fmt::Display for FlankSide {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Right => "right",
-            Self::Left => "left",
-        })
+named! {
+    /// Which flank of the rack.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum FlankSide {
+        /// The flanks that face +X.
+        Right = "right",
+        /// The flanks that face −X.
+        Left = "left",
     }
 }
+
+display_by_name!(FlankSide);
 
 /// The flank pair that carries on one side.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -43,7 +43,7 @@ impl ClassReport {
             length.as_ref().map(|length| format!("{symbol} = {} mm", plain(rounded(length.mm()))))
         };
         let diameter = mm("d", &wheel.diameter).map(|text| match self.diameter_source {
-            Some(source) => format!("{text} ({})", source.in_words()),
+            Some(source) => format!("{text} ({})", source.name()),
             None => text,
         });
         let parts = [
@@ -149,7 +149,7 @@ impl Report for ClassReport {
             "part": self.part.name(),
             "normal_module_mm": wheel.normal_module,
             "diameter_mm": wheel.diameter,
-            "diameter_source": self.diameter_source.map(DiameterSource::in_words),
+            "diameter_source": self.diameter_source.map(DiameterSource::name),
             "face_width_mm": wheel.face_width,
             "teeth": wheel.teeth,
             "notes": self.notes,

@@ -261,7 +261,7 @@ pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) 
         "value_um": permissible.value_um(),
         "unrounded_um": permissible.unrounded_um(),
         "diameter_mm": diameter.map(|(diameter, _)| diameter.mm()),
-        "diameter_source": diameter.map(|(_, source)| source.in_words()),
+        "diameter_source": diameter.map(|(_, source)| source.name()),
     })
 }
 

@@ -1,32 +1,23 @@
 //! How uncertain a quantity is, and how its values are distributed. Built by the spec layer and by callers; holds numbers
 //! only, and knows nothing of formulas.
 
-/// How the values that a quantity may have are distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Distribution {
-    /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
-    Normal,
-    /// Any value within the half-width alike: u = a/√3.
-    Rectangular,
-    /// Falling linearly from the middle: u = a/√6.
-    Triangular,
-    /// As of a sine wave, mostly near the ends: u = a/√2.
-    Arcsine,
+named! {
+    /// How the values that a quantity may have are distributed.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum Distribution {
+        /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
+        Normal = "normal",
+        /// Any value within the half-width alike: u = a/√3.
+        Rectangular = "rectangular",
+        /// Falling linearly from the middle: u = a/√6.
+        Triangular = "triangular",
+        /// As of a sine wave, mostly near the ends: u = a/√2.
+        Arcsine = "arcsine",
+    }
 }
 
 impl Distribution {
-    /// Its name in specs.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Rectangular => "rectangular",
-            Self::Triangular => "triangular",
-            Self::Arcsine => "arcsine",
-        }
-    }
-
     /// Half-width in standard uncertainties; of a normal distribution, that of 95.45 %.
     #[must_use]
     pub fn half_width(self) -> f64 {
