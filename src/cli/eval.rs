@@ -98,10 +98,8 @@ fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<Mesh
 
 pub(super) fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {
     let message = format!("there is a limit on ΔCD of the {target}, but [errors] does not give that error");
-    let diagnostic = Diagnostic::warning(Code::UnjudgedLimit, message)
-        .help(format!("add `{}` to [errors], or remove its limit", target.key()));
-    match spec.limits.iter().find(|(on, _)| *on == target) {
-        Some((_, limit)) => diagnostic.at(&spec.source, limit.span.clone(), "cannot be judged"),
-        None => diagnostic,
-    }
+    let place = spec.limits.iter().find(|(on, _)| *on == target).map(|(_, limit)| limit.span.clone());
+    Diagnostic::warning(Code::UnjudgedLimit, message)
+        .help(format!("add `{}` to [errors], or remove its limit", target.key()))
+        .at(&spec.source, place, "cannot be judged")
 }

@@ -121,11 +121,13 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, message) }
     }
 
-    /// Adds where the problem is.
+    /// Adds where the problem is, if that is known.
     #[must_use]
-    pub fn at(mut self, source: &Arc<Source>, span: Range<usize>, label: impl Into<String>) -> Self {
-        let (source, span) = source.holding(span);
-        self.place = Some(Place { source, span, label: label.into() });
+    pub fn at(mut self, source: &Arc<Source>, span: impl Into<Option<Range<usize>>>, label: impl Into<String>) -> Self {
+        if let Some(span) = span.into() {
+            let (source, span) = source.holding(span);
+            self.place = Some(Place { source, span, label: label.into() });
+        }
         self
     }
 

@@ -113,11 +113,8 @@ impl Spec {
         let part = kind.part().name();
         let message = format!("the {part} is given both ways: `{}` as one value, and its teeth one by one", kind.key());
         let help = format!("leave out the value, or [[{part}.deviation]] and `{part}.measured`");
-        let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help(help);
-        Err(match said_of(&self.errors, *kind) {
-            Some(written) if !written.span.is_empty() => diagnostic.at(&self.source, written.span.clone(), ""),
-            _ => diagnostic,
-        })
+        let place = said_of(&self.errors, *kind).map(|written| written.span.clone()).filter(|span| !span.is_empty());
+        Err(Diagnostic::error(Code::BadErrorEntry, message).help(help).at(&self.source, place, ""))
     }
 
     /// The keys that the pair's geometry still lacks.

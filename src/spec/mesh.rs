@@ -407,11 +407,8 @@ impl Spec {
             GeometryError::PointedPinion { .. } => PairSize::PinionTipDiameter,
             GeometryError::NoInvolute { .. } => PairSize::PinionRootFormDiameter,
         };
-        let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string());
-        match self.values.at(quantity.key()) {
-            Some(written) => diagnostic.at(&self.source, written.span.clone(), ""),
-            None => diagnostic,
-        }
+        let place = self.values.at(quantity.key()).map(|written| written.span.clone());
+        Diagnostic::error(Code::BadGeometry, error.to_string()).at(&self.source, place, "")
     }
 }
 

@@ -119,11 +119,9 @@ impl Spec {
     /// A failed evaluation as a diagnostic that points at the error concerned.
     #[must_use]
     pub fn explain_failure(&self, failure: &EvaluationError) -> Diagnostic {
-        let diagnostic = Diagnostic::error(Code::NoResult, failure.to_string());
-        match failure.error.and_then(|kind| said_of(&self.errors, kind)) {
-            Some(written) => diagnostic.at(&self.source, written.span.clone(), ""),
-            None => diagnostic,
-        }
+        let written = failure.error.and_then(|kind| said_of(&self.errors, kind));
+        let place = written.map(|written| written.span.clone());
+        Diagnostic::error(Code::NoResult, failure.to_string()).at(&self.source, place, "")
     }
 
     /// An error with its law; `None` if a key is missing or the value is refused.

@@ -114,20 +114,17 @@ impl Spec {
         let mesh = &input.mesh;
         if let mesh::Support::FreeRoll { axis_depth_mm } = mesh.support() {
             if matches!(parameters.support, Support::Yoke(_)) {
-                let span = self.place(keys::SUPPORT_ROLL).unwrap_or(0..0);
                 let diagnostic = Diagnostic::usage("a rack carried by a yoke is not solved with free roll")
-                    .at(&self.source, span, "")
+                    .at(&self.source, self.place(keys::SUPPORT_ROLL), "")
                     .help("write roll = \"fixed\", or simulation.support = \"slider\"");
                 return Err(diagnostic.into());
             }
             parameters.support = Support::FreeRoll { axis_depth_mm };
         }
         Scene::new(*mesh.pair(), mesh.rack().clone(), mesh.pinion().clone(), parameters).map_err(|error| {
-            let diagnostic = Diagnostic::error(Code::NoSimulation, error.to_string());
-            match place(&self.values, &error) {
-                Some(span) => diagnostic.at(&self.source, span, "").into(),
-                None => diagnostic.into(),
-            }
+            Diagnostic::error(Code::NoSimulation, error.to_string())
+                .at(&self.source, place(&self.values, &error), "")
+                .into()
         })
     }
 }

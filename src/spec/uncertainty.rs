@@ -277,7 +277,7 @@ impl Spec {
             }
         }
         Uncertainties::new(inputs, &correlations).map_err(|problem| {
-            let place = self.correlations.first().map_or(0..0, |written| written.span.clone());
+            let place = self.correlations.first().map(|written| written.span.clone());
             Diagnostic::error(Code::BadUncertainty, problem.to_string()).at(&self.source, place, "").into()
         })
     }
