@@ -1,10 +1,10 @@
 //! Tables as bytes: files, standard input that Ctrl-C can end, and standard output without a line buffer.
 
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use super::output::Failure;
@@ -32,11 +32,7 @@ pub(super) fn name(path: &str) -> &str {
 /// Standard input, read by a thread of its own: a slow pipe does not keep the program from ending.
 pub(super) struct Stdin {
     blocks: Receiver<io::Result<Vec<u8>>>,
-    /// Blocks that were read to the end, to be filled again.
-    empty: SyncSender<Vec<u8>>,
-    block: Vec<u8>,
-    at: usize,
-    ended: bool,
+    block: Cursor<Vec<u8>>,
     stop: Arc<AtomicBool>,
 }
 
@@ -46,12 +42,10 @@ const BLOCKS: usize = 4;
 impl Stdin {
     pub(super) fn new(stop: Arc<AtomicBool>) -> Self {
         let (filled, blocks) = sync_channel(BLOCKS);
-        let (empty, to_fill) = sync_channel::<Vec<u8>>(BLOCKS);
         std::thread::spawn(move || {
             let mut stdin = io::stdin().lock();
             loop {
-                let mut block = to_fill.try_recv().unwrap_or_default();
-                block.resize(BLOCK, 0);
+                let mut block = vec![0; BLOCK];
                 let read = match stdin.read(&mut block) {
                     Ok(0) => return,
                     Ok(count) => {
@@ -67,32 +61,24 @@ impl Stdin {
                 }
             }
         });
-        Self { blocks, empty, block: Vec::new(), at: 0, ended: false, stop }
+        Self { blocks, block: Cursor::default(), stop }
     }
 }
 
 impl Read for Stdin {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         const INTERVAL: Duration = Duration::from_millis(50);
-        while self.at == self.block.len() && !self.ended {
-            if self.stop.load(Ordering::Relaxed) {
-                return Ok(0);
+        loop {
+            let count = self.block.read(out)?;
+            if count > 0 || self.stop.load(Ordering::Relaxed) {
+                return Ok(count);
             }
             match self.blocks.recv_timeout(INTERVAL) {
-                Ok(block) => {
-                    let used = std::mem::replace(&mut self.block, block?);
-                    self.at = 0;
-                    // a full channel has enough blocks already
-                    let _ = self.empty.try_send(used);
-                }
+                Ok(block) => self.block = Cursor::new(block?),
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => self.ended = true,
+                Err(RecvTimeoutError::Disconnected) => return Ok(0),
             }
         }
-        let count = out.len().min(self.block.len() - self.at);
-        out[..count].copy_from_slice(&self.block[self.at..self.at + count]);
-        self.at += count;
-        Ok(count)
     }
 }
 
