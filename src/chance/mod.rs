@@ -320,7 +320,6 @@ impl Tally {
 fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs: &mut [Vec<f64>], scratch: &mut [f64]) {
     for ((value, uncertainty), column) in variables.variables.iter().zip(inputs.iter_mut()) {
         let (value, u) = (*value, uncertainty.standard);
-        let half = u * uncertainty.distribution.half_width();
         match uncertainty.distribution {
             // correlated variables are scaled after they are combined
             Distribution::Normal if variables.factor.is_some() && uncertainty.dof.is_infinite() => {
@@ -329,12 +328,7 @@ fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs:
             Distribution::Normal if uncertainty.dof.is_finite() => {
                 column.fill_with(|| value + u * random.student(uncertainty.dof));
             }
-            Distribution::Normal => column.fill_with(|| value + u * random.normal(ziggurat)),
-            Distribution::Rectangular => {
-                column.fill_with(|| value + half * (2.0 * random.uniform() - 1.0));
-            }
-            Distribution::Triangular => column.fill_with(|| value + half * random.triangular()),
-            Distribution::Arcsine => column.fill_with(|| value + half * random.arcsine()),
+            _ => column.fill_with(|| value + random.spread(uncertainty, ziggurat)),
         }
     }
     let Some(factor) = &variables.factor else { return };

@@ -11,6 +11,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng as _, SeedableRng as _};
 
 use crate::trig;
+use crate::uncertainty::{Distribution, Uncertainty};
 
 /// Where the base layer's tail starts, for 256 layers of equal area.
 const TAIL: f64 = 3.654_152_885_361_009;
@@ -129,6 +130,18 @@ impl Random {
             if w > 0.0 && w <= 1.0 {
                 return u * (dof * (libm::pow(w, -2.0 / dof) - 1.0) / w).sqrt();
             }
+        }
+    }
+
+    /// About 0, as an uncertainty says that it is spread; normal whatever its degrees of freedom.
+    #[inline]
+    pub(crate) fn spread(&mut self, uncertainty: &Uncertainty, ziggurat: &Ziggurat) -> f64 {
+        let half = uncertainty.standard * uncertainty.distribution.half_width();
+        match uncertainty.distribution {
+            Distribution::Normal => uncertainty.standard * self.normal(ziggurat),
+            Distribution::Rectangular => half * (2.0 * self.uniform() - 1.0),
+            Distribution::Triangular => half * self.triangular(),
+            Distribution::Arcsine => half * self.arcsine(),
         }
     }
 

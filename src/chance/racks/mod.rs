@@ -292,21 +292,12 @@ impl<'a> Draw<'a> {
         Ok(Self { base, scatter, seed, from: from_mm, step, steps, teeth, ziggurat: Ziggurat::new() })
     }
 
-    fn value(&self, spread: &Uncertainty, random: &mut Random) -> f64 {
-        let half = spread.standard * spread.distribution.half_width();
-        match spread.distribution {
-            Distribution::Normal => spread.standard * random.normal(&self.ziggurat),
-            Distribution::Rectangular => half * (2.0 * random.uniform() - 1.0),
-            Distribution::Triangular => half * random.triangular(),
-            Distribution::Arcsine => half * random.arcsine(),
-        }
-    }
-
     fn mesh(&self, random: &mut Random) -> Result<Result<Mesh, MeshError>, DeviationError> {
         let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.scatter;
         let pair = self.base.pair();
         let half_to_x = 0.5 / trig::cos(pair.rack().helix_angle_rad);
-        let mut draw = |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| self.value(spread, random));
+        let mut draw =
+            |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| random.spread(spread, &self.ziggurat));
         let mut drawn = BTreeMap::new();
         let place = rack_pitch.as_ref().map(place_of);
         for tooth in self.teeth.clone() {
@@ -332,9 +323,9 @@ impl<'a> Draw<'a> {
         }
         if let Some(runout) = self.scatter.pinion_runout {
             let (along, across) = if runout.distribution == Distribution::Normal {
-                (0.5 * self.value(&runout, random), 0.5 * self.value(&runout, random))
+                (0.5 * random.spread(&runout, &self.ziggurat), 0.5 * random.spread(&runout, &self.ziggurat))
             } else {
-                let amount = 0.5 * self.value(&runout, random).abs();
+                let amount = 0.5 * random.spread(&runout, &self.ziggurat).abs();
                 let (sin, cos) = trig::sin_cos(TAU * random.uniform());
                 (amount * cos, amount * sin)
             };
