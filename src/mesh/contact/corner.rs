@@ -72,12 +72,17 @@ pub(super) struct Turned {
 
 /// A point of the flank.
 #[derive(Clone, Copy)]
-struct Place {
-    roll: f64,
-    w: f64,
-    generator: Turned,
-    /// Coordinate across the rack.
-    y: f64,
+pub(super) struct Place {
+    pub(super) w: f64,
+    pub(super) generator: Turned,
+    /// r_b (cos γ + τ sin γ): how far it is towards the rack.
+    pub(super) along: f64,
+    /// What the flank's plane asks for, and that by δ at a fixed τ, per r_b/sin ν.
+    pub(super) demand: f64,
+    pub(super) by_delta: f64,
+    /// Coordinate across the rack, and its derivative by w.
+    pub(super) y: f64,
+    pub(super) y_by_w: f64,
 }
 
 impl FlankContact {
@@ -144,12 +149,22 @@ impl FlankContact {
         }
     }
 
-    fn place(&self, pose: &Pose, roll: f64, w: f64) -> Place {
+    pub(super) fn place(&self, pose: &Pose, roll: f64, w: f64) -> Place {
         #[cfg(test)]
         super::tests::count();
         let generator = self.turned((pose.c - self.nu) + roll - self.kappa * w);
-        let xi = self.base_radius * (generator.sin - roll * generator.cos) + pose.offset.0;
-        Place { roll, w, generator, y: self.across.t * xi + self.across.w * w }
+        let Turned { sin_delta, versine, lag, sin, cos, .. } = generator;
+        let along = self.base_radius * (cos + roll * sin);
+        let xi = self.base_radius * (sin - roll * cos) + pose.offset.0;
+        Place {
+            w,
+            generator,
+            along,
+            demand: self.unbounded(pose) + self.scale * (lag - roll * versine),
+            by_delta: versine - roll * sin_delta,
+            y: self.across.t * xi + self.across.w * w,
+            y_by_w: self.across.w - self.kappa * self.across.t * along,
+        }
     }
 
     /// The end of the flank with the largest roll angle and generator, or with the smallest ones; `None` if the faces
@@ -176,9 +191,7 @@ impl FlankContact {
             }
         }
         for _ in 0..MAX_STEPS {
-            let along = self.base_radius * (place.generator.cos + roll * place.generator.sin);
-            let slope = self.across.w - self.kappa * self.across.t * along;
-            let step = (end * k - place.y) / slope;
+            let step = (end * k - place.y) / place.y_by_w;
             place = self.place(pose, roll, place.w + step);
             if (self.kappa * step).abs() <= SETTLED {
                 return (place.w.abs() <= half_face).then_some((place, EdgeEnd::RackEnd));
@@ -196,23 +209,17 @@ impl FlankContact {
 
     /// The touch at the flank's end, unless more than it could touch.
     fn settled(&self, pose: &Pose, floor: f64, place: &Place, held: EdgeEnd) -> Option<Touch> {
-        let Place { roll, w, generator: Turned { delta, sin_delta, versine, lag, sin, cos }, .. } = *place;
-        let demand = self.unbounded(pose) + self.scale * (lag - roll * versine);
+        let Place { w, generator: Turned { delta, .. }, along, demand, by_delta, y_by_w, .. } = *place;
         let rest = self.rest(pose, delta < 0.0);
-        let along = self.base_radius * (cos + roll * sin);
         let far = !(0.0..=FRAC_PI_2).contains(&(self.nu + delta));
         if far || rest > demand.max(floor) || self.tip.d + along - pose.offset.1 < demand {
             return None;
         }
         // how δ and τ move with c: with the flank, or along its edge where the rack's face ends
         let swept = along + pose.offset_rate.0;
-        let by_delta = versine - roll * sin_delta;
         let rate = match held {
             EdgeEnd::PinionEnd => by_delta,
-            EdgeEnd::RackEnd => {
-                let slope = self.across.w - self.kappa * self.across.t * along;
-                by_delta * (1.0 + self.kappa * self.across.t * swept / slope)
-            }
+            EdgeEnd::RackEnd => by_delta * (1.0 + self.kappa * self.across.t * swept / y_by_w),
         };
         let kind = match (held, self.kappa == 0.0, delta < 0.0) {
             (EdgeEnd::PinionEnd, true, true) => ContactKind::TipEdge,
