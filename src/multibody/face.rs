@@ -7,7 +7,7 @@
 
 use super::load::{Load, NormalForce, Sliding, Touching};
 
-/// An element's gap on a plane face, with its derivatives by ψ and φ; those by φ are not looked at where nothing rolls.
+/// An element's gap on a plane face, with its derivatives by ψ and φ.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct OnFace {
     pub(super) gap: f64,
@@ -32,17 +32,15 @@ struct Moments {
 }
 
 impl Moments {
-    fn add<const ROLLS: bool>(&mut self, x: f64, on: &OnFace) {
+    fn add(&mut self, x: f64, on: &OnFace) {
         let by_angle = x * on.by_angle;
         self.one += x;
         self.angle += by_angle;
         self.angle_angle += by_angle * on.by_angle;
-        if ROLLS {
-            let by_roll = x * on.by_roll;
-            self.roll += by_roll;
-            self.angle_roll += by_angle * on.by_roll;
-            self.roll_roll += by_roll * on.by_roll;
-        }
+        let by_roll = x * on.by_roll;
+        self.roll += by_roll;
+        self.angle_roll += by_angle * on.by_roll;
+        self.roll_roll += by_roll * on.by_roll;
     }
 
     /// Σ x g_i g_j, the derivative by a being the same for all.
@@ -84,7 +82,6 @@ pub(super) struct Face {
 }
 
 impl Face {
-    /// `by_height_roll` is not looked at where nothing rolls.
     pub(super) fn new(load: &Load<'_>, (right, tooth): (bool, i64), by: [f64; 3]) -> Self {
         let [by_height, by_stroke, by_height_roll] = by;
         Self {
@@ -99,34 +96,26 @@ impl Face {
     }
 
     /// Adds an element with a negative gap. `sliding` is asked for only with friction.
-    pub(super) fn add<const ROLLS: bool>(
-        &mut self,
-        on: &OnFace,
-        load: &mut Load<'_>,
-        sliding: impl FnOnce() -> Sliding,
-    ) {
+    pub(super) fn add(&mut self, on: &OnFace, load: &mut Load<'_>, sliding: impl FnOnce() -> Sliding) {
         let v = &load.rates;
         let depth = -on.gap;
-        let rate = -(on.by_angle * v[0] + if ROLLS { on.by_roll * v[2] } else { 0.0 } + self.opening);
+        let rate = -(on.by_angle * v[0] + on.by_roll * v[2] + self.opening);
         let force = load.law.force(depth, rate);
         let f = on.weight * force.value;
         let (by_depth, by_rate) = (on.weight * force.by_depth, on.weight * force.by_rate);
         self.force += f;
         self.by_angle += f * on.by_angle;
         self.by_angle_twice += f * on.by_angle_twice;
-        if ROLLS {
-            self.by_roll += f * on.by_roll;
-            self.by_angle_roll += f * on.by_angle_roll;
-            self.by_roll_twice += f * on.by_roll_twice;
-        }
-        self.stiffness.add::<ROLLS>(by_depth, on);
-        let turning = |by: [f64; 2]| by[0] * v[0] + if ROLLS { by[1] * v[2] } else { 0.0 };
+        self.by_roll += f * on.by_roll;
+        self.by_angle_roll += f * on.by_angle_roll;
+        self.by_roll_twice += f * on.by_roll_twice;
+        self.stiffness.add(by_depth, on);
+        let turning = |by: [f64; 2]| by[0] * v[0] + by[1] * v[2];
         let by_angle = || turning([on.by_angle_twice, on.by_angle_roll]);
         let by_roll = || turning([on.by_angle_roll, on.by_roll_twice]) + self.by_height_roll * v[1];
         if by_rate != 0.0 {
-            self.damping.add::<ROLLS>(by_rate, on);
-            let turns = [by_rate * by_angle(), if ROLLS { by_rate * by_roll() } else { 0.0 }];
-            for (sums, x) in self.turning.iter_mut().zip(turns) {
+            self.damping.add(by_rate, on);
+            for (sums, x) in self.turning.iter_mut().zip([by_rate * by_angle(), by_rate * by_roll()]) {
                 sums[0] += x * on.by_angle;
                 sums[1] += x;
                 sums[2] += x * on.by_roll;
@@ -139,11 +128,10 @@ impl Face {
         load.work.touching.0[usize::from(!self.right)].push(self.met(on, f, by_depth));
         if let Some((mu, fade)) = load.law.friction {
             load.work.counters.friction_evaluations += 1;
-            let height = if ROLLS { by_rate * self.by_height_roll * v[2] } else { 0.0 };
             let by_q = [
                 by_depth * on.by_angle + by_rate * by_angle(),
-                by_depth * self.by_height + height,
-                if ROLLS { by_depth * on.by_roll + by_rate * by_roll() } else { 0.0 },
+                by_depth * self.by_height + by_rate * self.by_height_roll * v[2],
+                by_depth * on.by_roll + by_rate * by_roll(),
             ];
             load.rub(&sliding(), mu, fade, &NormalForce { value: f, by_rate, by_q });
         }

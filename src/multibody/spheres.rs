@@ -147,18 +147,13 @@ impl Sphere {
 
     /// Adds the contact.
     fn touch(&self, meeting: &Meeting<'_>, face: &mut Face, load: &mut Load<'_>) {
-        let done = if meeting.reach.rolls {
-            self.touch_plane::<true>(meeting, face, load)
-        } else {
-            self.touch_plane::<false>(meeting, face, load)
-        };
-        if !done {
+        if !self.touch_plane(meeting, face, load) {
             self.touch_patch(meeting, load);
         }
     }
 
     /// Adds the contact with a plane face; `false` if the sphere may touch elsewhere.
-    fn touch_plane<const ROLLS: bool>(&self, meeting: &Meeting<'_>, face: &mut Face, load: &mut Load<'_>) -> bool {
+    fn touch_plane(&self, meeting: &Meeting<'_>, face: &mut Face, load: &mut Load<'_>) -> bool {
         let Meeting { pair, pose, placed, .. } = meeting;
         if !meeting.is_plain() {
             return false;
@@ -168,11 +163,7 @@ impl Sphere {
         let across = w * placed.cos_shaft - xi * placed.sin_shaft;
         // from the axis of the roll
         let up = zeta + (pose.at.center_distance + pose.shared.depth);
-        let (y, z) = if ROLLS {
-            (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll)
-        } else {
-            (across, up)
-        };
+        let (y, z) = (across * pose.cos_roll + up * pose.sin_roll, up * pose.cos_roll - across * pose.sin_roll);
         // what is left of the radius once the form is removed, and the height of the centre
         let left = self.radius - self.removed;
         let height = self.gap + left;
@@ -196,7 +187,7 @@ impl Sphere {
         if self.gap >= 0.0 {
             face.pass(&on, load);
         } else {
-            face.add::<ROLLS>(&on, load, || self.sliding(meeting, pair.normal));
+            face.add(&on, load, || self.sliding(meeting, pair.normal));
         }
         true
     }

@@ -114,7 +114,7 @@ impl<'a> Direct<'a> {
             by_angle_twice: self.by_angle_twice,
             ..OnFace::default()
         };
-        face.add::<false>(&on, load, || {
+        face.add(&on, load, || {
             let zeta = -r * (self.cos + tau * self.sin);
             Sliding { normal: pair.normal, motion: placed.point(pose, x, zeta, row.w).motion }
         });
