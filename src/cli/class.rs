@@ -380,9 +380,8 @@ fn term(standard: Standard, kind: DeviationKind, sized: &Sized) -> Option<String
     let deviation = class::deviation_of(kind)?;
     let limiting = standard.that_limits(deviation)?;
     let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
-    let diameter = diameter.map_or_else(String::new, |(diameter, source)| {
-        format!(", d = {:.4} mm ({})", diameter.mm(), source.name())
-    });
+    let diameter = diameter
+        .map_or_else(String::new, |(diameter, source)| format!(", d = {:.4} mm ({})", diameter.mm(), source.name()));
     let cap = match deviation {
         Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
             format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
