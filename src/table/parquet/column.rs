@@ -2,6 +2,7 @@
 
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
+use chrono::DateTime;
 use half::f16;
 
 use crate::quantity::Decimal;
@@ -61,7 +62,7 @@ impl Values {
     /// What stored integers mean.
     pub(super) fn of_integers(self, stored: Vec<i64>) -> Stored<'static> {
         match self {
-            Self::Moment(moment) => Stored::others(stored.into_iter().map(|count| moment.shown(count))),
+            Self::Moment(moment) => Stored::others(stored.into_iter().map(|count| moment.shown(count.into()))),
             Self::Unsigned => Stored::long_integers(stored.into_iter().map(|value| value.cast_unsigned().into()), 0),
             Self::Decimal { scale } => Stored::integers(stored, scale),
             Self::PlainNumbers | Self::Halves | Self::Uuids => Stored::integers(stored, 0),
@@ -69,52 +70,44 @@ impl Values {
     }
 }
 
-/// A date or a time as a count.
+/// A date or a time as a count: of what, in nanoseconds since the beginning of 1970 or since midnight, and how it is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Moment {
-    /// Days since the beginning of 1970.
-    Date,
-    /// Since midnight.
-    Time { per_second: i64 },
-    /// Since the beginning of 1970.
-    Timestamp { per_second: i64 },
+pub(super) struct Moment {
+    nanoseconds: i64,
+    format: &'static str,
 }
+
+const SECOND: i64 = 1_000_000_000;
+const DAY: i64 = 86_400 * SECOND;
 
 impl Moment {
-    /// As a message shows it.
-    pub(super) fn shown(self, count: i64) -> String {
-        match self {
-            Self::Date => shown_day(count),
-            Self::Time { per_second } => shown_clock(count, per_second),
-            Self::Timestamp { per_second } => {
-                let day = count.div_euclid(per_second).div_euclid(DAY);
-                format!("{} {}", shown_day(day), shown_clock(count, per_second))
-            }
-        }
-    }
-}
+    const DATE: Self = Self { nanoseconds: DAY, format: "%F" };
 
-/// Seconds of a day.
-const DAY: i64 = 86_400;
-
-/// The time of day, with a fraction of a second that is not zero.
-fn shown_clock(count: i64, per_second: i64) -> String {
-    let (seconds, fraction) = (count.div_euclid(per_second).rem_euclid(DAY), count.rem_euclid(per_second));
-    let clock = format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
-    if fraction == 0 {
-        return clock;
+    const fn time(nanoseconds: i64) -> Self {
+        Self { nanoseconds, format: "%T%.f" }
     }
-    let places = per_second.ilog10() as usize;
-    format!("{clock}.{}", format!("{fraction:0places$}").trim_end_matches('0'))
+
+    const fn timestamp(nanoseconds: i64) -> Self {
+        Self { nanoseconds, format: "%F %T%.f" }
+    }
+
+    /// As a message shows it; the count itself beyond all calendars.
+    fn shown(self, count: i128) -> String {
+        let second = i128::from(SECOND);
+        let nanoseconds = count * i128::from(self.nanoseconds);
+        let seconds = i64::try_from(nanoseconds.div_euclid(second)).ok();
+        let moment = seconds.and_then(|seconds| {
+            DateTime::from_timestamp(seconds, u32::try_from(nanoseconds.rem_euclid(second)).unwrap_or_default())
+        });
+        moment.map_or_else(|| count.to_string(), |moment| moment.format(self.format).to_string())
+    }
 }
 
 /// A timestamp of older files: nanoseconds of a day, and its number in the Julian calendar.
 pub(super) fn shown_int96([low, high, day]: [u32; 3]) -> String {
-    const EPOCH: i64 = 2_440_588;
-    const PER_SECOND: i64 = 1_000_000_000;
-    let nanoseconds = (i64::from(high & 0x7fff_ffff) << 32) | i64::from(low);
-    let days = i64::from(day) - EPOCH + nanoseconds / PER_SECOND / DAY;
-    format!("{} {}", shown_day(days), shown_clock(nanoseconds, PER_SECOND))
+    const EPOCH: i128 = 2_440_588;
+    let nanoseconds = (i128::from(high & 0x7fff_ffff) << 32) | i128::from(low);
+    Moment::timestamp(1).shown((i128::from(day) - EPOCH) * i128::from(DAY) + nanoseconds)
 }
 
 /// A number of half precision as its shortest decimal; `None` if it is not finite.
@@ -153,30 +146,6 @@ fn hexadecimal(bytes: &[u8], hyphens: &[usize]) -> String {
         digits.extend([byte >> 4, byte & 0xf].map(|digit| char::from_digit(digit.into(), 16).unwrap_or_default()));
     }
     digits
-}
-
-/// Year, month and day, of days since the beginning of 1970.
-fn shown_day(days: i64) -> String {
-    /// The calendar repeats itself.
-    const CYCLE_YEARS: i64 = 400;
-    const CYCLE_DAYS: i64 = 146_097;
-    let leap = |year: i64| year % 4 == 0 && (year % 100 != 0 || year % CYCLE_YEARS == 0);
-    let mut day = days.rem_euclid(CYCLE_DAYS);
-    let mut year = 1970;
-    while day >= 365 + i64::from(leap(year)) {
-        day -= 365 + i64::from(leap(year));
-        year += 1;
-    }
-    let february = 28 + i64::from(leap(year));
-    let mut month = 1;
-    for length in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
-        if day < length {
-            break;
-        }
-        day -= length;
-        month += 1;
-    }
-    format!("{}-{month:02}-{:02}", year + days.div_euclid(CYCLE_DAYS) * CYCLE_YEARS, day + 1)
 }
 
 /// The columns of a file in their order; one that is nested is one column.
@@ -222,16 +191,14 @@ fn of_integers(column: &ColumnDescriptor) -> Option<Values> {
         }
         (ConvertedType::INT_8 | ConvertedType::INT_16 | ConvertedType::INT_32 | ConvertedType::INT_64, _)
         | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => Some(Values::PlainNumbers),
-        (ConvertedType::DATE, _) => moment(Moment::Date),
-        (ConvertedType::TIME_MILLIS, _) => moment(Moment::Time { per_second: 1000 }),
-        (ConvertedType::TIME_MICROS, _) => moment(Moment::Time { per_second: 1_000_000 }),
-        (ConvertedType::TIMESTAMP_MILLIS, _) => moment(Moment::Timestamp { per_second: 1000 }),
-        (ConvertedType::TIMESTAMP_MICROS, _) => moment(Moment::Timestamp { per_second: 1_000_000 }),
+        (ConvertedType::DATE, _) => moment(Moment::DATE),
+        (ConvertedType::TIME_MILLIS, _) => moment(Moment::time(SECOND / 1000)),
+        (ConvertedType::TIME_MICROS, _) => moment(Moment::time(1000)),
+        (ConvertedType::TIMESTAMP_MILLIS, _) => moment(Moment::timestamp(SECOND / 1000)),
+        (ConvertedType::TIMESTAMP_MICROS, _) => moment(Moment::timestamp(1000)),
         // nanoseconds are younger than converted types
-        (ConvertedType::NONE, Some(LogicalType::Time(_))) => moment(Moment::Time { per_second: 1_000_000_000 }),
-        (ConvertedType::NONE, Some(LogicalType::Timestamp(_))) => {
-            moment(Moment::Timestamp { per_second: 1_000_000_000 })
-        }
+        (ConvertedType::NONE, Some(LogicalType::Time(_))) => moment(Moment::time(1)),
+        (ConvertedType::NONE, Some(LogicalType::Timestamp(_))) => moment(Moment::timestamp(1)),
         _ => None,
     }
 }
@@ -261,17 +228,17 @@ mod tests {
             (11_016, "2000-02-29"),
             (20_453, "2025-12-31"),
             (47_541, "2100-03-01"),
-            (-719_528, "0-01-01"),
+            (-719_528, "0000-01-01"),
         ] {
-            assert_eq!(Moment::Date.shown(days), date);
+            assert_eq!(Moment::DATE.shown(days), date);
         }
-        assert_eq!(Moment::Timestamp { per_second: 1000 }.shown(-1), "1969-12-31 23:59:59.999");
-        assert_eq!(Moment::Time { per_second: 1_000_000 }.shown(45_296_000_001), "12:34:56.000001");
-        assert_eq!(Moment::Timestamp { per_second: 1_000_000_000 }.shown(1_250_000_000), "1970-01-01 00:00:01.25");
-        assert_eq!(Moment::Timestamp { per_second: 1000 }.shown(2000), "1970-01-01 00:00:02");
-        assert_eq!(shown_int96([500_000_000, 0, 2_440_588]), "1970-01-01 00:00:00.5");
-        assert!(!Moment::Timestamp { per_second: 1 }.shown(i64::MIN).is_empty());
-        assert!(!Moment::Date.shown(i64::MAX).is_empty());
+        assert_eq!(Moment::timestamp(1_000_000).shown(-1), "1969-12-31 23:59:59.999");
+        assert_eq!(Moment::time(1000).shown(45_296_000_001), "12:34:56.000001");
+        assert_eq!(Moment::timestamp(1).shown(1_250_000_000), "1970-01-01 00:00:01.250");
+        assert_eq!(Moment::timestamp(1_000_000).shown(2000), "1970-01-01 00:00:02");
+        assert_eq!(shown_int96([500_000_000, 0, 2_440_588]), "1970-01-01 00:00:00.500");
+        assert_eq!(Moment::timestamp(SECOND).shown(i64::MIN.into()), i64::MIN.to_string());
+        assert_eq!(Moment::DATE.shown(i64::MAX.into()), i64::MAX.to_string());
     }
 
     #[test]

@@ -196,7 +196,7 @@ fn texts_dates_and_what_is_no_measurement() {
         other("true"),
         other("2025-12-31"),
         other("1970-01-02 00:00:00"),
-        other("1970-01-01 00:00:01.5"),
+        other("1970-01-01 00:00:01.500"),
         vec![decimal("1")],
         vec![Content::Empty],
     ];
