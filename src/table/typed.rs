@@ -208,8 +208,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     let (left_out, remarks) = (qdas.left_out.clone(), qdas.remarks.clone());
     let want = &with_nominals(&qdas, want)?;
     let table = qdas.table(&want.own);
-    let mark = table.mark().map_err(|text| {
-        let message = format!("{name} has values with decimal points and with commas: one of them is `{text}`");
+    let mark = table.mark().map_err(|line| {
+        let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
         Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
     })?;
     let mut head = vec![table.header(&want.own)];

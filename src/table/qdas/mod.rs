@@ -26,11 +26,10 @@ mod write;
 pub use read::read;
 pub use write::{CharacteristicColumn, ValueRow, write};
 
-use std::sync::Arc;
-
 use super::names::{Field, heading};
+use super::number::DecimalMark;
 use crate::deviation::DeviationKind;
-use crate::diagnostic::Source;
+use crate::quantity::Decimal;
 
 /// A characteristic and its values.
 #[derive(Debug, Clone, Default)]
@@ -86,14 +85,13 @@ impl Characteristic {
     }
 }
 
-/// One value: bytes of a source. Files have millions of them.
-#[derive(Debug, Clone, Copy, Default)]
+/// One value. Files have millions of them.
+#[derive(Debug, Clone, Copy)]
 struct Value {
-    source: u8,
-    start: u32,
-    length: u8,
-    /// There is none, or its attribute (K0002) says that it does not count.
-    is_none: bool,
+    /// `None` if there is none, or its attribute (K0002) says that it does not count.
+    number: Option<Decimal>,
+    /// The decimal mark that it is written with.
+    mark: Option<DecimalMark>,
     line: u32,
     /// K0014: index of a name, from 1.
     part_name: u32,
@@ -121,7 +119,7 @@ pub struct Qdas {
     pub left_out: Vec<LeftOut>,
     /// What is remarked.
     pub remarks: Vec<Remark>,
-    sources: Vec<Arc<Source>>,
+    name: String,
     part_names: Vec<String>,
 }
 
@@ -165,14 +163,7 @@ impl Qdas {
     /// What messages call the file of its values.
     #[must_use]
     pub fn name(&self) -> &str {
-        self.sources.last().map_or("the file", |source| &source.name)
-    }
-
-    /// The text of the value of a sample; `None` if it does not count or there is none.
-    fn text(&self, characteristic: &Characteristic, sample: u32) -> Option<&str> {
-        let value = characteristic.sample(sample).filter(|value| !value.is_none)?;
-        let text = &self.sources[usize::from(value.source)].text;
-        Some(text[value.start as usize..value.start as usize + usize::from(value.length)].trim())
+        &self.name
     }
 
     /// Which error a characteristic is: by the name that the spec gives to it; of an error that the spec gives no name

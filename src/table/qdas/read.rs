@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::definition::{Definition, NUMBERS, Said};
 use super::{Characteristic, LeftOut, PartDefinition, Qdas, Remark, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::parse_f64;
+use crate::quantity::{Decimal, parse_f64};
 use crate::table::number::{DecimalMark, normalise};
 
 /// Characteristics and parts of a header at most: more is a broken index, not a measuring plan.
@@ -16,8 +16,6 @@ const MOST_CHARACTERISTICS: usize = 10_000;
 const MOST_IN_ALL: usize = 500_000;
 /// The keys of remarks.
 const REMARKS: [u16; 3] = [9, 1900, 2900];
-/// The longest text of one value.
-const LONGEST_VALUE: usize = 200;
 /// Values of a file at most: a lot of a million parts has some millions.
 const MOST_VALUES: usize = 8_000_000;
 /// What keys with `/0` may say in all, one for each characteristic.
@@ -34,7 +32,8 @@ struct Draft {
 
 #[derive(Default)]
 struct Reader {
-    sources: Vec<Arc<Source>>,
+    /// The file that is read.
+    source: Arc<Source>,
     parts: Vec<PartDefinition>,
     /// Those of the headers before this one.
     characteristics: Vec<Characteristic>,
@@ -80,29 +79,20 @@ impl Line<'_> {
 /// none.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
     let mut reader = Reader::default();
-    for (name, text) in files.iter().take(usize::from(u8::MAX)) {
-        let text = text.trim_start_matches('\u{feff}');
-        if u32::try_from(text.len()).is_err() {
-            return Err(Diagnostic::error(Code::FileAccess, format!("{name} is larger than 4 GiB")));
-        }
-        reader.sources.push(Arc::new(Source::new(*name, text)));
+    for (name, text) in files {
+        reader.source = Arc::new(Source::new(*name, text.trim_start_matches('\u{feff}')));
         reader.file()?;
     }
     reader.finish()
 }
 
 impl Reader {
-    /// What is read.
-    fn source(&self) -> &Arc<Source> {
-        &self.sources[self.sources.len() - 1]
-    }
-
     fn bad(&self, line: Range<usize>, message: String) -> Diagnostic {
-        Diagnostic::error(Code::BadTable, message).at(self.source(), line, "")
+        Diagnostic::error(Code::BadTable, message).at(&self.source, line, "")
     }
 
     fn file(&mut self) -> Result<(), Diagnostic> {
-        let source = Arc::clone(self.source());
+        let source = Arc::clone(&self.source);
         let mut start = 0;
         for (number, whole) in source.text.split_inclusive('\n').enumerate() {
             let line = whole.trim_end_matches(['\n', '\r', '\u{1a}']);
@@ -178,7 +168,7 @@ impl Reader {
 
     /// What a line says, with its place.
     fn said(&self, line: &Line<'_>) -> Said {
-        let source = Arc::clone(self.source());
+        let source = Arc::clone(&self.source);
         Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source, span: line.span() }
     }
 
@@ -266,11 +256,11 @@ impl Reader {
         for index in indices {
             let Some(last) = self.draft(index, line)?.values.last_mut() else { continue };
             has_value = true;
-            last.is_none |= !counts;
             if line.key == 14 {
                 last.part_name = name;
             }
             if !counts {
+                last.number = None;
                 self.leave_out(text, number);
             }
         }
@@ -299,29 +289,19 @@ impl Reader {
 
     fn value(&mut self, text: &str, start: usize, line: u32) -> Result<Value, Diagnostic> {
         let span = start..start + text.len();
-        let trimmed = text.trim();
-        let plain = trimmed.replace(',', ".");
-        if !trimmed.is_empty() && !is_number(&plain) {
-            let shown: String = trimmed.chars().take(40).collect();
+        let text = text.trim();
+        let number = Decimal::parse(&text.replace(',', ".")).ok();
+        if number.is_none() && !text.is_empty() {
+            let shown: String = text.chars().take(40).collect();
             return Err(self.bad(span, format!("K0001: `{shown}` is not a number")));
-        }
-        if text.len() > LONGEST_VALUE {
-            return Err(self.bad(span, "K0001: the value is longer than any number".to_owned()));
         }
         self.values += 1;
         self.has_values = true;
         if self.values > MOST_VALUES {
             return Err(self.bad(span, format!("the file has more than {MOST_VALUES} values; split it")));
         }
-        Ok(Value {
-            source: u8::try_from(self.sources.len() - 1).unwrap_or(u8::MAX),
-            start: u32::try_from(start).unwrap_or(u32::MAX),
-            length: u8::try_from(text.len()).unwrap_or(u8::MAX),
-            // an empty place is no value either
-            is_none: trimmed.is_empty(),
-            line,
-            ..Value::default()
-        })
+        let mark = DecimalMark::ALL.into_iter().find(|mark| text.contains(char::from(mark.byte())));
+        Ok(Value { number, mark, line, part_name: 0, sample: 0 })
     }
 
     /// A line of values: one per characteristic between 0x0F, its fields between 0x14.
@@ -344,7 +324,7 @@ impl Reader {
             let mut value = self.value(text, at, number)?;
             let attribute = rest.split('\u{14}').next().unwrap_or("").trim();
             if !counts(attribute) {
-                value.is_none = true;
+                value.number = None;
                 self.leave_out(attribute, number);
             }
             value.sample = self.samples;
@@ -371,8 +351,7 @@ impl Reader {
             self.characteristics.push(Characteristic { values, ..definition.characteristic(part.unwrap_or(0))? });
         }
         if self.characteristics.len() > MOST_IN_ALL {
-            let name = self.sources.last().map_or("the file", |source| &source.name);
-            let message = format!("{name} has more than {MOST_IN_ALL} characteristics in its headers");
+            let message = format!("{} has more than {MOST_IN_ALL} characteristics in its headers", self.source.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("split it"));
         }
         (self.first_part, self.part) = (self.parts.len(), self.parts.len());
@@ -383,8 +362,8 @@ impl Reader {
     fn finish(mut self) -> Result<Qdas, Diagnostic> {
         self.end_header()?;
         if self.characteristics.iter().all(Characteristic::is_empty) {
-            let name = self.sources.last().map_or_else(|| "the file".to_owned(), |source| source.name.clone());
-            return Err(Diagnostic::error(Code::BadTable, format!("{name} has no measured values"))
+            let message = format!("{} has no measured values", self.source.name);
+            return Err(Diagnostic::error(Code::BadTable, message)
                 .help("values are K0001 lines, or lines without a key; those of a .dfd stand in its .dfx"));
         }
         let mut left_out: Vec<LeftOut> = self.left_out.into_values().collect();
@@ -394,7 +373,7 @@ impl Reader {
             left_out,
             remarks: self.remarks,
             parts: self.parts,
-            sources: self.sources,
+            name: self.source.name.clone(),
             part_names: self.part_names,
         })
     }

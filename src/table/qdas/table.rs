@@ -78,17 +78,12 @@ impl QdasTable {
     /// The decimal mark of the values; `None` if none has decimals.
     ///
     /// # Errors
-    /// If they have points and commas: the first value with the other mark.
-    pub(crate) fn mark(&self) -> Result<Option<DecimalMark>, String> {
-        let mut known: Option<DecimalMark> = None;
-        for text in self.rows.iter().flat_map(|(part, sample)| self.values(*part, *sample)).flatten() {
-            for mark in DecimalMark::ALL.into_iter().filter(|mark| text.contains(char::from(mark.byte()))) {
-                if *known.get_or_insert(mark) != mark {
-                    return Err(text.to_owned());
-                }
-            }
-        }
-        Ok(known)
+    /// If they have points and commas: the line of a value with the other mark.
+    pub(crate) fn mark(&self) -> Result<Option<DecimalMark>, u32> {
+        let values = self.qdas.characteristics.iter().flat_map(|characteristic| &characteristic.values);
+        let mut marked = values.filter(|value| value.number.is_some() && value.mark.is_some());
+        let known = marked.next().and_then(|value| value.mark);
+        marked.find(|value| value.mark != known).map_or(Ok(known), |other| Err(other.line))
     }
 
     fn characteristics(&self, part: usize) -> impl Iterator<Item = Option<&Characteristic>> {
@@ -97,11 +92,6 @@ impl QdasTable {
             let found = indices.binary_search_by_key(&part, |index| all[*index].part).ok()?;
             Some(&all[indices[found]])
         })
-    }
-
-    /// The values of a row, a place for each column but the first.
-    fn values(&self, part: usize, sample: u32) -> impl Iterator<Item = Option<&str>> {
-        self.characteristics(part).map(move |found| found.and_then(|found| self.qdas.text(found, sample)))
     }
 
     /// What the row's part is called: as the file names it (K0014), or else by a number.
@@ -135,8 +125,10 @@ impl QdasTable {
     pub(crate) fn record(&self, row: usize) -> Option<Record> {
         let (part, sample) = self.rows.get(row).copied()?;
         let name = Content::of_text(&self.part_name(row, part, sample));
-        let values =
-            self.values(part, sample).map(|text| text.and_then(number).map_or(Content::Empty, Content::Number));
+        let values = self.characteristics(part).map(|found| {
+            let number = found.and_then(|found| found.sample(sample)?.number);
+            number.map_or(Content::Empty, Content::Number)
+        });
         let cells: Vec<Cell> = std::iter::once(name).chain(values).map(Cell::from).collect();
         Some(Record::new(cells, u64::from(self.line(row))))
     }
@@ -168,9 +160,4 @@ fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
     let [number, name] = names;
     let named = key.unwrap_or(if name.is_empty() { number } else { name });
     characteristic.with_unit(named)
-}
-
-/// A value with a decimal point or comma, as it stands there.
-fn number(text: &str) -> Option<Decimal> {
-    Decimal::parse(&text.replace(',', ".")).ok()
 }

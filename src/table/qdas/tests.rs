@@ -113,9 +113,11 @@ fn what_is_written_is_read_again() {
     assert_eq!(qdas.characteristics[0].name, "?CD");
     assert_eq!(qdas.characteristics[0].upper.as_deref(), Some("0.05"));
     assert_eq!(qdas.characteristics[0].lower, None);
-    let value = |characteristic: usize, row| qdas.text(&qdas.characteristics[characteristic], row);
-    assert_eq!(value(0, 0).unwrap().parse::<f64>().unwrap(), 0.1 + 0.2);
-    assert_eq!(value(1, 0).unwrap().parse::<f64>().unwrap(), -1e-9);
+    let value = |characteristic: usize, row| {
+        let number = qdas.characteristics[characteristic].sample(row).unwrap().number?;
+        Content::Number(number).to_string().parse::<f64>().ok()
+    };
+    assert_eq!((value(0, 0), value(1, 0)), (Some(0.1 + 0.2), Some(-1e-9)));
     assert_eq!((value(0, 1), value(1, 1)), (None, None));
     assert_eq!(
         qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(),
