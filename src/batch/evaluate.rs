@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::layout::Layout;
-use super::outcome::{KeptPart, Part, Problem, Tally, WORST, keep_worst};
+use super::outcome::{Part, Problem, Tally, keep_worst};
 use super::plan::Plan;
 use super::request::Rows;
 use super::results::{Margin, Results, spread_of};
@@ -15,7 +15,7 @@ use crate::deviation::DeviationValues;
 use crate::deviation::plausible::Reach;
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::{Length, shown};
+use crate::quantity::shown;
 use crate::table::{Block, Fault};
 
 /// Evaluates the rows of blocks.
@@ -28,8 +28,6 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
-    /// The margins of the worst parts so far, the worst first: one that is none of these is none of all tables'.
-    worst: Vec<Length>,
     /// The results of the last block, which belong there once it is known to count.
     results: Option<Results<'a>>,
     /// The errors on the teeth that their extents allow.
@@ -51,7 +49,6 @@ impl<'a> Evaluator<'a> {
             rejects: Vec::new(),
             tally: Tally::default(),
             statistics: (0..quantities).map(|_| Statistics::default()).collect(),
-            worst: Vec::new(),
             results: None,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
@@ -149,13 +146,13 @@ impl<'a> Evaluator<'a> {
             return;
         }
         let margin = results.margin(row.index);
-        if self.plan.request.statistics && self.is_worst(margin.inside_by) {
-            let part = self.kept(row, verdict, margin);
-            keep_worst(&mut self.tally.worst, KeptPart { part, margin: margin.inside_by });
+        let file = &self.file;
+        let part = || kept(row, file, verdict, margin);
+        if self.plan.request.statistics {
+            keep_worst(&mut self.tally.worst, margin.inside_by.mm(), part);
         }
         if is_failure {
-            let part = self.kept(row, verdict, margin);
-            self.tally.failures.push(part);
+            self.tally.failures.push(part());
         }
     }
 
@@ -171,36 +168,9 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Whether a part with this margin is among the worst so far.
-    #[inline]
-    fn is_worst(&mut self, margin: Length) -> bool {
-        if self.worst.get(WORST - 1).is_some_and(|last| margin >= *last) {
-            return false;
-        }
-        let at = self.worst.partition_point(|other| *other <= margin);
-        self.worst.truncate(WORST - 1);
-        self.worst.insert(at, margin);
-        true
-    }
-
     fn keeps_failure(&self, verdict: Option<Verdict>) -> bool {
         let kept = self.plan.request.failures_kept;
         kept > 0 && matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate)) && self.tally.failures.len() < kept
-    }
-
-    /// A part as it is kept for the summary.
-    fn kept(&self, row: Row<'_>, verdict: Option<Verdict>, margin: Margin) -> Part {
-        Part {
-            id: row.id().into_owned(),
-            file: Arc::clone(&self.file),
-            line: row.line(),
-            record: row.record(),
-            place: None,
-            verdict,
-            margin_mm: margin.inside_by.mm(),
-            on: margin.on,
-            result_mm: (margin.result.lower.mm(), margin.result.upper.mm()),
-        }
     }
 
     /// A row with a cell that is no value, that is no row at all, or whose values have no results.
@@ -233,5 +203,20 @@ impl<'a> Evaluator<'a> {
         if !block.goes_on && !self.rejects.ends_with(b"\n") && !self.rejects.ends_with(b"\r") {
             self.rejects.push(b'\n');
         }
+    }
+}
+
+/// A part as it is kept for the summary.
+fn kept(row: Row<'_>, file: &Arc<str>, verdict: Option<Verdict>, margin: Margin) -> Part {
+    Part {
+        id: row.id().into_owned(),
+        file: Arc::clone(file),
+        line: row.line(),
+        record: row.record(),
+        place: None,
+        verdict,
+        margin_mm: margin.inside_by.mm(),
+        on: margin.on,
+        result_mm: (margin.result.lower.mm(), margin.result.upper.mm()),
     }
 }

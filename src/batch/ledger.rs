@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::columns::ResultColumns;
-use super::outcome::{KeptPart, Outcome, Quantity};
+use super::outcome::{Outcome, Quantity};
 use super::pack::Packing;
 use crate::table::Encoding;
 
@@ -65,7 +65,6 @@ impl Sink<'_> {
 pub(super) struct Ledger<'a> {
     pub(super) sinks: Sinks<'a>,
     pub(super) outcome: Outcome,
-    pub(super) worst: Vec<KeptPart>,
     /// The header that the rejected rows written so far have.
     rejects_header: Option<Vec<u8>>,
     wrote_header: bool,
@@ -75,7 +74,7 @@ impl<'a> Ledger<'a> {
     /// An empty one, with statistics of these quantities.
     pub(super) fn new(sinks: Sinks<'a>, quantities: Vec<Quantity>) -> Self {
         let outcome = Outcome { quantities, ..Outcome::default() };
-        Self { sinks, outcome, worst: Vec::new(), rejects_header: None, wrote_header: false }
+        Self { sinks, outcome, rejects_header: None, wrote_header: false }
     }
 
     /// Writes what stands before the first row, or before the first rejected row of another header.
@@ -106,8 +105,7 @@ impl<'a> Ledger<'a> {
     }
 
     /// Ends the run: what it came to.
-    pub(super) fn finish(mut self) -> (Outcome, io::Result<()>) {
-        self.outcome.worst = self.worst.into_iter().map(|kept| kept.part).collect();
+    pub(super) fn finish(self) -> (Outcome, io::Result<()>) {
         (self.outcome, self.sinks.flush())
     }
 }

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `layout`, `plan`, `source`, `output` | which column holds what; what is computed and written |
 //! | `uncertain` | how certain results are |
-//! | `number`, `buffer`, `write`, `rows` | results as text |
+//! | `number`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
 //! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
 //! | `columns`, `parquet` | results in columns, and those as Parquet |
@@ -48,7 +48,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod buffer;
 mod capability;
 mod columns;
 mod evaluate;

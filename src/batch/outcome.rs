@@ -256,19 +256,8 @@ impl Duplicates {
     }
 }
 
-/// How many of the worst parts are kept.
-pub(super) const WORST: usize = 10;
-
 /// How many records that are no parts are kept.
 const ASIDES: usize = 100;
-
-/// A part to keep, while only its chunk is known.
-#[derive(Debug, Clone)]
-pub(super) struct KeptPart {
-    pub(super) part: Part,
-    /// The order of the worst: smaller is worse.
-    pub(super) margin: Length,
-}
 
 /// What one chunk came to.
 #[derive(Debug, Default)]
@@ -278,7 +267,7 @@ pub(super) struct Tally {
     pub(super) records: u64,
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
-    pub(super) worst: Vec<KeptPart>,
+    pub(super) worst: Vec<Part>,
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
     /// A cell that contradicts how the table is read.
@@ -301,7 +290,6 @@ impl Tally {
 /// The counts of one table while it is read, and of all of them.
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
-    pub(super) worst: Vec<KeptPart>,
     pub(super) moving: &'a mut [MovingRange],
     /// Lines before the next piece; 0 where lines count from the start of the file.
     pub(super) lines: u64,
@@ -342,9 +330,9 @@ impl Total<'_> {
                 self.outcome.failures.push(part);
             }
         }
-        for mut kept in tally.worst.drain(..) {
-            settle(&mut kept.part);
-            keep_worst(&mut self.worst, kept);
+        for mut part in tally.worst.drain(..) {
+            settle(&mut part);
+            keep_worst(&mut self.outcome.worst, part.margin_mm, || part);
         }
         for (moving, next) in self.moving.iter_mut().zip(&tally.moving) {
             moving.join(next);
@@ -369,11 +357,13 @@ impl Total<'_> {
     }
 }
 
-/// Adds a part to the worst if it is one; of equals the first stays.
-pub(super) fn keep_worst(worst: &mut Vec<KeptPart>, kept: KeptPart) {
-    let at = worst.partition_point(|other| other.margin <= kept.margin);
-    if at < WORST {
-        worst.truncate(WORST - 1);
-        worst.insert(at, kept);
+/// Adds a part with this margin to the worst if it is one; of equals the first stays.
+#[inline]
+pub(super) fn keep_worst(worst: &mut Vec<Part>, margin_mm: f64, part: impl FnOnce() -> Part) {
+    const MOST: usize = 10;
+    if worst.get(MOST - 1).is_some_and(|last| last.margin_mm <= margin_mm) {
+        return;
     }
+    worst.truncate(MOST - 1);
+    worst.insert(worst.partition_point(|other| other.margin_mm <= margin_mm), part());
 }

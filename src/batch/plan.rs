@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use super::columns::ColumnKind;
-use super::number::{Decimals, Places};
 use super::outcome::Quantity;
 use super::output::{Output, UncertainOutput};
 use super::request::{Request, Rows};
@@ -20,9 +19,6 @@ use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
 use crate::spec::Spec;
 use crate::table::Table;
-
-/// Bytes of a length as text, at most, and of what stands between two.
-const LONGEST_LENGTH: usize = 40;
 
 /// What is computed for each part.
 #[expect(clippy::struct_excessive_bools, reason = "what is needed of each part")]
@@ -57,10 +53,6 @@ pub struct Plan {
     pub(super) uncertain: Option<Box<Uncertain>>,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
-    /// Bytes that are enough for a row of lengths.
-    pub(super) row_room: usize,
-    /// How lengths are written, unless in full.
-    pub(super) places: Option<Places>,
     pub(super) spec: Arc<Spec>,
     /// The errors that the first table has, in its order.
     of_table: Vec<DeviationKind>,
@@ -147,8 +139,6 @@ impl Plan {
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
-            row_room: 0,
-            places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count)) } else { None },
             limits: judged,
             unjudged,
             lacking,
@@ -178,7 +168,6 @@ impl Plan {
         for (index, name) in self.column_names().into_iter().enumerate() {
             let start = if index == 0 { '{' } else { ',' };
             let start = format!("{start}{}:", serde_json::Value::from(name));
-            self.row_room += LONGEST_LENGTH + start.len();
             self.json_names.push(start.into_bytes());
         }
     }

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use super::buffer::Buffer;
 use super::columns::{ResultCell, ResultColumns};
 use super::output::Output;
 use super::plan::Plan;
@@ -49,18 +48,18 @@ impl<'a> Row<'a> {
 /// The rows of a block as they are written: as text, or in columns.
 pub(super) struct RowWriter<'a> {
     plan: &'a Plan,
-    pub(super) out: Buffer,
+    pub(super) out: Vec<u8>,
     pub(super) columns: ResultColumns,
 }
 
 impl<'a> RowWriter<'a> {
     pub(super) fn new(plan: &'a Plan) -> Self {
-        Self { plan, out: Buffer::default(), columns: ResultColumns::default() }
+        Self { plan, out: Vec::new(), columns: ResultColumns::default() }
     }
 
     /// Forgets what was written.
     pub(super) fn clear(&mut self) {
-        self.out.truncate(0);
+        self.out.clear();
         if self.plan.request.format == RowFormat::Columns {
             self.columns = ResultColumns::new(self.plan.column_kinds());
         }
@@ -75,19 +74,9 @@ impl<'a> RowWriter<'a> {
             let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
             return self.columns.push(cells, decimals);
         }
-        self.out.room(plan.row_room);
-        for (index, (output, start)) in plan.outputs.iter().zip(&plan.json_names).enumerate() {
+        for (index, start) in plan.json_names.iter().enumerate() {
             write::start(&mut self.out, index, start, format);
-            match (written, plan.places) {
-                // a quarter of the time of a table is writing its lengths
-                (WrittenRow::Part { results, row }, Some(places)) if let Some(length) = results.of(output, *row) => {
-                    places.write(&mut self.out, length);
-                }
-                _ => {
-                    write::cell(&mut self.out, &cell(plan, index, row, written), format, decimals);
-                    self.out.room(plan.row_room);
-                }
-            }
+            write::cell(&mut self.out, &cell(plan, index, row, written), format, decimals);
         }
         write::end(&mut self.out, format);
     }

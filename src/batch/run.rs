@@ -72,13 +72,12 @@ impl<'a> Batch<'a> {
         let plan = self.plan;
         let names = || write::header(&plan.column_names(), plan.request.format);
         self.ledger.start(names, encoding, &header_raw).map_err(RunError::Write)?;
-        let Ledger { sinks, outcome, worst, .. } = &mut self.ledger;
+        let Ledger { sinks, outcome, .. } = &mut self.ledger;
         let bytes_before = outcome.bytes;
         let keeps_rejects = sinks.rejects.is_some();
         let (rows, queue) = pieces.open(layout.wanted(keeps_rejects));
         let total = Total {
             outcome,
-            worst: std::mem::take(worst),
             moving: &mut self.moving,
             lines: queue.lines,
             is_relative: queue.is_relative(),
@@ -130,7 +129,6 @@ impl<'a> Batch<'a> {
         let (error, contradiction) = (order.error, order.total.contradiction);
         let unread = order.unread.or(waiting.error);
         let (asides, doubted) = (order.total.asides, order.total.doubted);
-        self.ledger.worst = order.total.worst;
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -245,7 +243,7 @@ impl SharedRun<'_, '_> {
                 piece.block = Block::default();
             }
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
-            let rows = self.rows_packing.pack(evaluator.written.out.written());
+            let rows = self.rows_packing.pack(&evaluator.written.out);
             let rejects = self.encoding.original(&evaluator.rejects);
             let rejects = self.rejects_packing.pack(&rejects);
             let mut order = lock(&self.order);

@@ -1,18 +1,17 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
-use super::buffer::Buffer;
 use super::columns::ResultCell;
-use super::number::{Decimals, Places};
+use super::number::Decimals;
 use super::request::RowFormat;
 use crate::quantity::plain;
 use crate::table::cell_text;
 
 /// Writes a text with the quotes or escapes that it needs.
 #[inline]
-pub(super) fn text(out: &mut Buffer, bytes: &[u8], format: RowFormat) {
+pub(super) fn text(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
     match format {
-        RowFormat::Csv if bytes.iter().all(|byte| is_bare(*byte, b',')) => out.extend(bytes),
-        RowFormat::Tsv if bytes.iter().all(|byte| is_bare(*byte, b'\t')) => out.extend(bytes),
+        RowFormat::Csv if bytes.iter().all(|byte| is_bare(*byte, b',')) => out.extend_from_slice(bytes),
+        RowFormat::Tsv if bytes.iter().all(|byte| is_bare(*byte, b'\t')) => out.extend_from_slice(bytes),
         _ => escaped(out, bytes, format),
     }
 }
@@ -24,59 +23,56 @@ fn is_bare(byte: u8, separator: u8) -> bool {
 }
 
 #[cold]
-fn escaped(out: &mut Buffer, bytes: &[u8], format: RowFormat) {
+fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
     let text = cell_text(bytes);
     let separator = match format {
-        RowFormat::JsonLines => return out.extend(serde_json::Value::from(text.as_ref()).to_string().as_bytes()),
+        RowFormat::JsonLines => {
+            return out.extend_from_slice(serde_json::Value::from(text.as_ref()).to_string().as_bytes());
+        }
         RowFormat::Csv | RowFormat::Columns => ',',
         RowFormat::Tsv => '\t',
     };
     if text.contains([separator, '"', '\n', '\r']) {
-        out.extend(b"\"");
-        out.extend(text.replace('"', "\"\"").as_bytes());
-        out.extend(b"\"");
+        out.extend_from_slice(b"\"");
+        out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
+        out.extend_from_slice(b"\"");
     } else {
-        out.extend(text.as_bytes());
+        out.extend_from_slice(text.as_bytes());
     }
 }
 
 /// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
 #[inline]
-pub(super) fn start(out: &mut Buffer, index: usize, json_start: &[u8], format: RowFormat) {
+pub(super) fn start(out: &mut Vec<u8>, index: usize, json_start: &[u8], format: RowFormat) {
     match format {
-        RowFormat::Csv if index > 0 => out.byte(b','),
-        RowFormat::Tsv if index > 0 => out.byte(b'\t'),
+        RowFormat::Csv if index > 0 => out.push(b','),
+        RowFormat::Tsv if index > 0 => out.push(b'\t'),
         RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
-        RowFormat::JsonLines => out.extend(json_start),
+        RowFormat::JsonLines => out.extend_from_slice(json_start),
     }
 }
 
 /// The value of a column.
 #[inline]
-pub(super) fn cell(out: &mut Buffer, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
-    /// The longest length.
-    const ROOM: usize = 64;
-    out.room(ROOM);
+pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
     match (cell, decimals) {
-        (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places).write(out, *length),
-        (ResultCell::Length(length), Decimals::Full) => out.extend(plain(length.mm()).as_bytes()),
+        (ResultCell::Length(length), Decimals::Places(places)) => length.write_decimals(out, places.into()),
+        (ResultCell::Length(length), Decimals::Full) => out.extend_from_slice(plain(length.mm()).as_bytes()),
         (ResultCell::Text(bytes), _) => text(out, bytes, format),
-        (ResultCell::Number(number), decimals) => out.extend(decimals.text(*number).as_bytes()),
-        (ResultCell::Flag(flag), _) => out.extend(flag.to_string().as_bytes()),
-        (ResultCell::Nothing, _) if format == RowFormat::JsonLines => out.extend(b"null"),
+        (ResultCell::Number(number), decimals) => out.extend_from_slice(decimals.text(*number).as_bytes()),
+        (ResultCell::Flag(flag), _) => out.extend_from_slice(flag.to_string().as_bytes()),
+        (ResultCell::Nothing, _) if format == RowFormat::JsonLines => out.extend_from_slice(b"null"),
         (ResultCell::Nothing, _) => {}
     }
-    // for what stands between values
-    out.room(ROOM);
 }
 
 /// The end of a row.
 #[inline]
-pub(super) fn end(out: &mut Buffer, format: RowFormat) {
+pub(super) fn end(out: &mut Vec<u8>, format: RowFormat) {
     if format == RowFormat::JsonLines {
-        out.byte(b'}');
+        out.push(b'}');
     }
-    out.byte(b'\n');
+    out.push(b'\n');
 }
 
 /// The header row of the columns written; JSON lines have none.
@@ -86,13 +82,13 @@ pub(super) fn header(names: &[String], format: RowFormat) -> Vec<u8> {
         RowFormat::Csv => b",",
         RowFormat::Tsv => b"\t",
     };
-    let mut out = Buffer::default();
+    let mut out = Vec::new();
     for (index, name) in names.iter().enumerate() {
         if index > 0 {
-            out.extend(separator);
+            out.extend_from_slice(separator);
         }
         text(&mut out, name.as_bytes(), format);
     }
-    out.extend(b"\n");
-    out.written().to_vec()
+    out.extend_from_slice(b"\n");
+    out
 }

@@ -17,11 +17,11 @@ pub use judge::{JudgedTeeth, TeethJudge};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
-use super::outcome::{KeptPart, Outcome, Part, Problem, Quantity, keep_worst};
+use super::outcome::{Outcome, Part, Problem, Quantity, keep_worst};
 use super::request::Request;
 use super::run::{Progress, RunError};
 use super::statistics::MovingRange;
-use super::{buffer::Buffer, write};
+use super::write;
 use crate::deviation;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::judge::{Limit, LimitTarget, Verdict};
@@ -305,8 +305,7 @@ impl<'a> Teeth<'a> {
         if self.request.rows.statistics {
             self.count(&solved);
             let kept = self.part(part, &solved, place);
-            let margin = Length::from_mm(kept.margin_mm).unwrap_or(Length::ZERO);
-            keep_worst(&mut self.ledger.worst, KeptPart { part: kept, margin });
+            keep_worst(&mut self.ledger.outcome.worst, kept.margin_mm, || kept);
         }
         if self.request.rows.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
     }
@@ -390,14 +389,14 @@ impl<'a> Teeth<'a> {
                 sink.take(row)
             }
             Some(RowSink::Text(sink)) => {
-                let mut out = Buffer::default();
+                let mut out = Vec::new();
                 for (index, (cell, (name, _))) in cells.zip(&self.columns).enumerate() {
                     let start = format!("{}\"{name}\":", if index == 0 { '{' } else { ',' });
                     write::start(&mut out, index, start.as_bytes(), format);
                     write::cell(&mut out, &cell, format, decimals);
                 }
                 write::end(&mut out, format);
-                sink.write(out.written())
+                sink.write(&out)
             }
         }
     }
