@@ -11,6 +11,7 @@ use super::output::{Output, UncertainOutput};
 use super::request::{Request, Rows};
 use super::source::{Source, error_columns, index_of, sources};
 use super::uncertain::Uncertain;
+use super::write;
 use crate::chance::MonteCarloError;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -165,11 +166,7 @@ impl Plan {
             let quantities = self.quantities().cloned().enumerate().zip(self.quantities_kept());
             self.followed = quantities.filter(|(_, kept)| kept.is_limited()).map(|(output, _)| output).collect();
         }
-        for (index, name) in self.column_names().into_iter().enumerate() {
-            let start = if index == 0 { '{' } else { ',' };
-            let start = format!("{start}{}:", serde_json::Value::from(name));
-            self.json_names.push(start.into_bytes());
-        }
+        self.json_names = write::json_starts(self.column_names().iter().map(String::as_str));
     }
 
     /// The outputs of which there are statistics: ΔCD and its combinations.

@@ -74,11 +74,8 @@ impl<'a> RowWriter<'a> {
             let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
             return self.columns.push(cells, decimals);
         }
-        for (index, start) in plan.json_names.iter().enumerate() {
-            write::start(&mut self.out, index, start, format);
-            write::cell(&mut self.out, &cell(plan, index, row, written), format, decimals);
-        }
-        write::end(&mut self.out, format);
+        let cells = plan.json_names.iter().enumerate().map(|(index, start)| (start, cell(plan, index, row, written)));
+        write::row(&mut self.out, cells, format, decimals);
     }
 }
 

@@ -99,7 +99,7 @@ impl<'a> Batch<'a> {
             },
             rejects_packing: sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
             queue: Mutex::new(PieceQueue { queue, next: 0, ended: false, error: None }),
-            order: Mutex::new(WriteOrder { next: 0, total, sinks, error: None, unread: None, workers: 0 }),
+            order: Mutex::new(WriteOrder { next: 0, total, sinks, failure: None, workers: 0 }),
             turn: Condvar::new(),
             done: Condvar::new(),
             stop,
@@ -126,8 +126,7 @@ impl<'a> Batch<'a> {
         let SharedRun { queue, order, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let (error, contradiction) = (order.error, order.total.contradiction);
-        let unread = order.unread.or(waiting.error);
+        let failure = order.failure.or(waiting.error.map(RunError::Read));
         let (asides, doubted) = (order.total.asides, order.total.doubted);
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
@@ -141,13 +140,8 @@ impl<'a> Batch<'a> {
         reading.asides.extend(asides);
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
         outcome.readings.push(reading);
-        outcome.is_cut |= contradiction.is_some() || unread.is_some();
-        match (error, contradiction, unread) {
-            (Some(error), ..) => Err(RunError::Write(error)),
-            (None, Some(contradiction), _) => Err(RunError::Contradiction(contradiction)),
-            (None, None, Some(error)) => Err(RunError::Read(error)),
-            (None, None, None) => Ok(()),
-        }
+        outcome.is_cut |= matches!(failure, Some(RunError::Read(_) | RunError::Contradiction(_)));
+        failure.map_or(Ok(()), Err)
     }
 
     /// Whether the run has come to its end before that of the input: in strict mode at the first rejected
@@ -202,9 +196,8 @@ struct WriteOrder<'a, 'b> {
     next: u64,
     total: Total<'a>,
     sinks: &'a mut Sinks<'b>,
-    /// Why nothing can be written any more, or be read.
-    error: Option<io::Error>,
-    unread: Option<io::Error>,
+    /// Why the rest of the table does not count.
+    failure: Option<RunError>,
     workers: usize,
 }
 
@@ -273,15 +266,14 @@ impl SharedRun<'_, '_> {
 
     /// What follows from a piece for those after it.
     fn settle(&self, order: &mut WriteOrder<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
+        let contradiction =
+            order.total.contradiction.take().map_or(Ok(()), |found| Err(RunError::Contradiction(found)));
+        let failure = written.map_err(RunError::Write).and(contradiction).and(read.map_err(RunError::Read)).err();
         let outcome = &order.total.outcome;
-        let is_over = written.is_err()
-            || read.is_err()
-            || order.total.contradiction.is_some()
-            || (self.plan.request.strict && outcome.counts.rejected > 0);
+        let is_over = failure.is_some() || (self.plan.request.strict && outcome.counts.rejected > 0);
         self.ended.fetch_or(is_over, Ordering::Relaxed);
         self.keeps_names.fetch_and(outcome.duplicates.is_open(), Ordering::Relaxed);
-        order.error = written.err();
-        order.unread = read.err();
+        order.failure = failure;
     }
 
     /// The next piece, and its number.

@@ -41,20 +41,35 @@ fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
     }
 }
 
-/// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
+/// What stands before each value of a line of JSON.
+pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u8>> {
+    let start = |(index, name)| format!("{}{}:", if index == 0 { '{' } else { ',' }, serde_json::Value::from(name));
+    names.enumerate().map(start).map(String::into_bytes).collect()
+}
+
+/// A row, with what stands before each value in JSON.
 #[inline]
-pub(super) fn start(out: &mut Vec<u8>, index: usize, json_start: &[u8], format: RowFormat) {
-    match format {
-        RowFormat::Csv if index > 0 => out.push(b','),
-        RowFormat::Tsv if index > 0 => out.push(b'\t'),
-        RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
-        RowFormat::JsonLines => out.extend_from_slice(json_start),
+pub(super) fn row<'c>(
+    out: &mut Vec<u8>,
+    cells: impl Iterator<Item = (&'c Vec<u8>, ResultCell<'c>)>,
+    format: RowFormat,
+    decimals: Decimals,
+) {
+    for (index, (json_start, value)) in cells.enumerate() {
+        match format {
+            RowFormat::JsonLines => out.extend_from_slice(json_start),
+            RowFormat::Tsv if index > 0 => out.push(b'\t'),
+            RowFormat::Csv | RowFormat::Columns if index > 0 => out.push(b','),
+            RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
+        }
+        cell(out, &value, format, decimals);
     }
+    out.extend_from_slice(if format == RowFormat::JsonLines { b"}\n" } else { b"\n" });
 }
 
 /// The value of a column.
 #[inline]
-pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
+fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
     match (cell, decimals) {
         (ResultCell::Length(length), Decimals::Places(places)) => length.write_decimals(out, places.into()),
         (ResultCell::Length(length), Decimals::Full) => out.extend_from_slice(plain(length.mm()).as_bytes()),
@@ -64,15 +79,6 @@ pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, 
         (ResultCell::Nothing, _) if format == RowFormat::JsonLines => out.extend_from_slice(b"null"),
         (ResultCell::Nothing, _) => {}
     }
-}
-
-/// The end of a row.
-#[inline]
-pub(super) fn end(out: &mut Vec<u8>, format: RowFormat) {
-    if format == RowFormat::JsonLines {
-        out.push(b'}');
-    }
-    out.push(b'\n');
 }
 
 /// The header row of the columns written; JSON lines have none.

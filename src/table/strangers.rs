@@ -109,7 +109,7 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     let (columns, width) = (understood.columns.as_slice(), shape.header.len());
     let beside = Beside { columns, width, of_parts: Some(&names), measured: Some(&measured) };
     let sorted = Sorted::default();
-    let mut sorter = Sorter { file, shape, columns, names: &names, measured: &measured, beside, want, others, sorted };
+    let mut sorter = Sorter { file, shape, names: &names, measured: &measured, beside, want, others, sorted };
     shape.unknown.iter().for_each(|unknown| sorter.take_unknown(unknown));
     shape.asides.iter().for_each(|aside| sorter.take_line(aside));
     shape.unknown.iter().for_each(|unknown| sorter.take_remark(unknown));
@@ -122,7 +122,6 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
 struct Sorter<'a> {
     file: &'a str,
     shape: &'a Shape,
-    columns: &'a [Column],
     names: &'a PartNames,
     measured: &'a MeasuredValues,
     beside: Beside<'a>,
@@ -176,12 +175,13 @@ impl Sorter<'_> {
     /// Whether it is a number above the names that no column can hold, or a whole one behind a word that is no part's name.
     fn is_title(&self, unknown: &Unknown) -> bool {
         let is_name = self.names.may_have(&unknown.title) || Cell::of_text(&unknown.title, 0..0).is_number();
-        let is_value =
-            |cell: &Cell| (is_name || cell.has_decimals()) && self.columns.iter().any(|column| column.may_hold(cell));
+        let is_value = |cell: &Cell| {
+            (is_name || cell.has_decimals()) && self.beside.columns.iter().any(|column| column.may_hold(cell))
+        };
         unknown.column.is_none()
             && !has_scale(&unknown.title)
             && self.shape.orientation == Orientation::Rows
-            && !self.columns.is_empty()
+            && !self.beside.columns.is_empty()
             && !self.shape.header.is_empty()
             && !unknown.clone().measured(false).could_be_measured()
             && !unknown.cells.iter().any(is_value)
@@ -221,17 +221,17 @@ impl Sorter<'_> {
             .beside
             .value_in(aside, is_above)
             .map(|unknown| Unknown { is_repeated: true, ..unknown })
-            .or_else(|| without_value(aside, self.shape, self.columns))
+            .or_else(|| without_value(aside, self.shape, self.beside.columns))
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
             .or_else(|| of_other_part(aside, self.shape))
-            .or_else(|| of_all_values(aside, self.columns));
+            .or_else(|| of_all_values(aside, self.beside.columns));
         let is_described = |unknown: &Unknown| {
             let text = without_punctuation(&aside.text);
             text.strip_prefix(&unknown.title).is_some_and(|behind| self.measured.are_described_by(unknown, behind))
         };
         match found {
-            Some(unknown) if !repeats_nominal(&unknown, aside, self.columns) && !is_described(&unknown) => {
+            Some(unknown) if !repeats_nominal(&unknown, aside, self.beside.columns) && !is_described(&unknown) => {
                 let before = self.sorted.strangers.len();
                 self.take(&unknown);
                 for stranger in &mut self.sorted.strangers[before..] {

@@ -2,7 +2,7 @@
 //! decides nothing.
 
 use super::cell::Cell;
-use super::grid::{is_date, only_units, unit_in};
+use super::grid::{is_date, is_unit, only_units, unit_in};
 use super::names::{WordList, is_again, is_context, is_gear_size, is_statistic, near, repeats_value, split_unit};
 use super::want::Want;
 use crate::quantity::Unit;
@@ -103,7 +103,7 @@ impl Unknown {
             return false;
         }
         let is_in_unit =
-            unit.is_some_and(measures) || has_unit(title) || values.iter().any(|text| has_unit_behind(text));
+            unit.is_some_and(is_unit) || has_unit(title) || values.iter().any(|text| has_unit_behind(text));
         if is_context(title) {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
@@ -179,7 +179,7 @@ pub(crate) fn speaks_of_value(text: &str) -> bool {
 /// Whether a unit of length or angle stands behind the number in a text.
 pub(crate) fn has_unit_behind(text: &str) -> bool {
     let is_mark = |c: char| c.is_ascii_punctuation() && !matches!(c, '\'' | '"') || c == ' ';
-    unit_in(text).is_some_and(|unit| measures(unit.trim_matches(is_mark))) && !is_turn(text) && !is_before_time(text)
+    unit_in(text).is_some_and(|unit| is_unit(unit.trim_matches(is_mark))) && !is_turn(text) && !is_before_time(text)
 }
 
 /// Whether `um` stands behind a date, and is a word: `Am 11.03.2026 um`.
@@ -191,11 +191,6 @@ fn is_before_time(text: &str) -> bool {
 fn is_turn(text: &str) -> bool {
     let number = text.trim().strip_suffix('°').and_then(|text| text.split_whitespace().next_back()?.parse().ok());
     number.is_some_and(|degrees: u32| degrees > 0 && degrees.is_multiple_of(90))
-}
-
-/// Whether a unit is one of lengths or angles.
-fn measures(symbol: &str) -> bool {
-    Unit::from_symbol(symbol).is_some()
 }
 
 /// A number with a mark before it, which no reader of numbers takes: `>200`.

@@ -239,15 +239,14 @@ impl<'a> Teeth<'a> {
 
     /// Solves and settles every part of a table.
     fn lot(&mut self, lot: &Lot, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> io::Result<()> {
-        let (stroke_mm, tolerance_mm) = (self.request.stroke_mm, self.request.tolerance_mm);
-        let solver = Solver { judge: &lot.judge, tables: self.tables, stroke_mm, tolerance_mm };
         // some parts for each worker, so that a slow one holds nobody up for long
         for parts in lot.parts.chunks(8 * self.workers) {
             if self.ledger.is_over(self.request.rows.strict) || stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let solved =
-                parallel::map(self.workers, parts.len(), || (), |(): &mut (), index| solver.one(&parts[index])).0;
+            let (tables, request) = (self.tables, &self.request);
+            let solve = |(): &mut (), index: usize| lot.solved(&parts[index], tables, request);
+            let solved = parallel::map(self.workers, parts.len(), || (), solve).0;
             for (part, solved) in parts.iter().zip(solved) {
                 self.settle(part, solved, &lot.place)?;
                 if self.ledger.is_over(self.request.rows.strict) {
@@ -389,13 +388,8 @@ impl<'a> Teeth<'a> {
                 sink.take(row)
             }
             Some(RowSink::Text(sink)) => {
-                let mut out = Vec::new();
-                for (index, (cell, (name, _))) in cells.zip(&self.columns).enumerate() {
-                    let start = format!("{}\"{name}\":", if index == 0 { '{' } else { ',' });
-                    write::start(&mut out, index, start.as_bytes(), format);
-                    write::cell(&mut out, &cell, format, decimals);
-                }
-                write::end(&mut out, format);
+                let (mut out, starts) = (Vec::new(), write::json_starts(self.columns.iter().map(|(name, _)| *name)));
+                write::row(&mut out, starts.iter().zip(cells), format, decimals);
                 sink.write(&out)
             }
         }
@@ -440,14 +434,6 @@ fn refuse_in_two(lots: &mut [Lot]) {
     }
 }
 
-/// Solves parts.
-struct Solver<'a> {
-    judge: &'a TeethJudge,
-    tables: &'a MeasuredTables,
-    stroke_mm: (f64, f64),
-    tolerance_mm: f64,
-}
-
 /// A part's curve in short.
 struct Solved {
     summary: Summary,
@@ -458,14 +444,15 @@ struct Solved {
     is_cut: bool,
 }
 
-impl Solver<'_> {
-    fn one(&self, part: &ToothedPart) -> Result<Solved, LineFault> {
+impl Lot {
+    /// Solves one of its parts; `tables` are those of the part that is the same for all.
+    fn solved(&self, part: &ToothedPart, tables: &MeasuredTables, request: &TeethRequest) -> Result<Solved, LineFault> {
         if let Some(fault) = &part.fault {
             return Err(fault.clone());
         }
         let bad = |message: String| LineFault { line: part.line, message };
-        let (from, to) = self.stroke_mm;
-        let tables = self.tables.clone().with(part.teeth.clone());
+        let (from, to) = request.stroke_mm;
+        let tables = tables.clone().with(part.teeth.clone());
         let first = |problems: Diagnostics| {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
         };
@@ -483,7 +470,7 @@ impl Solver<'_> {
                 covered.start, covered.end
             )));
         }
-        let curve = input.mesh.curve(strokes.start, strokes.end, self.tolerance_mm);
+        let curve = input.mesh.curve(strokes.start, strokes.end, request.tolerance_mm);
         let curve = curve.map_err(|error| bad(error.to_string()))?;
         let summary = curve.summary(&input.mesh);
         let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;

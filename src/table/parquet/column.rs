@@ -127,25 +127,18 @@ pub(super) fn shown_bytes(bytes: &[u8]) -> String {
     let text = std::str::from_utf8(bytes).map(|text| text.trim_end_matches('\0'));
     match text.ok().filter(|text| !text.contains(char::is_control)) {
         Some(text) => text.to_owned(),
-        None => hexadecimal(bytes, &[]),
+        None => hexadecimal(bytes),
     }
 }
 
 /// 16 bytes as they are written as a name: 8-4-4-4-12 hexadecimal digits.
 pub(super) fn shown_uuid(bytes: &[u8]) -> String {
-    hexadecimal(bytes, &[4, 6, 8, 10])
+    let groups = [0..4, 4..6, 6..8, 8..10, 10..16].map(|group| bytes.get(group).map_or_else(String::new, hexadecimal));
+    groups.join("-")
 }
 
-/// Bytes in hexadecimal digits, with hyphens before some.
-fn hexadecimal(bytes: &[u8], hyphens: &[usize]) -> String {
-    let mut digits = String::with_capacity(2 * bytes.len() + hyphens.len());
-    for (place, byte) in bytes.iter().enumerate() {
-        if hyphens.contains(&place) {
-            digits.push('-');
-        }
-        digits.extend([byte >> 4, byte & 0xf].map(|digit| char::from_digit(digit.into(), 16).unwrap_or_default()));
-    }
-    digits
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The columns of a file in their order; one that is nested is one column.
