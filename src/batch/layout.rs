@@ -58,10 +58,14 @@ impl Layout {
             let message = format!("{}: the first table has no column like `{}`", table.name, column.title);
             diagnostics.push(bad(message).help("give tables with the same columns, or evaluate them one by one"));
         }
-        let copied = copied(plan, table).unwrap_or_else(|problems| {
-            diagnostics.extend(problems);
-            Vec::new()
-        });
+        let mut copied = Vec::new();
+        for output in &plan.outputs {
+            let Output::Copied(name) = output else { continue };
+            match table.titles.iter().position(|title| title == name) {
+                Some(field) => copied.push(field),
+                None => diagnostics.push(bad(format!("{} has no column `{name}`, which is to be written", table.name))),
+            }
+        }
         if !diagnostics.is_empty() {
             return Err(Diagnostics(diagnostics));
         }
@@ -86,20 +90,4 @@ impl Layout {
         let needed = (0..self.titles.len()).map(|column| self.columns.contains(&Some(column))).collect();
         Wanted { needed, copied: self.copied.clone(), keeps_raw }
     }
-}
-
-/// The fields that outputs copy.
-fn copied(plan: &Plan, table: &Table) -> Result<Vec<usize>, Vec<Diagnostic>> {
-    let (mut copied, mut problems) = (Vec::new(), Vec::new());
-    for output in &plan.outputs {
-        let Output::Copied(name) = output else { continue };
-        match table.titles.iter().position(|title| title == name) {
-            Some(field) => copied.push(field),
-            None => problems.push(Diagnostic::error(
-                Code::BadTable,
-                format!("{} has no column `{name}`, which is to be written", table.name),
-            )),
-        }
-    }
-    if problems.is_empty() { Ok(copied) } else { Err(problems) }
 }

@@ -30,8 +30,8 @@ pub(super) enum Output {
     Linear,
     /// The probability that a limit is met.
     Conformance(LimitTarget),
-    /// A statistic of the simulated distribution of a result.
-    Simulated(UncertainOutput, SimulatedStatistic),
+    /// A statistic of the simulated distribution of a result, by its place among them.
+    Simulated(UncertainOutput, usize),
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
@@ -69,35 +69,17 @@ impl UncertainOutput {
     }
 }
 
+/// The statistics of a simulated distribution.
+const SIMULATED: [(&str, fn(&Simulation) -> f64); 4] = [
+    ("mean", |simulation| simulation.mean),
+    ("standard", |simulation| simulation.standard),
+    ("lower", |simulation| simulation.symmetric.0),
+    ("upper", |simulation| simulation.symmetric.1),
+];
+
 /// A statistic of a simulated distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SimulatedStatistic {
-    Mean,
-    Standard,
-    Lower,
-    Upper,
-}
-
-impl SimulatedStatistic {
-    const ALL: [Self; 4] = [Self::Mean, Self::Standard, Self::Lower, Self::Upper];
-
-    pub(super) fn of(self, simulation: &Simulation) -> f64 {
-        match self {
-            Self::Mean => simulation.mean,
-            Self::Standard => simulation.standard,
-            Self::Lower => simulation.symmetric.0,
-            Self::Upper => simulation.symmetric.1,
-        }
-    }
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Standard => "standard",
-            Self::Lower => "lower",
-            Self::Upper => "upper",
-        }
-    }
+pub(super) fn simulated(simulation: &Simulation, statistic: usize) -> f64 {
+    SIMULATED[statistic].1(simulation)
 }
 
 impl Output {
@@ -116,7 +98,7 @@ impl Output {
             all.push(Self::Linear);
             if request.monte_carlo.is_some() {
                 let statistic = |statistic| results().map(move |of| Self::Simulated(of, statistic));
-                all.extend(SimulatedStatistic::ALL.into_iter().flat_map(statistic));
+                all.extend((0..SIMULATED.len()).flat_map(statistic));
                 all.push(Self::Validated);
             }
             let is_known = |on: &LimitTarget| match on {
@@ -184,7 +166,7 @@ impl Output {
             Self::Standard(of) => format!("{}_standard_uncertainty_mm", of.name(stack)),
             Self::Expanded(of) => format!("{}_expanded_uncertainty_mm", of.name(stack)),
             Self::Linear => "linear".to_owned(),
-            Self::Simulated(of, statistic) => format!("{}_monte_carlo_{}_mm", of.name(stack), statistic.name()),
+            Self::Simulated(of, statistic) => format!("{}_monte_carlo_{}_mm", of.name(stack), SIMULATED[*statistic].0),
             Self::Validated => "linear_validated".to_owned(),
             Self::Conformance(LimitTarget::CenterDistance) => "conformance_probability".to_owned(),
             Self::Conformance(LimitTarget::Error(kind)) => {

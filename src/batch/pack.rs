@@ -21,17 +21,10 @@ impl Packing {
     /// The packing that a file's name asks for, and the name without it.
     #[must_use]
     pub fn of_name(name: &str) -> (Self, &str) {
-        let suffix = |suffix: &str| {
-            let at = name.len().checked_sub(suffix.len())?;
-            let (stem, end) = name.split_at_checked(at)?;
-            end.eq_ignore_ascii_case(suffix).then_some(stem)
-        };
-        if let Some(stem) = suffix(".gz") {
-            (Self::Gzip, stem)
-        } else if let Some(stem) = suffix(".zst") {
-            (Self::Zstd, stem)
-        } else {
-            (Self::None, name)
+        match name.rsplit_once('.') {
+            Some((stem, end)) if end.eq_ignore_ascii_case("gz") => (Self::Gzip, stem),
+            Some((stem, end)) if end.eq_ignore_ascii_case("zst") => (Self::Zstd, stem),
+            _ => (Self::None, name),
         }
     }
 

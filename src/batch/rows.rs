@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::columns::{ResultCell, ResultColumns};
-use super::output::Output;
+use super::output::{Output, simulated};
 use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
@@ -127,7 +127,9 @@ fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) ->
             ResultCell::Number(spread.coverage_factor * spread.standard_mm)
         }
         Output::Conformance(on) => ResultCell::Number(results.conformance(known, *on, row)?),
-        Output::Simulated(of, statistic) => ResultCell::Number(statistic.of(known.simulation_of(&plan.sources, *of)?)),
+        Output::Simulated(of, statistic) => {
+            ResultCell::Number(simulated(known.simulation_of(&plan.sources, *of)?, *statistic))
+        }
         Output::Validated => ResultCell::Flag(known.validated?),
         _ => ResultCell::Flag(!known.spreads.upper.folded),
     })

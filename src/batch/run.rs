@@ -5,14 +5,14 @@
 //! workers.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::evaluate::Evaluator;
 use super::layout::Layout;
 use super::ledger::{Ledger, RowSink, Sink, Sinks};
-use super::outcome::{Outcome, Total};
+use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::statistics::MovingRange;
@@ -99,24 +99,22 @@ impl<'a> Batch<'a> {
             },
             rejects_packing: sinks.rejects.as_ref().map_or(Packing::None, |sink| sink.packing),
             queue: Mutex::new(PieceQueue { queue, next: 0, ended: false, error: None }),
-            order: Mutex::new(WriteOrder { next: 0, total, sinks, failure: None, workers: 0 }),
+            order: Mutex::new(WriteOrder { next: 0, total, sinks, failure: None }),
             turn: Condvar::new(),
-            done: Condvar::new(),
+            working: AtomicUsize::new(self.workers),
             stop,
             ended: AtomicBool::new(false),
             keeps_names: AtomicBool::new(has_id),
             bytes: AtomicU64::new(0),
         };
-        let statistics = Mutex::new(Vec::new());
+        let (statistics, watcher) = (Mutex::new(Vec::new()), std::thread::current());
         let work = || {
             let mut evaluator = Evaluator::new(plan, layout, &name, keeps_rejects);
             shared.work(&mut evaluator);
             lock(&statistics).push(std::mem::take(&mut evaluator.statistics));
-            lock(&shared.order).workers -= 1;
-            shared.turn.notify_all();
-            shared.done.notify_all();
+            shared.working.fetch_sub(1, Ordering::Release);
+            watcher.unpark();
         };
-        lock(&shared.order).workers = self.workers;
         std::thread::scope(|scope| {
             for _ in 0..self.workers {
                 scope.spawn(work);
@@ -198,7 +196,6 @@ struct WriteOrder<'a, 'b> {
     sinks: &'a mut Sinks<'b>,
     /// Why the rest of the table does not count.
     failure: Option<RunError>,
-    workers: usize,
 }
 
 struct SharedRun<'a, 'b> {
@@ -210,8 +207,8 @@ struct SharedRun<'a, 'b> {
     queue: Mutex<PieceQueue>,
     order: Mutex<WriteOrder<'a, 'b>>,
     turn: Condvar,
-    /// Told when a worker is done; not at every turn, which would be all that a watcher hears of.
-    done: Condvar,
+    /// How many workers are not done.
+    working: AtomicUsize,
     /// Ends the run from outside.
     stop: &'a AtomicBool,
     /// Ends the run from inside: nothing can be written any more, or nothing should.
@@ -304,21 +301,13 @@ impl SharedRun<'_, '_> {
     /// Tells how far the run is until the workers are done.
     fn watch(&self, progress: &mut dyn FnMut(&Progress)) {
         const INTERVAL: Duration = Duration::from_millis(100);
-        let mut order = lock(&self.order);
-        while order.workers > 0 {
-            let (next, waited) = self.done.wait_timeout(order, INTERVAL).unwrap_or_else(PoisonError::into_inner);
-            order = next;
-            if waited.timed_out() {
-                let counts = order.total.outcome.counts;
-                let now = Progress {
-                    rows: counts.rows,
-                    failures: counts.fail,
-                    rejected: counts.rejected,
-                    bytes: self.bytes.load(Ordering::Relaxed),
-                };
-                drop(order);
-                progress(&now);
-                order = lock(&self.order);
+        let mut told = Instant::now();
+        while self.working.load(Ordering::Acquire) > 0 {
+            std::thread::park_timeout(INTERVAL);
+            if told.elapsed() >= INTERVAL {
+                told = Instant::now();
+                let Counts { rows, fail: failures, rejected, .. } = lock(&self.order).total.outcome.counts;
+                progress(&Progress { rows, failures, rejected, bytes: self.bytes.load(Ordering::Relaxed) });
             }
         }
     }

@@ -16,6 +16,17 @@ pub enum DeviationValues {
     Slopes(Vec<f64>),
 }
 
+/// The same of the values of each dimension.
+macro_rules! of_each {
+    ($all:expr, $values:ident => $result:expr) => {
+        match $all {
+            Self::Lengths($values) => $result,
+            Self::Angles($values) => $result,
+            Self::Slopes($values) => $result,
+        }
+    };
+}
+
 impl Default for DeviationValues {
     /// No lengths.
     fn default() -> Self {
@@ -34,24 +45,10 @@ impl DeviationValues {
         }
     }
 
-    /// Forgets the values; those to come are of the dimension of this one.
-    pub(crate) fn restart(&mut self, like: DeviationValue) {
-        match (&mut *self, like) {
-            (Self::Lengths(values), DeviationValue::Length(_)) => values.clear(),
-            (Self::Angles(values), DeviationValue::Angle(_)) => values.clear(),
-            (Self::Slopes(values), DeviationValue::Slope(_)) => values.clear(),
-            _ => *self = Self::repeated(like, 0),
-        }
-    }
-
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        match self {
-            Self::Lengths(values) => values.len(),
-            Self::Angles(values) => values.len(),
-            Self::Slopes(values) => values.len(),
-        }
+        of_each!(self, values => values.len())
     }
 
     /// Whether there are none.
@@ -78,11 +75,11 @@ impl DeviationValues {
 
     /// Calls `take` with each.
     #[inline]
-    pub fn for_each(&self, mut take: impl FnMut(DeviationValue)) {
+    pub fn for_each(&self, take: impl FnMut(DeviationValue)) {
         match self {
-            Self::Lengths(values) => values.iter().for_each(|length| take(DeviationValue::Length(*length))),
-            Self::Angles(values) => values.iter().for_each(|angle| take(DeviationValue::Angle(*angle))),
-            Self::Slopes(values) => values.iter().for_each(|slope| take(DeviationValue::Slope(*slope))),
+            Self::Lengths(values) => values.iter().copied().map(DeviationValue::Length).for_each(take),
+            Self::Angles(values) => values.iter().copied().map(DeviationValue::Angle).for_each(take),
+            Self::Slopes(values) => values.iter().copied().map(DeviationValue::Slope).for_each(take),
         }
     }
 
@@ -100,20 +97,12 @@ impl DeviationValues {
 
     /// Appends a 0, for a row without a value.
     pub(crate) fn push_nothing(&mut self) {
-        match self {
-            Self::Lengths(values) => values.push(Length::ZERO),
-            Self::Angles(values) => values.push(Angle::ZERO),
-            Self::Slopes(values) => values.push(0.0),
-        }
+        of_each!(self, values => values.push(Default::default()));
     }
 
     /// Keeps the first ones.
     pub(crate) fn truncate(&mut self, count: usize) {
-        match self {
-            Self::Lengths(values) => values.truncate(count),
-            Self::Angles(values) => values.truncate(count),
-            Self::Slopes(values) => values.truncate(count),
-        }
+        of_each!(self, values => values.truncate(count));
     }
 
     /// Appends some of another column of the same dimension.

@@ -124,28 +124,15 @@ impl Block {
     }
 
     /// Columns for such values, without any so far.
-    pub(crate) fn start_columns(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
-        self.values.resize_with(like.len(), DeviationValues::default);
-        for (values, like) in self.values.iter_mut().zip(like) {
-            values.restart(like);
-        }
+    pub(crate) fn start_columns(&mut self, like: impl Iterator<Item = DeviationValue>) {
+        self.values = like.map(|like| DeviationValues::repeated(like, 0)).collect();
     }
 
-    /// Forgets everything but the room; the columns are for such values.
-    pub(crate) fn clear(&mut self, like: impl ExactSizeIterator<Item = DeviationValue>) {
-        self.start_columns(like);
-        self.faults.clear();
-        self.index.clear();
+    /// Forgets everything but the text's room; the columns are for such values.
+    pub(crate) fn clear(&mut self, like: impl Iterator<Item = DeviationValue>) {
+        *self = Self { text: std::mem::take(&mut self.text), ..Self::default() };
         self.text.clear();
-        self.names.clear();
-        self.raw.clear();
-        self.copied.clear();
-        self.lines.clear();
-        self.records.clear();
-        self.asides.clear();
-        (self.record_count, self.line_count, self.blank_lines) = (0, 0, 0);
-        self.contradiction = None;
-        (self.is_rest, self.goes_on) = (false, false);
+        self.start_columns(like);
     }
 
     /// Appends text.

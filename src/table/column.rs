@@ -99,22 +99,17 @@ impl PlainNumbers {
     /// The deviation of a number; `None` where it is too large to be one.
     #[inline]
     pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
-        match (self.unit, self.nominal, self.over) {
-            (Unit::Length(_), DeviationValue::Length(_), None) => self.length(number).map(DeviationValue::Length),
-            (Unit::Angle(unit), DeviationValue::Angle(nominal), None) => {
-                let deviation = Angle::of_plain(number, unit)? - nominal;
-                (deviation.abs() <= self.farthest.angle).then_some(DeviationValue::Angle(deviation))
+        let deviation = match (self.unit, self.nominal, self.over) {
+            (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
+                DeviationValue::Length(Length::of_plain(number, unit)? - nominal)
             }
-            _ => self.slope(number),
-        }
-    }
-
-    /// The same of lengths; `None` of other columns.
-    #[inline]
-    pub(crate) fn length(&self, number: Decimal) -> Option<Length> {
-        let (Unit::Length(unit), DeviationValue::Length(nominal)) = (self.unit, self.nominal) else { return None };
-        let deviation = Length::of_plain(number, unit)? - nominal;
-        (deviation.abs() <= self.farthest.length).then_some(deviation)
+            (Unit::Angle(unit), DeviationValue::Angle(nominal), None) => {
+                DeviationValue::Angle(Angle::of_plain(number, unit)? - nominal)
+            }
+            (Unit::Length(unit), _, Some(over)) => lead_slope(Length::of_plain(number, unit)?, over).ok()?,
+            _ => return None,
+        };
+        (!self.farthest.is_exceeded_by(deviation)).then_some(deviation)
     }
 
     /// The deviations of doubles, each of which is its shortest decimal, where all are lengths that the double alone tells;
@@ -126,13 +121,6 @@ impl PlainNumbers {
             }
             _ => None,
         }
-    }
-
-    /// The same of a helix slope deviation.
-    fn slope(&self, number: Decimal) -> Option<DeviationValue> {
-        let Unit::Length(unit) = self.unit else { return None };
-        let slope = lead_slope(Length::of_plain(number, unit)?, self.over?).ok()?;
-        (!self.farthest.is_exceeded_by(slope)).then_some(slope)
     }
 }
 

@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::quantity::shown;
+
 /// How one table was read.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Reading {
@@ -79,7 +81,7 @@ impl Reading {
         let assumed = self.columns.iter().filter(|column| column.unit_is_assumed);
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
-        let asides = self.asides.iter().take(SHOWN).map(|aside| format!("{} \"{}\"", aside.line, short(&aside.text)));
+        let asides = self.asides.iter().take(SHOWN).map(|aside| format!("{} \"{}\"", aside.line, shown(&aside.text)));
         let not_used = self.not_used.iter().map(|unused| format!("`{}`", unused.title));
         let lines = if self.asides.len() == 1 { "line" } else { "lines" };
         let more = if self.asides.len() > SHOWN { " and more" } else { "" };
@@ -136,12 +138,4 @@ impl fmt::Display for Reading {
         let across = if self.parts_in == "columns" { "across" } else { "a row" };
         write!(f, ", a {} {across}: {}", self.unit_counted, columns.join(", "))
     }
-}
-
-fn short(text: &str) -> String {
-    const LONGEST: usize = 32;
-    if text.chars().count() <= LONGEST {
-        return text.to_owned();
-    }
-    text.chars().take(LONGEST - 1).chain(['…']).collect()
 }

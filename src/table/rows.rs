@@ -25,7 +25,7 @@ use super::strangers::Others;
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
-use crate::deviation::{DeviationValue, DeviationValues};
+use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Unit, shown};
 
 /// A column of which plain numbers say all.
@@ -40,8 +40,6 @@ struct PlainColumn {
 #[derive(Debug, Clone, Copy)]
 enum PlainField {
     Skipped,
-    /// A remark, which may hold a value where it has a digit.
-    Remark,
     Id,
     /// The first that is no value, where parts have no names.
     Label,
@@ -135,11 +133,6 @@ impl PlainRow {
             *row.fields.get_mut(id)? = PlainField::Id;
         } else if let Some(field) = row.fields.iter_mut().find(|field| matches!(field, PlainField::Skipped)) {
             *field = PlainField::Label;
-        }
-        for place in &setup.remarks {
-            if let Some(field @ PlainField::Skipped) = row.fields.get_mut(*place) {
-                *field = PlainField::Remark;
-            }
         }
         (setup.is_even && !row.fields.is_empty()).then_some(row)
     }
@@ -252,13 +245,8 @@ impl Rows {
             at += usize::from(quoted);
             if let PlainField::Value(column) = field {
                 let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                match &mut values[column.number] {
-                    DeviationValues::Lengths(lengths) => lengths.push(column.numbers.length(number)?),
-                    others => {
-                        if !others.push(column.numbers.deviation(number)?) {
-                            return None;
-                        }
-                    }
+                if !values[column.number].push(column.numbers.deviation(number)?) {
+                    return None;
                 }
                 at = end;
             } else {
@@ -270,9 +258,8 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
-                let is_remark =
-                    matches!(field, PlainField::Remark | PlainField::Label) && self.setup.remarks.contains(&index);
-                if is_remark && text.iter().any(u8::is_ascii_digit) {
+                // a remark with a digit may hold a value
+                if self.setup.remarks.contains(&index) && text.iter().any(u8::is_ascii_digit) {
                     return None;
                 }
                 let says_what = matches!(field, PlainField::Id | PlainField::Label);

@@ -209,19 +209,10 @@ fn has_unit(title: &str) -> bool {
         .any(|word| Unit::from_symbol(word).is_some() || Unit::from_symbol(&word.to_lowercase()).is_some())
 }
 
-/// Units of what is neither a length nor an angle.
-const FOREIGN_UNITS: [&str; 54] = [
-    "-", "1", "pcs", "stk", "°c", "c", "°f", "k", "n", "kn", "mn", "nm", "nmm", "ncm", "kg", "g", "s", "ms", "sec",
-    "h", "%", "‰", "bar", "mbar", "mpa", "hpa", "pa", "hrc", "hv", "hb", "rpm", "1/min", "min-1", "hz", "v", "a",
-    "n/mm", "n/mm²", "k/h", "ppm/k", "u/min", "eur", "€", "usd", "$", "uhr", "am", "pm", "km", "mb", "mm/s", "mm/min",
-    "m/s", "m/min",
-];
-
 /// Whether a unit measures neither lengths nor angles.
 pub(crate) fn is_foreign_unit(unit: &str) -> bool {
-    let plain = unit.trim().to_lowercase();
-    Unit::from_symbol(unit).is_none()
-        && (FOREIGN_UNITS.contains(&plain.as_str()) || plain.starts_with('%') || is_rate(&plain))
+    let is_other = WordList::ForeignUnit.has(unit) || unit.trim().starts_with('%') || is_rate(unit);
+    is_other && Unit::from_symbol(unit).is_none()
 }
 
 /// Whether a unit is one per time or per turn: `mm/min`, `m/s`, `mm/U`.

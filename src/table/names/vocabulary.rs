@@ -219,6 +219,8 @@ pub(crate) enum WordList {
     BeforeUnit,
     /// The length over which f_Hβ is evaluated.
     EvaluationLength,
+    /// The unit of what is neither a length nor an angle.
+    ForeignUnit,
 }
 
 impl WordList {
