@@ -212,6 +212,11 @@ impl Record {
         texts.join(" ")
     }
 
+    /// Whether it has the texts of another one.
+    pub(crate) fn repeats(&self, other: &Self) -> bool {
+        self.cells.iter().map(Cell::text).eq(other.cells.iter().map(Cell::text))
+    }
+
     /// Whether there is nothing to read: no cell is filled, or only with a line drawn below a heading.
     pub(crate) fn says_nothing(&self) -> bool {
         let is_line = |text: &str| text.len() > 1 && text.chars().all(|c| matches!(c, '-' | ':' | '=' | '_' | '+'));

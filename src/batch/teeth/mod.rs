@@ -184,11 +184,12 @@ impl<'a> Teeth<'a> {
         if self.spec.has_other_deviations(part) {
             reading.notes.push(format!("{name}: the table takes the place of the deviations in the spec"));
         }
-        let place = Where { file: name, unit: table.place, encoding: table.encoding };
+        let (unit, encoding) = (table.place, table.encoding);
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
         let gathered = self.gathered(table, gatherer, &mut reading.asides);
         self.ledger.outcome.readings.push(reading);
-        Ok(gathered.map(|parts| self.lots.push(Lot { parts, part, has_names, place, header, judge })))
+        Ok(gathered
+            .map(|parts| self.lots.push(Lot { parts, part, has_names, file: name, unit, encoding, header, judge })))
     }
 
     /// Keeps notes that are new.
@@ -230,7 +231,7 @@ impl<'a> Teeth<'a> {
                 let names: Vec<_> = self.columns.iter().map(|(name, _)| (*name).to_owned()).collect();
                 write::header(&names, self.request.rows.format)
             };
-            self.ledger.start(names, lot.place.encoding, &lot.header)?;
+            self.ledger.start(names, lot.encoding, &lot.header)?;
             self.lot(lot, stop, progress)?;
         }
         self.ledger.outcome.interrupted |= stop.load(Ordering::Relaxed);
@@ -248,7 +249,7 @@ impl<'a> Teeth<'a> {
             let solve = |(): &mut (), index: usize| lot.solved(&parts[index], tables, request);
             let solved = parallel::map(self.workers, parts.len(), || (), solve).0;
             for (part, solved) in parts.iter().zip(solved) {
-                self.settle(part, solved, &lot.place)?;
+                self.settle(part, solved, lot)?;
                 if self.ledger.is_over(self.request.rows.strict) {
                     return Ok(());
                 }
@@ -285,11 +286,11 @@ impl<'a> Teeth<'a> {
     }
 
     /// Judges, counts and writes a part.
-    fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, place: &Where) -> io::Result<()> {
+    fn settle(&mut self, part: &ToothedPart, solved: Result<Solved, LineFault>, lot: &Lot) -> io::Result<()> {
         self.ledger.outcome.counts.rows += 1;
         let mut solved = match solved {
             Ok(solved) => solved,
-            Err(fault) => return self.reject(part, &fault, place),
+            Err(fault) => return self.reject(part, &fault, lot),
         };
         let verdict = solved.judged.evaluation.verdict;
         self.note(std::mem::take(&mut solved.judged.notes));
@@ -299,11 +300,11 @@ impl<'a> Teeth<'a> {
         }
         let failed = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
         if failed && self.ledger.outcome.failures.len() < self.request.rows.failures_kept {
-            self.ledger.outcome.failures.push(self.part(part, &solved, place));
+            self.ledger.outcome.failures.push(self.part(part, &solved, lot));
         }
         if self.request.rows.statistics {
             self.count(&solved);
-            let kept = self.part(part, &solved, place);
+            let kept = self.part(part, &solved, lot);
             keep_worst(&mut self.ledger.outcome.worst, kept.margin_mm, || kept);
         }
         if self.request.rows.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
@@ -318,21 +319,21 @@ impl<'a> Teeth<'a> {
         }
     }
 
-    fn reject(&mut self, part: &ToothedPart, fault: &LineFault, place: &Where) -> io::Result<()> {
+    fn reject(&mut self, part: &ToothedPart, fault: &LineFault, lot: &Lot) -> io::Result<()> {
         self.ledger.outcome.counts.rejected += 1;
         if let Some(rejects) = &mut self.ledger.sinks.rejects {
             let mut raw = part.raw.clone();
             if !raw.ends_with(b"\n") && !raw.ends_with(b"\r") {
                 raw.push(b'\n');
             }
-            rejects.write(&place.encoding.original(&raw))?;
+            rejects.write(&lot.encoding.original(&raw))?;
         }
         if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
             self.ledger.outcome.problems.push(Problem {
-                file: Arc::clone(&place.file),
+                file: Arc::clone(&lot.file),
                 line: fault.line,
                 record: part.record,
-                place: place.unit.in_words(fault.line),
+                place: lot.unit.in_words(fault.line),
                 part: Some(part.name.clone()).filter(|name| !name.is_empty()),
                 column: None,
                 text: String::new(),
@@ -343,7 +344,7 @@ impl<'a> Teeth<'a> {
     }
 
     /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
-    fn part(&self, part: &ToothedPart, solved: &Solved, place: &Where) -> Part {
+    fn part(&self, part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
         let evaluation = &solved.judged.evaluation;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
@@ -354,10 +355,10 @@ impl<'a> Teeth<'a> {
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
             id: part.name.clone(),
-            file: Arc::clone(&place.file),
+            file: Arc::clone(&lot.file),
             line: part.line,
             record: part.record,
-            place: place.unit.in_words(part.line),
+            place: lot.unit.in_words(part.line),
             verdict: evaluation.verdict,
             margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
@@ -396,20 +397,16 @@ impl<'a> Teeth<'a> {
     }
 }
 
-/// Where the rows of a table are.
-struct Where {
-    file: Arc<str>,
-    unit: Place,
-    encoding: Encoding,
-}
-
 /// The parts of one table.
 struct Lot {
     parts: Vec<ToothedPart>,
     part: deviation::Part,
     /// Whether the table names its parts.
     has_names: bool,
-    place: Where,
+    file: Arc<str>,
+    /// What the number of a row's place counts.
+    unit: Place,
+    encoding: Encoding,
     /// The header as it stands in the file.
     header: Vec<u8>,
     judge: TeethJudge,
@@ -423,7 +420,7 @@ fn refuse_in_two(lots: &mut [Lot]) {
             tables.entry((lot.part, part.name.clone())).or_default().push(number);
         }
     }
-    let files: Vec<_> = lots.iter().map(|lot| Arc::clone(&lot.place.file)).collect();
+    let files: Vec<_> = lots.iter().map(|lot| Arc::clone(&lot.file)).collect();
     for (number, lot) in lots.iter_mut().enumerate() {
         for part in &mut lot.parts {
             let named = tables.get(&(lot.part, part.name.clone())).filter(|_| lot.has_names);

@@ -12,6 +12,7 @@ mod shared;
 pub(crate) use column::Unread;
 pub(crate) use shared::SharedFile;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ::parquet::basic::{Compression, Encoding};
@@ -116,12 +117,11 @@ impl ParquetTable {
             Some(group) if group.number == range.group && group.next <= range.start => group,
             _ => open.insert(self.open_group(range.group, places).map_err(unreadable)?),
         };
-        let skipped = range.start - group.next;
+        let rows = range.start - group.next..range.start - group.next + range.rows;
         group.next = range.start + range.rows;
         let column = |column: &mut Option<(ColumnReader, Values)>| {
             let Some((reader, values)) = column else { return Ok(None) };
-            skip(reader, skipped)?;
-            stored(reader, *values, range.rows).map(Some)
+            stored(reader, *values, rows.clone()).map(Some)
         };
         group.columns.iter_mut().map(column).collect::<Result<_, _>>().map_err(unreadable)
     }
@@ -216,27 +216,12 @@ pub(crate) struct OpenGroup {
     next: usize,
 }
 
-/// Leaves out the next rows; pages that lie among them are not unpacked.
-fn skip(reader: &mut ColumnReader, rows: usize) -> Result<(), ParquetError> {
-    let skipped = match reader {
-        ColumnReader::BoolColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::Int32ColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::Int64ColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::Int96ColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::FloatColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::DoubleColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::ByteArrayColumnReader(reader) => reader.skip_records(rows),
-        ColumnReader::FixedLenByteArrayColumnReader(reader) => reader.skip_records(rows),
-    }?;
-    if skipped == rows { Ok(()) } else { Err(ended_early(rows - skipped)) }
-}
-
 fn ended_early(rows: usize) -> ParquetError {
     ParquetError::EOF(format!("a column ends {rows} rows before the others"))
 }
 
-/// The next values of a column.
-fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stored<'static>, ParquetError> {
+/// Values of a column in some of the next rows.
+fn stored(reader: &mut ColumnReader, values: Values, rows: Range<usize>) -> Result<Stored<'static>, ParquetError> {
     match (reader, values) {
         (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
         (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
@@ -272,25 +257,26 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stor
     }
 }
 
-/// The next `rows` values, each by itself.
+/// The same, each by itself.
 fn read_each<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: usize,
+    rows: Range<usize>,
     content: impl Fn(&T::T) -> Content,
 ) -> Result<Stored<'static>, ParquetError> {
     read(reader, rows, |values| Stored::contents(values.iter().map(content).collect()))
 }
 
-/// The next `rows` values.
+/// The same of one type; pages of the rows before them are not unpacked.
 fn read<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: usize,
+    rows: Range<usize>,
     stored: impl FnOnce(Vec<T::T>) -> Stored<'static>,
 ) -> Result<Stored<'static>, ParquetError> {
-    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows));
-    let (found, ..) = reader.read_records(rows, Some(&mut levels), None, &mut values)?;
-    if found != rows {
-        return Err(ended_early(rows - found));
+    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows.len()));
+    let skipped = reader.skip_records(rows.start)?;
+    let (found, ..) = reader.read_records(rows.len(), Some(&mut levels), None, &mut values)?;
+    if skipped + found != rows.end {
+        return Err(ended_early(rows.end - skipped - found));
     }
     // a column that has a value in each row has no levels
     if levels.iter().all(|level| *level > 0) {

@@ -17,7 +17,7 @@ use crate::table::want::Want;
 /// several axes. Where headers differ, the records as they are.
 pub(super) fn with_dimension_names<'r>(records: &'r [Record], want: &Want) -> Cow<'r, [Record]> {
     let mut headers = records.iter().filter(|record| is_header(record));
-    let first = headers.next().filter(|first| headers.all(|header| texts(header) == texts(first)));
+    let first = headers.next().filter(|first| headers.all(|header| header.repeats(first)));
     let Some(header) = first.filter(|_| records.iter().any(|record| dimension(record).is_some())) else {
         return records.into();
     };
@@ -63,10 +63,6 @@ fn units(record: &Record) -> Option<Record> {
 /// Whether a record is the header of axes.
 fn is_header(record: &Record) -> bool {
     record.cells.first().is_some_and(|cell| is_axis(&cell.text())) && record.numbers() == 0
-}
-
-fn texts(record: &Record) -> Vec<Cow<'_, str>> {
-    record.cells.iter().map(Cell::text).collect()
 }
 
 /// A record with another text in its first cell.

@@ -28,7 +28,7 @@ pub(crate) struct PartLine {
 pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     let mut headers = records.iter().filter(|record| is_header(record));
     let Some(header) = headers.next() else { return records.into() };
-    let is_again = |record: &Record| texts(record) == texts(header);
+    let is_again = |record: &Record| record.repeats(header);
     let pages = headers.try_fold(1, |pages, header| is_again(header).then_some(pages + 1));
     if pages.is_none_or(|pages| pages < 2) {
         return records.into();
@@ -111,10 +111,6 @@ fn named_by(word: &str, name: &str) -> Option<PartLine> {
     let name = name.split([',', ';']).next().unwrap_or_default().trim();
     let word = word.trim();
     (is_part_name(word) && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
-}
-
-fn texts(record: &Record) -> Vec<Cow<'_, str>> {
-    record.cells.iter().map(Cell::text).collect()
 }
 
 fn with_cell(record: &Record, text: &str) -> Record {
