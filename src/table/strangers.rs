@@ -166,7 +166,7 @@ impl Sorter<'_> {
         });
         let mut is_other = |wanted: Length| sizes.any(|size| size != Ok(wanted));
         if WordList::EvaluationLength.has(&unknown.title) {
-            self.columns.iter().find_map(Column::evaluated_over).is_some_and(is_other)
+            self.beside.columns.iter().find_map(Column::evaluated_over).is_some_and(is_other)
         } else {
             WordList::Roller.has(&unknown.title) && self.want.roller.is_some_and(&mut is_other)
         }

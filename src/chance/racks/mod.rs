@@ -439,7 +439,7 @@ mod tests {
         ];
         for (distribution, kurtosis) in shapes {
             let spread = Uncertainty::half_width(3.0, distribution);
-            let values: Vec<f64> = (0..40_000).map(|_| draw.value(&spread, &mut random)).collect();
+            let values: Vec<f64> = (0..40_000).map(|_| random.spread(&spread, &draw.ziggurat)).collect();
             let mean = |f: fn(f64) -> f64| values.iter().map(|x| f(*x)).sum::<f64>() / 40_000.0;
             let (square, fourth, u) = (mean(|x| x * x), mean(|x| x * x * x * x), spread.standard);
             assert!(mean(|x| x).abs() < 0.03 * u, "{distribution:?}");
