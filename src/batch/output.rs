@@ -69,8 +69,11 @@ impl UncertainOutput {
     }
 }
 
-/// The statistics of a simulated distribution.
-const SIMULATED: [(&str, fn(&Simulation) -> f64); 4] = [
+/// A statistic of a simulated distribution.
+type SimulatedStatistic = (&'static str, fn(&Simulation) -> f64);
+
+/// Those that are columns, with their names.
+const SIMULATED: [SimulatedStatistic; 4] = [
     ("mean", |simulation| simulation.mean),
     ("standard", |simulation| simulation.standard),
     ("lower", |simulation| simulation.symmetric.0),

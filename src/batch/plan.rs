@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::columns::ColumnKind;
+use super::number::{Decimals, Places};
 use super::outcome::Quantity;
 use super::output::{Output, UncertainOutput};
 use super::request::{Request, Rows};
@@ -54,6 +55,8 @@ pub struct Plan {
     pub(super) uncertain: Option<Box<Uncertain>>,
     /// What stands before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
+    /// How lengths are written, unless in full.
+    pub(super) places: Option<Places>,
     pub(super) spec: Arc<Spec>,
     /// The errors that the first table has, in its order.
     of_table: Vec<DeviationKind>,
@@ -140,6 +143,7 @@ impl Plan {
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
+            places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count)) } else { None },
             limits: judged,
             unjudged,
             lacking,

@@ -74,8 +74,17 @@ impl<'a> RowWriter<'a> {
             let cells = (0..plan.outputs.len()).map(|index| cell(plan, index, row, written));
             return self.columns.push(cells, decimals);
         }
-        let cells = plan.json_names.iter().enumerate().map(|(index, start)| (start, cell(plan, index, row, written)));
-        write::row(&mut self.out, cells, format, decimals);
+        for (index, (output, start)) in plan.outputs.iter().zip(&plan.json_names).enumerate() {
+            write::start(&mut self.out, index, start, format);
+            match (written, plan.places) {
+                // a quarter of the time of a table is writing its lengths
+                (WrittenRow::Part { results, row }, Some(places)) if let Some(length) = results.of(output, *row) => {
+                    places.write(&mut self.out, length);
+                }
+                _ => write::cell(&mut self.out, &cell(plan, index, row, written), format, decimals),
+            }
+        }
+        write::end(&mut self.out, format);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
 use super::columns::ResultCell;
-use super::number::Decimals;
+use super::number::{Decimals, Places};
 use super::request::RowFormat;
 use crate::quantity::plain;
 use crate::table::cell_text;
@@ -47,31 +47,28 @@ pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u
     names.enumerate().map(start).map(String::into_bytes).collect()
 }
 
-/// A row, with what stands before each value in JSON.
+/// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
 #[inline]
-pub(super) fn row<'c>(
-    out: &mut Vec<u8>,
-    cells: impl Iterator<Item = (&'c Vec<u8>, ResultCell<'c>)>,
-    format: RowFormat,
-    decimals: Decimals,
-) {
-    for (index, (json_start, value)) in cells.enumerate() {
-        match format {
-            RowFormat::JsonLines => out.extend_from_slice(json_start),
-            RowFormat::Tsv if index > 0 => out.push(b'\t'),
-            RowFormat::Csv | RowFormat::Columns if index > 0 => out.push(b','),
-            RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
-        }
-        cell(out, &value, format, decimals);
+pub(super) fn start(out: &mut Vec<u8>, index: usize, json_start: &[u8], format: RowFormat) {
+    match format {
+        RowFormat::JsonLines => out.extend_from_slice(json_start),
+        RowFormat::Csv | RowFormat::Columns if index > 0 => out.push(b','),
+        RowFormat::Tsv if index > 0 => out.push(b'\t'),
+        RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
     }
+}
+
+/// The end of a row.
+#[inline]
+pub(super) fn end(out: &mut Vec<u8>, format: RowFormat) {
     out.extend_from_slice(if format == RowFormat::JsonLines { b"}\n" } else { b"\n" });
 }
 
 /// The value of a column.
 #[inline]
-fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
+pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
     match (cell, decimals) {
-        (ResultCell::Length(length), Decimals::Places(places)) => length.write_decimals(out, places.into()),
+        (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places).write(out, *length),
         (ResultCell::Length(length), Decimals::Full) => out.extend_from_slice(plain(length.mm()).as_bytes()),
         (ResultCell::Text(bytes), _) => text(out, bytes, format),
         (ResultCell::Number(number), decimals) => out.extend_from_slice(decimals.text(*number).as_bytes()),

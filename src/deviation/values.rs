@@ -97,7 +97,7 @@ impl DeviationValues {
 
     /// Appends a 0, for a row without a value.
     pub(crate) fn push_nothing(&mut self) {
-        of_each!(self, values => values.push(Default::default()));
+        of_each!(self, values => values.resize_with(values.len() + 1, Default::default));
     }
 
     /// Keeps the first ones.

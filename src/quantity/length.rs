@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 #[cfg(feature = "table")]
 use super::number::millionths;
-use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number, write_decimals};
+use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
 use super::unit::LengthUnit;
 use super::{FM_PER_MM, QuantityError, grid_quantity};
 
@@ -135,12 +135,6 @@ impl Length {
     #[must_use]
     pub fn to_decimal_text(self, decimals: usize) -> String {
         fixed_decimals(self.fm, 12, decimals)
-    }
-
-    /// The same, behind what is written.
-    #[inline]
-    pub(crate) fn write_decimals(self, out: &mut Vec<u8>, decimals: usize) {
-        write_decimals(out, self.fm, 12, decimals);
     }
 }
 

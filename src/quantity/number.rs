@@ -306,35 +306,15 @@ pub(crate) fn split_number(text: &str) -> (&str, &str) {
     (text[..end].trim(), text[end..].trim())
 }
 
-/// Appends `steps · 10^-places` as decimal text with that many decimals, half away from zero; zero has no sign.
-#[inline]
-pub(crate) fn write_decimals(out: &mut Vec<u8>, steps: i64, places: usize, decimals: usize) {
-    let kept = places.min(decimals);
-    let cut = 10u64.pow((places - kept) as u32);
-    let mut rest = (steps.unsigned_abs() + cut / 2) / cut;
-    if steps < 0 && rest > 0 {
-        out.push(b'-');
-    }
-    // from the last digit to the first: at most the 20 of a `u64`
-    let mut text = [b'.'; 24];
-    let (mut at, mut count) = (text.len(), 0);
-    while count <= kept || rest > 0 {
-        at -= 1 + usize::from(count > 0 && count == kept);
-        text[at] = b'0' + (rest % 10) as u8;
-        rest /= 10;
-        count += 1;
-    }
-    out.extend_from_slice(&text[at..]);
-    if decimals > kept {
-        out.resize(out.len() + decimals - kept, b'0');
-    }
-}
-
-/// The same as a text.
+/// `steps · 10^-places` as decimal text with that many decimals of them, half away from zero; zero has no sign.
 pub(crate) fn fixed_decimals(steps: i64, places: usize, decimals: usize) -> String {
-    let mut out = Vec::new();
-    write_decimals(&mut out, steps, places, decimals);
-    String::from_utf8(out).unwrap_or_default()
+    let cut = 10u64.pow(u32::try_from(places.saturating_sub(decimals)).unwrap_or(0));
+    let rounded = steps.unsigned_abs() / cut + u64::from(cut > 1 && steps.unsigned_abs() % cut >= cut / 2);
+    let kept = places.min(decimals);
+    let digits = format!("{rounded:0>width$}", width = kept + 1);
+    let (whole, fraction) = digits.split_at(digits.len() - kept);
+    let sign = if steps < 0 && rounded > 0 { "-" } else { "" };
+    if decimals == 0 { format!("{sign}{whole}") } else { format!("{sign}{whole}.{fraction:0<decimals$}") }
 }
 
 /// `steps · 10^-places` as the shortest decimal text.

@@ -390,7 +390,11 @@ impl<'a> Teeth<'a> {
             }
             Some(RowSink::Text(sink)) => {
                 let (mut out, starts) = (Vec::new(), write::json_starts(self.columns.iter().map(|(name, _)| *name)));
-                write::row(&mut out, starts.iter().zip(cells), format, decimals);
+                for (index, (cell, start)) in cells.zip(&starts).enumerate() {
+                    write::start(&mut out, index, start, format);
+                    write::cell(&mut out, &cell, format, decimals);
+                }
+                write::end(&mut out, format);
                 sink.write(&out)
             }
         }
