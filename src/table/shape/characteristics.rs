@@ -13,7 +13,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_context, names_value, role, says_which, split_unit,
+    Field, Role, ValueKind, WordList, heading, is_again, is_context, names_value, role, says_which, split_unit,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -269,7 +269,10 @@ pub(crate) fn by_characteristic(
         return Err(NoShape::Ragged { record: records[*row].clone(), expected: header.cells.len() });
     }
     found.has_each_role_once(records, want)?;
-    let is_no_part = |place: &&usize| says_no_part(&header.cells[**place].text());
+    let is_no_part = |place: &&usize| {
+        let title = header.cells[**place].text();
+        says_no_part(&title) || is_again(&title)
+    };
     if let Some(place) = found.parts.iter().find(is_no_part) {
         return Err(NoShape::NoPart { heading: header.cells[*place].clone() });
     }

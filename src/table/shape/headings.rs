@@ -4,8 +4,7 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::DeviationKind;
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, WordList, heading, is_again, is_context, is_statistic, names_page, role,
-    says_which,
+    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_statistic, names_page, role, says_which,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -125,7 +124,6 @@ pub(super) fn says_no_part(text: &str) -> bool {
             .is_some_and(|heading| heading.fields.iter().all(|field| matches!(field, Field::Space | Field::Tooth)))
     };
     is_none(text)
-        || is_again(text)
         || text.chars().count() > 1 && says_which(text)
         || has_digit(text) && is_index(text.trim_end_matches(|c: char| c.is_ascii_digit()))
         || text.split_whitespace().any(is_none)

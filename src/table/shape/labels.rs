@@ -7,7 +7,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, WordList, heading, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
+    Field, Role, WordList, heading, is_again, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -34,7 +34,7 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let is_of_names = |names: &&Record| names.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name));
     let is_other = |cell: &&Cell| {
         let title = cell.text();
-        is_statistic(&title) || is_context(&title) && !is_part_name(&title) && !has_digit(&title)
+        is_statistic(&title) || is_again(&title) || is_context(&title) && !is_part_name(&title) && !has_digit(&title)
     };
     let of_characteristics = names.filter(is_of_names).and_then(|names| names.cells.iter().skip(1).find(is_other));
     let heading = names
