@@ -784,13 +784,7 @@ fn unit(
     let beside = beside.map(Cell::text);
     let unit_from = if value.unit.is_none() && beside.is_some() { UnitFrom::Beside } else { UnitFrom::Table };
     let stated = kind.and_then(|kind| want.stated_unit(kind, &value.title));
-    let unknown = |symbol: &str| {
-        let problem = unknown_unit(&value.title, symbol, is_angle);
-        let Some(kind) = kind else { return problem };
-        let help = problem.help.clone().unwrap_or_default();
-        let in_spec = format!("[batch.columns] {} = {{ unit = … }}", kind.key());
-        problem.help(format!("{help}; or say it in the spec: {in_spec}"))
-    };
+    let unknown = |symbol: &str| unknown_unit(&value.title, symbol, is_angle);
     let symbol = value.unit.as_deref().or(beside.as_deref());
     let written = symbol.map(|symbol| dimension(symbol).ok_or_else(|| unknown(symbol))).transpose()?;
     match (stated, written) {

@@ -19,6 +19,8 @@ pub enum Separator {
     Blanks,
     /// One value per line.
     Lines,
+    /// Words: each line says what was measured.
+    Sentences,
 }
 
 impl Separator {
@@ -31,7 +33,7 @@ impl Separator {
     pub(crate) const fn byte(self) -> u8 {
         match self {
             Self::Character(byte) => byte,
-            Self::AlignedBlanks | Self::Blanks | Self::Lines => b'\t',
+            Self::AlignedBlanks | Self::Blanks | Self::Lines | Self::Sentences => b'\t',
         }
     }
 
@@ -47,6 +49,7 @@ impl Separator {
             Self::AlignedBlanks => "aligned blanks".to_owned(),
             Self::Blanks => "blanks".to_owned(),
             Self::Lines => "one value per line".to_owned(),
+            Self::Sentences => "sentences".to_owned(),
         }
     }
 }
@@ -58,7 +61,7 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
     if text.lines().any(|line| line.trim().contains("  ")) {
         found.push(Separator::AlignedBlanks);
     }
-    found.extend([Separator::Lines, Separator::Blanks]);
+    found.extend([Separator::Lines, Separator::Blanks, Separator::Sentences]);
     found
 }
 
@@ -70,7 +73,7 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
 pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, u64> {
     match separator {
         Separator::Character(byte) => separated(text, byte),
-        Separator::AlignedBlanks | Separator::Blanks | Separator::Lines => Ok(by_line(text, separator)),
+        separator => Ok(by_line(text, separator)),
     }
 }
 
@@ -126,6 +129,7 @@ fn by_line(text: &str, separator: Separator) -> Vec<Record> {
         }
         let cells = match separator {
             Separator::Lines => vec![unquoted(line)],
+            Separator::Sentences => vec![line],
             Separator::AlignedBlanks => aligned(text, &line.span),
             _ => joined(text, &tokens(text, &line.span)),
         };

@@ -15,7 +15,7 @@ use super::lines::{
 use super::measured::MeasuredValues;
 use super::names::{
     Field, Role, WordList, is_again, is_called, is_context, is_other_of_flank, is_statistic, is_total, near,
-    part_in_title, role, split_unit,
+    part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
@@ -47,6 +47,11 @@ pub struct Stranger {
     /// Whether it stands in a line that is no part of the table, which no spec can name.
     #[serde(skip)]
     pub(crate) is_prose: bool,
+    /// A column that is an error already that this may be, and the errors that have one.
+    #[serde(skip)]
+    pub(crate) beside: Option<String>,
+    #[serde(skip)]
+    pub(crate) taken: Vec<&'static str>,
 }
 
 /// What became of what is not understood.
@@ -132,7 +137,9 @@ struct Sorter<'a> {
 
 impl Sorter<'_> {
     fn take(&mut self, unknown: &Unknown) {
+        let before = self.sorted.strangers.len();
         self.sorted.take(self.file, unknown, self.want, self.others);
+        self.sorted.strangers[before..].iter_mut().for_each(|stranger| stranger.hold_against(self.beside.columns));
     }
 
     /// A column, or a line with a name and numbers.
@@ -351,6 +358,8 @@ fn stranger(file: &str, unknown: &Unknown) -> Stranger {
         near: names,
         pattern: unknown.pattern(),
         is_prose: false,
+        beside: None,
+        taken: Vec::new(),
     }
 }
 
@@ -396,6 +405,13 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
         format!("name the sheet that is meant with --sheet; or leave the other out: {said}")
     } else if mappings.is_empty() && strangers.iter().any(|stranger| stranger.title.is_empty()) {
         format!("give it a name, or leave it out: {said}")
+    } else if let (true, Some(column)) =
+        (mappings.is_empty(), strangers.iter().find_map(|stranger| stranger.beside.as_ref()))
+    {
+        format!(
+            "one value of each part counts, as now that of `{}`; leave out what does not count: {said}",
+            shown(column)
+        )
     } else if mappings.is_empty() {
         format!("leave it out, if it is none of the spec's errors: {said}")
     } else {
@@ -419,12 +435,32 @@ pub(crate) const SHEET: &str = "sheet ";
 const KEY: &str = "KEY";
 
 impl Stranger {
+    /// Tells of which errors near it the table has a column. Beside columns of a pinion alone, its name is of the pinion.
+    fn hold_against(&mut self, columns: &[Column]) {
+        let kinds: Vec<DeviationKind> = columns.iter().filter_map(|column| column.kind).collect();
+        if part_said(&self.title).is_none() && kinds.iter().all(|kind| kind.part() == Part::Pinion) && !kinds.is_empty()
+        {
+            let of_pinion = [("rack_pitch", "pinion_pitch"), ("rack_lead", "pinion_lead")];
+            let of_part = |key: &mut &'static str| {
+                *key = of_pinion.iter().find(|(rack, _)| rack == key).map_or(*key, |(_, pinion)| *pinion);
+            };
+            self.near.iter_mut().for_each(of_part);
+            self.near.dedup();
+        }
+        let column = |key: &&&str| columns.iter().find(|column| column.kind.is_some_and(|kind| kind.key() == **key));
+        self.beside = self.near.iter().find_map(|key| column(&key)).map(|column| column.title.clone());
+        self.taken = self.near.iter().filter(|key| column(key).is_some()).copied().collect();
+    }
+
     /// The line of the spec that says what it is, if that is the nearest name; `None` for what the spec cannot name.
     fn mapping(&self) -> Option<String> {
-        let is_name = |name: &String| *name == self.pattern && !self.is_prose;
+        let is_free = |key: &&&str| !self.taken.contains(*key);
+        let is_left = self.taken.is_empty() || self.near.iter().any(|key| is_free(&key)) && !is_total(&self.title);
+        let is_number = |name: &str| Cell::of_text(name, 0..0).is_number();
+        let is_name = |name: &String| *name == self.pattern && !self.is_prose && !is_number(name) && is_left;
         let name = Some(split_unit(&self.title).0.trim().to_owned()).filter(is_name)?;
         // nothing tells which error it is, if it is one
-        let kind = self.near.iter().find_map(|key| key.parse::<Field>().ok()?.kind());
+        let kind = self.near.iter().filter(is_free).find_map(|key| key.parse::<Field>().ok()?.kind());
         // form, crowning and runout are no error that a spec has, and only a pitch has a total
         let is_pitch = matches!(kind, Some(DeviationKind::RackPitch | DeviationKind::PinionPitch));
         let is_lead = matches!(kind, Some(DeviationKind::RackLead | DeviationKind::PinionLead));

@@ -47,6 +47,9 @@ struct Choice {
     settled_by: Option<String>,
 }
 
+/// The rank of what is wrong with a column that was found.
+const COLUMN_FOUND: u8 = 3;
+
 /// Reads a text, or its start.
 pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood, Diagnostics> {
     let text = source.text.as_str();
@@ -81,7 +84,7 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
                 match readings(source, Some(separator), &Arc::new(shape), want) {
                     Ok(read) => candidates.extend(read),
                     Err(problem) if sure => return Err(problem),
-                    Err(problem) => fail(2, problem),
+                    Err(problem) => fail(COLUMN_FOUND, problem),
                 }
                 // no other separator can do better
                 if sure {
@@ -89,23 +92,28 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
                 }
             }
             Err(problem) => {
-                let definite = !matches!(problem, NoShape::NoNumbers | NoShape::Count { .. });
+                let rank = match problem {
+                    NoShape::NoNumbers | NoShape::Count { .. } | NoShape::InOneCell { .. } => 0,
+                    NoShape::OtherNames { .. } => 1,
+                    _ => 2,
+                };
                 // between single blanks, the names of columns are no longer told apart
                 let is_sure =
                     is_strong || matches!((&problem, separator), (NoShape::NoPart { .. }, Separator::AlignedBlanks));
                 let diagnostic = problem.explain(source, want);
-                if definite && is_sure {
+                if rank > 0 && is_sure {
                     return Err(diagnostic.into());
                 }
-                fail(u8::from(definite), diagnostic.into());
+                fail(rank, diagnostic.into());
             }
         }
     }
     // a reading that finds no column says less than one that finds a column and what is wrong with it
-    if failure.as_ref().is_some_and(|(rank, _)| *rank == 2) {
+    if failure.as_ref().is_some_and(|(rank, _)| *rank == COLUMN_FOUND) {
         candidates.retain(|candidate| !candidate.columns.is_empty());
     }
     let failed = || failure.map_or_else(|| NoShape::NoNumbers.explain(source, want).into(), |(_, problem)| problem);
+    choose_sentences(&mut candidates);
     settle(source, candidates).unwrap_or_else(|| Err(failed()))
 }
 
@@ -115,6 +123,24 @@ pub(crate) fn understand_records(name: &str, records: &[Record], want: &Want) ->
     let shape = shape(records, Separator::TAB, want).map_err(|problem| problem.explain(source, want))?;
     let candidates = readings(source, None, &Arc::new(shape), want)?;
     settle(source, candidates).unwrap_or_else(|| Err(NoShape::NoNumbers.explain(source, want).into()))
+}
+
+/// Leaves the readings as sentences alone, if they have all values of the others and more, or out.
+fn choose_sentences(candidates: &mut Vec<Understood>) {
+    let is_sentences = |candidate: &Understood| candidate.separator == Some(Separator::Sentences);
+    if candidates.iter().all(is_sentences) || !candidates.iter().any(is_sentences) {
+        return;
+    }
+    candidates.iter_mut().for_each(Understood::examine);
+    let has_all = |candidate: &Understood, other: &Understood| {
+        other.values.iter().all(|value| candidate.values.contains(value)) && candidate.values.len() > other.values.len()
+    };
+    let others: Vec<&Understood> = candidates.iter().filter(|candidate| !is_sentences(candidate)).collect();
+    let says_more = |candidate: &Understood| {
+        is_sentences(candidate) && candidate.doubt.is_none() && others.iter().all(|other| has_all(candidate, other))
+    };
+    let is_kept = candidates.iter().any(says_more);
+    candidates.retain(|candidate| is_sentences(candidate) == is_kept);
 }
 
 /// The one reading of several; `None` if there is none.

@@ -17,7 +17,7 @@ pub(crate) use near::{
     says_deviation, says_largest,
 };
 pub(crate) use role::{
-    is_again, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value, role, says_which,
+    is_again, is_known_word, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value, role, says_which,
 };
 pub(crate) use unit::{split_size, split_unit};
 

@@ -125,6 +125,11 @@ pub(crate) fn repeats_value(title: &str) -> bool {
         || says_which(name)
 }
 
+/// Whether a word has a meaning, as the name of a person has none.
+pub(crate) fn is_known_word(word: &str) -> bool {
+    Words::of(word).known().is_some() || VOCABULARY.lists(&plain(word))
+}
+
 /// Whether a name announces what was measured once more, or corrects it: `neu`, `Korrektur`.
 pub(crate) fn is_again(name: &str) -> bool {
     WordList::Again.is_in(name)

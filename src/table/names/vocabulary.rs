@@ -199,6 +199,8 @@ pub(crate) enum WordList {
     Roller,
     /// The signs of numbers in another column.
     Sign,
+    /// What stands between a name and its value.
+    Verb,
     /// What else is measured of flanks.
     OtherFlank,
     /// The probe, in a line above a table.
@@ -283,6 +285,11 @@ impl Vocabulary {
     /// The words of a list.
     pub(super) fn list(&self, list: WordList) -> &[String] {
         self.lists.get(&list).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether one of its lists has a word.
+    pub(super) fn lists(&self, word: &str) -> bool {
+        self.lists.values().flatten().any(|listed| listed == word)
     }
 
     /// The words that have the first letter of a text.

@@ -3,7 +3,8 @@
 use super::headings::{Named, PartNames};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Field, Role, is_statistic, split_unit};
+use crate::table::column::has_tolerance_behind;
+use crate::table::names::{Field, Role, is_statistic, names_value, split_unit};
 use crate::table::want::{Orientation, Want};
 
 /// Numbers without names: what they are is asked for, or is the spec's order.
@@ -70,6 +71,17 @@ pub(super) fn without_names(records: &[Record], want: &Want) -> Result<Shape, No
 fn bare(field: Field, cells: Vec<Cell>) -> Named {
     let series = Series { title: field.key().to_owned(), cells, ..Series::default() };
     Named { field, aspect: Role::Measured, holds: None, series }
+}
+
+/// A cell beside a number that has a known name and its size: `Over roller 25.000 ±0.030`.
+pub(super) fn name_with_size<'r>(records: &'r [Record], want: &Want) -> Option<&'r Cell> {
+    let is_both = |cell: &&Cell| {
+        let text = cell.text();
+        let (name, size) = text.split_at(text.find(|c: char| c.is_ascii_digit()).unwrap_or(0));
+        let is_size = || Cell::of_text(size, 0..0).has_decimals() || has_tolerance_behind(size);
+        names_value(name, &want.own) && is_size()
+    };
+    records.iter().filter(|record| record.numbers() > 0).flat_map(|record| &record.cells).find(is_both)
 }
 
 /// Letters of a name without digits that may be a part's: `A`, `VII`.

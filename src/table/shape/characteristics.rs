@@ -337,6 +337,12 @@ fn is_cut(record: &Record, header: &Record, separator: Separator, want: &Want) -
 }
 
 impl Characteristics {
+    /// Those of all rows below the first one, which is the header.
+    pub(super) fn below_header(roles: Vec<Option<Role>>, end: usize) -> Self {
+        let name = roles.iter().position(|role| *role == Some(Role::Name)).unwrap_or(0);
+        Self { header: 0, roles, name, parts: Vec::new(), rows: (1..end).collect(), known: end.saturating_sub(1) }
+    }
+
     /// The first column of a role.
     fn place(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|other| *other == Some(role))

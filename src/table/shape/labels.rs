@@ -4,7 +4,6 @@ use super::headings::{Named, headings, is_part_name, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
-use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{
     Field, Role, WordList, heading, is_again, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
@@ -120,14 +119,11 @@ pub(super) fn by_label(
         };
         let cells = behind_label(&records[*index], has_units);
         let cells = without_approval(cells, has_places);
-        let (cells, brackets) = if has_places { (cells, None) } else { without_brackets(cells) };
         if !named.series.fill(cells, named.field.is_angle()) {
             return Err(NoShape::Units { record: records[*index].clone() });
         }
         count = count.max(named.series.cells.len());
-        let beside = brackets.map(|(aspect, series)| Named { field: named.field, aspect, holds: None, series });
         found.push((named, &records[*index]));
-        found.extend(beside.map(|beside| (beside, &records[*index])));
     }
     for (mut named, record) in found {
         let cells = &mut named.series.cells;
@@ -225,7 +221,7 @@ impl Lines<'_> {
 }
 
 /// Whether a number behind a title is a value, and not that of a tooth or space: `rechts 95`, `Zahn 7: 95`.
-fn says_value(title: &str, behind: &[Cell]) -> bool {
+pub(super) fn says_value(title: &str, behind: &[Cell]) -> bool {
     let last = title.split_whitespace().next_back().unwrap_or_default();
     let counts = heading(last, &[]).is_some_and(|heading| heading.fields.iter().all(|field| field.is_index()));
     let numbers = behind.iter().filter(|cell| cell.is_number()).count();
@@ -268,29 +264,6 @@ fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
     match behind.split_first() {
         Some((first, values)) if has_units && has_none(first) => values,
         _ => behind,
-    }
-}
-
-/// What says in brackets behind one value what is wanted of it, as its own: `25,004 mm (Soll 25,000)`, `4 µm (max. 10 µm)`,
-/// `25,004 mm (25,000 ±0,03)`.
-fn without_brackets(cells: &[Cell]) -> (&[Cell], Option<(Role, Series)>) {
-    let whole = (cells, None);
-    let Some(([value], inside)) = cells.split_at_checked(1).filter(|(_, inside)| !inside.is_empty()) else {
-        return whole;
-    };
-    let text = inside.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
-    let Some(text) = text.strip_prefix('(').and_then(|text| text.strip_suffix(')')) else { return whole };
-    let (title, number) = text.split_at(text.find(|c: char| c.is_ascii_digit() || "+-".contains(c)).unwrap_or(0));
-    let number = Cell::of_text(number, inside[0].span.start..inside[inside.len() - 1].span.end);
-    let is_size = title.is_empty() && has_tolerance_behind(&number.text());
-    match if is_size { Some(Role::Nominal) } else { role(title) } {
-        Some(role @ (Role::Nominal | Role::Upper | Role::Lower)) if value.is_measure() && number.is_measure() => {
-            // without a unit of its own, it has the value's
-            let unit = unit_in(&value.text()).filter(|unit| is_unit(unit));
-            let title = title.trim().to_owned();
-            (&cells[..1], Some((role, Series { title, unit, cells: vec![number], ..Series::default() })))
-        }
-        _ => whole,
     }
 }
 

@@ -6,6 +6,7 @@
 //! | rows | a header; each row below it is a part, a space or a tooth |
 //! | labels | the first cell of each line, with a value per part behind it |
 //! | characteristics | one column; others hold the actual and nominal values, tolerances and units |
+//! | sentences | before each number: `Part 1: over roller is 25.012 mm, rack pitch 3 µm` |
 //! | bare | nowhere: the order of the spec, or of `--as` |
 
 mod bare;
@@ -18,6 +19,7 @@ mod merged;
 mod pages;
 mod refusal;
 mod rows;
+mod sentences;
 mod stated;
 
 pub(crate) use headings::{PartNames, is_numbered, is_part_name, is_spread};
@@ -37,7 +39,7 @@ use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
 use crate::quantity::Unit;
-use bare::without_names;
+use bare::{name_with_size, without_names};
 use blocks::with_parts_side_by_side;
 use characteristics::{by_characteristic, find_characteristics};
 use dimensions::with_dimension_names;
@@ -46,6 +48,7 @@ use labels::{by_label, columns_of_no_part, find_labels, is_counted};
 use merged::with_part_in_each_row;
 use pages::with_part_of_page;
 use rows::{by_header, find_header, header_of_strangers};
+use sentences::by_sentence;
 
 /// The cells of one name.
 #[derive(Debug, Clone, Default)]
@@ -321,6 +324,9 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
 }
 
 fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
+    if separator == Separator::Sentences {
+        return by_sentence(records, want);
+    }
     let header = find_header(records, separator, want);
     if records.iter().all(|record| record.numbers() == 0) {
         return Err(match records.iter().find(|record| known(&record.cells, want) > 0) {
@@ -355,9 +361,10 @@ fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Sha
     if let Some(header) = header {
         return by_header(records, &header, separator, want);
     }
-    match header_of_strangers(records) {
-        Some(header) => by_header(records, &header, separator, want),
-        None => without_names(&inner, want),
+    match (header_of_strangers(records), name_with_size(records, want)) {
+        (Some(header), _) => by_header(records, &header, separator, want),
+        (None, Some(cell)) => Err(NoShape::InOneCell { cell: cell.clone() }),
+        (None, None) => without_names(&inner, want),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
 use crate::table::names::Field;
 use crate::table::want::{Want, ignore_option};
@@ -34,6 +35,10 @@ pub(crate) enum NoShape {
     HasNames { record: Record },
     /// Numbers without known names, and a line that may say what they are.
     OtherNames { record: Record },
+    /// A line of words that begins with a value behind its name and says more.
+    Sentence { record: Record },
+    /// A name with a number in one cell, and no column that is called one of values.
+    InOneCell { cell: Cell },
     /// As many rows as columns, and no names: two ways to read it.
     Square,
 }
@@ -56,10 +61,12 @@ impl NoShape {
             Self::TwoMeanings { heading, .. }
             | Self::Twice { heading, .. }
             | Self::NoPart { heading }
+            | Self::InOneCell { cell: heading }
             | Self::TwoColumns { second: heading, .. } => heading.span,
             Self::Ragged { record, .. }
             | Self::Units { record }
             | Self::HasNames { record }
+            | Self::Sentence { record }
             | Self::OtherNames { record } => record.span(),
             Self::Count { span, .. } => span,
             Self::Square => 0..0,
@@ -73,7 +80,9 @@ impl NoShape {
         let ambiguous = |message: String| Diagnostic::error(Code::AmbiguousBlock, message);
         match self {
             Self::NoNumbers => error(format!("{name} holds no table of numbers"))
-                .help("a table has a header row and rows of numbers; numbers without names take --as rack_over_roller"),
+                .help(
+                    "a table has a header row and rows of numbers; a line of a mail has a name, a value and its unit, `over roller: 25.012 mm`; numbers without names take --as rack_over_roller",
+                ),
             Self::OpenQuote { line } => error(format!(
                 "{name}, line {line}: a quote is not closed, or lines later, so rows of the table are in one cell"
             ))
@@ -124,6 +133,17 @@ impl NoShape {
                 record.in_words()
             ))
             .help("name the columns as the spec does, `rack_over_roller [mm]`; say what they hold: --as rack_over_roller; or leave the line out of the table"),
+            Self::Sentence { record } => error(format!(
+                "line {}: `{}` says more than a value behind its name",
+                record.line,
+                shown(&record.in_words())
+            ))
+            .help("write each value into a line of its own, with its name, its unit and nothing else: `over roller: 25.012 mm`"),
+            Self::InOneCell { cell } => error(format!(
+                "`{}` is a name and a number in one cell, and nothing tells which column has the values",
+                shown(&cell.text())
+            ))
+            .help("put names, nominal values, units and values into columns called Characteristic, Nominal, Unit and Actual"),
             Self::Square => ambiguous(
                 "the numbers have no names, and there are as many rows as columns: a part may be a row or a column"
                     .to_owned(),
