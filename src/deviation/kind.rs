@@ -171,6 +171,16 @@ impl DeviationValue {
         }
     }
 
+    /// Whether it may be the size of a part of which errors are taken, and no limit: half a module or more (a millimetre where
+    /// the module is not known), or a degree.
+    #[cfg(feature = "table")]
+    pub(crate) fn is_size(self, module: Option<Length>) -> bool {
+        match (self, module) {
+            (Self::Length(length), Some(module)) => length.abs().mm() >= module.mm() / 2.0,
+            _ => self.abs().base() >= 1.0,
+        }
+    }
+
     /// Whether it is no error at all.
     #[must_use]
     pub fn is_zero(self) -> bool {

@@ -1,7 +1,7 @@
 //! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the
 //! spec says is never replaced.
 
-use super::{Located, Spec, said_of};
+use super::{Located, Spec, keys, said_of};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
@@ -105,7 +105,8 @@ impl Spec {
         let stated = self.batch_column(kind).is_some_and(|column| {
             column.value.nominal.is_some() || column.value.kind.as_ref().is_some_and(|kind| kind.value == "deviation")
         });
-        if !stated && !nominal.is_zero() && said_of(&self.nominals, kind).is_none() {
+        let is_size = nominal.is_size(self.get(keys::PAIR_NORMAL_MODULE));
+        if !stated && is_size && said_of(&self.nominals, kind).is_none() {
             notes.push(format!("{kind}: nominal value {nominal} from the file (K2101)"));
             self.nominals.push((kind, Located { value: nominal, span: 0..0 }));
         }

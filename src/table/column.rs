@@ -234,9 +234,9 @@ impl Column {
         let Some((wanted, kind)) = wanted.zip(self.kind) else { return Ok(()) };
         let is_requirement = WordList::Requirement.has(&wanted.title);
         let is_size = |cell: &Cell| {
-            let size = self.quantity_in(cell, self.unit_beside(Role::Nominal)).map_or(0.0, |value| value.base().abs());
-            size == 0.0
-                || size >= self.smallest_size() && !says_deviation(&self.title) && !is_requirement
+            let size = self.quantity_in(cell, self.unit_beside(Role::Nominal)).ok();
+            size.is_none_or(DeviationValue::is_zero)
+                || size.is_some_and(|size| size.is_size(self.module)) && !says_deviation(&self.title) && !is_requirement
                 || is_requirement && has_tolerance_behind(&cell.text())
         };
         let Some(open) = wanted.cells.iter().find(|cell| !cell.is_missing() && !is_size(cell)) else { return Ok(()) };
@@ -248,14 +248,6 @@ impl Column {
             kind.key()
         );
         Err(Diagnostic::error(Code::BadTable, message).help(help))
-    }
-
-    /// The smallest size of a part of which errors are taken, mm or degrees: half a module, or else a millimetre, and a degree.
-    fn smallest_size(&self) -> f64 {
-        match self.module {
-            Some(module) if matches!(self.unit, Unit::Length(_)) => module.mm() / 2.0,
-            _ => 1.0,
-        }
     }
 
     /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.

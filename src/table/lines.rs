@@ -15,7 +15,7 @@ use super::names::{
 use super::reading::AsideReading;
 use super::shape::{PartLine, PartNames, Shape, has_digit, is_part_name, part_line, uncounted};
 use super::unknown::{Unknown, has_unit_behind, is_foreign_unit};
-use super::want::Orientation;
+use super::want::{Orientation, Want};
 use crate::quantity::Length;
 
 /// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
@@ -137,17 +137,33 @@ pub(super) fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Colu
 }
 
 /// What a line says of all values, and nothing else does: by which factor they are written, that they are nominal, a statistic or
-/// do not count, and over which length they are evaluated.
-pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column]) -> Option<Unknown> {
+/// do not count, and another size than that with which they are read.
+pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column], want: &Want) -> Option<Unknown> {
     let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
     if has_scale(&aside.text) || is_of_parts(&aside.text) || is_rejected(&aside.text) {
         return Some(unread(&aside.text));
     }
     let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
-    let names = (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ")));
-    let (name, length) = names.into_iter().find(|(name, _)| WordList::EvaluationLength.has(name))?;
-    let is_other = |over: Length| length.parse() != Ok(over);
-    columns.iter().filter_map(Column::evaluated_over).any(is_other).then(|| unread(&name))
+    let mut names =
+        (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ").replace(',', ".")));
+    let is_other = |name: &str, size: &str| {
+        let read_with = size_read_with(name, columns, want);
+        read_with.is_some_and(|read_with| size.parse::<Length>().is_ok_and(|size| size != read_with))
+    };
+    names.find_map(|(name, size)| is_other(&name, &size).then(|| unread(&name)))
+}
+
+/// The size of that name with which values are read: the length over which f_Hβ is evaluated, the diameter of the roller from
+/// which the nominal measure follows.
+pub(super) fn size_read_with(name: &str, columns: &[Column], want: &Want) -> Option<Length> {
+    let over_face_width = |column: &&Column| column.evaluated_over_face_width(want);
+    if WordList::EvaluationLength.has(name) {
+        columns.iter().find_map(Column::evaluated_over)
+    } else if WordList::FaceWidth.has(name) {
+        columns.iter().find(over_face_width).and_then(Column::evaluated_over)
+    } else {
+        want.roller.filter(|_| WordList::Roller.has(name))
+    }
 }
 
 /// Whether a text has words for a factor or a sign, or a fraction of a millimetre, or says of a number by how much values are

@@ -277,7 +277,7 @@ impl Table {
 }
 
 impl Column {
-    fn evaluated_over_face_width(&self, want: &Want) -> bool {
+    pub(crate) fn evaluated_over_face_width(&self, want: &Want) -> bool {
         let given = self.kind.and_then(|kind| want.given(kind)).and_then(|given| given.length);
         self.evaluated_over().is_some() && given.is_none()
     }

@@ -9,8 +9,8 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::{Separator, unit_in};
 use super::lines::{
-    Beside, has_scale, is_signed, of_all_values, of_other_part, of_part, repeats_nominal, value_beyond, without_name,
-    without_punctuation, without_value,
+    Beside, has_scale, is_signed, of_all_values, of_other_part, of_part, repeats_nominal, size_read_with, value_beyond,
+    without_name, without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -164,19 +164,15 @@ impl Sorter<'_> {
         }
     }
 
-    /// Whether it is another evaluation length than f_Hβ is taken over, or another roller than the nominal measure follows from.
+    /// Whether it is another size than that with which values are read.
     fn is_other_size(&self, unknown: &Unknown) -> bool {
         let unit = split_unit(&unknown.title).1.or_else(|| unknown.unit.clone()).unwrap_or_default();
         let mut sizes = unknown.cells.iter().filter(|cell| cell.is_number()).map(|cell| {
             let size = cell.text().replace(',', ".");
             if unit_in(&size).is_some() { size } else { format!("{size} {unit}") }.trim().parse::<Length>()
         });
-        let mut is_other = |wanted: Length| sizes.any(|size| size != Ok(wanted));
-        if WordList::EvaluationLength.has(&unknown.title) {
-            self.beside.columns.iter().find_map(Column::evaluated_over).is_some_and(is_other)
-        } else {
-            WordList::Roller.has(&unknown.title) && self.want.roller.is_some_and(&mut is_other)
-        }
+        size_read_with(&split_unit(&unknown.title).0, self.beside.columns, self.want)
+            .is_some_and(|read_with| sizes.any(|size| size != Ok(read_with)))
     }
 
     /// Whether it is a number above the names that no column can hold, or a whole one behind a word that is no part's name.
@@ -232,7 +228,7 @@ impl Sorter<'_> {
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
             .or_else(|| of_other_part(aside, self.shape))
-            .or_else(|| of_all_values(aside, self.beside.columns));
+            .or_else(|| of_all_values(aside, self.beside.columns, self.want));
         let is_described = |unknown: &Unknown| {
             let text = without_punctuation(&aside.text);
             text.strip_prefix(&unknown.title).is_some_and(|behind| self.measured.are_described_by(unknown, behind))

@@ -285,6 +285,15 @@ fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
                 return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong").into());
             }
             Some(Ok(_)) => {}
+            None if !nominal.is_size(want.module) => {
+                let message = format!(
+                    "K2101 of `{}`, {}, may be the nominal value or a limit",
+                    characteristic.name,
+                    in_words(nominal)
+                );
+                let help = format!("give the nominal value in the spec: [errors] {} = {{ nominal = … }}", kind.key());
+                return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+            }
             _ => given.nominal = Some(Ok(nominal)),
         }
         given.holds = given.holds.or(Some(ValueKind::Measured));

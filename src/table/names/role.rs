@@ -63,7 +63,10 @@ pub(crate) fn role(text: &str) -> Option<Role> {
         (Sense::Nominal, Role::Nominal),
         (Sense::Measured, Role::Measured),
     ];
-    by_word.into_iter().find(|(sense, _)| has(*sense)).map(|(_, role)| role)
+    // Dev -: how far a value is below, as a magnitude
+    let has_sign = text.trim_end().ends_with(['+', '-', '\u{2212}']);
+    let found = by_word.into_iter().find(|(sense, _)| has(*sense)).map(|(_, role)| role);
+    found.filter(|role| *role != Role::Deviation || !has_sign)
 }
 
 const PART: Sense = Sense::Alone(&[Field::PartId]);

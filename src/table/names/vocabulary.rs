@@ -197,6 +197,8 @@ pub(crate) enum WordList {
     Negation,
     /// The diameter of the roller over which a rack is measured.
     Roller,
+    /// The face width.
+    FaceWidth,
     /// The signs of numbers in another column.
     Sign,
     /// What stands between a name and its value.
@@ -242,6 +244,7 @@ impl WordList {
                 | Self::OtherFlank
                 | Self::EvaluationLength
                 | Self::Roller
+                | Self::FaceWidth
         )
     }
 }

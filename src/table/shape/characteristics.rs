@@ -177,22 +177,21 @@ fn drop_extremes(roles: &mut [Option<Role>], parts: &[usize], header: &Record) {
     let limits: Vec<usize> = (0..roles.len()).filter(|place| is_limit(roles[*place])).collect();
     if let ([limit], Some(last)) = (&limits[..], parts.last())
         && limit > last
-        && is_extreme(&header.cells[*limit])
+        && is_extreme(&header.cells[*limit].text())
     {
         roles[*limit] = None;
     }
     if let Some(measured) = roles.iter().position(|role| *role == Some(Role::Measured)) {
         let behind = measured + 1..roles.len();
-        for place in behind.take_while(|place| is_extreme(&header.cells[*place])) {
+        for place in behind.take_while(|place| is_extreme(&header.cells[*place].text())) {
             roles[place] = None;
         }
     }
 }
 
 /// Whether a heading is that of the largest or the smallest value, or of a limit.
-fn is_extreme(heading: &Cell) -> bool {
-    let title = heading.text();
-    WordList::Mean.has(&title) && (says_which(&title) || matches!(role(&title), Some(Role::Upper | Role::Lower)))
+pub(super) fn is_extreme(title: &str) -> bool {
+    WordList::Mean.has(title) && (says_which(title) || matches!(role(title), Some(Role::Upper | Role::Lower)))
 }
 
 /// Whether two cells hold the same number, whichever their decimal mark is.
@@ -437,7 +436,7 @@ impl Characteristics {
                 let mut values = values.filter_map(|value| record.cells.get(value));
                 record.cells.get(place).is_none_or(Cell::is_missing) || values.any(is_part)
             };
-            let is_value = if is_extreme(&header[place]) {
+            let is_value = if is_extreme(&title) {
                 !self.rows.iter().all(is_of_parts)
             } else {
                 !is_counted && (!is_part_name(&title) || has_digit(&title)) && !is_statistic_among(&title, header)

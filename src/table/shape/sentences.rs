@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::characteristics::{Characteristics, by_characteristic};
+use super::characteristics::{Characteristics, by_characteristic, is_extreme};
 use super::headings::is_part_name;
 use super::labels::says_value;
 use super::{NoShape, Shape, has_digit, unknown_line};
@@ -483,6 +483,13 @@ impl LineReader<'_> {
         let is_end = |token: &Token| matches!(token, Token::Mark(')' | '）'));
         let Some(end) = rest.iter().position(is_end).filter(|_| self.is_behind_value()) else { return false };
         let is_between = |token: &Token| matches!(token, Token::Mark(',' | ';'));
+        // the smallest and the largest one may be measured
+        let is_extreme = |item: &&[Token]| {
+            words(&item[..item.len().saturating_sub(1)]).is_some_and(|title| is_extreme(&title.join(" ")))
+        };
+        if rest[..end].split(is_between).filter(is_extreme).count() > 1 {
+            return false;
+        }
         for item in rest[..end].split(is_between) {
             let Some((Token::Number(cell), title)) = item.split_last() else { return false };
             let Some(title) = words(title) else { return false };
