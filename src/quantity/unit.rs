@@ -35,7 +35,7 @@ impl LengthUnit {
     /// The unit of that symbol or name, as a heading has it.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
-        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm"]).then_some(Self::Micrometre);
+        let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm", "mm/1000", "10⁻³ mm"]).then_some(Self::Micrometre);
         let hundredth = || is_spelt(symbol, Self::Hundredth.spellings()).then_some(Self::Hundredth);
         thousandth.or_else(hundredth).or_else(|| Self::behind_number(symbol))
     }
@@ -60,13 +60,15 @@ impl LengthUnit {
                 "micrometer",
                 "micrometre",
                 "mikrometer",
+                "micromètre",
+                "micromètres",
                 "ミクロン",
             ],
-            Self::Hundredth => &["1/100 mm", "1/100mm"],
-            Self::Millimetre => &["mm", "\u{339c}", "millimeter", "millimetre", "ミリ"],
+            Self::Hundredth => &["1/100 mm", "1/100mm", "mm/100"],
+            Self::Millimetre => &["mm", "\u{339c}", "millimeter", "millimetre", "millimètre", "ミリ"],
             Self::Centimetre => &["cm", "\u{339d}"],
             Self::Metre => &["m"],
-            Self::Inch => &["in", "inch", "inches", "zoll", "pouce", "pouces", "インチ", "\u{2033}"],
+            Self::Inch => &["in", "in.", "inch", "inches", "zoll", "pouce", "pouces", "インチ", "\u{2033}"],
             Self::Mil => &["mil", "mils", "thou"],
         }
     }

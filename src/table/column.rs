@@ -850,7 +850,7 @@ pub(crate) fn behind_name(title: &str, units: &[&str]) -> String {
 fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
     // where a unit stands, `my` is the German name of µ
     let symbol = match bare_unit(symbol) {
-        "my" | "0,001 mm" | "0.001 mm" => "µm",
+        "my" | "µ m" | "0,001 mm" | "0.001 mm" | "0,001mm" | "0.001mm" => "µm",
         "0,01 mm" | "0.01 mm" => "1/100 mm",
         symbol => symbol,
     };
