@@ -224,7 +224,27 @@ impl Column {
         }
         column.has_size_of_title(want)?;
         column.has_clear_nominal(measurement)?;
+        column.has_value_of_deviation(measurement)?;
         Ok(column)
+    }
+
+    /// A deviation beside a measured value whose nominal one nothing tells is that from 0, or from a size that parts have.
+    fn has_value_of_deviation(&self, measurement: &Measurement) -> Result<(), Diagnostic> {
+        let Some(measured) = measurement.beside.get(Role::Measured) else { return Ok(()) };
+        let unit = measured.unit.as_deref().and_then(|symbol| unit_of(symbol, self.field.is_angle()));
+        let unit = unit.unwrap_or(self.unit);
+        let is_of = |value: &Cell, deviation: &Cell| {
+            let rounding = 0.5 * (self.digit(value, unit) + self.digit(deviation, self.unit));
+            let read = (self.quantity_in(value, unit), self.quantity(deviation));
+            let (Ok(value), Ok(deviation)) = read else { return true };
+            let nominal = value.less(deviation);
+            nominal.abs().base() <= rounding || nominal.is_size(self.module)
+        };
+        let mut pairs = measured.cells.iter().zip(&measurement.value.cells);
+        let Some((value, deviation)) = pairs.find(|(value, deviation)| !is_of(value, deviation)) else { return Ok(()) };
+        let (value, deviation) = (value.text(), deviation.text());
+        let message = format!("`{}`: a measured value {value} and a deviation {deviation}", self.title);
+        Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong, or give the nominal value"))
     }
 
     /// What stands beside a value as wanted is its nominal one if it is 0 or the spec gives one that it is held against, or else
@@ -638,7 +658,9 @@ impl Column {
                 return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
             }
             let digit = self.digit_beside(beside, Role::Deviation);
-            if digit.is_some_and(|digit| apart > digit.max(SMALLEST_DIGIT)) {
+            let is_finer =
+                |digit: f64| digit < self.digit(cell, self.unit) && apart > (0.5 * digit).max(SMALLEST_DIGIT);
+            if digit.is_some_and(is_finer) {
                 // it has the digits that the value lost
                 deviation = stated;
             }
@@ -675,6 +697,7 @@ impl Column {
     /// One of the last digit that is written, in mm or degrees.
     fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
         const MOST: usize = 12;
+        let own = unit_in(&cell.text()).and_then(|symbol| unit_of(&symbol, self.field.is_angle()));
         let exponent = match &cell.content {
             Content::Text(text) => normalise(text, self.mark).map_or(0, |number| {
                 let fraction = number.split_once('.').map_or("", |(_, fraction)| fraction);
@@ -684,7 +707,8 @@ impl Column {
             Content::Number(number) => number.exponent.min(0),
             Content::Empty | Content::Other(_) => 0,
         };
-        quantity(Decimal { negative: false, digits: 1, exponent }, unit).map_or(1.0, DeviationValue::base)
+        let digit = Decimal { negative: false, digits: 1, exponent };
+        quantity(digit, own.unwrap_or(unit)).map_or(1.0, DeviationValue::base)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::names::Role;
 
 /// How many roles a companion can have.
-const ROLES: usize = Role::Length as usize + 1;
+const ROLES: usize = Role::Measured as usize + 1;
 
 /// One of each companion that a value may have, by its role.
 #[derive(Debug, Clone, Copy)]
@@ -24,13 +24,13 @@ impl<T> Companions<T> {
         self.0.get(role as usize)?.as_ref()
     }
 
-    /// Where the companion of a role is kept; `None` if no companion has it.
+    /// Where the companion of a role is kept; `None` if no column beside a value has it.
     pub(crate) fn slot(&mut self, role: Role) -> Option<&mut Option<T>> {
-        self.0.get_mut(role as usize)
+        self.0.get_mut(role as usize).filter(|_| role != Role::Measured)
     }
 
     pub(crate) fn set(&mut self, role: Role, companion: Option<T>) {
-        if let Some(slot) = self.slot(role) {
+        if let Some(slot) = self.0.get_mut(role as usize) {
             *slot = companion;
         }
     }

@@ -172,7 +172,8 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
     for (at, c) in characters.chain([(span.end, ' ')]) {
         // blanks other than the plain one and the tab stand inside numbers
-        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(&text[start..at], c) {
+        let is_last = || c == ':' && at + 1 == span.end;
+        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(&text[start..at], c) || is_last() {
             if start < at {
                 cells.push(trimmed(text, start..at));
             }

@@ -119,8 +119,8 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     shape.asides.iter().for_each(|aside| sorter.take_line(aside));
     shape.unknown.iter().for_each(|unknown| sorter.take_remark(unknown));
     let kept = shape.unknown.iter().filter(|unknown| !unknown.is_ignored(want));
-    let notes = kept.filter_map(|unknown| rejection(file, &unknown.title, unknown.cells.iter()));
-    Sorted { notes: notes.collect(), ..sorter.sorted }
+    sorter.sorted.notes.extend(kept.filter_map(|unknown| rejection(file, &unknown.title, unknown.cells.iter())));
+    sorter.sorted
 }
 
 /// A table of which the columns and lines beside the measurements are sorted.
@@ -241,7 +241,11 @@ impl Sorter<'_> {
                     stranger.is_prose = self.shape.orientation == Orientation::Rows;
                 }
             }
-            _ => self.sorted.asides.push(aside.clone()),
+            _ => {
+                let place = format!("line {}", aside.line);
+                self.sorted.notes.extend(rejection(self.file, &place, [&Cell::of_text(&aside.text, 0..0)]));
+                self.sorted.asides.push(aside.clone());
+            }
         }
     }
 

@@ -120,7 +120,7 @@ fn the_same_part_however_it_is_written() {
         "\u{feff}rack_over_roller,note,rack_pitch\n25.013,good,0.012",
         "rack_over_roller [cm],rack_pitch [1/1000 mm]\n2.5013,12\n",
         "rack_over_roller [millimètre];rack_pitch [0,001mm]\n25,013;12\n",
-        "rack_over_roller (mm);rack_pitch (µ m)\n25,013;12\n",
+        "rack_over_roller [mm];rack_pitch [µ m]\n25,013;12\n",
     ] {
         assert_eq!(parts(text, &want()), ["rack_over_roller 0.013 mm rack_pitch 0.012 mm"], "{text}");
     }

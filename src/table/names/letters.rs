@@ -3,7 +3,7 @@
 
 /// A text in lower case, without accents, with blanks between words and nothing but letters and digits in them.
 pub(super) fn fold(text: &str) -> String {
-    let chars: Vec<char> = plain_widths(text).replace("(s)", "s").chars().collect();
+    let chars: Vec<char> = plain_widths(text).trim_start_matches(is_bullet).replace("(s)", "s").chars().collect();
     let mut out = String::with_capacity(text.len() + 8);
     for (index, &c) in chars.iter().enumerate() {
         let before = index.checked_sub(1).map(|index| chars[index]);
@@ -15,13 +15,27 @@ pub(super) fn fold(text: &str) -> String {
             '+' if after == Some('/') || after == Some('-') => out.push_str(" ± "),
             '±' => out.push_str(" ± "),
             '+' => out.push_str(" + "),
-            '-' | '\u{2212}' | '\u{2013}' if is_sign(before, after) => out.push_str(" - "),
-            '#' => out.push_str(" # "),
+            '-' | '\u{2212}' | '\u{207b}' | '\u{2010}'..='\u{2015}' if is_sign(before, after) => out.push_str(" - "),
+            c if c == '#' || says_more(c) => out.extend([' ', c, ' ']),
             c => fold_letter(c, &mut out),
         }
     }
     // an umlaut may be written as two letters
     out.replace("ae", "a").replace("oe", "o").replace("ue", "u")
+}
+
+/// Whether a mark says more than letters do: a question, a relation, a rejection. No word of the vocabulary has one.
+pub(crate) fn says_more(c: char) -> bool {
+    // an empty set or a difference stands for Ø and Δ, and what is ticked is as it should be
+    let is_harmless = matches!(c, '∅' | '∆' | '\u{2212}' | '∙' | '✓' | '✔' | '☑' | '✅');
+    let is_symbol =
+        matches!(c, '\u{2190}'..='\u{22ff}' | '\u{25a0}'..='\u{27bf}' | '\u{2900}'..='\u{2bff}' | '\u{1f000}'..);
+    is_symbol && !is_harmless || matches!(c, '?' | '!' | '~' | '〜' | '¬' | '×' | '÷')
+}
+
+/// Whether a mark may stand before each line of a list: an arrow or a geometric figure.
+fn is_bullet(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '\u{2190}'..='\u{21ff}' | '\u{25a0}'..='\u{25ff}' | '\u{2794}'..='\u{27bf}')
 }
 
 /// A text as names are compared that are no words of the vocabulary: folded, with a blank between words.

@@ -11,7 +11,7 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub(crate) use letters::plain_widths;
+pub(crate) use letters::{plain_widths, says_more};
 pub(crate) use near::{
     is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, part_in_title, part_said,
     says_deviation, says_largest,
@@ -169,7 +169,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     // a bound is no value, nor is a mean
     if has_total_pitch(name)
         || text.contains('\u{304}')
-        || text.contains(['<', '>', '≤', '≥', '~', '≈', '|'])
+        || plain_widths(text).contains(['<', '>', '|'])
         || is_signed(text)
     {
         return None;

@@ -28,12 +28,12 @@ pub(crate) enum Role {
     Unit,
     /// The evaluation length of f_Hβ.
     Length,
+    /// The measured value.
+    Measured,
     /// Which part the row is of.
     Part,
     /// What was measured.
     Name,
-    /// The measured value.
-    Measured,
     /// Whether the value is within its tolerance, or by how much it is not.
     Status,
 }

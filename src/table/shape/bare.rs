@@ -1,10 +1,11 @@
 //! Numbers without names: what they are is asked for, or is the spec's order.
 
-use super::headings::{Named, PartNames};
+use super::headings::{Named, PartNames, is_part_name};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::column::has_tolerance_behind;
-use crate::table::names::{Field, Role, is_statistic, names_value, split_unit};
+use crate::table::grid::{is_unit, unit_in};
+use crate::table::names::{Field, Role, is_known_word, is_statistic, names_value, says_more, split_unit};
 use crate::table::want::{Orientation, Want};
 
 /// Numbers without names: what they are is asked for, or is the spec's order.
@@ -91,17 +92,34 @@ const SHORT: usize = 3;
 /// where the user says what they are, a unit.
 fn says_what_they_are<'r>(records: &'r [Record], want: &Want) -> Option<&'r Record> {
     let last = records.iter().rposition(has_numbers_only)?;
+    let is_part = |record: &Record| has_numbers_only(record) && !is_statistic(&record.cells[0].text());
+    let has_parts = records.iter().any(is_part);
     let has_unit = |cell: &Cell| split_unit(&cell.text()).1.is_some();
     let is_name = |cell: &Cell| {
         let text = cell.text();
-        has_digit(&text) || text.chars().count() <= SHORT || is_statistic(&text)
+        is_plain_name(&text) && (has_digit(&text) || text.chars().count() <= SHORT) || has_parts && is_statistic(&text)
     };
     let says = |record: &&Record| {
-        let words = || record.cells.iter().filter(|cell| !cell.is_number() && !cell.is_missing());
+        // `2: over roller is` begins like a number
+        let is_number = |cell: &Cell| cell.is_number() && unit_in(&cell.text()).is_none_or(|unit| is_unit(&unit));
+        let words = || record.cells.iter().filter(|cell| !is_number(cell) && !cell.is_missing());
         let is_row = has_numbers_only(record);
         words().any(has_unit) || want.fields.is_empty() && words().any(|cell| !is_row || !is_name(cell))
     };
     records[..=last].iter().filter(|record| !record.says_nothing()).find(says)
+}
+
+/// Whether a part's name says nothing else: no characteristic, no number with decimals, no mark of doubt.
+fn is_plain_name(name: &str) -> bool {
+    let words: Vec<&str> =
+        name.split_whitespace().map(|word| word.trim_matches([',', ';', ':', '(', ')', '.', '='])).collect();
+    let is_plain = |word: &&str| {
+        is_part_name(word)
+            || word.chars().count() < 2
+            || !is_known_word(word) && !Cell::of_text(word, 0..0).has_decimals()
+    };
+    let names_value = |from: usize| (from + 1..=words.len()).any(|to| names_value(&words[from..to].join(" "), &[]));
+    words.iter().all(is_plain) && !name.contains(says_more) && !(0..words.len()).any(names_value)
 }
 
 /// Whether a line holds numbers, perhaps with a name in front.

@@ -551,7 +551,10 @@ impl<'a> Reading<'a> {
                     Some(ValueKind::Deviation),
                 )
             }
-            (_, Some(deviation)) => (deviation, None, Some(ValueKind::Deviation)),
+            (measured, Some(deviation)) => {
+                beside.set(Role::Measured, measured.map(headed));
+                (deviation, None, Some(ValueKind::Deviation))
+            }
             (measured, None) => {
                 // without values, any unit will do
                 let unit = unit.clone().filter(|unit| !unit.is_empty());

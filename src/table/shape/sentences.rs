@@ -12,10 +12,11 @@ use super::characteristics::{Characteristics, by_characteristic, is_extreme};
 use super::headings::is_part_name;
 use super::labels::says_value;
 use super::{NoShape, Shape, has_digit, unknown_line};
+use crate::deviation::{DeviationKind, Part as Gear};
 use crate::table::cell::{Cell, Record};
 use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{Separator, is_date, is_unit, records, unit_in};
-use crate::table::names::{Field, Role, ValueKind, WordList, heading, is_known_word, role};
+use crate::table::names::{Field, Role, ValueKind, WordList, heading, is_known_word, part_said, role};
 use crate::table::reading::AsideReading;
 use crate::table::unknown::Unknown;
 use crate::table::want::Want;
@@ -97,6 +98,8 @@ struct Sentences {
     named: HashSet<Part>,
     /// That of which the lines speak.
     part: Option<Part>,
+    /// Whether that is a rack or a pinion, if a line says so.
+    of: Option<Gear>,
     notes: Vec<String>,
     /// Whether a line says what an asterisk behind a number means, and that it means nothing.
     has_footnote: bool,
@@ -233,7 +236,8 @@ impl Sentences {
         let speaker = speaker(&text);
         let tokens = tokens(&text, speaker.len(), line.span.start);
         let mut reader = LineReader { rest: &tokens, said: Vec::new(), want };
-        if !reader.all() {
+        let is_understood = reader.all() && self.is_of_part_said(&reader.said);
+        if !is_understood {
             if let Some(Said::Part(part)) = reader.said.first() {
                 self.name(part);
             }
@@ -266,6 +270,27 @@ impl Sentences {
             self.notes.push(format!("line {}: `{}` is taken for who wrote it, and when", record.line, speaker.trim()));
         }
         Ok(true)
+    }
+
+    /// Whether all values are of the gear that is named last; only what both have is left open by its name.
+    fn is_of_part_said(&mut self, said: &[Said]) -> bool {
+        let mut of_part = None;
+        said.iter().all(|said| {
+            let label = match said {
+                Said::Part(part) => {
+                    of_part = part_said(&part.word);
+                    self.of = of_part.or(self.of);
+                    return true;
+                }
+                Said::Value { label, .. } => label,
+            };
+            self.of = part_said(&label.title).or(self.of);
+            let field = label.name.as_ref().and_then(|name| name.fields.first());
+            let Some(kind) = field.and_then(|field| field.kind()) else { return true };
+            let is_of_one = matches!(kind, DeviationKind::RackOverRoller | DeviationKind::PinionRadial);
+            let of = if is_of_one { of_part } else { self.of };
+            of.is_none_or(|of| kind.part() == of)
+        })
     }
 
     fn name(&mut self, part: &Part) {
@@ -446,7 +471,8 @@ impl LineReader<'_> {
             let word = words[..count].join(" ");
             let is_colon = matches!(self.rest.get(count), Some(Token::Mark(':' | '：')));
             let at = count + usize::from(is_colon);
-            let name = part_name(self.rest.get(at)?).filter(|_| is_part_name(&word))?;
+            let is_gear = || is_colon_behind(&self.rest[at..]) && part_said(&word).is_some() && count == 1;
+            let name = part_name(self.rest.get(at)?).filter(|_| is_part_name(&word) || is_gear())?;
             let is_end = match self.rest.get(at + 1) {
                 Some(Token::Mark(mark)) => matches!(mark, ':' | '：' | ',' | ';'),
                 Some(_) => false,
@@ -454,7 +480,14 @@ impl LineReader<'_> {
             };
             is_end.then(|| (Part { word: word.to_lowercase(), name }, at + 2))
         });
-        let Some((part, count)) = named else { return false };
+        let of_code = || match self.rest {
+            [Token::Word(code), ..] if has_digit(code) && self.said.is_empty() && is_colon_behind(self.rest) => {
+                let is_code = code.chars().all(|c| c.is_alphanumeric() || matches!(c, '-' | '_' | '/'));
+                is_code.then(|| (Part { word: String::new(), name: code.clone() }, 2))
+            }
+            _ => None,
+        };
+        let Some((part, count)) = named.or_else(of_code) else { return false };
         self.said.push(Said::Part(part));
         self.rest = self.rest.get(count..).unwrap_or_default();
         true
@@ -521,6 +554,11 @@ impl LineReader<'_> {
     }
 }
 
+/// Whether a colon stands behind the first of some tokens.
+fn is_colon_behind(tokens: &[Token]) -> bool {
+    matches!(tokens.get(1), Some(Token::Mark(':' | '：')))
+}
+
 fn word(token: &Token) -> Option<&str> {
     if let Token::Word(word) = token { Some(word) } else { None }
 }
@@ -528,7 +566,8 @@ fn word(token: &Token) -> Option<&str> {
 /// The words among some tokens, which may have a colon or an equals sign behind them; `None` if there is anything else.
 fn words(tokens: &[Token]) -> Option<Vec<&str>> {
     let is_colon = |token: &&Token| matches!(token, Token::Mark(':' | '=' | '：'));
-    tokens.iter().filter(|token| !is_colon(token)).map(word).collect()
+    let has_letters = |word: &&str| word.contains(|c: char| c.is_alphanumeric() || matches!(c, 'Ø' | '⌀' | '∅' | '±'));
+    tokens.iter().filter(|token| !is_colon(token)).map(|token| word(token).filter(has_letters)).collect()
 }
 
 /// The name of a part: a number, a letter, or a word with a digit.
