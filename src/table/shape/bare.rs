@@ -109,17 +109,18 @@ fn says_what_they_are<'r>(records: &'r [Record], want: &Want) -> Option<&'r Reco
     records[..=last].iter().filter(|record| !record.says_nothing()).find(says)
 }
 
-/// Whether a part's name says nothing else: no characteristic, no number with decimals, no mark of doubt.
+/// Whether a part's name says nothing else: beside codes such as `R2`, no word that is known, no number with decimals, no mark
+/// of doubt.
 fn is_plain_name(name: &str) -> bool {
-    let words: Vec<&str> =
-        name.split_whitespace().map(|word| word.trim_matches([',', ';', ':', '(', ')', '.', '='])).collect();
-    let is_plain = |word: &&str| {
-        is_part_name(word)
-            || word.chars().count() < 2
-            || !is_known_word(word) && !Cell::of_text(word, 0..0).has_decimals()
-    };
+    let trimmed = name.split_whitespace().map(|word| word.trim_matches([',', ';', ':', '(', ')', '.', '=']));
+    let words: Vec<&str> = trimmed.filter(|word| !has_digit(word)).collect();
+    let is_plain = |word: &&str| is_part_name(word) || word.chars().count() < 2 || !is_known_word(word);
     let names_value = |from: usize| (from + 1..=words.len()).any(|to| names_value(&words[from..to].join(" "), &[]));
-    words.iter().all(is_plain) && !name.contains(says_more) && !(0..words.len()).any(names_value)
+    let has_decimals = |word: &str| Cell::of_text(word.trim_end_matches(','), 0..0).has_decimals();
+    words.iter().all(is_plain)
+        && !(0..words.len()).any(names_value)
+        && !name.contains(says_more)
+        && !name.split_whitespace().any(has_decimals)
 }
 
 /// Whether a line holds numbers, perhaps with a name in front.
