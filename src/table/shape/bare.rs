@@ -2,10 +2,11 @@
 
 use super::headings::{Named, PartNames, is_part_name};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
+use crate::deviation::Part;
 use crate::table::cell::{Cell, Record};
 use crate::table::column::has_tolerance_behind;
 use crate::table::grid::{is_unit, unit_in};
-use crate::table::names::{Field, Role, is_known_word, is_statistic, names_value, says_more, split_unit};
+use crate::table::names::{Field, Role, is_known_word, names_value, part_said, role, says_more, split_unit};
 use crate::table::want::{Orientation, Want};
 
 /// Numbers without names: what they are is asked for, or is the spec's order.
@@ -92,12 +93,10 @@ const SHORT: usize = 3;
 /// where the user says what they are, a unit.
 fn says_what_they_are<'r>(records: &'r [Record], want: &Want) -> Option<&'r Record> {
     let last = records.iter().rposition(has_numbers_only)?;
-    let is_part = |record: &Record| has_numbers_only(record) && !is_statistic(&record.cells[0].text());
-    let has_parts = records.iter().any(is_part);
     let has_unit = |cell: &Cell| split_unit(&cell.text()).1.is_some();
     let is_name = |cell: &Cell| {
         let text = cell.text();
-        is_plain_name(&text) && (has_digit(&text) || text.chars().count() <= SHORT) || has_parts && is_statistic(&text)
+        is_plain_name(&text) && (has_digit(&text) || text.chars().count() <= SHORT)
     };
     let says = |record: &&Record| {
         // `2: over roller is` begins like a number
@@ -109,18 +108,24 @@ fn says_what_they_are<'r>(records: &'r [Record], want: &Want) -> Option<&'r Reco
     records[..=last].iter().filter(|record| !record.says_nothing()).find(says)
 }
 
-/// Whether a part's name says nothing else: beside codes such as `R2`, no word that is known, no number with decimals, no mark
-/// of doubt.
+/// Whether a part's name says nothing else: a code such as `R2`, and before it perhaps what it counts (`Charge 4711`). It has
+/// no number with decimals, no mark of doubt and no word that is known.
 fn is_plain_name(name: &str) -> bool {
-    let trimmed = name.split_whitespace().map(|word| word.trim_matches([',', ';', ':', '(', ')', '.', '=']));
-    let words: Vec<&str> = trimmed.filter(|word| !has_digit(word)).collect();
-    let is_plain = |word: &&str| is_part_name(word) || word.chars().count() < 2 || !is_known_word(word);
-    let names_value = |from: usize| (from + 1..=words.len()).any(|to| names_value(&words[from..to].join(" "), &[]));
-    let has_decimals = |word: &str| Cell::of_text(word.trim_end_matches(','), 0..0).has_decimals();
-    words.iter().all(is_plain)
-        && !(0..words.len()).any(names_value)
+    let words: Vec<&str> =
+        name.split_whitespace().map(|word| word.trim_matches([',', ';', ':', '(', ')', '.', '='])).collect();
+    let code = words.iter().position(|word| has_digit(word)).unwrap_or(words.len());
+    let (before, codes) = words.split_at(code);
+    let is_counted = |word: &&str| is_part_name(word) || word.chars().count() < 2 || !is_known_word(word);
+    let is_code = |word: &&str| {
+        let letters = word.trim_matches(|c: char| c.is_ascii_digit());
+        let says_more = role(letters).is_some_and(Role::is_beside_value) && letters.chars().count() >= SHORT;
+        let is_apart = has_digit(word) && !Cell::of_text(word, 0..0).has_decimals();
+        is_apart && !says_more && part_said(letters) != Some(Part::Pinion) || word.chars().count() < 2
+    };
+    before.iter().all(is_counted)
+        && codes.iter().all(is_code)
+        && !names_value(&before.join(" "), &[])
         && !name.contains(says_more)
-        && !name.split_whitespace().any(has_decimals)
 }
 
 /// Whether a line holds numbers, perhaps with a name in front.
