@@ -235,15 +235,17 @@ impl Column {
         let unit = unit.unwrap_or(self.unit);
         let is_of = |value: &Cell, deviation: &Cell| {
             let rounding = 0.5 * (self.digit(value, unit) + self.digit(deviation, self.unit));
-            let read = (self.quantity_in(value, unit), self.quantity(deviation));
-            let (Ok(value), Ok(deviation)) = read else { return true };
-            let nominal = value.less(deviation);
-            nominal.abs().base() <= rounding || nominal.is_size(self.module)
+            let nominal = self.quantity_in(value, unit).and_then(|value| Ok(value.less(self.quantity(deviation)?)));
+            nominal.is_ok_and(|nominal| nominal.abs().base() <= rounding || nominal.is_size(self.module))
         };
-        let mut pairs = measured.cells.iter().zip(&measurement.value.cells);
-        let Some((value, deviation)) = pairs.find(|(value, deviation)| !is_of(value, deviation)) else { return Ok(()) };
+        let pairs = measured.cells.iter().zip(&measurement.value.cells);
+        let mut both = pairs.filter(|(value, deviation)| !value.is_missing() && !deviation.is_missing());
+        let Some((value, deviation)) = both.find(|(value, deviation)| !is_of(value, deviation)) else { return Ok(()) };
         let (value, deviation) = (value.text(), deviation.text());
-        let message = format!("`{}`: a measured value {value} and a deviation {deviation}", self.title);
+        let message = format!(
+            "`{}`: {value} is measured, {deviation} is its deviation, and no size of a part lies between them",
+            self.title
+        );
         Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong, or give the nominal value"))
     }
 

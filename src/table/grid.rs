@@ -165,15 +165,16 @@ fn tokens(text: &str, span: &Range<usize>) -> Vec<Cell> {
     let mut start = span.start;
     // a name and its value may be joined by a mark, pitch=12, and a time has one: 9:12
     let is_digit = |c: char| c.is_ascii_digit();
-    let breaks = |token: &str, c: char| {
-        let token = token.trim_start_matches(['[', '(']);
-        matches!(c, '=' | ':' | '\u{ff1a}') && !(token.starts_with(is_digit) && token.ends_with(is_digit))
+    let breaks = |token: Range<usize>, c: char| {
+        let is_last = token.end + c.len_utf8() == span.end;
+        let token = text[token].trim_start_matches(['[', '(']);
+        let is_inside = token.starts_with(is_digit) && token.ends_with(is_digit) && !is_last;
+        matches!(c, '=' | ':' | '\u{ff1a}') && !is_inside
     };
     let characters = text[span.clone()].char_indices().map(|(offset, c)| (span.start + offset, c));
     for (at, c) in characters.chain([(span.end, ' ')]) {
         // blanks other than the plain one and the tab stand inside numbers
-        let is_last = || c == ':' && at + 1 == span.end;
-        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(&text[start..at], c) || is_last() {
+        if matches!(c, ' ' | '\t' | '\r' | '\u{3000}') || breaks(start..at, c) {
             if start < at {
                 cells.push(trimmed(text, start..at));
             }

@@ -1,7 +1,8 @@
 //! The letters of a name, however they are written: blanks, `_`, `-`, case and accents tell nothing, so that `Rack-Pitch`,
 //! `rackPitch` and `RACK PITCH` are the same. Called by everything that compares names.
 
-/// A text in lower case, without accents, with blanks between words and nothing but letters and digits in them.
+/// A text in lower case, without accents, with blanks between words and nothing but letters and digits in them; a mark that says
+/// more is a word of its own.
 pub(super) fn fold(text: &str) -> String {
     let chars: Vec<char> = plain_widths(text).trim_start_matches(is_bullet).replace("(s)", "s").chars().collect();
     let mut out = String::with_capacity(text.len() + 8);

@@ -118,9 +118,9 @@ fn is_plain_name(name: &str) -> bool {
     let is_counted = |word: &&str| is_part_name(word) || word.chars().count() < 2 || !is_known_word(word);
     let is_code = |word: &&str| {
         let letters = word.trim_matches(|c: char| c.is_ascii_digit());
-        let says_more = role(letters).is_some_and(Role::is_beside_value) && letters.chars().count() >= SHORT;
-        let is_apart = has_digit(word) && !Cell::of_text(word, 0..0).has_decimals();
-        is_apart && !says_more && part_said(letters) != Some(Part::Pinion) || word.chars().count() < 2
+        let is_role = role(letters).is_some_and(Role::is_beside_value) && letters.chars().count() >= SHORT;
+        let is_count = has_digit(word) && !Cell::of_text(word, 0..0).has_decimals();
+        is_count && !is_role && part_said(letters) != Some(Part::Pinion) || word.chars().count() < 2
     };
     before.iter().all(is_counted)
         && codes.iter().all(is_code)

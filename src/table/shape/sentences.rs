@@ -99,7 +99,7 @@ struct Sentences {
     /// That of which the lines speak.
     part: Option<Part>,
     /// Whether that is a rack or a pinion, if a line says so.
-    of: Option<Gear>,
+    gear: Option<Gear>,
     notes: Vec<String>,
     /// Whether a line says what an asterisk behind a number means, and that it means nothing.
     has_footnote: bool,
@@ -236,7 +236,7 @@ impl Sentences {
         let speaker = speaker(&text);
         let tokens = tokens(&text, speaker.len(), line.span.start);
         let mut reader = LineReader { rest: &tokens, said: Vec::new(), want };
-        let is_understood = reader.all() && self.is_of_part_said(&reader.said);
+        let is_understood = reader.all() && self.take_gear(&reader.said);
         if !is_understood {
             if let Some(Said::Part(part)) = reader.said.first() {
                 self.name(part);
@@ -272,23 +272,24 @@ impl Sentences {
         Ok(true)
     }
 
-    /// Whether all values are of the gear that is named last; only what both have is left open by its name.
-    fn is_of_part_said(&mut self, said: &[Said]) -> bool {
+    /// Takes of which gear a line speaks; whether all of its values are of the one that is named last. The name of a
+    /// characteristic leaves that open where both have it.
+    fn take_gear(&mut self, said: &[Said]) -> bool {
         let mut of_part = None;
         said.iter().all(|said| {
             let label = match said {
                 Said::Part(part) => {
                     of_part = part_said(&part.word);
-                    self.of = of_part.or(self.of);
+                    self.gear = of_part.or(self.gear);
                     return true;
                 }
                 Said::Value { label, .. } => label,
             };
-            self.of = part_said(&label.title).or(self.of);
+            self.gear = part_said(&label.title).or(self.gear);
             let field = label.name.as_ref().and_then(|name| name.fields.first());
             let Some(kind) = field.and_then(|field| field.kind()) else { return true };
             let is_of_one = matches!(kind, DeviationKind::RackOverRoller | DeviationKind::PinionRadial);
-            let of = if is_of_one { of_part } else { self.of };
+            let of = if is_of_one { of_part } else { self.gear };
             of.is_none_or(|of| kind.part() == of)
         })
     }
