@@ -21,6 +21,7 @@ mod refusal;
 mod rows;
 mod sentences;
 mod stated;
+mod words;
 
 pub(crate) use headings::{PartNames, is_numbered, is_part_name, is_spread};
 pub(crate) use labels::uncounted;

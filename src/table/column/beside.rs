@@ -1,0 +1,150 @@
+//! What stands beside a value: the deviation and the tolerances that it is held against, and to how many digits.
+
+use super::unit::unknown_unit;
+use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, unit_of};
+use crate::deviation::DeviationValue;
+use crate::diagnostic::Diagnostic;
+use crate::quantity::{Decimal, LengthUnit, Unit};
+use crate::table::cell::{Cell, Content};
+use crate::table::companions::Companions;
+use crate::table::grid::unit_in;
+use crate::table::names::Role;
+use crate::table::number::{normalise, quantity};
+use crate::table::shape::Measurement;
+
+impl Column {
+    /// The quantity in a companion's cell; `None` if there is none.
+    pub(super) fn quantity_beside(
+        &self,
+        beside: &Companions<&Cell>,
+        role: Role,
+    ) -> Result<Option<DeviationValue>, Problem> {
+        let cell = beside.get(role).filter(|cell| !cell.is_missing());
+        cell.map(|cell| self.quantity_in(cell, self.unit_beside(role))).transpose()
+    }
+
+    /// Whether every value is far below the tolerances beside it, as it is if it has another unit than they.
+    pub(crate) fn is_far_below_tolerance(&self, measurement: &Measurement) -> bool {
+        const TIMES: f64 = 500.0;
+        let rows = || measurement.value.cells.iter().enumerate().map(|(row, cell)| (cell, measurement.beside_row(row)));
+        let widest = rows().map(|(_, beside)| self.widest(&beside).unwrap_or(0.0)).fold(0.0, f64::max);
+        if widest == 0.0 {
+            return false;
+        }
+        let read = rows().filter_map(|(cell, beside)| self.read(cell, beside).ok().flatten());
+        let largest = read.map(|value| value.base().abs()).fold(0.0, f64::max);
+        largest > 0.0 && TIMES * largest < widest
+    }
+
+    /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
+    fn widest(&self, beside: &Companions<&Cell>) -> Result<f64, Problem> {
+        let fixed = if let Nominal::Fixed(nominal) = self.nominal { Some(nominal) } else { None };
+        let nominal = self.quantity_beside(beside, Role::Nominal)?.or(fixed).map_or(0.0, DeviationValue::base);
+        let mut widest = self.tolerance.unwrap_or(0.0);
+        for role in [Role::Upper, Role::Lower] {
+            // tolerances judge nothing here: one that is no number says nothing of the value's unit
+            let Ok(Some(tolerance)) = self.quantity_beside(beside, role) else { continue };
+            let size = tolerance.base();
+            let is_limit = nominal != 0.0 && size.abs() > nominal.abs() / 2.0;
+            widest = widest.max(if is_limit { (size - nominal).abs() } else { size.abs() });
+        }
+        Ok(widest)
+    }
+
+    /// Whether a value is held against a deviation beside it: of a space, nothing need tell the nominal value.
+    pub(crate) fn checks_deviation(&self) -> bool {
+        self.deviates() || self.kind.is_some() || !self.is_of_space()
+    }
+
+    /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
+    pub(super) fn checked(
+        &self,
+        cell: &Cell,
+        mut deviation: DeviationValue,
+        beside: &Companions<&Cell>,
+    ) -> Result<DeviationValue, Problem> {
+        /// Values this much beyond a tolerance have another unit.
+        const TIMES: f64 = 100.0;
+        let stated = self.quantity_beside(beside, Role::Deviation)?;
+        if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
+            let apart = (stated.base() - deviation.base()).abs();
+            if apart > self.rounding(cell, beside) {
+                return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
+            }
+            let digit = self.digit_beside(beside, Role::Deviation);
+            let is_finer =
+                |digit: f64| digit < self.digit(cell, self.unit) && apart > (0.5 * digit).max(SMALLEST_DIGIT);
+            if digit.is_some_and(is_finer) {
+                // it has the digits that the value lost
+                deviation = stated;
+            }
+        }
+        let widest = self.widest(beside)?;
+        if widest > 0.0 && deviation.base().abs() > TIMES * widest {
+            return Err(Problem::Bad(format!(
+                "a deviation of {deviation} is more than {TIMES} times the tolerance beside it: check the units"
+            )));
+        }
+        Ok(deviation)
+    }
+
+    /// One of the last digit of a companion, mm or degrees.
+    pub(super) fn digit_beside(&self, beside: &Companions<&Cell>, role: Role) -> Option<f64> {
+        Some(self.digit(beside.get(role)?, self.unit_beside(role)))
+    }
+
+    /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
+    /// degrees. What has far fewer digits than the others has lost its zeros, and is no rounder than they.
+    pub(super) fn rounding(&self, cell: &Cell, beside: &Companions<&Cell>) -> f64 {
+        /// Finer digits of a deviation are those of a computation.
+        const FINE: f64 = 1e-3;
+        const FEWER: f64 = 15.0;
+        let value = Some(self.digit(cell, self.unit));
+        let nominal = self.digit_beside(beside, Role::Nominal);
+        let deviation = self.digit_beside(beside, Role::Deviation);
+        let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
+        let finest = all.fold(f64::INFINITY, f64::min);
+        let each = [value, nominal, deviation].into_iter().flatten();
+        each.map(|digit| 0.5 * if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(SMALLEST_DIGIT)
+    }
+
+    /// One of the last digit that is written, in mm or degrees.
+    pub(super) fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
+        const MOST: usize = 12;
+        let own = unit_in(&cell.text()).and_then(|symbol| unit_of(&symbol, self.field.is_angle()));
+        let exponent = match &cell.content {
+            Content::Text(text) => normalise(text, self.mark).map_or(0, |number| {
+                let fraction = number.split_once('.').map_or("", |(_, fraction)| fraction);
+                let decimals = fraction.bytes().take_while(u8::is_ascii_digit).take(MOST).count();
+                -i32::try_from(decimals).unwrap_or(0)
+            }),
+            Content::Number(number) => number.exponent.min(0),
+            Content::Empty | Content::Other(_) => 0,
+        };
+        let digit = Decimal { negative: false, digits: 1, exponent };
+        quantity(digit, own.unwrap_or(unit)).map_or(1.0, DeviationValue::base)
+    }
+}
+
+/// What stands beside a value that counts; f_Hβ over a length is held against nothing.
+pub(super) fn companions(
+    measurement: &Measurement,
+    unit: Unit,
+    is_slope: bool,
+) -> Result<Companions<Companion>, Diagnostic> {
+    let of_value = [Role::Deviation, Role::Nominal, Role::Upper, Role::Lower, Role::Unit];
+    let roles = if is_slope { &[Role::Length, Role::Unit][..] } else { &of_value };
+    let mut beside = Companions::default();
+    for role in roles {
+        let Some(series) = measurement.beside.get(*role) else { continue };
+        let own = if *role == Role::Length { Unit::Length(LengthUnit::Millimetre) } else { unit };
+        let is_angle = matches!(own, Unit::Angle(_));
+        let named = |symbol: &str| if is_angle { Unit::of_angle(symbol) } else { unit_of(symbol, false) };
+        let unit = match series.unit.as_deref().filter(|_| *role != Role::Unit) {
+            None => own,
+            Some(symbol) => named(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, is_angle))?,
+        };
+        beside.set(*role, Some(Companion { place: series.place, unit }));
+    }
+    Ok(beside)
+}
