@@ -106,12 +106,12 @@ impl ColumnEvaluator {
         }
         let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false);
         evaluator.block(&block, 0, false);
-        if let Some(contradiction) = block.contradiction {
+        if let Some(contradiction) = &block.contradiction {
             let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);
             return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
         }
         let mut reading = table.reading;
-        reading.asides.append(&mut evaluator.tally.asides);
+        reading.take_rows(&block);
         let counts = evaluator.tally.counts;
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }

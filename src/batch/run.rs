@@ -84,6 +84,7 @@ impl<'a> Batch<'a> {
             records: 0,
             place,
             asides: Vec::new(),
+            rejections: Vec::new(),
             contradiction: None,
             doubted: Default::default(),
             problems_kept: plan.request.problems_kept,
@@ -125,7 +126,7 @@ impl<'a> Batch<'a> {
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
         let failure = order.failure.or(waiting.error.map(RunError::Read));
-        let (asides, doubted) = (order.total.asides, order.total.doubted);
+        let Total { asides, rejections, doubted, .. } = order.total;
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -136,6 +137,7 @@ impl<'a> Batch<'a> {
         outcome.interrupted |= stop.load(Ordering::Relaxed);
         let mut reading = reading;
         reading.asides.extend(asides);
+        reading.notes.extend(rejections.iter().map(|rejection| rejection.in_words(&name)));
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
         outcome.readings.push(reading);
         outcome.is_cut |= matches!(failure, Some(RunError::Read(_) | RunError::Contradiction(_)));

@@ -54,7 +54,8 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
 /// What is wrong with the spec, its settings, or the tables that it names.
 pub fn judged_spec(spec: &HeldSpec, settings: &[String]) -> Result<Spec, Diagnostics> {
     let read = Spec::parse_with(&spec.name, &spec.text, settings)?;
-    with_known_teeth(read, &spec.name).map_err(diagnostics)
+    let mut output = Output::held(spec.clone(), Arc::default());
+    with_known_teeth(read, &spec.name, &mut output).map_err(diagnostics)
 }
 
 fn diagnostics(failure: Failure) -> Diagnostics {

@@ -274,7 +274,7 @@ impl Args {
         path: &str,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let values = spec.measured_deviations(&super::spec_files::measured_tables(spec, path)?)?;
+        let values = spec.measured_deviations(&super::spec_files::measured_tables(spec, path, output)?)?;
         let (mut obtained, mut not_graded, mut diameters) = (Vec::<ObtainedGrade>::new(), Vec::new(), Vec::new());
         for part in [Part::Rack, Part::Pinion] {
             let of_part: Vec<&MeasuredValue> = values.iter().filter(|value| value.part == part).collect();

@@ -48,13 +48,13 @@ impl Args {
                 Diagnostic::usage("no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
-        let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path)?;
+        let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path, output)?;
         let is_searched = !self.no_worst_teeth && (self.mesh || spec.limit_on(LimitTarget::CenterDistance).is_some());
         let worst = if is_searched { WorstTeeth::of(spec.part_deviations()?, &spec.basis()?)? } else { None };
         let mut report = evaluated(&spec, &self.judge, worst.as_ref(), output)?;
         let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         if self.mesh {
-            report.mesh = Some(mesh_part(&spec, &path, worst.as_ref())?);
+            report.mesh = Some(mesh_part(&spec, &path, worst.as_ref(), output)?);
         }
         output.report(&report, self.format)?;
         Ok(status)
@@ -83,9 +83,9 @@ pub(super) fn evaluated<'a>(
 }
 
 /// The exact mesh of the spec, in short.
-fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>) -> Result<MeshPart, Failure> {
+fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
-    let mut input = spec.mesh(&spec_files::measured_tables(spec, path)?)?;
+    let mut input = spec.mesh(&spec_files::measured_tables(spec, path, output)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }

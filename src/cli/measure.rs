@@ -55,7 +55,7 @@ const MOST: i64 = 10_000_000;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
         let said = put_on_teeth(&spec, self.part, &mut input)?;
         let mut notes = said.clone();
         let mesh = &input.mesh;

@@ -240,10 +240,10 @@ const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec)?;
+        let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec, output)?;
         let strokes = self.strokes()?;
         let picture = self.plot.picture(files_read(&spec, &self.spec))?;
-        let mut input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
             // nothing is asked that needs the curve between these strokes

@@ -77,7 +77,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
-        let mut input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec)?)?;
+        let mut input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if !spec.has_deviations()
             && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?

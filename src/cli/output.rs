@@ -9,11 +9,13 @@ use anstream::AutoStream;
 use clap::ColorChoice;
 
 use super::held::{Answer, Held, HeldSpec};
+use super::tables;
 use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
-use crate::report::{self, Format, Report, Screen};
+use crate::report::{self, Format, Report, Screen, WithReading};
+use crate::table::Reading;
 
 /// How a command ended. Of several, the greatest counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -110,6 +112,8 @@ pub(super) struct Output {
     screen: Screen,
     color_messages: bool,
     is_quiet: bool,
+    /// How the tables that the spec names were read.
+    readings: Vec<Reading>,
     /// In place of all that, where a program asks.
     held: Option<Held>,
 }
@@ -140,6 +144,7 @@ impl Output {
             is_quiet,
             stdout,
             stderr,
+            readings: Vec::new(),
             held: None,
         }
     }
@@ -153,6 +158,7 @@ impl Output {
             screen: Screen::default(),
             color_messages: false,
             is_quiet: true,
+            readings: Vec::new(),
             held: Some(held),
         }
     }
@@ -184,8 +190,25 @@ impl Output {
         self.screen
     }
 
-    /// Writes a report to standard output.
+    /// Says how a table was read that the spec names, once.
+    pub(super) fn read(&mut self, reading: Reading) {
+        if self.readings.iter().all(|known| known.file != reading.file) {
+            tables::say(std::slice::from_ref(&reading), &[], self);
+            self.readings.push(reading);
+        }
+    }
+
+    /// How the tables that the spec names were read.
+    pub(super) fn readings(&self) -> &[Reading] {
+        &self.readings
+    }
+
+    /// Writes a report to standard output, in JSON with how the tables were read that the spec names.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
+        let readings = self.readings.clone();
+        let whole = WithReading { report, readings: &readings, notes: &[] };
+        let is_whole = !readings.is_empty() && (format == Format::Json || self.held.is_some());
+        let report: &dyn Report = if is_whole { &whole } else { report };
         if let Some(Held { answer, .. }) = &mut self.held {
             answer.json = report::document(report.json());
             answer.markdown = report::write(report, Format::Markdown, self.screen)?;

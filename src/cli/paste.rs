@@ -264,7 +264,7 @@ impl Args {
     ) -> Result<Vec<PartRow>, Failure> {
         let name = Arc::clone(&table.name);
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
-        read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec)?);
+        read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
         let basis = read.spec.basis()?;
         let usual = Reach::usual(read.spec.module());
         let mut doubted = vec![0; kinds.len()];
@@ -274,7 +274,7 @@ impl Args {
                 let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
             }
-            read.reading.asides.extend(block.asides.iter().cloned());
+            read.reading.take_rows(&block);
             for (column, doubted) in doubted.iter_mut().enumerate() {
                 *doubted += usual.doubted(block.values(column));
             }
@@ -320,7 +320,7 @@ impl Args {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
-        read.reading.asides.extend(blocks.iter().flat_map(|block| block.asides.iter().cloned()));
+        blocks.iter().for_each(|block| read.reading.take_rows(block));
         let mut parts = gather(gatherer, &blocks)?.into_iter();
         let (part, others) = (parts.next(), parts.next());
         let Some(part) = part else {
@@ -363,7 +363,7 @@ impl Args {
         }
         let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
         let only = judge.measured_only();
-        let all = spec_files::measured_tables(only, &self.spec)?.with(teeth);
+        let all = spec_files::measured_tables(only, &self.spec, output)?.with(teeth);
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();

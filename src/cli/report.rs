@@ -85,7 +85,7 @@ impl Args {
         // a table of teeth takes the place of what the spec says of them
         let is_replaced = self.teeth && !self.files.is_empty();
         if !is_replaced && (has_errors || self.files.is_empty() || spec.has_deviations()) {
-            let known = with_known_teeth(spec.clone(), &self.spec)?;
+            let known = with_known_teeth(spec.clone(), &self.spec, output)?;
             let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
             if has_errors || self.files.is_empty() {
                 statuses.push(self.evaluation(&known, worst.as_ref(), &mut page, output)?);
@@ -96,6 +96,9 @@ impl Args {
         }
         if !self.files.is_empty() {
             statuses.push(self.lot(&spec, &mut page, output)?);
+        }
+        if !output.readings().is_empty() {
+            page.sections.push(reading_section(output.readings(), &[]));
         }
         page.sections.push(self.assumptions());
         page.sections.extend(spec_sections(&spec));
@@ -139,7 +142,7 @@ impl Args {
     ) -> Result<(), Failure> {
         const HEADING: &str = "Exact mesh along the stroke";
         let unsolved = |why: String| Section::new(HEADING, vec![Block::Note(why)]);
-        let tables = spec_files::measured_tables(spec, &self.spec)?;
+        let tables = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut input = match spec.mesh(&tables) {
             Ok(input) => input,
             Err(Diagnostics(problems)) if problems.iter().all(|problem| problem.code == Code::MissingKey) => {
@@ -182,9 +185,9 @@ impl Args {
             return Err(failed.into());
         }
         let done = if found.first.as_ref().is_some_and(|first| first.table.is_teeth) {
-            self.toothed(&spec, &mut found, &interruption)?
+            self.toothed(&spec, &mut found, &interruption, output)?
         } else {
-            self.parts(&mut found, &interruption)?
+            self.parts(&mut found, &interruption, output)?
         };
         let Lot { mut outcome, basis, charts, small_charts } = done;
         outcome.notes.extend(spec.suspicions_in_words());
@@ -210,9 +213,9 @@ impl Args {
     }
 
     /// Parts by the formulas.
-    fn parts(&self, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
+    fn parts(&self, found: &mut Files<'_>, interruption: &Interruption, output: &mut Output) -> Result<Lot, Failure> {
         let Some(first) = &found.first else { return Err(no_table().into()) };
-        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
+        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let request = Request {
             model: self.judge.model,
             stack: self.judge.stack,
@@ -244,11 +247,17 @@ impl Args {
     }
 
     /// Parts with their teeth, by the exact mesh.
-    fn toothed(&self, spec: &Arc<Spec>, found: &mut Files<'_>, interruption: &Interruption) -> Result<Lot, Failure> {
+    fn toothed(
+        &self,
+        spec: &Arc<Spec>,
+        found: &mut Files<'_>,
+        interruption: &Interruption,
+        output: &mut Output,
+    ) -> Result<Lot, Failure> {
         let request =
             TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: mesh::TOLERANCE_MM, rows: self.request(spec) };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
-        let measured = spec_files::measured_tables(spec, &self.spec)?;
+        let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
         for path in found.paths.clone() {
             let ran = teeth.take(found.next(&path)?.table)?;

@@ -66,7 +66,7 @@ impl Args {
             spec.simulation.spacing_mm = step.mm();
         }
         let picture = self.plot.picture(files_read(&spec, &self.spec))?;
-        let input = spec.mesh(&measured_tables(&spec, &self.spec)?)?;
+        let input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
         let interruption = long::interrupted(output);

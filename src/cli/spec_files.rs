@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::output::Failure;
+use super::output::{Failure, Output};
 use super::tables;
 use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::MeshError;
 use crate::spec::{Located, MeasuredTables, Spec, keys};
-use crate::table::{self, Source, Teeth};
+use crate::table::{self, Source, TeethTable};
 
 /// Why there is no solution.
 impl From<MeshError> for Failure {
@@ -35,9 +35,9 @@ pub(super) fn inputs(spec: &Spec, spec_path: &str, tables: &[impl AsRef<str>]) -
     files_read(spec, spec_path).into_iter().chain(tables).collect()
 }
 
-/// Reads the tables that a spec names.
-pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTables, Failure> {
-    let read = |file: &Located<String>| -> Result<Teeth, Failure> {
+/// Reads the tables that a spec names, and says how.
+pub(super) fn measured_tables(spec: &Spec, spec_path: &str, output: &mut Output) -> Result<MeasuredTables, Failure> {
+    let read = |file: &Located<String>| -> Result<TeethTable, Failure> {
         let path = table_path(spec_path, &file.value);
         let opened = std::fs::File::open(&path).map_err(|error| {
             Diagnostic::unreadable(&path.display().to_string(), &error)
@@ -52,12 +52,13 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str) -> Result<MeasuredTa
         (keys::PINION_MEASURED, Part::Pinion, "teeth of a pinion"),
     ] {
         let Some(file) = spec.values.located(key) else { continue };
-        let teeth = read(&file)?;
+        let TeethTable { teeth, reading } = read(&file)?;
         if teeth.part() != part {
             let message = format!("{} holds no {what}", file.value);
             return Err(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span, "").into());
         }
         tables = tables.with(teeth);
+        output.read(reading);
     }
     Ok(tables)
 }

@@ -1,6 +1,7 @@
 //! Tables for `batch`, `paste`, `report` and `read`: options that say how a file is to be read, and files as tables. What
 //! is not understood in any of the files ends the run before the first result.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -188,7 +189,10 @@ impl<'a> Opener<'a> {
         let mut to_be_named: Vec<DeviationKind> = Vec::new();
         let (mut first, mut failed) = (None, Vec::new());
         let mut kept = Vec::new();
-        for path in paths {
+        let mut pairs = HashSet::new();
+        // both files of a pair are one table
+        let is_new = |path: &&&str| qdas_pair(path).is_none_or(|pair| pairs.insert(pair));
+        for path in paths.iter().filter(is_new) {
             match self.open(path).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
                     strangers.extend(opened.table.strangers.iter().cloned());
@@ -259,13 +263,15 @@ pub(super) fn files_read(path: &str) -> Vec<String> {
 pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let told = say_readings(readings, output);
     let mut remarks = report::remarks(&told, notes);
+    let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
     for note in readings.iter().flat_map(|reading| &reading.notes) {
         if !remarks.contains(note) {
             remarks.push(note.clone());
         }
     }
     for remark in remarks {
-        output.remark(&report::noted(&remark));
+        let text = report::noted(&remark);
+        if warnings.contains(&remark) { output.message(&text) } else { output.remark(&text) }
     }
 }
 

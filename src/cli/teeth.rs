@@ -2,7 +2,7 @@
 //! judge errors.
 
 use super::decision::JudgeArgs;
-use super::output::Failure;
+use super::output::{Failure, Output};
 use super::spec_files::measured_tables;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Evaluation;
@@ -14,11 +14,11 @@ use crate::mesh::{Mesh, Support};
 use crate::spec::{MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
-pub(super) fn with_known_teeth(spec: Spec, path: &str) -> Result<Spec, Failure> {
+pub(super) fn with_known_teeth(spec: Spec, path: &str, output: &mut Output) -> Result<Spec, Failure> {
     if !spec.has_deviations() {
         return Ok(spec);
     }
-    let tables = measured_tables(&spec, path)?;
+    let tables = measured_tables(&spec, path, output)?;
     // that a part is not given both ways is known from here on
     let input = spec.mesh(&tables)?;
     let strokes = input.judged_strokes().map_err(Diagnostics::from)?;

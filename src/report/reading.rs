@@ -87,7 +87,13 @@ impl Report for WithReading<'_> {
             };
             notes.extend(remarks.into_iter().map(Value::from));
             object.insert("notes".to_owned(), notes.into());
-            object.insert("reading".to_owned(), json!(self.readings));
+            // of a table of parts and of those that the spec names
+            let mut readings = match object.get("reading") {
+                Some(Value::Array(readings)) => readings.clone(),
+                _ => Vec::new(),
+            };
+            readings.extend(self.readings.iter().map(|reading| json!(reading)));
+            object.insert("reading".to_owned(), readings.into());
         }
         json
     }

@@ -24,7 +24,7 @@ pub struct BatchSection {
     pub part_id: Option<String>,
     /// `[batch.columns]`, in the paper's order.
     pub columns: Vec<(DeviationKind, Located<BatchColumn>)>,
-    /// The columns that are not to be used: patterns in which `*` stands for any characters, and case does not count.
+    /// The columns that are not to be used: patterns in which `*` stands for any characters, and case counts.
     pub ignore: Vec<Located<String>>,
     /// What stands before decimals, if the spec says so.
     pub decimal: Option<DecimalMark>,

@@ -534,7 +534,7 @@ section! {
     BATCH = "batch", "Tables with a row per part." {
         "columns", of(Kind::Table(&BATCH_COLUMNS)), "Columns that are named or measured otherwise.";
         "ignore", of(Kind::Texts),
-            "Names of columns that are not to be used: `*` stands for any characters, and case does not count.";
+            "Names of columns that are not to be used: `*` stands for any characters, and case counts.";
         BATCH_DECIMAL: &'static str = "decimal", word(&["comma", "point"]),
             "What stands before decimals in tables, those of teeth included. Default: found from their numbers.";
         BATCH_OTHERS: &'static str = "others", word(&["ignore"]),

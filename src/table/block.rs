@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::encoding::text;
 use super::reading::AsideReading;
+use super::strangers::Rejection;
 use crate::deviation::{DeviationValue, DeviationValues};
 
 /// Bytes of a block's text.
@@ -66,6 +67,8 @@ pub struct Block {
     pub(crate) records: Vec<u64>,
     /// Records that are no parts: a header again, a mean.
     pub(crate) asides: Vec<AsideReading>,
+    /// What is said against one of the parts.
+    pub(crate) rejection: Option<Rejection>,
     /// Records in all.
     pub(crate) record_count: u64,
     /// Lines in all.

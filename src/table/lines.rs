@@ -143,14 +143,24 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column], want: &Wan
     if has_scale(&aside.text) || is_of_parts(&aside.text) || is_rejected(&aside.text) {
         return Some(unread(&aside.text));
     }
-    let words: Vec<&str> = aside.text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
-    let mut names =
-        (1..words.len()).map(|count| (words[..count].join(" "), words[count..].join(" ").replace(',', ".")));
-    let is_other = |name: &str, size: &str| {
-        let read_with = size_read_with(name, columns, want);
-        read_with.is_some_and(|read_with| size.parse::<Length>().is_ok_and(|size| size != read_with))
-    };
-    names.find_map(|(name, size)| is_other(&name, &size).then(|| unread(&name)))
+    let is_other =
+        |said: &NamedSize| size_read_with(&said.name, columns, want).is_some_and(|read_with| said.size != read_with);
+    named_sizes(&aside.text).find(is_other).map(|said| unread(&said.name))
+}
+
+/// A size behind its name.
+pub(super) struct NamedSize {
+    pub(super) name: String,
+    pub(super) size: Length,
+}
+
+/// The size that a line ends with, behind each name that may be its: `Modul: 2,5 mm`.
+pub(super) fn named_sizes(text: &str) -> impl Iterator<Item = NamedSize> {
+    let words: Vec<&str> = text.split([' ', ':', '=', '\u{a0}']).filter(|word| !word.is_empty()).collect();
+    (1..words.len()).filter_map(move |count| {
+        let size = words[count..].join(" ").replace(',', ".").parse().ok()?;
+        Some(NamedSize { name: words[..count].join(" "), size })
+    })
 }
 
 /// The size of that name with which values are read: the length over which f_Hβ is evaluated, the diameter of the roller from

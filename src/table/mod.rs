@@ -80,7 +80,7 @@ pub use number::DecimalMark;
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use strangers::{Stranger, refusal};
-pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, of_one_part};
+pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};
 pub use want::{GivenColumn, Orientation, Want};
 
 pub(crate) use column::{Column, Nominal};
@@ -88,6 +88,7 @@ pub(crate) use encoding::text as cell_text;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use rows::{Rows, Wanted};
+pub(crate) use strangers::Rejection;
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
 pub(crate) use typed::stored_table;
 pub(crate) use understand::in_words;
@@ -294,6 +295,14 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
     }
     if names::split_size(&names::split_unit(&column.title).0).is_some() {
         notes.push(format!("{name}: `{}`: the tolerance in its name is not judged", column.title));
+    }
+    if let Some([one, other]) = column.differing_nominals(measurement) {
+        notes.push(format!(
+            "{name}: the nominal value of `{}` is {} and {}: they may be of other parts",
+            column.title,
+            shown(&one.text()),
+            shown(&other.text())
+        ));
     }
     if column.is_far_below_tolerance(measurement) {
         notes.push(format!(

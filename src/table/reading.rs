@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::block::Block;
 use crate::quantity::shown;
 
 /// How one table was read.
@@ -74,26 +75,40 @@ pub struct AsideReading {
 }
 
 impl Reading {
-    /// The sentences that say what was assumed or left out; the others say what was used.
+    /// Takes what rows say besides their values.
+    pub(crate) fn take_rows(&mut self, block: &Block) {
+        self.asides.extend(block.asides.iter().cloned());
+        let note = block.rejection.as_ref().map(|rejection| rejection.in_words(&self.file));
+        self.notes.extend(note.filter(|note| !self.notes.contains(note)));
+    }
+
+    /// What is to be known before the result is trusted: what is worth a look, and which units are assumed.
     #[must_use]
-    pub fn remarks(&self) -> Vec<String> {
-        const SHOWN: usize = 10;
+    pub fn warnings(&self) -> Vec<String> {
         let assumed = self.columns.iter().filter(|column| column.unit_is_assumed);
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
+        let assumed = self.sentence("units assumed, because nothing tells them:", assumed.collect(), "");
+        self.notes.iter().cloned().chain(assumed).collect()
+    }
+
+    fn sentence(&self, what: &str, each: Vec<String>, more: &str) -> Option<String> {
+        (!each.is_empty()).then(|| format!("{}: {what} {}{more}", self.file, each.join(", ")))
+    }
+
+    /// The sentences that say what was assumed or left out, warnings first; the others say what was used.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        const SHOWN: usize = 10;
         let asides = self.asides.iter().take(SHOWN).map(|aside| format!("{} \"{}\"", aside.line, shown(&aside.text)));
         let not_used = self.not_used.iter().map(|unused| format!("`{}`", unused.title));
         let lines = if self.asides.len() == 1 { "line" } else { "lines" };
         let more = if self.asides.len() > SHOWN { " and more" } else { "" };
-        let sentence = |what: &str, each: Vec<String>, more: &str| {
-            (!each.is_empty()).then(|| format!("{}: {what} {}{more}", self.file, each.join(", ")))
-        };
         let said = [
-            sentence("units assumed, because nothing tells them:", assumed.collect(), ""),
-            sentence(&format!("no part of the table: {lines}"), asides.collect(), more),
-            sentence("not used:", not_used.collect(), ""),
+            self.sentence(&format!("no part of the table: {lines}"), asides.collect(), more),
+            self.sentence("not used:", not_used.collect(), ""),
         ];
-        self.notes.iter().cloned().chain(said.into_iter().flatten()).collect()
+        self.warnings().into_iter().chain(said.into_iter().flatten()).collect()
     }
 }
 

@@ -19,9 +19,9 @@ use super::grid::{Separator, bare_unit, only_units};
 use super::lines::Beside;
 use super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
 use super::reading::AsideReading;
-use super::shape::{PartNames, has_digit, is_numbered, stated_units};
+use super::shape::{PartNames, Remarks, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
-use super::strangers::Others;
+use super::strangers::{Others, Rejection, rejection};
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
@@ -80,8 +80,8 @@ pub(crate) struct Setup {
     pub(crate) is_even: bool,
     /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
     pub(crate) watched: Vec<usize>,
-    /// The fields that hold remarks without digits as far as the table was looked at.
-    pub(crate) remarks: Vec<usize>,
+    /// The fields that may hold remarks.
+    pub(crate) remarks: Vec<Remarks>,
     pub(crate) names: PartNames,
     /// What the user leaves out.
     pub(crate) want: Want,
@@ -258,8 +258,8 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
-                // a remark with a digit may hold a value
-                if self.setup.remarks.contains(&index) && text.iter().any(u8::is_ascii_digit) {
+                // a remark that is new may hold a value, or say that the part does not count
+                if self.setup.remarks.iter().any(|remarks| remarks.place == index && remarks.is_new(text)) {
                     return None;
                 }
                 let says_what = matches!(field, PlainField::Id | PlainField::Label);
@@ -319,6 +319,8 @@ impl Rows {
             return;
         }
         if record.says_nothing() || self.is_aside(record) {
+            let words = Cell::of_text(&record.in_words(), 0..0);
+            block.rejection = block.rejection.take().or_else(|| rejection("a line", [&words], false));
             block.asides.push(AsideReading { line: record.line, text: record.in_words() });
             return;
         }
@@ -331,6 +333,7 @@ impl Rows {
     /// A record that is a part: its name and its values.
     fn values_of(&self, record: &Record, raw: Span, block: &mut Block) {
         start(record.line, raw, block);
+        block.rejection = block.rejection.take().or_else(|| self.rejection(record));
         let text_of = |place: usize| record.cells.get(place).map(Cell::text).unwrap_or_default();
         if let Some(place) = self.setup.id {
             let name = block.append(text_of(place).as_bytes());
@@ -373,11 +376,22 @@ impl Rows {
             .or_else(|| self.value_in_remark(record))
     }
 
+    /// What a remark says against the part of a record, if nothing said the same before.
+    fn rejection(&self, record: &Record) -> Option<Rejection> {
+        self.setup.remarks.iter().find_map(|remarks| {
+            let cell = record.cells.get(remarks.place).filter(|cell| remarks.is_new(cell.text().as_bytes()))?;
+            rejection(self.setup.titles.get(remarks.place)?, [cell], remarks.are_verdicts)
+        })
+    }
+
     /// A remark that speaks of a value, which may correct the one that is read.
     fn value_in_remark(&self, record: &Record) -> Option<Contradiction> {
         let Setup { columns, titles, names, want, .. } = &self.setup;
         let beside = Beside { columns, width: titles.len(), of_parts: Some(names), measured: None };
-        let value = |place: &usize| {
+        let value = |Remarks { place, has_digits, .. }: &Remarks| {
+            if *has_digits {
+                return None;
+            }
             let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
             let value = beside.value_in_remark(cell, &format!("column {}", place + 1), record.line)?;
             let is_left_out = value.is_ignored(want) || Others::of(columns, want).leaves_out(&value);

@@ -6,7 +6,6 @@ use std::ops::Range;
 
 use super::block::{Span, span_end};
 use super::cell::{Cell, Content};
-use super::shape::has_digit;
 use crate::quantity::Decimal;
 
 /// The values of a column in some rows.
@@ -196,11 +195,12 @@ impl<'a> Stored<'a> {
         ends.windows(2).map(|ends| Span { start: span_end(ends[0]), end: span_end(ends[1]) })
     }
 
-    /// Whether what a row holds has a digit.
-    pub(crate) fn has_digit(&self, row: usize) -> bool {
+    /// What a row holds, in words.
+    pub(crate) fn words(&self, row: usize) -> Cow<'_, [u8]> {
         match self.text(row) {
-            Some(text) => text.iter().any(u8::is_ascii_digit),
-            None => self.has_value(row) && has_digit(&self.content(row).to_string()),
+            Some(text) => text.into(),
+            None if self.has_value(row) => self.content(row).to_string().into_bytes().into(),
+            None => Cow::default(),
         }
     }
 

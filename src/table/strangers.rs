@@ -9,8 +9,8 @@ use super::cell::{Cell, Record};
 use super::column::Column;
 use super::grid::{Separator, unit_in};
 use super::lines::{
-    Beside, has_scale, is_signed, of_all_values, of_other_part, of_part, repeats_nominal, size_read_with, value_beyond,
-    without_name, without_punctuation, without_value,
+    Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
+    size_read_with, value_beyond, without_name, without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -24,7 +24,7 @@ use super::unknown::{UNCERTAINTY, Unknown};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Length, shown};
+use crate::quantity::{Length, QuantityError, shown};
 
 /// A column, line or characteristic that may be a measurement and is not understood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -68,7 +68,7 @@ pub(crate) struct Sorted {
 
 /// What `others = "ignore"` leaves out: once every error of the spec is found, what cannot be one of those whose column only its
 /// name tells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Others {
     is_asked: bool,
     /// The errors of the spec of which there is no column.
@@ -119,7 +119,13 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
     shape.asides.iter().for_each(|aside| sorter.take_line(aside));
     shape.unknown.iter().for_each(|unknown| sorter.take_remark(unknown));
     let kept = shape.unknown.iter().filter(|unknown| !unknown.is_ignored(want));
-    sorter.sorted.notes.extend(kept.filter_map(|unknown| rejection(file, &unknown.title, unknown.cells.iter())));
+    for unknown in kept {
+        let rejection = rejection(&unknown.pattern(), &unknown.cells, unknown.are_verdicts());
+        sorter.sorted.notes.extend(rejection.map(|rejection| rejection.in_words(file)));
+        let named = |size| NamedSize { name: unknown.title.clone(), size };
+        let said: Vec<_> = sizes(unknown).flatten().map(named).collect();
+        sorter.sorted.notes.extend(other_module(file, &said, want));
+    }
     sorter.sorted
 }
 
@@ -138,7 +144,10 @@ struct Sorter<'a> {
 impl Sorter<'_> {
     fn take(&mut self, unknown: &Unknown) {
         let before = self.sorted.strangers.len();
-        self.sorted.take(self.file, unknown, self.want, self.others);
+        // beside a row for each part, a line is no other feature
+        let is_feature = unknown.column.is_some() || self.shape.orientation == Orientation::Columns;
+        let none = Others::default();
+        self.sorted.take(self.file, unknown, self.want, if is_feature { self.others } else { &none });
         self.sorted.strangers[before..].iter_mut().for_each(|stranger| stranger.hold_against(self.beside.columns));
     }
 
@@ -166,13 +175,8 @@ impl Sorter<'_> {
 
     /// Whether it is another size than that with which values are read.
     fn is_other_size(&self, unknown: &Unknown) -> bool {
-        let unit = split_unit(&unknown.title).1.or_else(|| unknown.unit.clone()).unwrap_or_default();
-        let mut sizes = unknown.cells.iter().filter(|cell| cell.is_number()).map(|cell| {
-            let size = cell.text().replace(',', ".");
-            if unit_in(&size).is_some() { size } else { format!("{size} {unit}") }.trim().parse::<Length>()
-        });
         size_read_with(&split_unit(&unknown.title).0, self.beside.columns, self.want)
-            .is_some_and(|read_with| sizes.any(|size| size != Ok(read_with)))
+            .is_some_and(|read_with| sizes(unknown).any(|size| size != Ok(read_with)))
     }
 
     /// Whether it is a number above the names that no column can hold, or a whole one behind a word that is no part's name.
@@ -243,7 +247,10 @@ impl Sorter<'_> {
             }
             _ => {
                 let place = format!("line {}", aside.line);
-                self.sorted.notes.extend(rejection(self.file, &place, [&Cell::of_text(&aside.text, 0..0)]));
+                let said: Vec<_> = named_sizes(&aside.text).collect();
+                let rejection = rejection(&place, [&Cell::of_text(&aside.text, 0..0)], false);
+                self.sorted.notes.extend(rejection.map(|rejection| rejection.in_words(self.file)));
+                self.sorted.notes.extend(other_module(self.file, &said, self.want));
                 self.sorted.asides.push(aside.clone());
             }
         }
@@ -256,6 +263,8 @@ impl Sorter<'_> {
         }
         let shape = self.shape;
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
+        let has_words = unknown.cells.iter().any(|cell| !cell.is_measure() && !cell.is_missing());
+        let is_signed = |cell: &Cell| is_signed(cell) && (has_words || !is_context(&unknown.title));
         let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure() || is_signed(cell));
         let value = cells.find_map(|(row, cell)| self.beside.value_in_remark(cell, &unknown.place, line(row)));
         if let Some(value) = value {
@@ -272,7 +281,7 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
     let mut sorted = columns.unwrap_or_default();
     if let Some(record) = records.iter().find(|record| is_again(sheet) && record.numbers() > 0) {
         let again = Unknown::line(sheet, record.line, record.cells.clone()).unread();
-        sorted.take(file, &again, want, others);
+        sorted.take(file, &again, want, &Others::default());
     }
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
     let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
@@ -288,7 +297,7 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         let cells = record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
         let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
         if let Some(unknown) = beside.value_in(&line, false) {
-            sorted.take(file, &unknown, want, others);
+            sorted.take(file, &unknown, want, &Others::default());
         }
     }
     sorted
@@ -316,7 +325,7 @@ impl Sorted {
             && unknown.cells.iter().any(Cell::is_number)
         {
             self.strangers.push(stranger(file, &unknown.clone().uncertainty()));
-        } else if role(title) == Some(Role::Uncertainty) {
+        } else if role(title) == Some(Role::Uncertainty) && !unknown.has_signs() {
             self.not_used.push(not_used("an uncertainty: those that count stand in the spec"));
         } else if !unknown.could_be_measured() {
             if !title.is_empty() || unknown.cells.iter().any(|cell| !cell.is_missing()) {
@@ -331,15 +340,58 @@ impl Sorted {
     }
 }
 
-/// What a column or a comment says against a part or its value, which count all the same: `NOK`, `Messwert ungültig`.
-pub(crate) fn rejection<'a>(file: &str, title: &str, cells: impl IntoIterator<Item = &'a Cell>) -> Option<String> {
+/// The sizes in a column or line.
+fn sizes(unknown: &Unknown) -> impl Iterator<Item = Result<Length, QuantityError>> {
+    let unit = split_unit(&unknown.title).1.or_else(|| unknown.unit.clone()).unwrap_or_default();
+    unknown.cells.iter().filter(|cell| cell.is_number()).map(move |cell| {
+        let size = cell.text().replace(',', ".");
+        if unit_in(&size).is_some() { size } else { format!("{size} {unit}") }.trim().parse()
+    })
+}
+
+/// What tells that parts may be of another pair: a normal module that is not the spec's.
+fn other_module(file: &str, said: &[NamedSize], want: &Want) -> Option<String> {
+    let ours = want.module?;
+    let is_other = |said: &&NamedSize| WordList::NormalModule.has(&said.name) && said.size != ours;
+    let NamedSize { name, size } = said.iter().find(is_other)?;
+    Some(format!("{file}: `{name}` is {size}, and {ours} in the spec: these may be other parts"))
+}
+
+/// What is said against a part or its value, which count all the same.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Rejection {
+    /// The column, comment or line that says it.
+    pub(crate) title: String,
+    said: String,
+}
+
+impl Rejection {
+    /// As a note on a file.
+    pub(crate) fn in_words(&self, file: &str) -> String {
+        let Self { title, said } = self;
+        format!("{file}: `{title}` says `{said}`: that is not used, and parts are judged by their values")
+    }
+}
+
+/// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, or what is no
+/// approval in a column of `verdicts`.
+pub(crate) fn rejection<'a>(
+    title: &str,
+    cells: impl IntoIterator<Item = &'a Cell>,
+    verdicts: bool,
+) -> Option<Rejection> {
+    let is_heading = WordList::Disapproval.is_in(title) || WordList::Rejected.is_in(title);
+    let is_no = |text: &str| WordList::Negation.has(text);
+    let is_approval = |text: &str| WordList::Approval.has(text);
     let is_said = |text: &str| {
         WordList::Disapproval.is_in(text)
             || WordList::Rejected.is_in(text)
-            || WordList::Validity.has(title) && WordList::Negation.has(text)
+            || WordList::Validity.has(title) && is_no(text)
+            || is_heading && !is_no(text) && !is_approval(text)
+            || verdicts && !is_approval(text)
     };
-    let said = cells.into_iter().map(Cell::text).find(|text| is_said(text))?;
-    Some(format!("{file}: `{title}` says `{}`: that is not used, and parts are judged by their values", shown(&said)))
+    let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
+    Some(Rejection { title: title.to_owned(), said: shown(&said) })
 }
 
 fn stranger(file: &str, unknown: &Unknown) -> Stranger {
@@ -415,11 +467,14 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
     } else if mappings.is_empty() {
         format!("leave it out, if it is none of the spec's errors: {said}")
     } else {
-        format!("say in the spec what it is, under [batch.columns]: {}; or leave it out: {said}", mappings.join("; "))
+        let is_open = mappings.iter().any(|mapping| mapping.starts_with(KEY));
+        let keys = || format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
+        format!(
+            "say in the spec what it is, under [batch.columns]: {}; or leave it out: {said}{}",
+            mappings.join("; "),
+            if is_open { keys() } else { String::new() }
+        )
     };
-    if mappings.iter().any(|mapping| mapping.starts_with(KEY)) {
-        help += &format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
-    }
     if !to_be_named.is_empty() {
         let keys = DeviationKind::ALL.into_iter().filter(|kind| to_be_named.contains(kind)).map(DeviationKind::key);
         let keys = keys.collect::<Vec<_>>().join(", ");

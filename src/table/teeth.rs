@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::block::{Block, Fault};
 use super::column::{Column, Nominal};
 use super::names::{Field, ValueKind};
-use super::{Container, Source, Table, Want};
+use super::{Container, Reading, Source, Table, Want};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length};
@@ -471,17 +471,26 @@ fn refuse_two(name: &str, columns: &[Column], fields: &[Field]) -> Result<(), Di
     Err(Diagnostic::error(Code::BadTable, message).help("leave one of them out with --ignore"))
 }
 
+/// The teeth or spaces of one part, and how their table was read.
+pub struct TeethTable {
+    /// The teeth or spaces.
+    pub teeth: Teeth,
+    /// How they were read.
+    pub reading: Reading,
+}
+
 /// Reads a table of the teeth or spaces of one part, as a spec names it.
 ///
 /// # Errors
 /// If it cannot be read, holds what is not understood, or its rows are wrong.
-pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Diagnostics> {
+pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<TeethTable, Diagnostics> {
     let want = Want { teeth: Some(true), ..want.clone() };
     let table = Container::open(name, source, &want)?.table(name, &want)?;
     if let Some(refused) = super::refusal(&table.strangers, &table.to_be_named) {
         return Err(refused.into());
     }
     let gatherer = Gatherer::new(&table)?;
+    let reading = table.reading.clone();
     let bad = |message: String| Diagnostic::error(Code::BadTable, message);
     let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(name, &error))?;
     let mut parts = gather(gatherer, &blocks)?.into_iter();
@@ -491,7 +500,7 @@ pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<Teeth, Dia
     }
     match part.fault {
         Some(LineFault { line, message }) => Err(bad(format!("{name}, line {line}: {message}")).into()),
-        None => Ok(part.teeth),
+        None => Ok(TeethTable { teeth: part.teeth, reading }),
     }
 }
 

@@ -4,14 +4,15 @@
 use super::Table;
 use super::cell::{Cell, Content, Record};
 use super::column::SMALLEST_DIGIT;
-use super::lines::Beside;
+use super::grid::is_unit;
+use super::lines::{Beside, of_all_values};
 use super::measured::MeasuredValues;
-use super::names::{Field, ValueKind, heading, is_context, is_value_heading, role};
+use super::names::{Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, role, says_more};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
 use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
-use super::reading::NotUsed;
+use super::reading::{AsideReading, NotUsed};
 use super::rows::stored_record;
 use super::shape::many;
 use super::stored::Stored;
@@ -66,6 +67,13 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     let head: Vec<Record> = all.drain(range).collect();
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
+    let called = format!("{SHEET}{sheet}");
+    let title = AsideReading { line: 0, text: sheet.clone() };
+    if !table.take_words(&called, &sheet, &understood, want)?
+        && let Some(value) = of_all_values(&title, &understood.columns, want)
+    {
+        table.take_value(&called, value, want);
+    }
     for comment in &records.comments {
         table.take_remark(&format!("comment {}", comment.cell), &comment.text, &understood, want)?;
     }
@@ -99,10 +107,15 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
             others.push(sheet);
             continue;
         }
-        if found.is_none() || sheet.head.iter().any(|record| record.numbers() > 0) {
-            all.push(name.clone());
+        let has_numbers = sheet.head.iter().any(|record| record.numbers() > 0);
+        match &found {
+            Some(_) if !has_numbers => others.push(sheet),
+            Some(_) => all.push(name.clone()),
+            None => {
+                all.push(name.clone());
+                found = Some(sheet);
+            }
         }
-        found.get_or_insert(sheet);
     }
     if all.len() > 1 {
         let message = format!("{} sheets have columns that are known: {}", all.len(), listed(&all));
@@ -122,30 +135,44 @@ impl Table {
     /// # Errors
     /// One that states another unit than that of the values.
     fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) -> Result<(), Diagnostic> {
+        if !self.take_words(title, text, understood, want)? {
+            self.reading.not_used.push(NotUsed { title: title.to_owned(), why: "no measurement" });
+        }
+        Ok(())
+    }
+
+    /// What words say of values; whether that is a value, or ignored.
+    fn take_words(
+        &mut self,
+        title: &str,
+        text: &str,
+        understood: &Understood,
+        want: &Want,
+    ) -> Result<bool, Diagnostic> {
         let place = format!("{}, {title}", self.name);
         let stated = |line: &str| understood.contradicted_by(&place, line, want);
         if let Some(refused) = text.lines().filter(|_| !want.ignores(title)).find_map(stated) {
             return Err(refused);
         }
-        let title = title.to_owned();
         let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
         let beside =
             Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
         let lines: Vec<Cell> = text.lines().map(|line| Cell::of_text(line, 0..0)).collect();
+        let rejection = strangers::rejection(title, &lines, false).filter(|_| !want.ignores(title));
+        self.reading.notes.extend(rejection.map(|rejection| rejection.in_words(&self.name)));
+        let value = lines.iter().find_map(|line| beside.value_in_remark(line, title, 0));
+        let is_value = value.is_some();
+        value.into_iter().for_each(|value| self.take_value(title, value, want));
+        Ok(is_value)
+    }
+
+    /// A value in words is a stranger, whatever the letters of its place say.
+    fn take_value(&mut self, title: &str, value: Unknown, want: &Want) {
         let mut sorted = strangers::Sorted::default();
-        self.reading.notes.extend(strangers::rejection(&self.name, &title, &lines).filter(|_| !want.ignores(&title)));
-        match lines.iter().find_map(|line| beside.value_in_remark(line, &title, 0)) {
-            Some(value) => {
-                // whatever the letters of its cell say
-                let value = Unknown { title: title.clone(), place: title, ..value }.unread();
-                sorted.take(&self.name, &value, want, &Others::of(&understood.columns, want));
-            }
-            None => sorted.not_used.push(NotUsed { title, why: "no measurement" }),
-        }
+        let value = Unknown { title: title.to_owned(), place: title.to_owned(), ..value }.unread();
+        sorted.take(&self.name, &value, want, &Others::default());
         self.strangers.extend(sorted.strangers);
-        self.to_be_named.extend(sorted.to_be_named);
         self.reading.not_used.extend(sorted.not_used);
-        Ok(())
     }
 
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
@@ -159,13 +186,22 @@ impl Table {
         let title = format!("{SHEET}{}", sheet.name);
         if !want.ignores(&sheet.name) && !want.ignores(&title) {
             // headings of columns there say nothing of these
-            let mut lines = sheet.head.iter().filter(|record| record.numbers() == 0 && record.filled().len() <= 2);
+            // nor does a list of units
+            let is_line = |record: &&Record| {
+                let cells = record.filled();
+                record.numbers() == 0 && cells.len() <= 2 && !(cells.len() == 1 && is_unit(&cells[0].text()))
+            };
+            let mut lines = sheet.head.iter().filter(is_line);
             let stated = |line: &Record| {
                 understood.contradicted_by(&format!("{}, row {}", sheet.called, line.line), &line.in_words(), want)
             };
             if let Some(refused) = lines.find_map(stated) {
                 return Err(refused);
             }
+            let said = sheet.head.iter().filter(|record| record.in_words().trim().contains(' '));
+            let cells = said.flat_map(|record| &record.cells);
+            let rejection = strangers::rejection(&title, cells, false);
+            self.reading.notes.extend(rejection.map(|rejection| rejection.in_words(&self.name)));
             let found = strangers::of_sheet(&sheet.called, &sheet.name, &sheet.head, understood, want);
             self.strangers
                 .extend(found.strangers.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));
@@ -180,19 +216,28 @@ impl Table {
 fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: bool) -> Option<Diagnostic> {
     let (row, text, is_struck_through) = (shown.row, &shown.style.text, shown.style.is_struck_through);
     let unit = Unit::from_symbol(text);
-    let is_other = text.contains(['%', '<', '>']) || text.starts_with(['-', '\u{2212}', '/', ',']);
+    let lists = [WordList::Disapproval, WordList::Rejected, WordList::Scale];
+    let is_other = text.contains(['%', '<', '>', '*'])
+        || text.contains(says_more)
+        || text.starts_with(['-', '\u{2212}', '/', ','])
+        || lists.into_iter().any(|list| list.is_in(text));
     if unit.is_none() && !is_other && !is_struck_through {
         return None;
     }
+    let shape = &understood.shape;
+    let is_in_table = Some(u64::from(row)) >= shape.header_line;
+    let ids = shape.ids.as_ref().filter(|ids| is_struck_through && in_rows && ids.place == shown.column);
     let mut columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
-    let other = columns.find(|column| is_struck_through || unit != Some(column.unit))?;
-    let title = &other.title;
+    let other = columns
+        .find(|column| is_struck_through && is_in_table || unit.is_some_and(|unit| unit != column.unit) || is_other);
+    let title = other.map(|column| &column.title).or(ids.filter(|_| is_in_table).map(|ids| &ids.title))?;
     let (message, help) = if is_struck_through {
         (
-            format!("{name}, row {row}: a number of `{title}` is struck through"),
-            "leave its row out of the table; or show the number plainly, if it counts",
+            format!("{name}, row {row}: a cell of `{title}` is struck through"),
+            "leave its row out of the table; or show the cell plainly, if it counts",
         )
     } else {
+        let other = other?;
         let read_in = other.unit.symbol();
         (
             format!(
@@ -345,7 +390,8 @@ fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic
         let title = column.name.clone();
         let is_known = heading(&title, &want.own).is_some() || role(&title).is_some();
         let number = Cell::from(Content::Number(Decimal::of_i64(1, 0)));
-        let may_matter = is_known || Unknown::column(&title, place, vec![number]).could_be_measured();
+        let may_matter =
+            is_known || is_again(&title) || Unknown::column(&title, place, vec![number]).could_be_measured();
         if may_matter && !want.ignores(&title) {
             return Err(file.refused(&title, why));
         }

@@ -51,7 +51,8 @@ impl Unknown {
 
     /// As something that says how uncertain values are, and is taken for a measurement.
     pub(crate) fn uncertainty(self) -> Self {
-        Self { place: self.place.clone() + UNCERTAINTY, is_measurement: true, ..self }
+        let place = self.place.trim_end_matches(UNCERTAINTY).to_owned() + UNCERTAINTY;
+        Self { place, is_measurement: true, ..self }
     }
 
     /// As a measurement of which nobody can read the value.
@@ -122,10 +123,25 @@ impl Unknown {
                     || repeats_value(title) && values.len() > 1)
     }
 
-    /// Whether it holds the signs of numbers that stand elsewhere.
-    fn has_signs(&self) -> bool {
-        let is_sign = |cell: &Cell| matches!(cell.text().trim(), "+" | "-" | "\u{2212}" | "plus" | "minus" | "moins");
-        WordList::Sign.has(&self.title) && self.cells.iter().any(is_sign)
+    /// Whether it is a column of verdicts: of its cells at least as many approve as say anything else.
+    pub(crate) fn are_verdicts(&self) -> bool {
+        let said = self.cells.iter().filter(|cell| !cell.is_missing()).count();
+        let approvals = self.cells.iter().filter(|cell| WordList::Approval.has(&cell.text())).count();
+        self.column.is_some() && approvals > 0 && 2 * approvals >= said
+    }
+
+    /// Whether it holds the signs of numbers that stand elsewhere: its name says so, or it is a column of both.
+    pub(crate) fn has_signs(&self) -> bool {
+        let is_plus = |cell: &Cell| matches!(cell.text().trim(), "+" | "plus");
+        let is_minus = |cell: &Cell| matches!(cell.text().trim(), "-" | "\u{2212}" | "minus" | "moins");
+        let (mut signs, is_of_signs) = (self.cells.iter(), |cell: &Cell| is_plus(cell) || is_minus(cell));
+        if WordList::Sign.has(&self.title) {
+            return signs.any(is_of_signs);
+        }
+        self.column.is_some()
+            && self.cells.iter().any(is_plus)
+            && self.cells.iter().any(is_minus)
+            && signs.all(|cell| is_of_signs(cell) || cell.is_missing())
     }
 
     /// Whether a cell holds a number, though maybe one that nobody can read: `>200`, `12...15 µm`.

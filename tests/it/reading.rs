@@ -413,3 +413,49 @@ fn many_lines_without_numbers_take_no_time() {
     assert_eq!(code, Some(0), "{said}");
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
+
+/// A pair whose rack is measured space by space.
+const MEASURED_RACK: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n\
+    [rack]\nmeasured = \"rack.csv\"\nface_width = 19.7\naddendum = 1.70\ndatum = 22\npin = 4\n\
+    [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n\
+    [limits]\ncenter_distance = { lower = -0.05, upper = 0.05 }\n";
+
+#[test]
+fn a_table_that_the_spec_names_is_read_aloud() {
+    let folder = Folder::new("named-table");
+    let spec = folder.file("spec.toml", MEASURED_RACK.as_bytes());
+    folder.file(
+        "rack.csv",
+        "space;over_pin_deviation [µm];Bemerkung\n0;0;\n1;1;\n2;2;\n3;0;\n4;1;NOK\n5;2;\n6;0;\n7;1;\n8;2;\n".as_bytes(),
+    );
+    for command in ["eval", "mesh", "simulate"] {
+        let told = run(&[command, &spec], b"");
+        let stderr = String::from_utf8_lossy(&told.stderr);
+        assert!(
+            stderr.contains("read as semicolons") && stderr.contains("`Bemerkung` says `NOK`"),
+            "{command}: {stderr}"
+        );
+    }
+    let (_, json) = status(&["eval", &spec, "--format", "json"], b"");
+    assert!(json.contains("\"reading\"") && json.contains("over_pin_deviation"), "{json}");
+    let page = folder.path("page.html");
+    run(&["report", &spec, "-o", &page], b"");
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("How the tables were read") && page.contains("NOK"));
+}
+
+#[test]
+fn what_is_said_against_a_part_is_named_however_far_down_it_stands() {
+    let folder = Folder::new("far-down");
+    let spec = spec(&folder);
+    for (heading, ok, said) in [("Status", "ok", "rework"), ("Bemerkung", "", "NOK"), ("Ausschuss", "", "x")] {
+        let mut table = format!("part_id;rack_over_roller [mm];{heading}\n");
+        for part in 0..9000 {
+            table += &format!("P{part};25.00{};{}\n", part % 10, if part == 8000 { said } else { ok });
+        }
+        let file = folder.file("lot.csv", table.as_bytes());
+        let quiet = run(&["batch", &spec, &file, "--partial", "-q", "--only-failures"], b"");
+        let warned = String::from_utf8_lossy(&quiet.stderr);
+        assert!(warned.contains(&format!("`{heading}` says `{said}`")), "{heading}: {warned}");
+    }
+}

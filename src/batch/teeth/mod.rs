@@ -29,7 +29,7 @@ use crate::mesh::Summary;
 use crate::parallel;
 use crate::quantity::{Length, tidy};
 use crate::spec::{MeasuredTables, Spec};
-use crate::table::{AsideReading, Encoding, Gatherer, LineFault, Place, Table, ToothedPart, Wanted};
+use crate::table::{Encoding, Gatherer, LineFault, Place, Reading, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
 #[derive(Debug, Clone, Default)]
@@ -186,7 +186,7 @@ impl<'a> Teeth<'a> {
         }
         let (unit, encoding) = (table.place, table.encoding);
         let (header, has_names) = (table.header_raw.clone(), table.has_id);
-        let gathered = self.gathered(table, gatherer, &mut reading.asides);
+        let gathered = self.gathered(table, gatherer, &mut reading);
         self.ledger.outcome.readings.push(reading);
         Ok(gathered
             .map(|parts| self.lots.push(Lot { parts, part, has_names, file: name, unit, encoding, header, judge })))
@@ -202,19 +202,19 @@ impl<'a> Teeth<'a> {
         }
     }
 
-    /// The rows of a table, put together to parts; records that are none go to `asides`.
+    /// The rows of a table, put together to parts; what they say besides goes to `reading`.
     fn gathered(
         &self,
         table: Table,
         mut gatherer: Gatherer,
-        asides: &mut Vec<AsideReading>,
+        reading: &mut Reading,
     ) -> Result<Vec<ToothedPart>, RunError> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
         let needed = vec![true; table.columns.len()];
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
             let block = block.map_err(RunError::Read)?;
             gatherer.take(&block, keeps_raw);
-            asides.extend(block.asides.iter().cloned());
+            reading.take_rows(&block);
             if let Some(contradiction) = block.contradiction {
                 return Err(RunError::Contradiction(contradiction));
             }

@@ -205,7 +205,7 @@ impl Args {
             return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
         }
         let Some(first) = &found.first else { return Ok(Status::Undecided) };
-        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec)?);
+        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();

@@ -32,7 +32,7 @@ impl Args {
         if self.only_failures && spec.limit_on(LimitTarget::CenterDistance).is_none() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
-        let measured = spec_files::measured_tables(spec, &self.spec)?;
+        let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let workers = self.threads.map_or_else(cores, usize::from);
         let paths = found.paths.clone();
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();

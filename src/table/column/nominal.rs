@@ -56,6 +56,18 @@ impl Column {
         Err(Diagnostic::error(Code::BadTable, message).help(help))
     }
 
+    /// Two nominal values beside an error of a part that are not the same.
+    pub(in crate::table) fn differing_nominals<'m>(&self, measurement: &'m Measurement) -> Option<[&'m Cell; 2]> {
+        let nominals = measurement.beside.get(Role::Nominal).filter(|_| self.kind.is_some())?;
+        let size = |cell: &Cell| Some(self.quantity_in(cell, self.unit_beside(Role::Nominal)).ok()?.base());
+        let mut cells = nominals.cells.iter().filter(|cell| !cell.is_missing());
+        let first = cells.next()?;
+        let is_other = |cell: &&Cell| {
+            size(first).zip(size(cell)).is_some_and(|(first, size)| (first - size).abs() > SMALLEST_DIGIT)
+        };
+        Some([first, cells.find(is_other)?])
+    }
+
     /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.
     pub(super) fn has_size_of_title(&self, want: &Want) -> Result<(), Diagnostic> {
         let (name, _) = split_unit(&self.title);

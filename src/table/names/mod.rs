@@ -163,6 +163,9 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if let Some(field) = own_field(text, &name, own) {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
+    if let Some(beside) = beside_own(&name, &unit, own) {
+        return Some(beside);
+    }
     let name = split_size(&name).map_or(name.as_str(), |(name, _)| name);
     let whole = without_roller(without_temperature(without_ordinal(name)));
     let name = without_count(whole);
@@ -215,6 +218,17 @@ fn own_field(text: &str, name: &str, own: &[(String, Field)]) -> Option<Field> {
     with(&|own| same(own, text))
         .or_else(|| with(&|own| same(own, name)))
         .or_else(|| with(&|own| same(&split_unit(own).0, name)))
+}
+
+/// What stands beside a column that the spec names, by a word behind or before the name: `M1 Soll`.
+fn beside_own(name: &str, unit: &Option<String>, own: &[(String, Field)]) -> Option<Heading> {
+    let name = name.trim().to_lowercase();
+    own.iter().find_map(|(own, field)| {
+        let own = split_unit(own).0.trim().to_lowercase();
+        let said = name.strip_prefix(&own).or_else(|| name.strip_suffix(&own))?;
+        let aspect = role(said).filter(|role| role.is_beside_value() && !own.is_empty())?;
+        Some(Heading { fields: vec![*field], aspect, holds: None, unit: unit.clone() })
+    })
 }
 
 /// A text without its unit and its number in a list.

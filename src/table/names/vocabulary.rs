@@ -199,6 +199,8 @@ pub(crate) enum WordList {
     Roller,
     /// The face width.
     FaceWidth,
+    /// The normal module.
+    NormalModule,
     /// The signs of numbers in another column.
     Sign,
     /// What stands between a name and its value.
@@ -245,6 +247,7 @@ impl WordList {
                 | Self::EvaluationLength
                 | Self::Roller
                 | Self::FaceWidth
+                | Self::NormalModule
         )
     }
 }

@@ -92,6 +92,7 @@ impl Definition {
             unit: self.text(2142),
             uncertainty: self.text(2106),
             part,
+            gear: None,
             values: Vec::new(),
         })
     }

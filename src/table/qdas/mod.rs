@@ -7,7 +7,7 @@
 //! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
 //! counts the characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a
 //! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
-//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. K0009, K1900 and K2900 are remarks. Values are either K0001
+//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. K0009, K1900 and K2900 are remarks, and so is K0005 in words. Values are either K0001
 //! lines, with attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
 //! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
 //! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
@@ -28,7 +28,7 @@ pub use write::{CharacteristicColumn, ValueRow, write};
 
 use super::names::{Field, heading};
 use super::number::DecimalMark;
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 use crate::quantity::Decimal;
 
 /// A characteristic and its values.
@@ -50,6 +50,8 @@ pub struct Characteristic {
     pub uncertainty: Option<String>,
     /// Which part definition of the file it belongs to, from 0.
     pub part: usize,
+    /// Whether that is a rack or a pinion, if its name says so.
+    gear: Option<Part>,
     values: Vec<Value>,
 }
 
@@ -123,7 +125,7 @@ pub struct Qdas {
     part_names: Vec<String>,
 }
 
-/// A remark on a value (K0009), a part (K1900) or a characteristic (K2900).
+/// A remark on a value (K0009), an event in words (K0005), a remark on a part (K1900) or a characteristic (K2900).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Remark {
     /// Its key.
@@ -167,16 +169,21 @@ impl Qdas {
     }
 
     /// Which error a characteristic is: by the name that the spec gives to it; of an error that the spec gives no name
-    /// to, by the error's own name, or what its number or name says in English or German.
+    /// to, by the error's own name, or what its number or name says in English or German, beside that of its part.
     #[must_use]
     pub fn error_of(characteristic: &Characteristic, own: &[(String, Field)]) -> Option<DeviationKind> {
         if let Some((_, field)) = characteristic.own_name(own) {
             return error(*field);
         }
         let names = [&characteristic.number, &characteristic.name];
-        names.into_iter().find_map(|name| match heading(name, &[])?.fields[..] {
-            [field] => error(field).filter(|kind| own.iter().all(|(_, named)| error(*named) != Some(*kind))),
-            _ => None,
+        names.into_iter().find_map(|name| {
+            let fields = heading(name, &[])?.fields;
+            let mut kinds = fields.iter().filter_map(|field| error(*field));
+            let kind = match fields[..] {
+                [_] => kinds.next(),
+                _ => kinds.find(|kind| characteristic.gear == Some(kind.part())),
+            };
+            kind.filter(|kind| own.iter().all(|(_, named)| error(*named) != Some(*kind)))
         })
     }
 }

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use super::definition::{Definition, NUMBERS, Said};
 use super::{Characteristic, LeftOut, PartDefinition, Qdas, Remark, Value};
+use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Decimal, parse_f64};
+use crate::table::names::{heading, part_said};
 use crate::table::number::{DecimalMark, normalise};
 
 /// Characteristics and parts of a header at most: more is a broken index, not a measuring plan.
@@ -16,6 +18,8 @@ const MOST_CHARACTERISTICS: usize = 10_000;
 const MOST_IN_ALL: usize = 500_000;
 /// The keys of remarks.
 const REMARKS: [u16; 3] = [9, 1900, 2900];
+/// The key of an event: a number of a catalogue, or words.
+const EVENT: u16 = 5;
 /// Values of a file at most: a lot of a million parts has some millions.
 const MOST_VALUES: usize = 8_000_000;
 /// What keys with `/0` may say in all, one for each characteristic.
@@ -135,7 +139,8 @@ impl Reader {
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         let text = line.text.trim();
-        if REMARKS.contains(&line.key) && !text.is_empty() {
+        let is_remark = REMARKS.contains(&line.key) || line.key == EVENT && text.contains(char::is_alphabetic);
+        if is_remark && !text.is_empty() {
             self.remarks.push(Remark { key: line.key, line: number, text: text.to_owned() });
         }
         match line.key {
@@ -359,12 +364,27 @@ impl Reader {
         Ok(())
     }
 
+    /// Whether a part is a rack or a pinion: its name says so, and each of its characteristics may be one of that.
+    fn gear_of(&self, part: usize) -> Option<Part> {
+        let gear = part_said(&self.parts[part].name)?;
+        let may_be_of_it = |characteristic: &Characteristic| {
+            let fields = heading(&characteristic.name, &[]).map(|heading| heading.fields).unwrap_or_default();
+            fields.iter().any(|field| field.kind().is_some_and(|kind| kind.part() == gear))
+        };
+        let mut own = self.characteristics.iter().filter(|characteristic| characteristic.part == part);
+        own.all(may_be_of_it).then_some(gear)
+    }
+
     fn finish(mut self) -> Result<Qdas, Diagnostic> {
         self.end_header()?;
         if self.characteristics.iter().all(Characteristic::is_empty) {
             let message = format!("{} has no measured values", self.source.name);
             return Err(Diagnostic::error(Code::BadTable, message)
                 .help("values are K0001 lines, or lines without a key; those of a .dfd stand in its .dfx"));
+        }
+        let gears: Vec<Option<Part>> = (0..self.parts.len()).map(|part| self.gear_of(part)).collect();
+        for characteristic in &mut self.characteristics {
+            characteristic.gear = gears.get(characteristic.part).copied().flatten();
         }
         let mut left_out: Vec<LeftOut> = self.left_out.into_values().collect();
         left_out.sort_by_key(|left_out| left_out.first_line);

@@ -3,11 +3,11 @@
 
 use std::collections::HashMap;
 
-use super::super::names::Field;
 use super::{Characteristic, Qdas};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
+use crate::table::names::{self, Field};
 use crate::table::number::{DecimalMark, quantity};
 
 impl Characteristic {
@@ -159,5 +159,9 @@ fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
         names.into_iter().find(|name| DeviationKind::ALL.iter().any(|kind| kind.key().eq_ignore_ascii_case(name)));
     let [number, name] = names;
     let named = key.unwrap_or(if name.is_empty() { number } else { name });
-    characteristic.with_unit(named)
+    let is_open = names::heading(named, &[]).is_some_and(|heading| heading.fields.len() > 1);
+    match characteristic.gear.filter(|_| is_open) {
+        Some(gear) => characteristic.with_unit(&format!("{} {named}", gear.name())),
+        None => characteristic.with_unit(named),
+    }
 }

@@ -17,7 +17,8 @@ impl Rows {
         match self.plain_columns() {
             Some(columns) => (0..fields)
                 .map(|place| {
-                    let is_read = self.setup.id == Some(place) || self.setup.remarks.contains(&place);
+                    let is_read =
+                        self.setup.id == Some(place) || self.setup.remarks.iter().any(|remarks| remarks.place == place);
                     is_read || columns.iter().any(|column| column.place == place)
                 })
                 .collect(),
@@ -50,8 +51,9 @@ impl Rows {
             odd.extend((0..rows).filter(|row| names.text(*row).is_none_or(may_be_statistic)));
             block.text.extend_from_slice(names.all_text());
         }
-        for remarks in self.setup.remarks.iter().filter_map(|place| fields.get(*place)?.as_ref()) {
-            odd.extend((0..rows).filter(|row| remarks.has_digit(*row)));
+        for remarks in &self.setup.remarks {
+            let Some(stored) = fields.get(remarks.place).and_then(Option::as_ref) else { continue };
+            odd.extend((0..rows).filter(|row| remarks.is_new(&stored.words(*row))));
         }
         odd.sort_unstable();
         odd.dedup();

@@ -13,7 +13,8 @@ use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_again, is_context, names_value, role, says_which, split_unit,
+    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, says_which,
+    split_unit,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -58,7 +59,13 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_ignored = |cell: &Cell| want.ignores(&cell.text());
         // a part in a series is none that is called by its letters: K1, K2, K3
         let is_of_series = |place: usize| is_called_like_another(&record.cells, place);
+        let names_part =
+            |cell: &Cell| want.own.iter().any(|(own, field)| *field == Field::PartId && is_called(&cell.text(), own));
+        let is_part_named = record.cells.iter().any(names_part);
         let role_of = |(place, cell): (usize, &Cell)| {
+            if is_part_named && (names_part(cell) || role(&cell.text()) == Some(Role::Part)) {
+                return names_part(cell).then_some(Role::Part);
+            }
             role(&cell.text()).filter(|role| !(is_ignored(cell) || role.is_beside_value() && is_of_series(place)))
         };
         let mut roles: Vec<_> = record.cells.iter().enumerate().map(role_of).collect();
@@ -196,8 +203,19 @@ pub(super) fn is_extreme(title: &str) -> bool {
 
 /// Whether two cells hold the same number, whichever their decimal mark is.
 fn is_same_number(one: &Cell, other: &Cell) -> bool {
-    let number = |cell: &Cell| cell.text().replace(',', ".").parse::<f64>().ok();
     number(one).is_some() && number(one) == number(other)
+}
+
+/// The number in a cell, whichever its decimal mark is.
+fn number(cell: &Cell) -> Option<f64> {
+    cell.text().replace(',', ".").parse().ok()
+}
+
+/// One of the last digit of a number.
+fn last_digit(cell: &Cell) -> f64 {
+    let text = cell.text();
+    let decimals = text.split_once([',', '.']).map_or(0, |(_, decimals)| decimals.len());
+    0.1_f64.powi(i32::try_from(decimals).unwrap_or(0))
 }
 
 /// Whether a column has the axes along which something was measured.
@@ -315,7 +333,9 @@ pub(crate) fn by_characteristic(
         shape.measurements.push(measurement);
     }
     if found.roles.contains(&Some(Role::Part)) || !found.parts.is_empty() {
-        shape.ids = Some(Series { title: "part".to_owned(), cells: reading.parts.clone(), ..Series::default() });
+        let column = found.roles.iter().position(|role| *role == Some(Role::Part));
+        let title = column.map_or_else(|| "part".to_owned(), |place| header.cells[place].text().into_owned());
+        shape.ids = Some(Series { title, cells: reading.parts.clone(), ..Series::default() });
     }
     shape.unknown.extend(found.columns_without_role(records));
     shape.lines = reading.lines;
@@ -436,8 +456,17 @@ impl Characteristics {
                 let mut values = values.filter_map(|value| record.cells.get(value));
                 record.cells.get(place).is_none_or(Cell::is_missing) || values.any(is_part)
             };
+            let is_beyond = |row: &usize| {
+                let record = &records[*row];
+                let size = |place: usize| Some(number(record.cells.get(place)?)?.abs());
+                let values = self.parts.iter().copied().chain(self.place(Role::Measured)).filter_map(size);
+                let digit = record.cells.get(place).map_or(0.0, last_digit);
+                size(place).zip(values.reduce(f64::max)).is_some_and(|(size, largest)| size > largest + digit)
+            };
             let is_value = if is_extreme(&title) {
                 !self.rows.iter().all(is_of_parts)
+            } else if WordList::Mean.has(&title) {
+                self.rows.iter().any(is_beyond)
             } else {
                 !is_counted && (!is_part_name(&title) || has_digit(&title)) && !is_statistic_among(&title, header)
             };

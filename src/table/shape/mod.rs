@@ -268,14 +268,38 @@ impl Shape {
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }
 
-    /// The columns that hold no digits as far as the table was looked at, and no measurements: remarks.
-    pub(crate) fn remarks(&self, want: &Want) -> Vec<usize> {
-        let says_no_number = |unknown: &&Unknown| {
-            !want.ignores(&unknown.title) && !unknown.cells.iter().any(|cell| has_digit(&cell.text()))
-        };
+    /// The columns that are no measurements, and may have remarks.
+    pub(crate) fn remarks(&self, want: &Want) -> Vec<Remarks> {
         let watched = self.watched(want);
-        let places = self.unknown.iter().filter(says_no_number).filter_map(|unknown| unknown.column);
-        places.filter(|place| !watched.contains(place)).collect()
+        let remarks = |unknown: &Unknown| {
+            let place = unknown.column.filter(|place| !watched.contains(place) && !want.ignores(&unknown.title))?;
+            let said = || unknown.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text);
+            let has_digits = said().any(|text| has_digit(&text));
+            // dates and numbers are no remarks
+            let has_words = !has_digits || said().any(|text| !has_digit(&text));
+            let known = unknown.cells.iter().map(|cell| cell.text().as_bytes().to_vec()).collect();
+            has_words.then(|| Remarks { place, known, has_digits, are_verdicts: unknown.are_verdicts() })
+        };
+        self.unknown.iter().filter_map(remarks).collect()
+    }
+}
+
+/// A column of remarks.
+#[derive(Debug, Clone)]
+pub(crate) struct Remarks {
+    pub(crate) place: usize,
+    /// What was looked at.
+    known: HashSet<Vec<u8>>,
+    /// Whether digits are among that, so that others say nothing new.
+    pub(crate) has_digits: bool,
+    pub(crate) are_verdicts: bool,
+}
+
+impl Remarks {
+    /// Whether nothing like it was looked at.
+    pub(crate) fn is_new(&self, remark: &[u8]) -> bool {
+        let is_like_others = || self.has_digits && remark.iter().any(u8::is_ascii_digit);
+        !remark.is_empty() && !is_like_others() && !self.known.contains(remark)
     }
 }
 

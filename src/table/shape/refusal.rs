@@ -113,7 +113,7 @@ impl NoShape {
             Self::Twice { heading, field } => {
                 let key = field.key();
                 error(format!("`{}` names {key} a second time", heading.text()))
-                    .help("leave out the one that does not count: --ignore with its name, or in the spec [batch] ignore = [\"…\"]; two of one name, out of the table")
+                    .help("leave out the one that does not count: --ignore with its name, or in the spec [batch] ignore = [\"…\"]; two of one name, out of the table; if several parts have one each, name the column that tells which with --id")
             }
             Self::NoPart { heading } => {
                 error(format!("`{}` is no part's value, and nothing tells which column is", heading.text()))

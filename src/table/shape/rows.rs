@@ -6,7 +6,9 @@ use super::headings::{Named, PartNames, headings, is_numbered, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
-use crate::table::names::{Field, Role, WordList, heading, is_context, is_statistic, names_value, role, split_unit};
+use crate::table::names::{
+    Field, Role, WordList, heading, is_context, is_statistic, names_value, part_said, role, split_unit,
+};
 use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
 
@@ -48,7 +50,9 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
         let cells = match separator {
             Separator::Blanks => grouped(record, data.cells.len(), want)
                 .or_else(|| above_names(grouped(record, 1, want)?, &records[index + 1..])),
-            _ => Some(record.cells.clone()),
+            _ => alone(record)
+                .and_then(|heading| above_names(vec![heading], &records[index + 1..]))
+                .or_else(|| Some(record.cells.clone())),
         };
         let Some(cells) = cells else { continue };
         for header in [header(index, 1, cells.clone(), want), two_rows(records, index, &cells, want)] {
@@ -74,16 +78,20 @@ fn two_rows(records: &[Record], index: usize, cells: &[Cell], want: &Want) -> Op
     let below = records.get(index + 1)?;
     let is_beside = |cell: &Cell| role(&cell.text()).is_some_and(Role::is_beside_value);
     let has_roles = below.cells.iter().any(is_beside);
-    let fits = below.cells.len() == cells.len() || has_roles && below.cells.len() > cells.len();
+    // `Zahnstange` above `Rollenmaß` and `Teilung`
+    let is_gear = |cell: &Cell| part_said(&cell.text()).is_some() && !names_value(&cell.text(), &want.own);
+    let has_gears = cells.iter().any(is_gear);
+    let fits = below.cells.len() == cells.len() || (has_roles || has_gears) && below.cells.len() > cells.len();
     let goes_on = below.numbers() == 0 && fits && !below.says_nothing() && !is_unit_row(below);
-    if !goes_on || known(&below.cells, want) > 1 {
+    if !goes_on || known(&below.cells, want) > 1 && !has_gears {
         return None;
     }
     let mut above = Cell::default();
     let joined = below.cells.iter().enumerate().map(|(place, lower)| {
         let upper = cells.get(place).filter(|upper| !upper.is_empty());
         // a heading that is merged stands in the first of its cells
-        let upper = upper.or((has_roles && !lower.is_empty()).then_some(&above)).cloned().unwrap_or_default();
+        let is_merged = (has_roles || is_gear(&above)) && !lower.is_empty();
+        let upper = upper.or(is_merged.then_some(&above)).cloned().unwrap_or_default();
         let text = format!("{} {}", upper.text(), lower.text());
         above.clone_from(&upper);
         Cell::of_text(text.trim(), upper.span)
@@ -100,6 +108,12 @@ pub(super) fn header_of_strangers(records: &[Record]) -> Option<Header> {
         && names.filled().len() == below.filled().len()
         && names.line + 1 == below.line;
     is_header.then(|| Header { record, rows: 1, cells: names.cells.clone(), known: 0 })
+}
+
+/// The first cell of a line that has no other.
+fn alone(record: &Record) -> Option<Cell> {
+    let (first, others) = record.cells.split_first()?;
+    others.iter().all(Cell::is_empty).then(|| first.clone())
 }
 
 /// A heading alone above lines of a name and a value: `Rollenmaß in mm:` above `A: 25,011`.

@@ -43,6 +43,7 @@ struct Name {
 }
 
 /// What stands before a number.
+#[derive(Clone)]
 struct Label {
     /// The characteristic; `None` where it is the one before.
     name: Option<Name>,
@@ -64,6 +65,13 @@ struct Part {
 struct PartHeading {
     part: Part,
     record: Record,
+}
+
+/// A line that names a characteristic of which values of parts stand in the lines below: `Rollenmaß:`.
+struct Subject {
+    label: Label,
+    record: Record,
+    is_used: bool,
 }
 
 /// What a line says.
@@ -99,6 +107,10 @@ struct Sentences {
     titles: [Option<String>; COLUMNS.len()],
     /// Lines that name a part and nothing else.
     headings: Vec<PartHeading>,
+    /// The characteristic that a line above names alone.
+    subject: Option<Subject>,
+    /// Lines that are not understood.
+    others: Vec<Record>,
     /// The first line that begins with a value and has more.
     half_understood: Option<Record>,
 }
@@ -110,13 +122,14 @@ pub(super) fn by_sentence(records: &[Record], want: &Want) -> Result<Shape, NoSh
     }
     let has_footnote = records.iter().any(is_footnote);
     let mut sentences = Sentences { has_footnote, ..Sentences::default() };
-    let mut others = Vec::new();
     for record in records {
         if !sentences.take(record, want)? {
-            others.push(record.clone());
+            sentences.leave_subject();
+            sentences.others.push(record.clone());
         }
     }
-    let Sentences { rows, parts, notes, half_understood, titles, headings, .. } = sentences;
+    sentences.leave_subject();
+    let Sentences { rows, parts, notes, half_understood, titles, headings, mut others, .. } = sentences;
     let has_parts = rows.iter().any(|row| row.part.is_some());
     let Some(first) = rows.first().filter(|_| rows.iter().all(|row| row.part.is_some() == has_parts)) else {
         return Err(half_understood.map_or(NoShape::NoNumbers, |record| NoShape::Sentence { record }));
@@ -227,22 +240,30 @@ impl Sentences {
         let text = if self.has_footnote { line.text().replace('*', " ") } else { line.text().into_owned() };
         let speaker = speaker(&text);
         let tokens = tokens(&text, speaker.len(), line.span.start);
-        let mut reader = LineReader { rest: &tokens, said: Vec::new(), want };
-        let is_understood = reader.all() && self.take_gear(&reader.said);
+        let subject = words(&tokens).and_then(|words| label_of(&words, want));
+        if let Some(label) = subject.filter(|label| label.name.is_some() && label.role == Role::Measured) {
+            self.leave_subject();
+            self.subject = Some(Subject { label, record: record.clone(), is_used: false });
+            return Ok(true);
+        }
+        let mut reader = LineReader { rest: &tokens, said: Vec::new(), want, subject: self.subject.as_mut() };
+        let is_understood = reader.all();
+        let said = reader.said;
+        let is_understood = is_understood && self.take_gear(&said);
         if !is_understood {
-            if let Some(Said::Part(part)) = reader.said.first() {
+            if let Some(Said::Part(part)) = said.first() {
                 self.name(part);
             }
-            if reader.said.iter().any(|said| matches!(said, Said::Value { .. })) {
+            if said.iter().any(|said| matches!(said, Said::Value { .. })) {
                 self.half_understood.get_or_insert(record.clone());
             }
             return Ok(false);
         }
-        if let [Said::Part(part)] = &reader.said[..] {
+        if let [Said::Part(part)] = &said[..] {
             self.headings.push(PartHeading { part: part.clone(), record: record.clone() });
         }
         let mut current: Option<Name> = None;
-        for said in reader.said {
+        for said in said {
             match said {
                 Said::Part(part) => {
                     self.name(&part);
@@ -284,6 +305,12 @@ impl Sentences {
             let of = if is_of_one { of_part } else { self.gear };
             of.is_none_or(|of| kind.part() == of)
         })
+    }
+
+    /// Ends the lines below a characteristic; without a value among them, nothing tells what it is.
+    fn leave_subject(&mut self) {
+        let unused = self.subject.take().filter(|subject| !subject.is_used);
+        self.others.extend(unused.map(|subject| subject.record));
     }
 
     fn name(&mut self, part: &Part) {
@@ -330,6 +357,7 @@ struct LineReader<'t> {
     rest: &'t [Token],
     said: Vec<Said>,
     want: &'t Want,
+    subject: Option<&'t mut Subject>,
 }
 
 impl LineReader<'_> {
@@ -431,11 +459,19 @@ impl LineReader<'_> {
         true
     }
 
-    /// A value behind its name, or behind what it is of the characteristic before it: `Soll 25,000`.
+    /// A value behind its name, behind what it is of the characteristic before it (`Soll 25,000`), or behind a part below the
+    /// name.
     fn value(&mut self) -> bool {
         let Some(at) = self.rest.iter().position(|token| matches!(token, Token::Number(_))) else { return false };
         let (label, rest) = self.rest.split_at(at);
-        let label = words(label).and_then(|words| label_of(&words, self.want));
+        let label = if label.is_empty() && matches!(self.said[..], [Said::Part(_)]) {
+            self.subject.as_mut().map(|subject| {
+                subject.is_used = true;
+                subject.label.clone()
+            })
+        } else {
+            words(label).and_then(|words| label_of(&words, self.want))
+        };
         let (Some(label), Some((Token::Number(cell), rest))) = (label, rest.split_first()) else { return false };
         let is_said = label.name.is_some() || self.is_behind_value();
         if !is_said || label.role != Role::Nominal && has_tolerance_behind(&cell.text()) {

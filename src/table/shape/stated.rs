@@ -99,7 +99,15 @@ impl Shape {
         let speaks_of_units = |text: &Cow<'_, str>| {
             is_unit(text) || stated_units(text).iter().any(|stated| stated.is_clear) || unknown_unit(text).is_some()
         };
-        asides.chain(headings.filter(speaks_of_units).map(move |text| AsideReading { line, text: text.into_owned() }))
+        let remarks = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
+        let remarks = remarks.flat_map(|unknown| unknown.cells.iter().enumerate());
+        let remarks = remarks.filter(|(_, cell)| !cell.is_number() && cell.text().contains(' '));
+        let remarks = remarks.filter(move |(_, cell)| speaks_of_units(&cell.text())).map(move |(row, cell)| {
+            let line = self.lines.get(row).copied().unwrap_or(line);
+            AsideReading { line, text: cell.text().into_owned() }
+        });
+        let headings = headings.filter(speaks_of_units);
+        asides.chain(headings.map(move |text| AsideReading { line, text: text.into_owned() })).chain(remarks)
     }
 
     /// Gives values of which nothing else tells the unit the one that a line beside the table states, if no line states

@@ -3,7 +3,8 @@
 use super::*;
 
 fn one(text: &str) -> Result<Teeth, String> {
-    of_one_part("rack.csv", Source::bytes(text.into()), &Want::default()).map_err(|problem| problem.to_string())
+    let table = of_one_part("rack.csv", Source::bytes(text.into()), &Want::default());
+    table.map(|table| table.teeth).map_err(|problem| problem.to_string())
 }
 
 fn rack(text: &str) -> RackSpaces {

@@ -33,7 +33,9 @@ pub(super) struct SheetXml {
     /// The hidden columns that hold values.
     columns: BTreeSet<u32>,
     /// The first row, from 1, of the numbers of a style in a column.
-    styles: BTreeMap<(u32, u32), u32>,
+    numbers: BTreeMap<(u32, u32), u32>,
+    /// The same of texts.
+    texts: BTreeMap<(u32, u32), u32>,
 }
 
 impl Write for SheetXml {
@@ -65,7 +67,10 @@ impl SheetXml {
             let style = by_style.get(&style).filter(|_| is_in_range)?.clone();
             Some(Shown { column: (column - range.columns.0) as usize, row, style })
         };
-        self.styles.iter().filter_map(shown).collect()
+        // what a format shows beside numbers is not shown beside texts
+        let texts = self.texts.iter().filter_map(shown).filter(|shown| shown.style.is_struck_through);
+        let texts = texts.map(|shown| Shown { style: Style { text: String::new(), ..shown.style }, ..shown });
+        self.numbers.iter().filter_map(shown).chain(texts).collect()
     }
 
     fn take(&mut self, tag: &str) {
@@ -91,8 +96,9 @@ impl SheetXml {
                 }
                 let written = attribute(tag, "r").and_then(corner).and_then(|(column, _)| column);
                 self.column = written.unwrap_or(self.column).saturating_add(1);
-                if let Some(style) = style.filter(|_| is_number && !tag.ends_with('/')) {
-                    self.styles.entry((style, self.column - 1)).or_insert(self.row);
+                if let Some(style) = style.filter(|_| !tag.ends_with('/')) {
+                    let styles = if is_number { &mut self.numbers } else { &mut self.texts };
+                    styles.entry((style, self.column - 1)).or_insert(self.row);
                 }
             }
             // what a cell holds
