@@ -111,7 +111,7 @@ impl ColumnEvaluator {
             return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
         }
         let mut reading = table.reading;
-        reading.take_rows(&block);
+        block.tell(&mut reading);
         let counts = evaluator.tally.counts;
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }

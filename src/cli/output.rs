@@ -9,7 +9,6 @@ use anstream::AutoStream;
 use clap::ColorChoice;
 
 use super::held::{Answer, Held, HeldSpec};
-use super::tables;
 use crate::diagnostic::{Diagnostic, Diagnostics, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
@@ -190,12 +189,11 @@ impl Output {
         self.screen
     }
 
-    /// Says how a table was read that the spec names, once.
-    pub(super) fn read(&mut self, reading: Reading) {
-        if self.readings.iter().all(|known| known.file != reading.file) {
-            tables::say(std::slice::from_ref(&reading), &[], self);
-            self.readings.push(reading);
-        }
+    /// Keeps how a table was read that the spec names; whether that is new.
+    pub(super) fn keep_reading(&mut self, reading: &Reading) -> bool {
+        let is_new = self.readings.iter().all(|known| known.file != reading.file);
+        self.readings.extend(is_new.then(|| reading.clone()));
+        is_new
     }
 
     /// How the tables that the spec names were read.

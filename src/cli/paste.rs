@@ -274,7 +274,7 @@ impl Args {
                 let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
             }
-            read.reading.take_rows(&block);
+            block.tell(&mut read.reading);
             for (column, doubted) in doubted.iter_mut().enumerate() {
                 *doubted += usual.doubted(block.values(column));
             }
@@ -320,7 +320,9 @@ impl Args {
         let name = Arc::clone(&table.name);
         let gatherer = Gatherer::new(&table)?;
         let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
-        blocks.iter().for_each(|block| read.reading.take_rows(block));
+        for block in &blocks {
+            block.tell(&mut read.reading);
+        }
         let mut parts = gather(gatherer, &blocks)?.into_iter();
         let (part, others) = (parts.next(), parts.next());
         let Some(part) = part else {

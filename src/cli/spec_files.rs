@@ -58,7 +58,9 @@ pub(super) fn measured_tables(spec: &Spec, spec_path: &str, output: &mut Output)
             return Err(Diagnostic::error(Code::BadTable, message).at(&spec.source, file.span, "").into());
         }
         tables = tables.with(teeth);
-        output.read(reading);
+        if output.keep_reading(&reading) {
+            tables::say(&[reading], &[], output);
+        }
     }
     Ok(tables)
 }

@@ -4,8 +4,8 @@
 use std::ops::Range;
 
 use super::encoding::text;
-use super::reading::AsideReading;
-use super::strangers::Rejection;
+use super::reading::{AsideReading, Reading};
+use super::rejection::Rejection;
 use crate::deviation::{DeviationValue, DeviationValues};
 
 /// Bytes of a block's text.
@@ -86,6 +86,14 @@ impl Block {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.lines.len()
+    }
+
+    /// Adds what rows say besides their values to how their table was read.
+    pub(crate) fn tell(&self, reading: &mut Reading) {
+        reading.asides.extend(self.asides.iter().cloned());
+        let note = self.rejection.as_ref().map(|rejection| rejection.in_words(&reading.file));
+        let note = note.filter(|note| !reading.notes.contains(note));
+        reading.notes.extend(note);
     }
 
     /// The values of a column.

@@ -21,6 +21,7 @@
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `understand` | separator and decimal mark: one reading, or a refusal |
 //! | `unknown`, `strangers`, `measured` | what names nothing known, and may be a measurement |
+//! | `rejection` | what is said against a part |
 //! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
 //! | `reading` | how it was read, for the result |
 //! | `teeth` | rows that are spaces of a rack or teeth of a pinion |
@@ -58,6 +59,7 @@ mod parquet;
 mod pieces;
 pub mod qdas;
 mod reading;
+mod rejection;
 mod rows;
 mod shape;
 mod split;
@@ -87,8 +89,8 @@ pub(crate) use column::{Column, Nominal};
 pub(crate) use encoding::text as cell_text;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
+pub(crate) use rejection::Rejection;
 pub(crate) use rows::{Rows, Wanted};
-pub(crate) use strangers::Rejection;
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
 pub(crate) use typed::stored_table;
 pub(crate) use understand::in_words;

@@ -5,7 +5,6 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::block::Block;
 use crate::quantity::shown;
 
 /// How one table was read.
@@ -75,24 +74,17 @@ pub struct AsideReading {
 }
 
 impl Reading {
-    /// Takes what rows say besides their values.
-    pub(crate) fn take_rows(&mut self, block: &Block) {
-        self.asides.extend(block.asides.iter().cloned());
-        let note = block.rejection.as_ref().map(|rejection| rejection.in_words(&self.file));
-        self.notes.extend(note.filter(|note| !self.notes.contains(note)));
-    }
-
     /// What is to be known before the result is trusted: what is worth a look, and which units are assumed.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let assumed = self.columns.iter().filter(|column| column.unit_is_assumed);
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
-        let assumed = self.sentence("units assumed, because nothing tells them:", assumed.collect(), "");
+        let assumed = self.sentence("units assumed, because nothing tells them:", &assumed.collect::<Vec<_>>(), "");
         self.notes.iter().cloned().chain(assumed).collect()
     }
 
-    fn sentence(&self, what: &str, each: Vec<String>, more: &str) -> Option<String> {
+    fn sentence(&self, what: &str, each: &[String], more: &str) -> Option<String> {
         (!each.is_empty()).then(|| format!("{}: {what} {}{more}", self.file, each.join(", ")))
     }
 
@@ -105,8 +97,8 @@ impl Reading {
         let lines = if self.asides.len() == 1 { "line" } else { "lines" };
         let more = if self.asides.len() > SHOWN { " and more" } else { "" };
         let said = [
-            self.sentence(&format!("no part of the table: {lines}"), asides.collect(), more),
-            self.sentence("not used:", not_used.collect(), ""),
+            self.sentence(&format!("no part of the table: {lines}"), &asides.collect::<Vec<_>>(), more),
+            self.sentence("not used:", &not_used.collect::<Vec<_>>(), ""),
         ];
         self.warnings().into_iter().chain(said.into_iter().flatten()).collect()
     }

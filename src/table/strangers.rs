@@ -18,6 +18,7 @@ use super::names::{
     part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
+use super::rejection::rejection;
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
@@ -357,43 +358,6 @@ fn other_module(file: &str, said: &[NamedSize], want: &Want) -> Option<String> {
     Some(format!("{file}: `{name}` is {size}, and {ours} in the spec: these may be other parts"))
 }
 
-/// What is said against a part or its value, which count all the same.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Rejection {
-    /// The column, comment or line that says it.
-    pub(crate) title: String,
-    said: String,
-}
-
-impl Rejection {
-    /// As a note on a file.
-    pub(crate) fn in_words(&self, file: &str) -> String {
-        let Self { title, said } = self;
-        format!("{file}: `{title}` says `{said}`: that is not used, and parts are judged by their values")
-    }
-}
-
-/// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, or what is no
-/// approval in a column of `verdicts`.
-pub(crate) fn rejection<'a>(
-    title: &str,
-    cells: impl IntoIterator<Item = &'a Cell>,
-    verdicts: bool,
-) -> Option<Rejection> {
-    let is_heading = WordList::Disapproval.is_in(title) || WordList::Rejected.is_in(title);
-    let is_no = |text: &str| WordList::Negation.has(text);
-    let is_approval = |text: &str| WordList::Approval.has(text);
-    let is_said = |text: &str| {
-        WordList::Disapproval.is_in(text)
-            || WordList::Rejected.is_in(text)
-            || WordList::Validity.has(title) && is_no(text)
-            || is_heading && !is_no(text) && !is_approval(text)
-            || verdicts && !is_approval(text)
-    };
-    let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
-    Some(Rejection { title: title.to_owned(), said: shown(&said) })
-}
-
 fn stranger(file: &str, unknown: &Unknown) -> Stranger {
     const VALUES: usize = 3;
     let (_, unit) = split_unit(&unknown.title);
@@ -467,13 +431,9 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
     } else if mappings.is_empty() {
         format!("leave it out, if it is none of the spec's errors: {said}")
     } else {
-        let is_open = mappings.iter().any(|mapping| mapping.starts_with(KEY));
-        let keys = || format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
-        format!(
-            "say in the spec what it is, under [batch.columns]: {}; or leave it out: {said}{}",
-            mappings.join("; "),
-            if is_open { keys() } else { String::new() }
-        )
+        let lines = mappings.join("; ");
+        let keys = keys_of(&mappings);
+        format!("say in the spec what it is, under [batch.columns]: {lines}; or leave it out: {said}{keys}")
     };
     if !to_be_named.is_empty() {
         let keys = DeviationKind::ALL.into_iter().filter(|kind| to_be_named.contains(kind)).map(DeviationKind::key);
@@ -481,6 +441,13 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
         help += &format!("; others = \"ignore\" leaves it out once [batch.columns] names the column of {keys}");
     }
     Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
+}
+
+/// What stands for the key in lines of a spec, if one has none.
+fn keys_of(mappings: &[String]) -> String {
+    let is_open = mappings.iter().any(|mapping| mapping.starts_with(KEY));
+    let keys = || format!("; {KEY} is one of {}", DeviationKind::ALL.map(DeviationKind::key).join(", "));
+    if is_open { keys() } else { String::new() }
 }
 
 /// Stands before the name of a sheet in the pattern that leaves it out.

@@ -13,6 +13,7 @@ use super::parquet::{ParquetTable, Unread};
 use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::{AsideReading, NotUsed};
+use super::rejection::rejection;
 use super::rows::stored_record;
 use super::shape::many;
 use super::stored::Stored;
@@ -158,11 +159,13 @@ impl Table {
         let beside =
             Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
         let lines: Vec<Cell> = text.lines().map(|line| Cell::of_text(line, 0..0)).collect();
-        let rejection = strangers::rejection(title, &lines, false).filter(|_| !want.ignores(title));
-        self.reading.notes.extend(rejection.map(|rejection| rejection.in_words(&self.name)));
+        let said = rejection(title, &lines, false).filter(|_| !want.ignores(title));
+        self.reading.notes.extend(said.map(|said| said.in_words(&self.name)));
         let value = lines.iter().find_map(|line| beside.value_in_remark(line, title, 0));
         let is_value = value.is_some();
-        value.into_iter().for_each(|value| self.take_value(title, value, want));
+        if let Some(value) = value {
+            self.take_value(title, value, want);
+        }
         Ok(is_value)
     }
 
@@ -200,8 +203,8 @@ impl Table {
             }
             let said = sheet.head.iter().filter(|record| record.in_words().trim().contains(' '));
             let cells = said.flat_map(|record| &record.cells);
-            let rejection = strangers::rejection(&title, cells, false);
-            self.reading.notes.extend(rejection.map(|rejection| rejection.in_words(&self.name)));
+            let said = rejection(&title, cells, false);
+            self.reading.notes.extend(said.map(|said| said.in_words(&self.name)));
             let found = strangers::of_sheet(&sheet.called, &sheet.name, &sheet.head, understood, want);
             self.strangers
                 .extend(found.strangers.into_iter().map(|found| Stranger { pattern: title.clone(), ..found }));

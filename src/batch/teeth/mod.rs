@@ -214,7 +214,7 @@ impl<'a> Teeth<'a> {
         for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
             let block = block.map_err(RunError::Read)?;
             gatherer.take(&block, keeps_raw);
-            reading.take_rows(&block);
+            block.tell(reading);
             if let Some(contradiction) = block.contradiction {
                 return Err(RunError::Contradiction(contradiction));
             }

@@ -163,7 +163,7 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if let Some(field) = own_field(text, &name, own) {
         return Some(Heading { fields: vec![field], aspect: Role::Measured, holds: None, unit });
     }
-    if let Some(beside) = beside_own(&name, &unit, own) {
+    if let Some(beside) = beside_own(&name, unit.as_ref(), own) {
         return Some(beside);
     }
     let name = split_size(&name).map_or(name.as_str(), |(name, _)| name);
@@ -221,13 +221,13 @@ fn own_field(text: &str, name: &str, own: &[(String, Field)]) -> Option<Field> {
 }
 
 /// What stands beside a column that the spec names, by a word behind or before the name: `M1 Soll`.
-fn beside_own(name: &str, unit: &Option<String>, own: &[(String, Field)]) -> Option<Heading> {
+fn beside_own(name: &str, unit: Option<&String>, own: &[(String, Field)]) -> Option<Heading> {
     let name = name.trim().to_lowercase();
     own.iter().find_map(|(own, field)| {
         let own = split_unit(own).0.trim().to_lowercase();
         let said = name.strip_prefix(&own).or_else(|| name.strip_suffix(&own))?;
         let aspect = role(said).filter(|role| role.is_beside_value() && !own.is_empty())?;
-        Some(Heading { fields: vec![*field], aspect, holds: None, unit: unit.clone() })
+        Some(Heading { fields: vec![*field], aspect, holds: None, unit: unit.cloned() })
     })
 }
 

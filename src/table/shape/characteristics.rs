@@ -215,7 +215,7 @@ fn number(cell: &Cell) -> Option<f64> {
 fn last_digit(cell: &Cell) -> f64 {
     let text = cell.text();
     let decimals = text.split_once([',', '.']).map_or(0, |(_, decimals)| decimals.len());
-    0.1_f64.powi(i32::try_from(decimals).unwrap_or(0))
+    format!("1e-{decimals}").parse().unwrap_or(1.0)
 }
 
 /// Whether a column has the axes along which something was measured.

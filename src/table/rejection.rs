@@ -1,0 +1,42 @@
+//! What cells, comments and lines say against a part or its value: it counts all the same, and a warning names them.
+
+use super::cell::Cell;
+use super::names::WordList;
+use crate::quantity::shown;
+
+/// What is said against a part or its value, which count all the same.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Rejection {
+    /// The column, comment or line that says it.
+    pub(crate) title: String,
+    said: String,
+}
+
+impl Rejection {
+    /// As a note on a file.
+    pub(crate) fn in_words(&self, file: &str) -> String {
+        let Self { title, said } = self;
+        format!("{file}: `{title}` says `{said}`: that is not used, and parts are judged by their values")
+    }
+}
+
+/// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, or what is no
+/// approval in a column of `verdicts`.
+pub(crate) fn rejection<'a>(
+    title: &str,
+    cells: impl IntoIterator<Item = &'a Cell>,
+    verdicts: bool,
+) -> Option<Rejection> {
+    let is_heading = WordList::Disapproval.is_in(title) || WordList::Rejected.is_in(title);
+    let is_no = |text: &str| WordList::Negation.has(text);
+    let is_approval = |text: &str| WordList::Approval.has(text);
+    let is_said = |text: &str| {
+        WordList::Disapproval.is_in(text)
+            || WordList::Rejected.is_in(text)
+            || WordList::Validity.has(title) && is_no(text)
+            || is_heading && !is_no(text) && !is_approval(text)
+            || verdicts && !is_approval(text)
+    };
+    let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
+    Some(Rejection { title: title.to_owned(), said: shown(&said) })
+}
