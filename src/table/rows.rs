@@ -17,7 +17,9 @@ use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
 use super::lines::Beside;
-use super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
+use super::names::{
+    Role, heading, is_of_parts, is_total, is_value_heading, names_value, role, says_largest, split_unit,
+};
 use super::reading::AsideReading;
 use super::rejection::{Rejection, rejection};
 use super::shape::{PartNames, Remarks, has_digit, is_numbered, stated_units};
@@ -531,8 +533,13 @@ impl Rows {
                 && (self.setup.names.exclude(name) && !self.is_measured(record)
                     || self.setup.names.have_spread(name) && self.is_spread(record))
         };
+        let is_of_teeth = |cell: &Cell| {
+            let text = cell.text();
+            is_called_of_parts(&text) || is_total(&text) || says_largest(&text)
+        };
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && is_counted().is_none()
+            || self.setup.index.and_then(|index| record.cells.get(index)).is_some_and(is_of_teeth)
             || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
@@ -672,7 +679,9 @@ fn missing(column: &Column, cell: &Cell) -> String {
 /// The number of a space or tooth in the last row.
 pub(crate) fn take_index(block: &mut Block, cell: Option<&Cell>) {
     let text = cell.map(Cell::text).unwrap_or_default();
-    let number = text.trim().parse().ok();
+    // spreadsheets and programs write 4 as 4,0
+    let whole = text.trim().trim_end_matches('0').strip_suffix(['.', ',']).unwrap_or(text.trim());
+    let number = whole.parse().ok();
     block.index.push(number);
     if number.is_none() {
         let message =
