@@ -13,8 +13,7 @@ use common::random::{self, Random};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rackmesh::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
-    ToothRange,
+    PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
 };
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::{Curve, Mesh, Sampler, Support};
@@ -113,11 +112,11 @@ fn untilted(_: &mut Criterion) {
     {
         let pair = pair();
         let teeth = (0..8).map(|tooth| PinionDeviation {
-            teeth: ToothRange::single(tooth).expect("small"),
+            teeth: ToothRange::of(tooth),
             kind: PinionDeviationKind::Shift(if tooth % 2 == 0 { shares[0] } else { -shares[0] }),
         });
-        let pinion = PinionFlanks::new(&pair, &teeth.collect::<Vec<_>>()).expect("small deviations");
-        let pinion = pinion.with_eccentricity(&[Eccentricity { amount_mm: shares[1], tooth: 3 }]).expect("small");
+        let all: Vec<_> = teeth.chain([PinionDeviation::eccentricity(shares[1], 3)]).collect();
+        let pinion = PinionFlanks::new(&pair, &all).expect("small deviations");
         let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).expect("teeth in order");
         println!("{name:37} {:13.0} {:15.0}", rate(&mesh, 0.1, 200_000), rate(&mesh, 0.01, 200_000));
     }

@@ -2,8 +2,8 @@
 //! or refused with a reason; nothing is NaN and nothing hangs.
 
 use rackmesh::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation, RackDeviationKind,
-    RackFlanks, RackForm, ToothRange,
+    PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks,
+    RackForm, ToothRange,
 };
 use rackmesh::gear::{Pair, PairData, PinionData, RackData};
 use rackmesh::mesh::{Mesh, Support};
@@ -124,11 +124,11 @@ fn deviating(numbers: &mut Numbers<'_>, pair: Pair) -> Option<Mesh> {
         on_pinion.push(PinionDeviation { teeth, kind });
     }
     let mut rack = RackFlanks::new(&pair, &on_rack).ok()?;
-    let mut pinion = PinionFlanks::new(&pair, &on_pinion).ok()?;
     if numbers.whole(0, 3) == 0 {
-        let off = Eccentricity { amount_mm: numbers.in_range(-0.2, 0.2), tooth: numbers.whole(0, last) };
-        pinion = pinion.with_eccentricity(&[off]).ok()?;
+        let kind = PinionDeviationKind::Eccentricity(numbers.in_range(-0.2, 0.2));
+        on_pinion.push(PinionDeviation { teeth: ToothRange::single(numbers.whole(0, last)).ok()?, kind });
     }
+    let mut pinion = PinionFlanks::new(&pair, &on_pinion).ok()?;
     let (rolls, formed) = match numbers.whole(0, 5) {
         0 => (true, false),
         1 => (false, true),

@@ -18,7 +18,7 @@ use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
 use crate::report::mesh_points::{self, ListedPoint, Trust};
 use crate::report::{Format, MeshReport, Screen, noted};
-use crate::spec::{MeshInput, Origin, Spec, WrittenPinionDeviation};
+use crate::spec::{MeshInput, Origin, Spec};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
 
@@ -99,13 +99,7 @@ fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
         let prediction = Prediction::placed(pair, errors);
         return prediction.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into());
     }
-    let mut prediction = Prediction::new().rack(pair, &input.rack_deviations);
-    for deviation in &input.pinion_deviations {
-        prediction = match deviation {
-            WrittenPinionDeviation::Teeth(deviation) => prediction.pinion(pair, &[*deviation]),
-            WrittenPinionDeviation::Eccentricity(eccentricity) => prediction.eccentricity(eccentricity),
-        };
-    }
+    let mut prediction = Prediction::new().rack(pair, &input.rack_deviations).pinion(pair, &input.pinion_deviations);
     if let Some(deviation_mm) = input.pinion_lead_mm {
         prediction = prediction.pinion_lead(pair, deviation_mm);
     }

@@ -193,7 +193,7 @@ fn cumulative(column: &[Vec<f64>]) -> Result<Vec<f64>, DeviationError> {
 mod tests {
     use super::*;
     use crate::deviation::{
-        Eccentricity, PinionFlank, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
+        PinionDeviation, PinionFlank, PinionFlanks, RackDeviation, RackDeviationKind, RackFlank, RackFlanks, ToothRange,
     };
     use crate::gear::example;
 
@@ -230,8 +230,8 @@ mod tests {
         // and are added to what is known
         let added =
             RackFlanks::new(&pair, &[RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Shift(0.1) }])
-                .and_then(|flanks| flanks.with_measured(teeth.clone()))
-                .and_then(|flanks| flanks.with_added(&teeth))
+                .and_then(|flanks| flanks.with_measured(&teeth))
+                .and_then(|flanks| flanks.with_measured(&teeth))
                 .unwrap();
         rack_is(added.tooth(4).right, 0.1 + 2.0 * (0.007 + 0.03 * tan_x), 6e-3);
         rack_is(added.tooth(5).left, 0.1 + 2.0 * (0.007 - 0.03 * tan_x), 6e-3);
@@ -240,7 +240,7 @@ mod tests {
             RackTooth { right: RackFlank { along_z_mm: 0.01, ..RackFlank::default() }, ..RackTooth::default() },
         )]);
         let twice =
-            RackFlanks::nominal(&pair).with_added(&lifted).and_then(|flanks| flanks.with_added(&lifted)).unwrap();
+            RackFlanks::nominal(&pair).with_measured(&lifted).and_then(|flanks| flanks.with_measured(&lifted)).unwrap();
         near(twice.tooth(4).right.along_z_mm, 0.02);
     }
 
@@ -268,7 +268,7 @@ mod tests {
         let degrees = |value: f64| value * (std::f64::consts::PI / 180.0);
         let pair = Pair::new(&example(20, degrees(-30.0), degrees(40.0))).unwrap();
         let rack = |lead| {
-            RackFlanks::nominal(&pair).with_measured(std::collections::BTreeMap::from([(
+            RackFlanks::nominal(&pair).with_measured(&std::collections::BTreeMap::from([(
                 1,
                 RackTooth {
                     right: RackFlank { lead_rad: degrees(lead), ..RackFlank::default() },
@@ -354,10 +354,10 @@ mod tests {
     #[test]
     fn eccentricities_are_vectors() {
         let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();
-        let of = |all: &[(f64, i64)]| {
+        let of = |all: &[(f64, u32)]| {
             let all: Vec<_> =
-                all.iter().map(|(amount_mm, tooth)| Eccentricity { amount_mm: *amount_mm, tooth: *tooth }).collect();
-            PinionFlanks::nominal(&pair).with_eccentricity(&all).unwrap().eccentricity_mm()
+                all.iter().map(|(amount_mm, tooth)| PinionDeviation::eccentricity(*amount_mm, *tooth)).collect();
+            PinionFlanks::new(&pair, &all).unwrap().eccentricity_mm()
         };
         for (all, along, across) in [
             (&[(0.02, 0)][..], 0.02, 0.0),
@@ -368,7 +368,7 @@ mod tests {
             near(of(all).0, along);
             near(of(all).1, across);
         }
-        assert!(PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.1, tooth: 12 }]).is_err());
+        assert!(PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.1, 12)]).is_err());
     }
 
     /// What is wrong is said with its name and unit.

@@ -25,7 +25,7 @@ pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{
     PinionToothRow, RackSpaceRow, RowValue, pinion_flanks_from_rows, pitch_steps, rack_flanks_from_spaces,
 };
-pub use pinion::{Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
+pub use pinion::{PinionDeviation, PinionDeviationKind, PinionFlank, PinionFlanks, PinionTooth};
 pub use rack::{RackDeviation, RackDeviationKind, RackFlank, RackFlanks, RackTooth};
 pub use tooth_range::{FIRST_ODD_TOOTH, ToothRange, ToothRangeError};
 #[cfg(feature = "table")]

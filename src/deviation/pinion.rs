@@ -15,8 +15,8 @@ pub struct PinionDeviation {
     pub kind: PinionDeviationKind,
 }
 
-/// What a deviation does to a pinion tooth. Lengths in mm, angles in rad; lengths other than `Radial` are arcs at
-/// the reference circle.
+/// What a deviation does to a pinion tooth. Lengths in mm, angles in rad; lengths other than `Radial` and
+/// `Eccentricity` are arcs at the reference circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum PinionDeviationKind {
@@ -32,16 +32,17 @@ pub enum PinionDeviationKind {
     Right(f64),
     /// The space after this tooth sits higher by this: both its flanks move into the space by Δr tan α_t.
     Radial(f64),
+    /// The whole tooth system sits off the axis of rotation, displaced towards the centre line of this tooth at mid-width,
+    /// so that the centre distance grows by the amount when the tooth points at the rack. Several add up as vectors.
+    Eccentricity(f64),
 }
 
-/// The tooth system sits off the axis of rotation, displaced towards the centre line of a tooth at mid-width, so
-/// that the centre distance grows by the amount when that tooth points at the rack.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Eccentricity {
-    /// How far, mm.
-    pub amount_mm: f64,
-    /// Towards which tooth.
-    pub tooth: i64,
+impl PinionDeviation {
+    /// An eccentricity of so many mm towards a tooth.
+    #[must_use]
+    pub fn eccentricity(amount_mm: f64, tooth: u32) -> Self {
+        Self { teeth: ToothRange::of(tooth), kind: PinionDeviationKind::Eccentricity(amount_mm) }
+    }
 }
 
 /// Where one flank of a pinion tooth is, relative to nominal.
@@ -129,23 +130,14 @@ impl PinionFlanks {
                 self.teeth[j].left.lead_rad += within(DeviationQuantity::Lead, value, MAX_LEAD_RAD)?;
                 self.teeth[j].right.lead_rad += value;
             }
+            PinionDeviationKind::Eccentricity(value) => {
+                let (sin, cos) = trig::sin_cos(std::f64::consts::TAU * (j as f64 / z as f64));
+                let amount = length(DeviationQuantity::Eccentricity, value)?;
+                self.eccentricity_mm.0 += amount * cos;
+                self.eccentricity_mm.1 += amount * sin;
+            }
         }
         Ok(())
-    }
-
-    /// The same pinion with eccentricities added as vectors.
-    ///
-    /// # Errors
-    /// [`DeviationError::NoSuchTooth`] or [`DeviationError::OutOfDomain`].
-    pub fn with_eccentricity(mut self, eccentricities: &[Eccentricity]) -> Result<Self, DeviationError> {
-        for eccentricity in eccentricities {
-            let turn = self.index(eccentricity.tooth)? as f64 / self.teeth.len() as f64;
-            let (sin, cos) = trig::sin_cos(std::f64::consts::TAU * turn);
-            let amount = length(DeviationQuantity::Eccentricity, eccentricity.amount_mm)?;
-            self.eccentricity_mm.0 += amount * cos;
-            self.eccentricity_mm.1 += amount * sin;
-        }
-        Ok(self)
     }
 
     /// The same pinion moved further off its axis by the components of [`eccentricity_mm`](Self::eccentricity_mm).

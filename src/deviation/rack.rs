@@ -109,41 +109,30 @@ impl RackFlanks {
         Ok(flanks)
     }
 
-    /// The same rack with measured displacements added, as [`rack_flanks_from_spaces`](super::rack_flanks_from_spaces)
-    /// gives them.
+    /// The same rack with measured displacements of single teeth added to those that it has, as
+    /// [`rack_flanks_from_spaces`](super::rack_flanks_from_spaces) gives them.
     ///
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
-    pub fn with_measured(mut self, measured: BTreeMap<i64, RackTooth>) -> Result<Self, DeviationError> {
-        for flank in measured.values().flat_map(|tooth| [tooth.left, tooth.right]) {
-            length(DeviationQuantity::Displacement, flank.along_x_mm)?;
-            length(DeviationQuantity::Displacement, flank.along_z_mm)?;
-            self.check_lead(flank.lead_rad)?;
-        }
-        self.measured = measured;
-        for tooth in self.measured.keys() {
-            let RackTooth { left, right } = self.tooth(*tooth);
-            self.check_lead(left.lead_rad)?;
-            self.check_lead(right.lead_rad)?;
-        }
-        Ok(self)
-    }
-
-    /// The same rack with displacements of single teeth added to those that it has.
-    ///
-    /// # Errors
-    /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
-    pub fn with_added(mut self, added: &BTreeMap<i64, RackTooth>) -> Result<Self, DeviationError> {
-        let mut measured = std::mem::take(&mut self.measured);
-        for (tooth, added) in added {
-            let known = measured.entry(*tooth).or_default();
-            for (flank, add) in [(&mut known.left, added.left), (&mut known.right, added.right)] {
+    pub fn with_measured(mut self, measured: &BTreeMap<i64, RackTooth>) -> Result<Self, DeviationError> {
+        for (tooth, measured) in measured {
+            let known = self.measured.entry(*tooth).or_default();
+            for (flank, add) in [(&mut known.left, measured.left), (&mut known.right, measured.right)] {
                 flank.along_x_mm += add.along_x_mm;
                 flank.along_z_mm += add.along_z_mm;
                 flank.lead_rad += add.lead_rad;
             }
         }
-        self.with_measured(measured)
+        for (tooth, known) in &self.measured {
+            let all = self.tooth(*tooth);
+            for (known, all) in [(known.left, all.left), (known.right, all.right)] {
+                length(DeviationQuantity::Displacement, known.along_x_mm)?;
+                length(DeviationQuantity::Displacement, known.along_z_mm)?;
+                self.check_lead(known.lead_rad)?;
+                self.check_lead(all.lead_rad)?;
+            }
+        }
+        Ok(self)
     }
 
     /// The same rack with flank form.
@@ -255,9 +244,9 @@ mod tests {
             let left = RackFlank { lead_rad, ..RackFlank::default() };
             BTreeMap::from([(tooth, RackTooth { left, ..RackTooth::default() })])
         };
-        assert!(given.clone().with_measured(measured(2, 0.05)).is_ok());
-        assert!(given.clone().with_measured(measured(3, 0.2)).is_ok());
-        assert!(given.with_measured(measured(2, 0.2)).is_err());
+        assert!(given.clone().with_measured(&measured(2, 0.05)).is_ok());
+        assert!(given.clone().with_measured(&measured(3, 0.2)).is_ok());
+        assert!(given.with_measured(&measured(2, 0.2)).is_err());
     }
 
     #[test]

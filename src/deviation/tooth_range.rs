@@ -68,6 +68,12 @@ impl ToothRange {
         Self { first: Some(first.clamp(-MAX_INDEX, MAX_INDEX)), last: None }
     }
 
+    /// One tooth of a pinion.
+    #[must_use]
+    pub const fn of(tooth: u32) -> Self {
+        Self { first: Some(tooth as i64), last: Some(tooth as i64) }
+    }
+
     /// One tooth.
     ///
     /// # Errors

@@ -4,8 +4,8 @@
 //! measures it would find it.
 
 use crate::deviation::{
-    DeviationError, Eccentricity, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind, PinionFlanks,
-    PinionForm, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
+    DeviationError, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm,
+    RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
 };
 use crate::gear::Pair;
 use crate::judge::bound::pinion_lead_angle_rad;
@@ -106,8 +106,8 @@ impl ArrangedDeviation {
                 ("on all teeth", PinionFlanks::new(pair, &[PinionDeviation { teeth: ToothRange::ALL, kind }]))
             }
             Deviation::Runout => {
-                let eccentricity = Eccentricity { amount_mm: self.amount_mm / 2.0, tooth: 0 };
-                ("an eccentricity of half of it", nominal.with_eccentricity(&[eccentricity]))
+                let eccentricity = PinionDeviation::eccentricity(self.amount_mm / 2.0, 0);
+                ("an eccentricity of half of it", PinionFlanks::new(pair, &[eccentricity]))
             }
             _ => return None,
         };

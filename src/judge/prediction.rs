@@ -8,8 +8,8 @@ use super::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use super::reached::Run;
 use super::reached::placed::TEETH;
 use crate::deviation::{
-    Countable, DeviationKind, DeviationValue, Eccentricity, Extent, Part, PinionDeviation, PinionDeviationKind,
-    PinionToothRow, RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, pitch_steps,
+    Countable, DeviationKind, DeviationValue, Extent, Part, PinionDeviation, PinionDeviationKind, PinionToothRow,
+    RackDeviation, RackDeviationKind, RackSpaceRow, ToothRange, pitch_steps,
 };
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Model, PartDeviation};
@@ -191,6 +191,11 @@ impl Prediction {
                 PinionDeviationKind::Shift(value) => self.signed(what("pitch"), false, value.abs() * gains.pinion),
                 // helices of single teeth are for the exact mesh
                 PinionDeviationKind::Lead(_) => {}
+                // a radial error that goes through both signs in a turn
+                PinionDeviationKind::Eccentricity(value) => {
+                    let what = "pinion eccentricity".to_owned();
+                    self.terms.push(Predicted { what, lower_mm: -value.abs(), upper_mm: value.abs() });
+                }
             }
         }
         self
@@ -201,14 +206,6 @@ impl Prediction {
     pub fn pinion_lead(mut self, pair: &Pair, deviation_mm: f64) -> Self {
         let upper = deviation_mm.abs() * Gains::new(pair).pinion_lead;
         self.signed("pinion lead".to_owned(), false, upper);
-        self
-    }
-
-    /// Adds an eccentricity of the pinion: a radial error that goes through both signs in a turn.
-    #[must_use]
-    pub fn eccentricity(mut self, eccentricity: &Eccentricity) -> Self {
-        let amount = eccentricity.amount_mm.abs();
-        self.terms.push(Predicted { what: "pinion eccentricity".to_owned(), lower_mm: -amount, upper_mm: amount });
         self
     }
 
@@ -373,16 +370,15 @@ pub(super) mod tests {
         let none = format!("{:.12} {:.12}", 0.0, 0.0);
         assert_eq!(terms(&pushed).into_iter().map(|term| term.1).collect::<Vec<_>>(), [&*gain, &none, &gain]);
         let pinion = |teeth, kind| PinionDeviation { teeth, kind };
-        let pushed = Prediction::new()
-            .pinion(
-                &pair,
-                &[
-                    pinion(ToothRange::ALL, PinionDeviationKind::Shift(0.03)),
-                    pinion(some, PinionDeviationKind::Shift(-0.03)),
-                    pinion(ToothRange::ALL, PinionDeviationKind::Lead(0.01)),
-                ],
-            )
-            .eccentricity(&Eccentricity { amount_mm: -0.04, tooth: 0 });
+        let pushed = Prediction::new().pinion(
+            &pair,
+            &[
+                pinion(ToothRange::ALL, PinionDeviationKind::Shift(0.03)),
+                pinion(some, PinionDeviationKind::Shift(-0.03)),
+                pinion(ToothRange::ALL, PinionDeviationKind::Lead(0.01)),
+                PinionDeviation::eccentricity(-0.04, 0),
+            ],
+        );
         let gain = format!("{:.12} {:.12}", 0.0, 0.03 * trig::cos(0.4));
         let eccentricity = format!("{:.12} {:.12}", -0.04, 0.04);
         let ranges: Vec<_> = terms(&pushed).into_iter().map(|term| term.1).collect();

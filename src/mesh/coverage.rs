@@ -69,7 +69,7 @@ fn carrying(pair: &Pair, side: FlankSide, proud_mm: f64) -> Result<Range<f64>, M
         FlankSide::Right => tooth.right.along_x_mm = proud_mm,
         FlankSide::Left => tooth.left.along_x_mm = -proud_mm,
     }
-    let Ok(rack) = RackFlanks::nominal(pair).with_measured(BTreeMap::from([(0, tooth)])) else {
+    let Ok(rack) = RackFlanks::nominal(pair).with_measured(&BTreeMap::from([(0, tooth)])) else {
         unreachable!("a flank may stand out by so little")
     };
     let mesh = Mesh::new(*pair, rack, PinionFlanks::nominal(pair), Support::Fixed)?;

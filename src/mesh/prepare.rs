@@ -306,7 +306,7 @@ impl Mesh {
 mod tests {
     use super::*;
     use crate::deviation::{
-        Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, RackForm, ToothRange,
+        PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, RackForm, ToothRange,
     };
     use crate::gear::{Pair, example};
     use crate::reproduction;
@@ -368,8 +368,8 @@ mod tests {
     #[test]
     fn the_eccentricity_is_that_of_all_together() {
         let pair = Pair::new(&example(20, 0.0, 0.0)).unwrap();
-        let each = [Eccentricity { amount_mm: 0.03, tooth: 0 }, Eccentricity { amount_mm: 0.04, tooth: 5 }];
-        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&each).unwrap();
+        let each = [PinionDeviation::eccentricity(0.03, 0), PinionDeviation::eccentricity(0.04, 5)];
+        let pinion = PinionFlanks::new(&pair, &each).unwrap();
         let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, Support::Fixed).unwrap();
         assert!((mesh.eccentricity() - 0.05).abs() < 1e-15, "{}", mesh.eccentricity());
     }
@@ -391,8 +391,7 @@ mod tests {
             data.rack.face_width_mm = 5.0;
             data.pinion.face_width_mm = 200.0;
             let pair = Pair::new(&data).unwrap();
-            let each = Eccentricity { amount_mm, tooth: 0 };
-            let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[each]).unwrap();
+            let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(amount_mm, 0)]).unwrap();
             let support = Support::FreeRoll { axis_depth_mm: depth };
             let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion, support).unwrap();
             let roll = Roll::new(angle, depth);

@@ -167,7 +167,7 @@ impl Sampler<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deviation::{Eccentricity, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
+    use crate::deviation::{PinionDeviation, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
     use crate::gear::{Pair, PairData, PinionData, RackData};
     use crate::mesh::Mesh;
 
@@ -191,7 +191,7 @@ mod tests {
 
     fn mesh(list: &[RackDeviation]) -> Mesh {
         let pair = pair();
-        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.05, tooth: 3 }]);
+        let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.05, 3)]);
         let rack = RackFlanks::new(&pair, list).expect("small");
         Mesh::new(pair, rack, pinion.expect("small"), Support::Fixed).expect("teeth in order")
     }

@@ -7,21 +7,9 @@ use toml::de::{DeTable, DeValue};
 use super::Located;
 use super::keys::{self, AnyKey, Key, Section};
 use super::reader::{SectionReader, type_in_words};
-use crate::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange,
-};
+use crate::deviation::{PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Length;
-
-/// One deviation of the pinion: of some teeth, or of the whole part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum WrittenPinionDeviation {
-    /// Of some teeth.
-    Teeth(PinionDeviation),
-    /// The whole part off its axis.
-    Eccentricity(Eccentricity),
-}
 
 type Displacement<Kind> = (Key<Length>, fn(f64) -> Kind);
 
@@ -59,12 +47,10 @@ pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>
 }
 
 /// Reads every `[[pinion.deviation]]`.
-pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinionDeviation>> {
+pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<PinionDeviation>> {
     each_table(reader, &keys::PINION_DEVIATION, |entry, found| {
         let Some(teeth) = entry.teeth(keys::PINION_DEVIATION_TEETH) else { return };
-        let mut push = |kind, span| {
-            found.push(Located { value: WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }), span });
-        };
+        let mut push = |kind, span| found.push(Located { value: PinionDeviation { teeth, kind }, span });
         for (key, kind) in PINION_DISPLACEMENTS {
             if let Some(length) = entry.get(key) {
                 push(kind(length.value.mm()), length.span);
@@ -79,8 +65,7 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<WrittenPinio
             (reader.get(keys::PINION_DEVIATION_ECCENTRICITY_AMOUNT), tooth)
         });
         if let Some(Located { value: (Some(amount), Some(tooth)), span }) = eccentricity {
-            let eccentricity = Eccentricity { amount_mm: amount.value.mm(), tooth: i64::from(tooth.value) };
-            found.push(Located { value: WrittenPinionDeviation::Eccentricity(eccentricity), span });
+            found.push(Located { value: PinionDeviation::eccentricity(amount.value.mm(), tooth.value), span });
         }
     })
 }

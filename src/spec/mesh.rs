@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::resolve::Problems;
-use super::{Located, Spec, WrittenPinionDeviation, keys, said_of};
+use super::{Located, Spec, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
     DeviationError, DeviationKind, DeviationValue, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind,
@@ -70,7 +70,7 @@ pub struct MeshInput {
     /// The rack's deviations other than measured tables, for the formulas.
     pub rack_deviations: Vec<RackDeviation>,
     /// The pinion's deviations other than measured tables, for the formulas.
-    pub pinion_deviations: Vec<WrittenPinionDeviation>,
+    pub pinion_deviations: Vec<PinionDeviation>,
     /// f_Hβ of the pinion that `[errors]` gives and the mesh has, for the formulas; mm.
     pub pinion_lead_mm: Option<f64>,
     /// The measured rows of the rack.
@@ -243,7 +243,7 @@ impl Spec {
         let form_span = self.place(keys::RACK_TIP_RELIEF).or_else(|| self.place(keys::RACK_CROWNING));
         RackFlanks::new(pair, deviations)
             .map_err(whole)?
-            .with_measured(measured)
+            .with_measured(&measured)
             .map_err(in_table)?
             .with_form(pair, form)
             .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
@@ -252,33 +252,19 @@ impl Spec {
     fn pinion_flanks(
         &self,
         pair: &Pair,
-        deviations: &[WrittenPinionDeviation],
+        deviations: &[PinionDeviation],
         rows: &[PinionToothRow],
         tables: &MeasuredTables,
     ) -> Result<PinionFlanks, Diagnostic> {
         for written in &self.pinion_deviations {
-            let checked = match written.value {
-                WrittenPinionDeviation::Teeth(deviation) => PinionFlanks::new(pair, &[deviation]),
-                WrittenPinionDeviation::Eccentricity(eccentricity) => {
-                    PinionFlanks::nominal(pair).with_eccentricity(&[eccentricity])
-                }
-            };
-            checked.map_err(|error| self.bad_value(&error, written.span.clone()))?;
-        }
-        let (mut of_teeth, mut eccentricities) = (Vec::new(), Vec::new());
-        for deviation in deviations {
-            match deviation {
-                WrittenPinionDeviation::Teeth(deviation) => of_teeth.push(*deviation),
-                WrittenPinionDeviation::Eccentricity(eccentricity) => eccentricities.push(*eccentricity),
-            }
+            PinionFlanks::new(pair, &[written.value]).map_err(|error| self.bad_value(&error, written.span.clone()))?;
         }
         let whole = |error| self.bad_value(&error, 0..0);
         let in_table = |error| self.bad_in(tables.pinion.as_ref().map(|table| table.name.as_str()), &error);
         let form = self.pinion_form();
         let form_span = self.place(keys::PINION_PROFILE_SLOPE);
         let measured = pinion_flanks_from_rows(pair, rows).map_err(in_table)?;
-        PinionFlanks::new(pair, &of_teeth)
-            .and_then(|flanks| flanks.with_eccentricity(&eccentricities))
+        PinionFlanks::new(pair, deviations)
             .map_err(whole)?
             .with_measured(&measured)
             .map_err(in_table)?
@@ -459,12 +445,12 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
 }
 
 /// One value per error, put on the teeth as the formulas understand them.
-fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<WrittenPinionDeviation>) {
+fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<PinionDeviation>) {
     let later = ToothRange::starting_at(FIRST_ODD_TOOTH);
     let half_turn = ToothRange::starting_at(i64::from(pair.pinion().teeth / 2));
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     let mut on_rack = |teeth, kind| rack.push(RackDeviation { teeth, kind });
-    let mut on_pinion = |teeth, kind| pinion.push(WrittenPinionDeviation::Teeth(PinionDeviation { teeth, kind }));
+    let mut on_pinion = |teeth, kind| pinion.push(PinionDeviation { teeth, kind });
     let all = ToothRange::ALL;
     for error in errors {
         // of a permissible deviation, its upper end

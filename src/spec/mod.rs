@@ -36,7 +36,6 @@ mod vary;
 pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection};
 pub use budget::{BudgetSection, WrittenTolerance};
-pub use deviations::WrittenPinionDeviation;
 pub use errors::WrittenError;
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
@@ -52,7 +51,7 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::deviation::{DeviationKind, DeviationValue, Extent, RackDeviation};
+use crate::deviation::{DeviationKind, DeviationValue, Extent, PinionDeviation, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
 use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget};
@@ -88,7 +87,7 @@ pub struct Spec {
     /// `[[rack.deviation]]`
     pub rack_deviations: Vec<Located<RackDeviation>>,
     /// `[[pinion.deviation]]`
-    pub pinion_deviations: Vec<Located<WrittenPinionDeviation>>,
+    pub pinion_deviations: Vec<Located<PinionDeviation>>,
     /// `[budget]`.
     pub budget: BudgetSection,
     /// `[errors]`, in the paper's order.

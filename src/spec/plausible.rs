@@ -7,7 +7,7 @@ use super::errors::WrittenError;
 use super::keys::{self, Key};
 use super::resolve::Problems;
 use super::value::KeyType;
-use super::{Located, Spec, WrittenPinionDeviation, said_of};
+use super::{Located, Spec, said_of};
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
@@ -199,7 +199,7 @@ impl Spec {
         let pinion = self
             .pinion_deviations
             .iter()
-            .filter_map(|written| doubted("pinion.deviation", of_pinion(&written.value), &written.span));
+            .filter_map(|written| doubted("pinion.deviation", of_pinion(written.value.kind), &written.span));
         rack.chain(pinion).collect()
     }
 }
@@ -214,14 +214,11 @@ fn of_rack(kind: RackDeviationKind) -> Option<DeviationValue> {
 }
 
 /// The value of a deviation of the pinion.
-fn of_pinion(deviation: &WrittenPinionDeviation) -> Option<DeviationValue> {
-    use PinionDeviationKind::{Lead, Left, Radial, Right, Shift, Thickness};
-    match deviation {
-        WrittenPinionDeviation::Teeth(of_teeth) => match of_teeth.kind {
-            Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) => DeviationValue::from_mm(mm),
-            Lead(rad) => DeviationValue::from_rad(rad),
-        },
-        WrittenPinionDeviation::Eccentricity(eccentricity) => DeviationValue::from_mm(eccentricity.amount_mm),
+fn of_pinion(kind: PinionDeviationKind) -> Option<DeviationValue> {
+    use PinionDeviationKind::{Eccentricity, Lead, Left, Radial, Right, Shift, Thickness};
+    match kind {
+        Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) | Radial(mm) | Eccentricity(mm) => DeviationValue::from_mm(mm),
+        Lead(rad) => DeviationValue::from_rad(rad),
     }
 }
 

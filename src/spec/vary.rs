@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::value::Value;
-use super::{MeasuredTables, Spec, WrittenPinionDeviation};
+use super::{MeasuredTables, Spec};
 use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
@@ -137,10 +137,8 @@ impl Whole {
                 written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
             }
             Influence::Error(kind) => {
-                let written = spec.pinion_deviations.iter_mut().filter_map(|deviation| match &mut deviation.value {
-                    WrittenPinionDeviation::Teeth(of_teeth) => of_pinion(kind, &mut of_teeth.kind),
-                    WrittenPinionDeviation::Eccentricity(_) => None,
-                });
+                let written = spec.pinion_deviations.iter_mut();
+                let written = written.filter_map(|deviation| of_pinion(kind, &mut deviation.value.kind));
                 let rows = tables.pinion.iter_mut().flat_map(|table| &mut table.rows);
                 written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
             }

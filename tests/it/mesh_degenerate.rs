@@ -75,7 +75,7 @@ fn odd_strokes_and_deviations_are_errors() {
         assert!(mesh.curve(0.0, 1.0, -value).is_err());
     }
     assert!(matches!(
-        PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.1, tooth: 20 }]),
+        PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.1, 20)]),
         Err(DeviationError::NoSuchTooth { tooth: 20, teeth: 20 })
     ));
 }

@@ -335,7 +335,7 @@ fn the_virtual_measuring_machine_closes_the_loop() {
     let original = mesh(&pair, RackFlanks::new(&pair, &list).unwrap(), pinion.clone());
     let rows: Vec<_> = original.measure_rack(3.5, -6..16).unwrap().iter().map(|reading| reading.row()).collect();
     let measured = rack_flanks_from_spaces(&pair, &rows).unwrap();
-    let again = mesh(&pair, RackFlanks::nominal(&pair).with_measured(measured).unwrap(), pinion);
+    let again = mesh(&pair, RackFlanks::nominal(&pair).with_measured(&measured).unwrap(), pinion);
     for i in 0..200 {
         let s = f64::from(i) * 0.2;
         let (a, b) = (original.at(s).unwrap(), again.at(s).unwrap());
@@ -383,7 +383,7 @@ fn large_deviations_of_both_parts_close_the_loop() {
         let m = pair.normal_module_mm();
         let pin = random.range(1.4, 2.0) * m;
         let rows: Vec<_> = original.measure_rack(pin, -20..30).unwrap().iter().map(|reading| reading.row()).collect();
-        let rack = RackFlanks::nominal(&pair).with_measured(rack_flanks_from_spaces(&pair, &rows).unwrap()).unwrap();
+        let rack = RackFlanks::nominal(&pair).with_measured(&rack_flanks_from_spaces(&pair, &rows).unwrap()).unwrap();
         let ball = original.pinion_ball_mm() * random.range(0.95, 1.2);
         let rows: Vec<_> = original.measure_pinion(ball).unwrap().iter().map(|reading| reading.row()).collect();
         let measured = pinion_flanks_from_rows(&pair, &rows).unwrap();
@@ -404,8 +404,7 @@ fn large_deviations_of_both_parts_close_the_loop() {
 #[test]
 fn an_eccentric_pinion_swings_by_its_eccentricity() {
     let pair = table_pair();
-    let ecc = Eccentricity { amount_mm: 0.015, tooth: 3 };
-    let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[ecc]).unwrap();
+    let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.015, 3)]).unwrap();
     let mesh = mesh(&pair, RackFlanks::nominal(&pair), pinion);
     let p = pair.rack().pitch_mm;
     assert_abs_diff_eq!(mesh.at(3.5 * p).unwrap().delta_cd_mm, 0.015, epsilon = 2e-6);

@@ -160,7 +160,6 @@ struct Scene {
     data: PairData,
     rack: Vec<RackDeviation>,
     pinion: Vec<PinionDeviation>,
-    eccentricity: Eccentricity,
     support: Support,
 }
 
@@ -174,10 +173,10 @@ impl Scene {
         let anchored = |d: &RackDeviation| matches!(d.kind, RackDeviationKind::Pitch(_)) && d.teeth.first().is_none();
         let mut rack = random::rack_list(&mut random, leads);
         rack.retain(|deviation| !anchored(deviation));
-        let pinion = random::pinion_list(&mut random, z, leads);
+        let mut pinion = random::pinion_list(&mut random, z, leads);
         let amount_mm = if random.chance(0.4) { random.range(-0.1, 0.1) } else { 0.0 };
-        let eccentricity = Eccentricity { amount_mm, tooth: random.int(0, z - 1) };
-        Self { data: data(&pair), rack, pinion, eccentricity, support: Support::Fixed }
+        pinion.push(PinionDeviation::eccentricity(amount_mm, random.int(0, z - 1) as u32));
+        Self { data: data(&pair), rack, pinion, support: Support::Fixed }
     }
 
     fn pair(&self) -> Pair {
@@ -191,7 +190,7 @@ impl Scene {
     fn mesh(&self) -> Mesh {
         let pair = self.pair();
         let rack = RackFlanks::new(&pair, &self.rack).unwrap();
-        let pinion = PinionFlanks::new(&pair, &self.pinion).unwrap().with_eccentricity(&[self.eccentricity]).unwrap();
+        let pinion = PinionFlanks::new(&pair, &self.pinion).unwrap();
         Mesh::new(pair, rack, pinion, self.support).unwrap()
     }
 
@@ -228,7 +227,6 @@ impl Scene {
                 same => same,
             };
         }
-        mirror.eccentricity.tooth = z - 1 - self.eccentricity.tooth;
         mirror
     }
 
@@ -243,7 +241,6 @@ impl Scene {
         for deviation in &mut next.pinion {
             deviation.teeth = ToothRange::single((deviation.teeth.first().unwrap() + 1) % z).unwrap();
         }
-        next.eccentricity.tooth = (self.eccentricity.tooth + 1) % z;
         next
     }
 
@@ -252,7 +249,6 @@ impl Scene {
         scaled.data = scaled_data(&self.data, f);
         scaled.rack.iter_mut().for_each(|d| d.kind = rack_kind(d.kind, |v| v * f, |v| v));
         scaled.pinion.iter_mut().for_each(|d| d.kind = pinion_kind(d.kind, |v| v * f, |v| v));
-        scaled.eccentricity.amount_mm *= f;
         scaled
     }
 
@@ -300,6 +296,7 @@ fn pinion_kind(
         P::Left(v) => P::Left(length(v)),
         P::Right(v) => P::Right(length(v)),
         P::Radial(v) => P::Radial(length(v)),
+        P::Eccentricity(v) => P::Eccentricity(length(v)),
         P::Lead(v) => P::Lead(angle(v)),
         other => panic!("{other:?} is new: say how it scales"),
     }

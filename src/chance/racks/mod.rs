@@ -306,7 +306,7 @@ impl<'a> Draw<'a> {
             let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
             drawn.insert(tooth, RackTooth { left: flank(place - thickness), right: flank(place + thickness) });
         }
-        let rack = self.base.rack().clone().with_added(&drawn)?;
+        let rack = self.base.rack().clone().with_measured(&drawn)?;
         let mut pinion = self.base.pinion().clone();
         let Scatter { pinion_pitch, pinion_thickness, pinion_lead, .. } = self.scatter;
         if pinion_pitch.is_some() || pinion_thickness.is_some() || pinion_lead.is_some() {

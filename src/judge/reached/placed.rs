@@ -161,7 +161,7 @@ impl Placed {
         };
         let pinion: Vec<PinionTooth> = self.pinion.iter().zip(&self.slopes).map(turned).collect();
         let rack: BTreeMap<i64, RackTooth> = TEETH.zip(self.rack.iter().copied()).collect();
-        let rack = RackFlanks::nominal(&self.pair).with_measured(rack)?.with_form(&self.pair, given.rack_form)?;
+        let rack = RackFlanks::nominal(&self.pair).with_measured(&rack)?.with_form(&self.pair, given.rack_form)?;
         let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion)?.with_form(given.pinion_form)?;
         Ok((rack, pinion))
     }

@@ -9,8 +9,7 @@ use std::f64::consts::PI;
 
 use super::{Across, ContactKind, FlankContact, Generator, Hint, Plane, Pose, Touch};
 use crate::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
-    ToothRange,
+    PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange,
 };
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::mesh::prepare::Roll;
@@ -88,7 +87,7 @@ pub(in crate::mesh) fn pair(random: &mut Random, narrow: bool) -> Option<Pair> {
 
 /// With as much eccentricity as [`positions`] has.
 pub(super) fn off_axis(pinion: PinionFlanks) -> PinionFlanks {
-    pinion.with_eccentricity(&[Eccentricity { amount_mm: 0.1415, tooth: 0 }]).expect("small")
+    pinion.with_offset((0.1415, 0.0)).expect("small")
 }
 
 /// Positions of a flank pair, on its contact line and beyond.
@@ -301,7 +300,7 @@ fn neighbouring_strokes_take_few_looks() {
             RackDeviation { teeth: ToothRange::single(1).expect("a tooth"), kind: RackDeviationKind::Thickness(0.03) },
         ];
         let rack = RackFlanks::new(&pair, &rack).expect("small");
-        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm: 0.03, tooth: 2 }]);
+        let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.03, 2)]);
         let mesh = Mesh::new(pair, rack, pinion.expect("small"), Support::Fixed).expect("teeth in order");
         let mut sampler = Sampler::new(&mesh);
         let looked = if made % 2 == 0 { &mut fitting } else { &mut tilted };

@@ -5,8 +5,8 @@ mod search;
 
 use super::*;
 use crate::deviation::{
-    Eccentricity, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation, RackDeviationKind,
-    RackFlanks, RackForm, ToothRange,
+    PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks,
+    RackForm, ToothRange,
 };
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::mesh::contact::tests::{self as contact_tests, Random};
@@ -36,9 +36,8 @@ fn formed(rack_helix: f64, pinion_helix: f64, lead: f64, eccentricity: f64, form
     let rack_form = RackForm { crowning_mm: form, tip_relief_mm: 0.7 * form, tip_relief_start_mm: 0.4 };
     let pinion_form = PinionForm { crowning_mm: 0.4 * form, profile_slope_mm: -0.5 * form };
     let rack = RackFlanks::new(&pair, &[lead]).and_then(|rack| rack.with_form(&pair, rack_form)).expect("small");
-    let off_axis = Eccentricity { amount_mm: eccentricity, tooth: 3 };
-    let pinion =
-        PinionFlanks::nominal(&pair).with_eccentricity(&[off_axis]).and_then(|pinion| pinion.with_form(pinion_form));
+    let off_axis = PinionDeviation::eccentricity(eccentricity, 3);
+    let pinion = PinionFlanks::new(&pair, &[off_axis]).and_then(|pinion| pinion.with_form(pinion_form));
     let pinion = pinion.expect("small");
     Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: 8.0 }).expect("teeth in order")
 }
@@ -178,12 +177,12 @@ fn random_mesh(random: &mut Random) -> Option<Mesh> {
         deviations.push(deviation(random, RackDeviationKind::Left, 0.03));
     }
     let mut rack = RackFlanks::new(&pair, &deviations).ok()?;
-    let off_axis = Eccentricity { amount_mm: random.next(0.0, 0.05), tooth: 0 };
+    let off_axis = PinionDeviation::eccentricity(random.next(0.0, 0.05), 0);
     let lead = PinionDeviation {
         teeth: ToothRange::single(2).ok()?,
         kind: PinionDeviationKind::Lead(random.next(-0.004, 0.004)),
     };
-    let mut pinion = PinionFlanks::new(&pair, &[lead]).and_then(|pinion| pinion.with_eccentricity(&[off_axis])).ok()?;
+    let mut pinion = PinionFlanks::new(&pair, &[lead, off_axis]).ok()?;
     if random.next(0.0, 1.0) < 0.2 {
         let relief = RackForm { crowning_mm: random.next(0.0, 0.02), tip_relief_mm: 0.01, tip_relief_start_mm: 0.0 };
         rack = rack.with_form(&pair, relief).ok()?;

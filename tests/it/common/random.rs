@@ -115,15 +115,12 @@ pub fn rack_list(random: &mut Random, leads: bool) -> Vec<RackDeviation> {
 
 pub fn pinion(random: &mut Random, pair: &Pair, leads: bool) -> PinionFlanks {
     let z = i64::from(pair.pinion().teeth);
-    let list = pinion_list(random, z, leads);
-    let flanks = PinionFlanks::new(pair, &list).unwrap();
+    let mut list = pinion_list(random, z, leads);
     if random.chance(0.4) {
-        let tooth = random.int(0, z - 1);
-        let amount_mm = random.range(-0.1, 0.1);
-        flanks.with_eccentricity(&[Eccentricity { amount_mm, tooth }]).unwrap()
-    } else {
-        flanks
+        let tooth = random.int(0, z - 1) as u32;
+        list.push(PinionDeviation::eccentricity(random.range(-0.1, 0.1), tooth));
     }
+    PinionFlanks::new(pair, &list).unwrap()
 }
 
 pub fn pinion_list(random: &mut Random, z: i64, leads: bool) -> Vec<PinionDeviation> {

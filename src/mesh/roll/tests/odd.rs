@@ -204,7 +204,7 @@ fn a_rack_that_meshes_when_hardly_rolled_is_found() {
         [(large, 9.479, 0.12, [22.656, 39.648]), (flat, 4.711, 0.174, [10.744, 40.29])]
     {
         let pair = Pair::new(&data).expect("a valid pair");
-        let pinion = PinionFlanks::nominal(&pair).with_eccentricity(&[Eccentricity { amount_mm, tooth: 0 }]);
+        let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(amount_mm, 0)]);
         let support = Support::FreeRoll { axis_depth_mm: depth };
         let mesh = Mesh::new(pair, RackFlanks::nominal(&pair), pinion.expect("small"), support).expect("in order");
         for stroke in strokes {
