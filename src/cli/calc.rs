@@ -13,7 +13,7 @@ use crate::formula::{
     FormulaPage, IDEAL_PIN, Law, Model, OVER_PIN, PartDeviation, ROLLER_CHANGE, ideal_pin, roller_change,
 };
 use crate::judge::Interval;
-use crate::judge::bound::{Basis, ErrorInputError};
+use crate::judge::bound::Basis;
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
 use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks, noted};
 use crate::spec::GEOMETRY_KEYS;
@@ -479,7 +479,7 @@ impl Asked<'_> {
         let kind = self.law.kind();
         let extent = self.given.extent.unwrap_or(kind.usual_extent());
         if !extent.fits(kind.counts()) {
-            return Err(usage(format!("--extent {extent}: {}", ErrorInputError::NoTotal)));
+            return Err(usage(format!("--extent {extent}: {}", Extent::NO_TOTAL)));
         }
         let bound = Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);
         let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;

@@ -45,6 +45,9 @@ impl Extent {
     /// Every extent.
     pub const EVERY: [Self; 5] = [Self::One, Self::Part, Self::All, Self::Each, Self::Total];
 
+    /// Why an error cannot have one that does not fit.
+    pub const NO_TOTAL: &str = "only a pitch has a total cumulative deviation";
+
     /// Whether an error that counts these can have it: only a pitch has a total.
     #[must_use]
     pub const fn fits(self, counted: Countable) -> bool {

@@ -14,6 +14,7 @@
 //! | face width | above 1 m, or 100 modules if that is less | | A usual face is 5 to 20 modules wide. |
 //! | pin of a rack | touches a module or more from the reference plane | 1.5 modules from it, or above the tips | There it rests on tips or on the root. |
 
+use std::cmp::Ordering;
 use std::fmt;
 
 #[cfg(feature = "table")]
@@ -86,15 +87,21 @@ impl Reach {
         Self { length: self.length.min(length), ..self }
     }
 
+    /// How the magnitude of a value compares with it.
+    #[inline]
+    fn compare(&self, value: DeviationValue) -> Option<Ordering> {
+        match value {
+            DeviationValue::Length(length) => Some(length.abs().cmp(&self.length)),
+            DeviationValue::Angle(angle) => Some(angle.abs().cmp(&self.angle)),
+            DeviationValue::Slope(slope) => slope.abs().partial_cmp(&self.slope),
+        }
+    }
+
     /// Whether a value is beyond it.
     #[must_use]
     #[inline]
     pub fn is_exceeded_by(&self, value: DeviationValue) -> bool {
-        match value {
-            DeviationValue::Length(length) => length.abs() > self.length,
-            DeviationValue::Angle(angle) => angle.abs() > self.angle,
-            DeviationValue::Slope(slope) => slope.abs() > self.slope,
-        }
+        self.compare(value).is_some_and(Ordering::is_gt)
     }
 
     /// How many of a column's values are suspicious, if this is what is usual.
@@ -110,39 +117,13 @@ impl Reach {
     #[must_use]
     #[inline]
     pub fn is_reached_by(&self, value: DeviationValue) -> bool {
-        match value {
-            DeviationValue::Length(length) => length.abs() >= self.length,
-            DeviationValue::Angle(angle) => angle.abs() >= self.angle,
-            DeviationValue::Slope(slope) => slope.abs() >= self.slope,
-        }
+        self.compare(value).is_some_and(Ordering::is_ge)
     }
 }
 
 /// A few whole degrees, which every angle holds.
 fn degrees(value: f64) -> Angle {
     Angle::from_degrees(value).unwrap_or(Angle::LARGEST)
-}
-
-/// What a value is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DoubtedSize {
-    /// A deviation of length, with the module if it is known.
-    Deviation(Option<Length>),
-    /// A lead error.
-    Lead,
-    /// The normal pressure angle.
-    PressureAngle,
-    /// A helix angle.
-    HelixAngle,
-    /// The normal module.
-    NormalModule,
-    /// A face width.
-    FaceWidth,
-    /// The addendum of the rack.
-    Addendum,
-    /// A pin in the spaces of a rack, with the ideal one.
-    Pin(Length),
 }
 
 /// What was probably meant by a value.
@@ -171,14 +152,18 @@ pub enum WrittenIn {
 /// A value that makes no sense, or hardly any.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doubt {
-    /// What it is of.
-    pub quantity: DoubtedSize,
+    /// What it is for what: `much for a deviation`.
+    what: &'static str,
     /// The value.
     pub value: DeviationValue,
     /// Whether no part can have it; else it is suspicious.
     pub is_impossible: bool,
     /// What was probably meant.
     pub meant: Meant,
+    /// The module that a deviation is held against.
+    module: Option<Length>,
+    /// The pin that touches at the reference plane.
+    ideal_pin: Option<Length>,
 }
 
 /// The doubt about the value of an error.
@@ -188,16 +173,17 @@ pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt>
     if !usual.is_reached_by(value) {
         return None;
     }
-    let (quantity, meant) = match value {
-        DeviationValue::Length(length) => (DoubtedSize::Deviation(module), size_or_micrometres(length, usual.length)),
-        DeviationValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => {
-            (DoubtedSize::Lead, Meant::Unit("arcmin"))
-        }
-        DeviationValue::Angle(_) => (DoubtedSize::Lead, Meant::Unknown),
-        DeviationValue::Slope(_) => (DoubtedSize::Lead, Meant::Slope),
-    };
+    const LEAD: &str = "much for a lead error";
     let is_impossible = Reach::possible(module).is_exceeded_by(value);
-    Some(Doubt { quantity, value, is_impossible, meant })
+    let doubt = |what, meant| Doubt { is_impossible, ..Doubt::of(what, value, meant) };
+    Some(match value {
+        DeviationValue::Length(length) => {
+            Doubt { module, ..doubt("much for a deviation", size_or_micrometres(length, usual.length)) }
+        }
+        DeviationValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => doubt(LEAD, Meant::Unit("arcmin")),
+        DeviationValue::Angle(_) => doubt(LEAD, Meant::Unknown),
+        DeviationValue::Slope(_) => doubt(LEAD, Meant::Slope),
+    })
 }
 
 /// What was meant by a length that is much for a deviation.
@@ -215,29 +201,23 @@ fn size_or_micrometres(length: Length, usual: Length) -> Meant {
 #[must_use]
 pub fn pressure_angle(angle: Angle) -> Option<Doubt> {
     let value = angle.degrees();
-    (value > 0.0 && value < SMALL_PRESSURE_ANGLE).then(|| Doubt {
-        quantity: DoubtedSize::PressureAngle,
-        value: DeviationValue::Angle(angle),
-        is_impossible: value < SMALLEST_PRESSURE_ANGLE,
-        meant: if PRESSURE_ANGLES_RAD.contains(&value) { Meant::Unit("rad") } else { Meant::Unknown },
-    })
+    let meant = if PRESSURE_ANGLES_RAD.contains(&value) { Meant::Unit("rad") } else { Meant::Unknown };
+    let doubt = Doubt::of("small for a pressure angle", angle.into(), meant);
+    let is_small = value > 0.0 && value < SMALL_PRESSURE_ANGLE;
+    is_small.then_some(Doubt { is_impossible: value < SMALLEST_PRESSURE_ANGLE, ..doubt })
 }
 
 /// The doubt about a helix angle that is written without its unit.
 #[must_use]
 pub fn helix_angle(angle: Angle) -> Option<Doubt> {
-    HELIX_ANGLES_RAD.contains(&angle.abs().degrees()).then_some(Doubt {
-        quantity: DoubtedSize::HelixAngle,
-        value: DeviationValue::Angle(angle),
-        is_impossible: false,
-        meant: Meant::Unit("rad"),
-    })
+    let doubt = Doubt::of("small for a helix angle", angle.into(), Meant::Unit("rad"));
+    HELIX_ANGLES_RAD.contains(&angle.abs().degrees()).then_some(doubt)
 }
 
 /// The doubt about a normal module.
 #[must_use]
 pub fn normal_module(module: Length) -> Option<Doubt> {
-    (module > LARGE_MODULE).then_some(large(DoubtedSize::NormalModule, module))
+    (module > LARGE_MODULE).then_some(Doubt::of("large for a module", module.into(), Meant::Unit("um")))
 }
 
 /// The doubt about a face width.
@@ -245,56 +225,57 @@ pub fn normal_module(module: Length) -> Option<Doubt> {
 pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
     let wide = |module: Length| Length::from_fm(module.fm().saturating_mul(WIDE_IN_MODULES));
     let largest = module.map_or(LARGE_FACE_WIDTH, |module| LARGE_FACE_WIDTH.min(wide(module)));
-    let is_large = (width > largest).then_some(large(DoubtedSize::FaceWidth, width));
-    is_large.or_else(|| small(DoubtedSize::FaceWidth, width, module?))
+    (width > largest).then_some(large_face(width)).or_else(|| small("small for a face width", width, module?))
 }
 
 /// The doubt about the length over which f_Hβ is evaluated, part of a face width: one that was meant in µm would make a lead
 /// of nothing.
 #[must_use]
 pub fn evaluation_length(length: Length) -> Option<Doubt> {
-    let doubt = Doubt { is_impossible: true, ..large(DoubtedSize::FaceWidth, length) };
-    (length > LARGE_FACE_WIDTH).then_some(doubt)
+    (length > LARGE_FACE_WIDTH).then_some(Doubt { is_impossible: true, ..large_face(length) })
 }
 
 /// The doubt about the addendum of the rack.
 #[must_use]
 pub fn addendum(height: Length, module: Option<Length>) -> Option<Doubt> {
-    small(DoubtedSize::Addendum, height, module?)
+    small("small for an addendum", height, module?)
 }
 
 /// The doubt about a pin that touches flanks so many modules over the reference plane; the tips are at `tips`, if that is known.
 #[must_use]
 pub fn pin(diameter: Length, ideal: Length, touches_at: f64, tips: Option<f64>) -> Option<Doubt> {
     let is_impossible = touches_at > tips.unwrap_or(PIN_FARTHEST) || touches_at < -PIN_FARTHEST;
-    (is_impossible || touches_at.abs() > PIN_FAR).then_some(Doubt {
-        quantity: DoubtedSize::Pin(ideal),
-        value: DeviationValue::Length(diameter),
-        is_impossible,
-        meant: Meant::Unknown,
-    })
+    let what = if diameter.mm() > ideal.mm() { "large for a pin" } else { "small for a pin" };
+    let doubt = Doubt::of(what, diameter.into(), Meant::Unknown);
+    (is_impossible || touches_at.abs() > PIN_FAR).then_some(Doubt { is_impossible, ideal_pin: Some(ideal), ..doubt })
 }
 
 /// The doubt about a size that is a small part of the module: metres in place of millimetres.
-fn small(quantity: DoubtedSize, size: Length, module: Length) -> Option<Doubt> {
+fn small(what: &'static str, size: Length, module: Length) -> Option<Doubt> {
     let is_small = size > Length::ZERO && size.fm() < module.fm() / SMALL_IN_MODULES;
-    is_small.then_some(Doubt {
-        quantity,
-        value: DeviationValue::Length(size),
-        is_impossible: false,
-        meant: Meant::Unit("m"),
-    })
+    is_small.then_some(Doubt::of(what, size.into(), Meant::Unit("m")))
 }
 
-fn large(quantity: DoubtedSize, value: Length) -> Doubt {
-    Doubt { quantity, value: DeviationValue::Length(value), is_impossible: false, meant: Meant::Unit("um") }
+fn large_face(width: Length) -> Doubt {
+    Doubt::of("large for a face width", width.into(), Meant::Unit("um"))
 }
 
 impl Doubt {
+    /// A suspicion.
+    const fn of(what: &'static str, value: DeviationValue, meant: Meant) -> Self {
+        Self { what, value, is_impossible: false, meant, module: None, ideal_pin: None }
+    }
+
     /// The same of a measured value less its nominal one, whose difference tells nothing of either.
     #[must_use]
     pub fn of_difference(self) -> Self {
         Self { meant: Meant::Unknown, ..self }
+    }
+
+    /// The same of what is no value of a part, such as a limit.
+    #[must_use]
+    pub fn of_no_part(self) -> Self {
+        Self { is_impossible: false, ..self }
     }
 
     /// The same of what is never a measured size: the form of flanks, an uncertainty.
@@ -335,36 +316,21 @@ fn name(unit: &'static str) -> &'static str {
     }
 }
 
-/// A value as it is shown: the angle of a slope with few digits.
-fn shown(value: DeviationValue) -> String {
-    match value {
-        DeviationValue::Slope(_) => format!("{:.2}°", value.base()),
-        _ => value.to_string(),
-    }
-}
-
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let too = if self.is_impossible { "too " } else { "" };
-        let value = shown(self.value);
-        match self.quantity {
-            DoubtedSize::Deviation(None) => write!(f, "{value} is {too}much for a deviation"),
-            DoubtedSize::Deviation(Some(module)) => {
-                write!(f, "{value} is {too}much for a deviation (the module is {module})")
-            }
-            DoubtedSize::Lead => write!(f, "{value} is {too}much for a lead error"),
-            DoubtedSize::PressureAngle => write!(f, "{value} is {too}small for a pressure angle"),
-            DoubtedSize::HelixAngle => write!(f, "{value} is {too}small for a helix angle"),
-            DoubtedSize::NormalModule => write!(f, "{value} is {too}large for a module"),
-            DoubtedSize::FaceWidth if self.meant == Meant::Unit("m") => write!(f, "{value} is small for a face width"),
-            DoubtedSize::FaceWidth => write!(f, "{value} is {too}large for a face width"),
-            DoubtedSize::Addendum => write!(f, "{value} is small for an addendum"),
-            DoubtedSize::Pin(ideal) => {
-                let size = if self.value.base() > ideal.mm() { "large" } else { "small" };
-                let ideal = ideal.mm();
-                write!(f, "{value} is {too}{size} for a pin; one that touches at the reference plane has {ideal:.3} mm")
-            }
+        match self.value {
+            // the angle of a slope with few digits
+            DeviationValue::Slope(_) => write!(f, "{:.2}° is {too}{}", self.value.base(), self.what)?,
+            value => write!(f, "{value} is {too}{}", self.what)?,
         }
+        if let Some(module) = self.module {
+            write!(f, " (the module is {module})")?;
+        }
+        if let Some(ideal) = self.ideal_pin {
+            write!(f, "; one that touches at the reference plane has {:.3} mm", ideal.mm())?;
+        }
+        Ok(())
     }
 }
 

@@ -13,7 +13,6 @@ use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
-use crate::judge::bound::ErrorInputError;
 use crate::quantity::Length;
 use crate::uncertainty::Influence;
 
@@ -87,7 +86,7 @@ pub(super) fn read_extent_value(
     };
     let refusal = match text.parse::<Extent>() {
         Ok(extent) if extent.fits(kind.counts()) => return Some(Located { value: extent, span: value.span() }),
-        Ok(_) => ErrorInputError::NoTotal.to_string(),
+        Ok(_) => Extent::NO_TOTAL.to_owned(),
         Err(unknown) => unknown.to_string(),
     };
     let message = format!("`{}.{}`: {refusal}", kind.key(), keys::EXTENT);

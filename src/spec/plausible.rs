@@ -94,7 +94,7 @@ impl Spec {
         let deviation = |length| Some(plausible::deviation(DeviationValue::Length(length), module)?.of_no_size());
         let form = |amount: Located<Length>| deviation(amount.value);
         let guard = |rule: Located<Rule>| match rule.value {
-            Rule::Guard(band) => Some(Doubt { is_impossible: false, ..deviation(band)? }),
+            Rule::Guard(band) => Some(deviation(band)?.of_no_part()),
             Rule::Simple | Rule::Iso14253 => None,
         };
         let helix_angle =
@@ -129,8 +129,7 @@ impl Spec {
                 DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(standard).ok()?),
                 _ => DeviationValue::Angle(Angle::from_degrees(standard).ok()?),
             };
-            let doubt = plausible::deviation(value, self.module())?.of_no_size();
-            let doubt = Doubt { is_impossible: false, ..doubt };
+            let doubt = plausible::deviation(value, self.module())?.of_no_size().of_no_part();
             Some(DoubtedKey { name: format!("uncertainty of {}", kind.key()), span: written.span.clone(), doubt })
         };
         self.uncertainties.iter().filter_map(doubted)
@@ -169,10 +168,8 @@ impl Spec {
     /// Limits that no deviation comes near, so that they would let every part pass: µm in place of mm.
     fn doubted_limits(&self) -> Vec<DoubtedKey> {
         let doubted = |on: &LimitTarget, end: Option<Length>| {
-            let doubt = plausible::deviation(DeviationValue::Length(end?), self.module())?;
-            // it is a choice, and no value of a part
-            let doubt = Doubt { is_impossible: false, ..doubt };
             let module = self.module();
+            let doubt = plausible::deviation(DeviationValue::Length(end?), module)?.of_no_part();
             let reach =
                 if module.is_some() { plausible::Reach::possible(module) } else { plausible::Reach::usual(None) };
             Some(DoubtedKey { name: format!("limits.{}", on.key()), span: 0..0, doubt })

@@ -126,7 +126,7 @@ impl Basis {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         match extended {
             Ok(extended) => self.bound(&extended),
-            Err(error) => Bound::open(errors.len(), error.into()),
+            Err(open) => Bound::open(errors.len(), open),
         }
     }
 

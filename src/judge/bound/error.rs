@@ -64,33 +64,6 @@ impl RackLines {
     }
 }
 
-/// Why a value and an extent make no error.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ErrorInputError {
-    /// Only pitches accumulate.
-    #[error("only a pitch has a total cumulative deviation")]
-    NoTotal,
-    /// An angle where a length belongs, or a length where an angle does.
-    #[error("the value is a length where an angle belongs, or an angle where a length does")]
-    WrongDimension,
-    /// A value that is not finite, a lead of 45° and more, or a length of 1 km and more.
-    #[error("{value} is no error that a bound can be given for")]
-    OutOfDomain {
-        /// The value, mm or rad.
-        value: f64,
-    },
-}
-
-impl From<ErrorInputError> for NoBound {
-    fn from(error: ErrorInputError) -> Self {
-        match error {
-            ErrorInputError::OutOfDomain { .. } => Self::TooLarge,
-            ErrorInputError::NoTotal | ErrorInputError::WrongDimension => Self::NotOfItsKind,
-        }
-    }
-}
-
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
     pub(crate) const NONE: Self =
@@ -100,8 +73,9 @@ impl ExtendedError {
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
     ///
     /// # Errors
-    /// [`ErrorInputError`] if value and law or extent do not fit.
-    pub fn new(law: Law, value: impl Into<DeviationValue>, extent: Extent) -> Result<Self, ErrorInputError> {
+    /// [`NoBound::NotOfItsKind`] if value and law or extent do not fit, [`NoBound::TooLarge`] for a value that is not finite,
+    /// a lead of 45° and more, or a length of 1 km and more.
+    pub fn new(law: Law, value: impl Into<DeviationValue>, extent: Extent) -> Result<Self, NoBound> {
         let (effect, largest) = match (law.kind(), law.geometry()) {
             (DeviationKind::RackOverRoller | DeviationKind::PinionRadial, _) => (ErrorEffect::Size, MAX_LENGTH_MM),
             (DeviationKind::RackPitch | DeviationKind::PinionPitch, _) => {
@@ -118,30 +92,30 @@ impl ExtendedError {
                 };
                 (ErrorEffect::RackLead(rack), MAX_LEAD_RAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }
-            (DeviationKind::RackLead, None) => return Err(ErrorInputError::WrongDimension),
+            (DeviationKind::RackLead, None) => return Err(NoBound::NotOfItsKind),
         };
         let value = match (effect, value.into()) {
             (ErrorEffect::RackLead(_), DeviationValue::Angle(angle)) => angle.radians(),
             (ErrorEffect::RackLead(_), DeviationValue::Slope(slope)) => trig::atan(slope),
-            (ErrorEffect::RackLead(_), DeviationValue::Length(_)) => return Err(ErrorInputError::WrongDimension),
+            (ErrorEffect::RackLead(_), DeviationValue::Length(_)) => return Err(NoBound::NotOfItsKind),
             (_, DeviationValue::Length(length)) => length.mm(),
-            _ => return Err(ErrorInputError::WrongDimension),
+            _ => return Err(NoBound::NotOfItsKind),
         };
-        if extent == Extent::Total && !matches!(effect, ErrorEffect::Pitch { .. }) {
-            return Err(ErrorInputError::NoTotal);
+        if !extent.fits(law.kind().counts()) {
+            return Err(NoBound::NotOfItsKind);
         }
         if value.abs() < largest {
             Ok(Self { part: law.kind().part(), value, effect, extent, either_sign: false })
         } else {
-            Err(ErrorInputError::OutOfDomain { value })
+            Err(NoBound::TooLarge)
         }
     }
 
     /// The error of a part; the sign of a tolerance is not known.
     ///
     /// # Errors
-    /// [`ErrorInputError`] as [`ExtendedError::new`].
-    pub fn of(error: &PartDeviation) -> Result<Self, ErrorInputError> {
+    /// [`NoBound`] as [`ExtendedError::new`].
+    pub fn of(error: &PartDeviation) -> Result<Self, NoBound> {
         let extended = Self::new(error.law(), error.value(), error.extent())?;
         let extended = if error.is_tolerance() { extended.of_either_sign() } else { extended };
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))

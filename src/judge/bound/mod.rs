@@ -24,7 +24,7 @@ pub(in crate::judge) mod tests;
 mod undercut;
 
 pub use basis::{Basis, GivenGeometry, KnownPairs};
-pub use error::{ErrorInputError, ExtendedError, HelixOfPinion, pinion_helix_slope_mm, pinion_lead_angle_rad};
+pub use error::{ExtendedError, HelixOfPinion, pinion_helix_slope_mm, pinion_lead_angle_rad};
 pub use field::ContactPath;
 pub use known::{GivenPair, KnownPair, KnownTeeth, Reach};
 pub use proportion::ChangingErrors;

@@ -5,8 +5,8 @@ use crate::deviation::DeviationKind;
 use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
-    AssumedHeight, Basis, Bound, ErrorInputError, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair,
-    HeightFrom, Knowledge, KnownPairs, KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
+    AssumedHeight, Basis, Bound, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair, HeightFrom, Knowledge,
+    KnownPairs, KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -232,11 +232,11 @@ fn the_own_range_of_a_known_pair_is_said() {
 #[test]
 fn an_error_needs_a_value_and_an_extent_that_fit() {
     let length: Length = "0.02".parse().unwrap();
-    assert_eq!(ExtendedError::new(Law::rack_over_roller(), length, Extent::Total), Err(ErrorInputError::NoTotal));
+    assert_eq!(ExtendedError::new(Law::rack_over_roller(), length, Extent::Total), Err(NoBound::NotOfItsKind));
     let lead = Law::rack_lead("20 deg".parse().unwrap(), Angle::ZERO, "20".parse().unwrap()).unwrap();
-    assert_eq!(ExtendedError::new(lead, length, Extent::All), Err(ErrorInputError::WrongDimension));
+    assert_eq!(ExtendedError::new(lead, length, Extent::All), Err(NoBound::NotOfItsKind));
     let steep: Angle = "50 deg".parse().unwrap();
-    assert!(matches!(ExtendedError::new(lead, steep, Extent::All), Err(ErrorInputError::OutOfDomain { .. })));
+    assert_eq!(ExtendedError::new(lead, steep, Extent::All), Err(NoBound::TooLarge));
     assert_eq!(DeviationKind::RackPitch.usual_extent(), Extent::One);
 }
 
