@@ -9,17 +9,6 @@ use crate::gear::Pair;
 use crate::judge::bound::{KnownTeeth, Range};
 use crate::mesh::{CarryingStrokes, Mesh, MeshError, MeshPoint, Support};
 
-/// Which teeth are not nominal.
-#[derive(Debug, Clone)]
-pub struct DeviatedTeeth<'a> {
-    /// Deviations of the rack.
-    pub rack: &'a [RackDeviation],
-    /// Spaces of the rack that were measured; none if no table was.
-    pub spaces: &'a BTreeSet<i64>,
-    /// Whether teeth of the pinion deviate.
-    pub pinion: bool,
-}
-
 /// Why there are no strokes to judge.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -55,22 +44,29 @@ pub enum StrokesError {
 }
 
 /// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, for a
-/// turn of the pinion if that has some; of a measured rack those at which every flank that can carry was measured.
+/// turn of the pinion if that has some; of a measured rack those at which every flank that can carry was measured. Of the
+/// rack it takes the deviations, and the spaces that were measured, none if no table was; of the pinion whether it has
+/// teeth that deviate.
 ///
 /// # Errors
 /// [`StrokesError`] if measured spaces cover no stroke.
-pub fn judged_strokes(pair: &Pair, teeth: &DeviatedTeeth<'_>) -> Result<Vec<Strokes<f64>>, StrokesError> {
+pub fn judged_strokes(
+    pair: &Pair,
+    rack: &[RackDeviation],
+    spaces: &BTreeSet<i64>,
+    pinion_deviates: bool,
+) -> Result<Vec<Strokes<f64>>, StrokesError> {
     let pitch = pair.rack().pitch_mm;
     let contact = (pair.contact_ratio().total + 2.0).ceil().max(3.0);
-    if let (Some(first), Some(last)) = (teeth.spaces.first(), teeth.spaces.last()) {
+    if let (Some(first), Some(last)) = (spaces.first(), spaces.last()) {
         let carrying = CarryingStrokes::of(pair)?;
         let around = around(*first, *last, contact, pitch);
-        let stretches = carrying.measured(teeth.spaces, around.start, around.end);
+        let stretches = carrying.measured(spaces, around.start, around.end);
         // the spaces stand in one row, and so do their strokes
         return if stretches.len() == 1 { Ok(stretches) } else { Err(StrokesError::NotMeasured) };
     }
-    let turn = if teeth.pinion { f64::from(pair.pinion().teeth) } else { 0.0 };
-    let ends = teeth.rack.iter().flat_map(|deviation| [deviation.teeth.first(), deviation.teeth.last()]);
+    let turn = if pinion_deviates { f64::from(pair.pinion().teeth) } else { 0.0 };
+    let ends = rack.iter().flat_map(|deviation| [deviation.teeth.first(), deviation.teeth.last()]);
     let mut windows: Vec<_> = ends.flatten().map(|tooth| around(tooth, tooth, contact + turn, pitch)).collect();
     windows.push(0.0..pitch * turn.max(contact));
     windows.sort_by(|a, b| a.start.total_cmp(&b.start));
@@ -214,8 +210,7 @@ mod tests {
         let reached = |tooth: i64| {
             let teeth = ToothRange::new(Some(tooth), None).unwrap();
             let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
-            let none = BTreeSet::new();
-            let strokes = judged_strokes(&pair, &DeviatedTeeth { rack: &rack, spaces: &none, pinion: false }).unwrap();
+            let strokes = judged_strokes(&pair, &rack, &BTreeSet::new(), false).unwrap();
             let flanks = RackFlanks::new(&pair, &rack).unwrap();
             let mesh = Mesh::new(pair, flanks, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
             extremes(&mesh, &strokes, 1e-7).unwrap().range()
@@ -231,11 +226,10 @@ mod tests {
     #[test]
     fn windows_that_touch_are_one() {
         let pair = crate::reproduction::pair().unwrap();
-        let none = BTreeSet::new();
         let of = |first, last| {
             let teeth = ToothRange::new(Some(first), Some(last)).unwrap();
             let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
-            judged_strokes(&pair, &DeviatedTeeth { rack: &rack, spaces: &none, pinion: false }).unwrap().len()
+            judged_strokes(&pair, &rack, &BTreeSet::new(), false).unwrap().len()
         };
         assert_eq!((of(2, 3), of(100, 103), of(100, 200)), (1, 2, 3));
     }

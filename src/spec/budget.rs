@@ -82,7 +82,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
                     with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
         return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
-    let written = read_error_value(reader, kind, value)?;
+    let written = read_error_value(reader, kind, value)?.value?;
     Some(Located { value: WrittenTolerance::Fixed(written), span })
 }
 

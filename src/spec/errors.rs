@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::keys;
 use super::reader::SectionReader;
-use super::{Located, Spec, said_of};
+use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
@@ -38,35 +38,51 @@ pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Ve
     DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read(kind)?))).collect()
 }
 
-/// Reads `[errors]`.
+/// Reads `[errors]`. Nominal values and uncertainties without a value come first: draws follow the order in which
+/// uncertainties are found.
 pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
-    spec.nominals = of_each(|kind| read_nominal(reader, kind));
-    spec.unmeasured = of_each(|kind| read_unmeasured(reader, kind));
-    let alone = |kind| only_nominal(reader, kind).is_some() || said_of(&spec.unmeasured, kind).is_some();
-    let kinds: Vec<_> = DeviationKind::ALL.into_iter().filter(|kind| !alone(*kind)).collect();
-    spec.every_part = kinds.iter().copied().filter(|kind| is_of_every_part(reader, *kind)).collect();
-    spec.errors = of_each(|kind| kinds.contains(&kind).then(|| read_error(reader, kind))?);
-    spec.extents = of_each(|kind| read_extent(reader, kind));
-    spec.evaluation_length = read_evaluation_length(reader);
-}
-
-/// The length beside f_Hβ; one that cannot be read is reported with the value.
-fn read_evaluation_length(reader: &mut SectionReader<'_>) -> Option<Length> {
-    let value = reader.entry(DeviationKind::RackLead.key())?.get("length")?;
-    let known = reader.diagnostics.len();
-    let length = reader.length_value("length", value);
-    reader.diagnostics.truncate(known);
-    length
-}
-
-/// Whether the entry of an error says that its value is that of every part.
-fn is_of_every_part(reader: &mut SectionReader<'_>, kind: DeviationKind) -> bool {
-    let Some(value) = reader.entry(kind.key()).and_then(|entry| entry.get(keys::EVERY_PART)) else { return false };
-    if let DeValue::Boolean(every_part) = value.get_ref() {
-        return *every_part;
+    let alone = |kind: &DeviationKind| match reader.entry(kind.key()) {
+        Some(entry) if stands_alone(entry, Some("nominal")) => 0,
+        Some(entry) if stands_alone(entry, None) => 1,
+        _ => 2,
+    };
+    let mut kinds = DeviationKind::ALL;
+    kinds.sort_by_key(alone);
+    for kind in kinds {
+        read_entry(reader, kind, spec);
     }
-    reader.wrong_type::<()>(keys::EVERY_PART, value, "true or false");
-    false
+    spec.extents = of_each(|kind| read_extent(reader, kind));
+}
+
+/// Whether an entry has nothing but this key, or none, and what makes no value.
+fn stands_alone(entry: &DeTable<'_>, key: Option<&str>) -> bool {
+    let own = |name: &str| Some(name) == key;
+    key.is_none_or(|key| entry.contains_key(key))
+        && !entry.is_empty()
+        && entry.keys().all(|name| own(name.get_ref()) || is_beside(name.get_ref()))
+}
+
+/// Reads the entry of an error, if there is one.
+fn read_entry(reader: &mut SectionReader<'_>, kind: DeviationKind, spec: &mut Spec) -> Option<()> {
+    let value = reader.table.get(kind.key())?;
+    let span = value.span();
+    if let Some(entry) = reader.entry(kind.key()) {
+        if stands_alone(entry, None) {
+            reader.note_uncertainty(kind.key(), entry, span.clone(), Influence::Error(kind), None);
+            spec.unmeasured.push((kind, span));
+            return None;
+        }
+        match entry.get(keys::EVERY_PART).map(|value| (value, value.get_ref())) {
+            Some((_, DeValue::Boolean(every_part))) => spec.every_part.extend(every_part.then_some(kind)),
+            Some((value, _)) => reader.wrong_type(keys::EVERY_PART, value, "true or false").unwrap_or_default(),
+            None => {}
+        }
+    }
+    let Entry { value, nominal, evaluation_length } = read_error_value(reader, kind, value)?;
+    spec.errors.extend(value.map(|value| (kind, Located { value, span })));
+    spec.nominals.extend(nominal.map(|nominal| (kind, nominal)));
+    spec.evaluation_length = spec.evaluation_length.or(evaluation_length);
+    Some(())
 }
 
 /// On which teeth an error is, if that is written.
@@ -98,11 +114,20 @@ fn is_beside(key: &str) -> bool {
     key == keys::EXTENT || keys::UNCERTAINTY_KEYS.contains(&key)
 }
 
-/// Reads one entry of `[errors]`.
-fn read_error(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<WrittenError>> {
-    let value = reader.table.get(kind.key())?;
-    let written = read_error_value(reader, kind, value)?;
-    Some(Located { value: written, span: value.span() })
+/// What the entry of an error gives.
+#[derive(Default)]
+pub(super) struct Entry {
+    /// The error; `None` beside a nominal value alone.
+    pub(super) value: Option<WrittenError>,
+    nominal: Option<Located<DeviationValue>>,
+    /// Of f_Hβ.
+    evaluation_length: Option<Length>,
+}
+
+impl Entry {
+    fn of(value: WrittenError) -> Self {
+        Self { value: Some(value), ..Self::default() }
+    }
 }
 
 /// Reads the value of an error: a deviation, or a table from which it follows.
@@ -110,15 +135,15 @@ pub(super) fn read_error_value(
     reader: &mut SectionReader<'_>,
     kind: DeviationKind,
     value: &Spanned<DeValue<'_>>,
-) -> Option<WrittenError> {
-    let written = match value.get_ref() {
+) -> Option<Entry> {
+    let entry = match value.get_ref() {
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
-        _ => WrittenError::Value(value_of(reader, kind, kind.key(), value)?),
+        _ => Entry::of(WrittenError::Value(value_of(reader, kind, kind.key(), value)?)),
     };
-    if let WrittenError::Value(DeviationValue::Angle(angle)) = written {
+    if let Some(WrittenError::Value(DeviationValue::Angle(angle))) = entry.value {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
-    Some(written)
+    Some(entry)
 }
 
 /// A value of an error of this kind, measured, nominal, or their difference.
@@ -132,43 +157,6 @@ fn value_of(
         DeviationKind::RackLead => reader.angle_value(name, value).map(DeviationValue::Angle),
         _ => reader.length_value(name, value).map(DeviationValue::Length),
     }
-}
-
-/// The entry of an error that has nothing but a nominal value.
-fn only_nominal<'t>(reader: &SectionReader<'t>, kind: DeviationKind) -> Option<&'t DeTable<'t>> {
-    let entry = reader.entry(kind.key())?;
-    let beside = entry.iter().filter(|(key, _)| is_beside(key.get_ref().as_ref())).count();
-    (entry.len() == 1 + beside && entry.contains_key("nominal")).then_some(entry)
-}
-
-/// The nominal value in an entry of `[errors]`. A value that cannot be read is reported here if it stands alone, and
-/// with the measured one otherwise.
-fn read_nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
-    let entry = reader.entry(kind.key())?;
-    let value = entry.get("nominal")?;
-    let known = reader.diagnostics.len();
-    let nominal = value_of(reader, kind, "nominal", value);
-    if only_nominal(reader, kind).is_none() {
-        reader.diagnostics.truncate(known);
-    } else {
-        // the uncertainty of the measured values to come
-        let source = Influence::Error(kind);
-        reader.note_uncertainty(kind.key(), entry, value.span(), source, None);
-    }
-    Some(Located { value: nominal?, span: value.span() })
-}
-
-/// Reads an entry of an error that has nothing but an uncertainty or an extent: where it stands.
-fn read_unmeasured(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Range<usize>> {
-    let written = reader.table.get(kind.key())?;
-    let entry = written.get_ref().as_table()?;
-    let only = !entry.is_empty() && entry.iter().all(|(key, _)| is_beside(key.get_ref().as_ref()));
-    if !only {
-        return None;
-    }
-    let source = Influence::Error(kind);
-    reader.note_uncertainty(kind.key(), entry, written.span(), source, None);
-    Some(written.span())
 }
 
 /// The keys that the table form of an error may have, in the combinations that make an error.
@@ -229,7 +217,7 @@ fn read_error_table(
     kind: DeviationKind,
     entry: &DeTable<'_>,
     span: Range<usize>,
-) -> Option<WrittenError> {
+) -> Option<Entry> {
     let form = error_form(reader, kind, entry, span.clone())?;
     let noted = Influence::Error(kind);
     if form == ["class"] {
@@ -237,10 +225,12 @@ fn read_error_table(
             let message = format!("`{}` is a class: what is permitted has no measuring uncertainty", kind.key());
             return reader.refuse(Diagnostic::error(Code::BadUncertainty, message), span);
         }
-        return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class);
+        return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class).map(Entry::of);
     }
     if form != ["f_h_beta", "length"] {
-        reader.note_uncertainty(kind.key(), entry, span.clone(), noted, None);
+        // of a nominal value alone, that of the measured values to come
+        let place = entry.get("nominal").filter(|_| form == ["nominal"]).map_or(span.clone(), Spanned::span);
+        reader.note_uncertainty(kind.key(), entry, place, noted, None);
     }
     let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
     match form {
@@ -256,7 +246,7 @@ fn read_error_table(
                     let (f, l) = (slope.mm(), over.mm());
                     let degrees_per_mm = l.to_degrees() / (l * l + f * f);
                     reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
-                    Some(WrittenError::Value(tangent))
+                    Some(Entry { evaluation_length: Some(over), ..Entry::of(WrittenError::Value(tangent)) })
                 }
                 Err(error) => reader.refuse(Diagnostic::error(Code::OutOfDomain, error.to_string()), span),
             }
@@ -268,13 +258,15 @@ fn read_error_table(
             let roller = reader.length_value("roller", roller)?;
             let roller_span = entry.get("roller").map_or(span, Spanned::span);
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
-            Some(WrittenError::OverRoller { measured: measured?, roller })
+            Some(Entry::of(WrittenError::OverRoller { measured: measured?, roller }))
         }
-        ["value"] => value_of(reader, kind, "value", entry.get("value")?).map(WrittenError::Value),
+        ["value"] => value_of(reader, kind, "value", entry.get("value")?).map(WrittenError::Value).map(Entry::of),
         _ => {
             let mut value = |name: &str| value_of(reader, kind, name, entry.get(name)?);
-            let (measured, nominal) = (value("measured"), value("nominal"));
-            Some(WrittenError::Value(measured?.less(nominal?)))
+            let (measured, nominal) = (value("measured"), value("nominal")?);
+            let value = measured.map(|measured| WrittenError::Value(measured.less(nominal)));
+            let nominal = entry.get("nominal").map(|written| Located { value: nominal, span: written.span() });
+            Some(Entry { value, nominal, ..Entry::default() })
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::formula::PartDeviation;
 use crate::gear::{GeometryError, GeometryWarning, Pair, PairData, PairSize, PinionData, RackData};
 use crate::judge::PlacedError;
 use crate::judge::bound::pinion_lead_angle_rad;
-use crate::judge::strokes::{DeviatedTeeth, StrokesError, judged_strokes};
+use crate::judge::strokes::{StrokesError, judged_strokes};
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::quantity::{Angle, Length};
 use crate::table::{Measured, PinionTeeth, RackSpaces, Teeth};
@@ -101,12 +101,8 @@ impl MeshInput {
         if !self.rack_rows.is_empty() && self.whole_spaces.is_empty() {
             return Err(StrokesError::NotMeasured);
         }
-        let teeth = DeviatedTeeth {
-            rack: &self.rack_deviations,
-            spaces: &self.whole_spaces,
-            pinion: !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty(),
-        };
-        judged_strokes(self.mesh.pair(), &teeth)
+        let pinion_deviates = !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty();
+        judged_strokes(self.mesh.pair(), &self.rack_deviations, &self.whole_spaces, pinion_deviates)
     }
 }
 
