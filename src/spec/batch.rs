@@ -93,12 +93,9 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
 }
 
 fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
-    fn of<T: Into<DeviationValue>>(Located { value, span }: Located<T>) -> Located<DeviationValue> {
-        Located { value: value.into(), span }
-    }
     match kind {
-        DeviationKind::RackLead => reader.get(keys::ANGLE_NOMINAL).map(of),
-        _ => reader.get(keys::LENGTH_NOMINAL).map(of),
+        DeviationKind::RackLead => reader.get(keys::ANGLE_NOMINAL).map(|nominal| nominal.map(DeviationValue::Angle)),
+        _ => reader.get(keys::LENGTH_NOMINAL).map(|nominal| nominal.map(DeviationValue::Length)),
     }
 }
 
@@ -106,9 +103,7 @@ impl SectionReader<'_> {
     /// The unit of a column.
     fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
         let value = self.table.get(name)?;
-        let DeValue::String(symbol) = value.get_ref() else {
-            return self.wrong_type(name, value, "a unit in quotes, such as \"um\",");
-        };
+        let symbol = self.text_value(name, value, "a unit in quotes, such as \"um\",")?;
         // ″ is an arcsecond on a lead error, and an inch on any other
         let angle = if of_lead { Unit::of_angle(symbol) } else { None };
         let unit = angle.or_else(|| Unit::of_length(symbol));
@@ -131,14 +126,11 @@ impl SectionReader<'_> {
             self.wrong_type::<()>(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
             return Vec::new();
         };
-        let mut texts = Vec::new();
-        for entry in list {
-            texts.extend(match entry.get_ref() {
-                DeValue::String(text) => Some(Located { value: text.to_string(), span: entry.span() }),
-                _ => self.wrong_type(name, entry, "text in quotes for each entry of its list"),
-            });
-        }
-        texts
+        let text = |entry| {
+            let text = self.text_value(name, entry, "text in quotes for each entry of its list")?;
+            Some(Located { value: text.to_owned(), span: entry.span() })
+        };
+        list.iter().filter_map(text).collect()
     }
 }
 

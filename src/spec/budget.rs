@@ -9,7 +9,7 @@ use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
 use crate::budget::{Entry, Free, Freedom};
-use crate::deviation::{DeviationKind, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
 use crate::judge::LimitTarget;
@@ -28,8 +28,10 @@ pub struct BudgetSection {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum WrittenTolerance {
-    /// A given tolerance, or a class.
-    Fixed(WrittenError),
+    /// A given tolerance.
+    Fixed(DeviationValue),
+    /// A grade of the standard in `[tolerance]`.
+    Class(u8),
     /// To be found.
     Free(Freedom),
 }
@@ -82,8 +84,13 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
                     with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
         return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
-    let written = read_error_value(reader, kind, value)?.value?;
-    Some(Located { value: WrittenTolerance::Fixed(written), span })
+    let value = match read_error_value(reader, kind, value)?.value? {
+        WrittenError::Value(value) => WrittenTolerance::Fixed(value),
+        WrittenError::Class(grade) => WrittenTolerance::Class(grade),
+        // a measured value, refused above
+        WrittenError::OverRoller { .. } => return None,
+    };
+    Some(Located { value, span })
 }
 
 fn has_extent(table: &DeTable<'_>) -> bool {
@@ -108,7 +115,7 @@ impl Spec {
         let (mut entries, mut classes, mut refused) = (Vec::new(), Vec::new(), Vec::new());
         for (kind, written) in &self.budget.errors {
             match self.budget_entry(*kind, written, &mut classes) {
-                Ok(entry) => entries.extend(entry),
+                Ok(entry) => entries.push(entry),
                 Err(Diagnostics(problems)) => {
                     for problem in problems {
                         if !refused.contains(&problem) {
@@ -127,25 +134,21 @@ impl Spec {
         kind: DeviationKind,
         written: &Located<WrittenTolerance>,
         classes: &mut Vec<ErrorClass>,
-    ) -> Result<Option<Entry>, Diagnostics> {
+    ) -> Result<Entry, Diagnostics> {
         let law = self.law(kind, &format!("the budget of {kind}"))?;
         let extent = self.budget.extent(kind);
-        Ok(Some(match &written.value {
-            WrittenTolerance::Free(freedom) => Entry::Free(Free { law, freedom: *freedom, extent }),
-            WrittenTolerance::Fixed(WrittenError::Value(value)) => {
-                Entry::Fixed(PartDeviation::within(law, value.abs()).with_extent(extent))
-            }
-            WrittenTolerance::Fixed(WrittenError::Class(grade)) => {
+        Ok(match written.value {
+            WrittenTolerance::Free(freedom) => Entry::Free(Free { law, freedom, extent }),
+            WrittenTolerance::Fixed(value) => Entry::Fixed(PartDeviation::within(law, value.abs()).with_extent(extent)),
+            WrittenTolerance::Class(grade) => {
                 let mut problems = Problems::default();
-                let class = self.class(kind, *grade, &written.span, &mut problems);
+                let class = self.class(kind, grade, &written.span, &mut problems);
                 let class = problems.answer(class, &self.source)?;
                 let tolerance = class.tolerance(law);
                 classes.push(class);
                 Entry::Fixed(tolerance)
             }
-            // refused when it was read
-            WrittenTolerance::Fixed(WrittenError::OverRoller { .. }) => return Ok(None),
-        }))
+        })
     }
 
     /// The limits of single errors' ΔCD.

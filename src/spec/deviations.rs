@@ -9,11 +9,12 @@ use super::keys::{self, AnyKey, Key, Section};
 use super::reader::{SectionReader, type_in_words};
 use crate::deviation::{PinionDeviation, PinionDeviationKind, RackDeviation, RackDeviationKind, ToothRange};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::Length;
+use crate::quantity::{Angle, Length};
 
-type Displacement<Kind> = (Key<Length>, fn(f64) -> Kind);
+/// A key of a deviation of some teeth, and what it sets, in mm or rad.
+type Displacement<T, Kind> = (Key<T>, fn(f64) -> Kind);
 
-const RACK_DISPLACEMENTS: [Displacement<RackDeviationKind>; 6] = [
+const RACK_DISPLACEMENTS: [Displacement<Length, RackDeviationKind>; 6] = [
     (keys::RACK_DEVIATION_OVER_ROLLER, RackDeviationKind::OverRoller),
     (keys::RACK_DEVIATION_PITCH, RackDeviationKind::Pitch),
     (keys::RACK_DEVIATION_SHIFT, RackDeviationKind::Shift),
@@ -22,7 +23,7 @@ const RACK_DISPLACEMENTS: [Displacement<RackDeviationKind>; 6] = [
     (keys::RACK_DEVIATION_RIGHT, RackDeviationKind::Right),
 ];
 
-const PINION_DISPLACEMENTS: [Displacement<PinionDeviationKind>; 5] = [
+const PINION_DISPLACEMENTS: [Displacement<Length, PinionDeviationKind>; 5] = [
     (keys::PINION_DEVIATION_SHIFT, PinionDeviationKind::Shift),
     (keys::PINION_DEVIATION_THICKNESS, PinionDeviationKind::Thickness),
     (keys::PINION_DEVIATION_LEFT, PinionDeviationKind::Left),
@@ -34,15 +35,9 @@ const PINION_DISPLACEMENTS: [Displacement<PinionDeviationKind>; 5] = [
 pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>> {
     each_table(reader, &keys::RACK_DEVIATION, |entry, found| {
         let Some(teeth) = entry.teeth(keys::RACK_DEVIATION_TEETH) else { return };
-        let mut push = |kind, span| found.push(Located { value: RackDeviation { teeth, kind }, span });
-        for (key, kind) in RACK_DISPLACEMENTS {
-            if let Some(length) = entry.get(key) {
-                push(kind(length.value.mm()), length.span);
-            }
-        }
-        if let Some(angle) = entry.get(keys::RACK_DEVIATION_LEAD) {
-            push(RackDeviationKind::Lead(angle.value.radians()), angle.span);
-        }
+        let lead = (keys::RACK_DEVIATION_LEAD, RackDeviationKind::Lead as fn(f64) -> _);
+        let kinds = entry.displacements(&RACK_DISPLACEMENTS, lead);
+        found.extend(kinds.into_iter().map(|kind| kind.map(|kind| RackDeviation { teeth, kind })));
     })
 }
 
@@ -50,15 +45,9 @@ pub(super) fn rack(reader: &mut SectionReader<'_>) -> Vec<Located<RackDeviation>
 pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<PinionDeviation>> {
     each_table(reader, &keys::PINION_DEVIATION, |entry, found| {
         let Some(teeth) = entry.teeth(keys::PINION_DEVIATION_TEETH) else { return };
-        let mut push = |kind, span| found.push(Located { value: PinionDeviation { teeth, kind }, span });
-        for (key, kind) in PINION_DISPLACEMENTS {
-            if let Some(length) = entry.get(key) {
-                push(kind(length.value.mm()), length.span);
-            }
-        }
-        if let Some(angle) = entry.get(keys::PINION_DEVIATION_LEAD) {
-            push(PinionDeviationKind::Lead(angle.value.radians()), angle.span);
-        }
+        let lead = (keys::PINION_DEVIATION_LEAD, PinionDeviationKind::Lead as fn(f64) -> _);
+        let kinds = entry.displacements(&PINION_DISPLACEMENTS, lead);
+        found.extend(kinds.into_iter().map(|kind| kind.map(|kind| PinionDeviation { teeth, kind })));
         let eccentricity = entry.table("eccentricity", &keys::ECCENTRICITY, |reader| {
             reader.refuse_missing_keys();
             let tooth = reader.get(keys::PINION_DEVIATION_ECCENTRICITY_TOOTH);
@@ -147,6 +136,18 @@ impl SectionReader<'_> {
             let message = format!("`{}` needs `{}`", self.section.name, key.name());
             self.report(Diagnostic::error(Code::MissingKey, message), span.clone());
         }
+    }
+
+    /// The displacements of some teeth, and their lead.
+    fn displacements<Kind>(
+        &mut self,
+        lengths: &[Displacement<Length, Kind>],
+        lead: Displacement<Angle, Kind>,
+    ) -> Vec<Located<Kind>> {
+        let mut found: Vec<_> =
+            lengths.iter().filter_map(|(key, kind)| Some(self.get(*key)?.map(|length| kind(length.mm())))).collect();
+        found.extend(self.get(lead.0).map(|angle| angle.map(|angle| lead.1(angle.radians()))));
+        found
     }
 
     /// A range of teeth; every tooth if there is none.

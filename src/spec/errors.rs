@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::keys;
-use super::reader::SectionReader;
+use super::reader::{SectionReader, TEXT};
 use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
@@ -97,9 +97,7 @@ pub(super) fn read_extent_value(
     kind: DeviationKind,
     value: &Spanned<DeValue<'_>>,
 ) -> Option<Located<Extent>> {
-    let DeValue::String(text) = value.get_ref() else {
-        return reader.wrong_type(keys::EXTENT, value, "text in quotes");
-    };
+    let text = reader.text_value(keys::EXTENT, value, TEXT)?;
     let refusal = match text.parse::<Extent>() {
         Ok(extent) if extent.fits(kind.counts()) => return Some(Located { value: extent, span: value.span() }),
         Ok(_) => Extent::NO_TOTAL.to_owned(),

@@ -70,6 +70,13 @@ pub struct Located<T> {
     pub span: Range<usize>,
 }
 
+impl<T> Located<T> {
+    /// What follows from the value, at the same place.
+    pub(crate) fn map<U>(self, of: impl FnOnce(T) -> U) -> Located<U> {
+        Located { value: of(self.value), span: self.span }
+    }
+}
+
 /// What is said of one of several things, such as the kinds of error, if anything is.
 pub(crate) fn said_of<K: Copy + PartialEq, T>(entries: &[(K, T)], of: K) -> Option<&T> {
     entries.iter().find(|(other, _)| *other == of).map(|(_, said)| said)

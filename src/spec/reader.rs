@@ -19,6 +19,9 @@ use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
 use crate::uncertainty::{Influence, Uncertainty};
 
+/// What a text is called that is needed.
+pub(super) const TEXT: &str = "text in quotes";
+
 /// A table of the spec while it is being read.
 pub(super) struct SectionReader<'a> {
     pub(super) source: &'a Arc<Source>,
@@ -90,7 +93,7 @@ impl<'a> SectionReader<'a> {
         };
         let span = written.span();
         let value = match key.kind {
-            Kind::Text | Kind::File => Value::Text(self.text_value(name, written)?.to_owned()),
+            Kind::Text | Kind::File => Value::Text(self.text_value(name, written, TEXT)?.to_owned()),
             Kind::Length(domain) => {
                 let length = self.length_value(name, written)?;
                 self.in_domain(domain.check_length(length), span.clone())?;
@@ -165,22 +168,25 @@ impl<'a> SectionReader<'a> {
         self.refuse(Diagnostic::error(Code::WrongType, message), value.span())
     }
 
-    fn text_value<'v>(&mut self, name: &str, value: &'v Spanned<DeValue<'_>>) -> Option<&'v str> {
-        if let DeValue::String(text) = value.get_ref() {
-            return Some(text);
-        }
-        self.wrong_type(name, value, "text in quotes")
+    /// A text, which is called as `needed` says where it is not there.
+    pub(super) fn text_value<'v>(
+        &mut self,
+        name: &str,
+        value: &'v Spanned<DeValue<'_>>,
+        needed: &str,
+    ) -> Option<&'v str> {
+        if let DeValue::String(text) = value.get_ref() { Some(text) } else { self.wrong_type(name, value, needed) }
     }
 
     /// What a text names; an unknown name is a problem of the kind `code`.
     fn parsed<T: FromStr<Err: Display>>(&mut self, name: &str, value: &Spanned<DeValue<'_>>, code: Code) -> Option<T> {
-        let parsed = self.text_value(name, value)?.parse();
+        let parsed = self.text_value(name, value, TEXT)?.parse();
         self.accept(name, parsed, code, value.span())
     }
 
     /// A decision rule, whose refusal says what it is of.
     fn rule_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rule> {
-        let rule = self.text_value(name, value)?.parse::<Rule>();
+        let rule = self.text_value(name, value, TEXT)?.parse::<Rule>();
         rule.map_err(|error| self.report(Diagnostic::error(Code::BadRule, error.to_string()), value.span())).ok()
     }
 

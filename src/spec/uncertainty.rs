@@ -109,10 +109,8 @@ impl SectionReader<'_> {
 
     pub(super) fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
         let all = [Distribution::Normal, Distribution::Rectangular, Distribution::Triangular, Distribution::Arcsine];
-        let DeValue::String(text) = value.get_ref() else {
-            return self.wrong_type("distribution", value, "a word in quotes");
-        };
-        let found = all.into_iter().find(|distribution| distribution.name() == text.as_ref());
+        let text = self.text_value("distribution", value, "a word in quotes")?;
+        let found = all.into_iter().find(|distribution| distribution.name() == text);
         if found.is_none() {
             let message = format!("\"{text}\" is no distribution: write normal, rectangular, triangular or arcsine");
             self.report(Diagnostic::error(Code::BadUncertainty, message), value.span());
@@ -197,10 +195,7 @@ fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> 
 
 /// The source of a name: its whole key, or the part behind the section if that is clear.
 fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Influence> {
-    let DeValue::String(text) = name.get_ref() else {
-        return reader.wrong_type("between", name, "the name of a value in quotes");
-    };
-    let text = text.as_ref();
+    let text = reader.text_value("between", name, "the name of a value in quotes")?;
     let short = |source: &Influence| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
     if let Some(source) = Influence::ALL.into_iter().find(|source| source.key() == text) {
         return Some(source);

@@ -66,8 +66,8 @@ impl Gear {
         if kind.part() == deviation::Part::Pinion { &mut self.pinion_helix } else { &mut self.rack_helix }
     }
 
-    fn helix(&self, kind: DeviationKind) -> f64 {
-        if kind.part() == deviation::Part::Pinion { self.pinion_helix } else { self.rack_helix }
+    fn helix(mut self, kind: DeviationKind) -> f64 {
+        *self.helix_mut(kind)
     }
 
     /// The number that a source is about, if it is one of these.
