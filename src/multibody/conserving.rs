@@ -107,7 +107,7 @@ impl Scene {
         let m = &self.inertia;
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let scale = limits.scale;
-        let travel = drive.at(end).0 - from.stroke;
+        let travel = drive.at(end).stroke - from.stroke;
         let before = self.potential(from);
         let most = (0..n).map(|i| m[i] / (scale[i] * scale[i])).fold(0.0, f64::max);
         let least = most * (travel * travel + ROUNDING * ROUNDING);
@@ -127,7 +127,7 @@ impl Scene {
         let solution = newton(guess, &limits, &mut |way: &[f64; 3]| {
             let q = std::array::from_fn(|i| from.q[i] + way[i]);
             let v = std::array::from_fn(|i| if i < n { 2.0 * way[i] / h - from.v[i] } else { 0.0 });
-            let state = self.state(drive, end, q, v, work);
+            let state = self.state(drive.at(end), q, v, work);
             let mean: [f64; 3] = std::array::from_fn(|i| 0.5 * (from.f[i] + state.f[i]));
             let along = 0.5 * (from.contact.generalized[3] + state.contact.generalized[3]) * travel;
             let gained = self.potential(&state) - before + along + (0..n).map(|i| mean[i] * way[i]).sum::<f64>();

@@ -12,6 +12,14 @@ pub(super) struct Drive {
     ramp_s: f64,
 }
 
+/// Where the rack is driven to, and how fast.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Driven {
+    pub(super) time: f64,
+    pub(super) stroke: f64,
+    pub(super) speed: f64,
+}
+
 impl Drive {
     pub(super) fn new(start_mm: f64, speed: f64, ramp_mm: f64) -> Self {
         Self { start_mm, speed, ramp_s: 2.0 * ramp_mm / speed }
@@ -22,15 +30,17 @@ impl Drive {
         self.ramp_s
     }
 
-    /// Stroke and speed at a time since the start.
-    pub(super) fn at(&self, time: f64) -> (f64, f64) {
+    /// Where the rack is at a time since the start.
+    pub(super) fn at(&self, time: f64) -> Driven {
         if time >= self.ramp_s {
-            return (self.start_mm + self.speed * (time - 0.5 * self.ramp_s), self.speed);
+            let stroke = self.start_mm + self.speed * (time - 0.5 * self.ramp_s);
+            return Driven { time, stroke, speed: self.speed };
         }
         let x = (time / self.ramp_s).max(0.0);
         let cube = x * x * x;
         let travel = self.speed * self.ramp_s * cube * x * (2.5 - x * (3.0 - x));
-        (self.start_mm + travel, self.speed * cube * (10.0 - x * (15.0 - 6.0 * x)))
+        let speed = self.speed * cube * (10.0 - x * (15.0 - 6.0 * x));
+        Driven { time, stroke: self.start_mm + travel, speed }
     }
 
     /// The time at which a stroke is reached.
@@ -46,7 +56,7 @@ impl Drive {
             if middle <= low || middle >= high {
                 return high;
             }
-            if self.at(middle).0 - self.start_mm < travel {
+            if self.at(middle).stroke - self.start_mm < travel {
                 low = middle;
             } else {
                 high = middle;
@@ -62,13 +72,17 @@ mod tests {
     #[test]
     fn starts_at_rest_reaches_its_speed_and_inverts() {
         let drive = Drive::new(3.0, 20.0, 1.0);
-        assert_eq!(drive.at(0.0), (3.0, 0.0));
-        let (stroke, speed) = drive.at(0.1 - 1e-12);
+        let at = |time| {
+            let Driven { stroke, speed, .. } = drive.at(time);
+            (stroke, speed)
+        };
+        assert_eq!(at(0.0), (3.0, 0.0));
+        let (stroke, speed) = at(0.1 - 1e-12);
         assert!((stroke - 4.0).abs() < 1e-9 && (speed - 20.0).abs() < 1e-9);
         let mut last = (3.0, 0.0);
         for step in 1..=400 {
             let time = 0.0005 * f64::from(step);
-            let now = drive.at(time);
+            let now = at(time);
             assert!((now.0 - last.0 - 0.00025 * (now.1 + last.1)).abs() < 1e-6, "speed is the stroke's rate");
             assert!((drive.time(now.0) - time).abs() < 1e-5);
             last = now;

@@ -48,7 +48,7 @@
 use std::ops::ControlFlow;
 
 use super::conserving::{Following, Step};
-use super::drive::Drive;
+use super::drive::{Drive, Driven};
 use super::energy::{Flow, Ledger};
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
@@ -99,21 +99,6 @@ const SMALLEST: f64 = 1e-13;
 /// Share of the stability limit that the explicit scheme uses.
 const EXPLICIT: f64 = 0.5;
 
-/// Where the rack is driven to, and how fast.
-#[derive(Debug, Clone, Copy)]
-struct Driven {
-    time: f64,
-    stroke: f64,
-    speed: f64,
-}
-
-impl Driven {
-    fn at(drive: &Drive, time: f64) -> Self {
-        let (stroke, speed) = drive.at(time);
-        Self { time, stroke, speed }
-    }
-}
-
 impl Scene {
     /// The motion over the stroke, from rest in equilibrium.
     #[must_use]
@@ -159,13 +144,8 @@ impl Scene {
         Ok(RunEnd::Completed)
     }
 
-    /// The forces in a position at a velocity, the rack at the drive's own.
-    pub(super) fn state(&self, drive: &Drive, time: f64, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
-        self.state_at(Driven::at(drive, time), q, v, work)
-    }
-
-    /// The same with the rack where and as fast as a stage has it.
-    fn state_at(&self, driven: Driven, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
+    /// The forces in a position at a velocity, the rack where and as fast as it is driven.
+    pub(super) fn state(&self, driven: Driven, q: [f64; 3], v: [f64; 3], work: &mut Work) -> State {
         let Driven { time, stroke, speed } = driven;
         let rates = Coordinates::from_free(v, speed);
         let contact = self.contact(&self.law, &Coordinates::from_free(q, stroke), &rates, work);
@@ -231,14 +211,14 @@ impl Scene {
             }
         }
         let per = 1.0 / (D * h);
-        let mut driven = Driven::at(drive, time);
+        let mut driven = drive.at(time);
         let covered: f64 = known.iter().map(|(state, weight)| h * weight * state.speed).sum();
         driven.speed = (driven.stroke - from.stroke - covered) * per;
         let limits = Limits { iterations: ITERATIONS, ..self.limits(BALANCE * self.load_n()) };
         let velocity = |q: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (q[i] - c[i]) * per) };
         let solution = newton(guess, &limits, &mut |q: &[f64; 3]| {
             let v = velocity(q);
-            let state = self.state_at(driven, *q, v, work);
+            let state = self.state(driven, *q, v, work);
             let (mut residual, mut tangent) = (state.f, self.tangent(q, &state.contact));
             for i in 0..3 {
                 residual[i] += (momentum[i] - self.inertia[i] * v[i]) * per;
@@ -261,7 +241,7 @@ impl Scene {
         let half: [f64; 3] = std::array::from_fn(|i| from.v[i] + 0.5 * h * rate(&from.f, i));
         let q = std::array::from_fn(|i| from.q[i] + h * half[i]);
         let predicted = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&from.f, i));
-        let mut state = self.state(drive, end, q, predicted, work);
+        let mut state = self.state(drive.at(end), q, predicted, work);
         state.v = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&state.f, i));
         let gained = Flow::of(&[(from, 0.5 * h), (&state, 0.5 * h)]);
         let finite = state.q.iter().chain(&state.v).all(|value| value.is_finite());
@@ -335,7 +315,7 @@ impl<'a> MotionRun<'a> {
         let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);
         let law = scene.law.without_damping().without_friction();
         let (q, _) = scene.equilibrium(p.start_mm, None, &law, work)?;
-        let start = scene.state(&drive, 0.0, q, [0.0; 3], work);
+        let start = scene.state(drive.at(0.0), q, [0.0; 3], work);
         Ok(Self {
             scene,
             total: drive.time(scene.sample_stroke(scene.intervals())),

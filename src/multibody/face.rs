@@ -185,13 +185,6 @@ impl Face {
         sum.along += self.by_stroke.abs() * self.force;
         sum.energy += self.energy;
         sum.damped += self.damped;
-        if self.right {
-            sum.normal_right += self.force;
-        } else {
-            sum.normal_left += self.force;
-        }
-        sum.contacts += self.contacts;
-        sum.penetration = sum.penetration.max(self.deepest);
-        sum.note_tooth(self.tooth);
+        sum.note((self.right, self.tooth), self.contacts, self.force, self.deepest);
     }
 }

@@ -180,14 +180,7 @@ impl Load<'_> {
         sum.along += f * g[3].abs();
         sum.energy += weight * force.energy;
         sum.damped += (f - weight * force.elastic) * rate;
-        if right {
-            sum.normal_right += f;
-        } else {
-            sum.normal_left += f;
-        }
-        sum.contacts += 1;
-        sum.penetration = sum.penetration.max(depth);
-        sum.note_tooth(tooth);
+        sum.note((right, tooth), 1, f, depth);
         let touching = Touching { gap: *gap, by: [g[0], g[1], g[2]], weight: *weight, force: f, by_depth };
         self.work.touching.0[usize::from(!right)].push(touching);
         if let Some((mu, fade)) = self.law.friction {

@@ -59,8 +59,15 @@ impl Forces {
         self.damped + self.rubbed
     }
 
-    /// Remembers that a rack tooth touches.
-    pub(super) fn note_tooth(&mut self, tooth: i64) {
+    /// Adds elements of a flank of a rack tooth, which press with this force and go in as deep.
+    pub(super) fn note(&mut self, (right, tooth): (bool, i64), contacts: u32, force: f64, penetration: f64) {
+        if right {
+            self.normal_right += force;
+        } else {
+            self.normal_left += force;
+        }
+        self.contacts += contacts;
+        self.penetration = self.penetration.max(penetration);
         self.teeth = Some(self.teeth.map_or((tooth, tooth), |(low, high)| (low.min(tooth), high.max(tooth))));
     }
 }

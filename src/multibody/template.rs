@@ -180,17 +180,14 @@ impl Template {
         let width = 2.0 * self.half_face / f64::from(grid.strips);
         for strip in 0..grid.strips {
             let w = -self.half_face + (f64::from(strip) + 0.5) * width;
-            let (sin, cos) = trig::sin_cos(self.kappa * w);
-            let share = w / self.half_face;
-            self.rows.push(Row {
-                w,
-                sin,
-                cos,
-                weight: width,
-                phase: 0,
-                removed: self.form.crowning_mm * share * share,
-            });
+            self.add_row(w, w / self.half_face, width, 0);
         }
+    }
+
+    /// Adds a row at w, which is a share of half the face.
+    fn add_row(&mut self, w: f64, share: f64, weight: f64, phase: usize) {
+        let (sin, cos) = trig::sin_cos(self.kappa * w);
+        self.rows.push(Row { w, sin, cos, weight, phase, removed: self.form.crowning_mm * share * share });
     }
 
     fn fill(&mut self, grid: &SphereGrid) {
@@ -228,12 +225,10 @@ impl Template {
         for r in 0..grid.width_nodes {
             let share = 2.0 * f64::from(r) / f64::from(last) - 1.0;
             let w = self.half_face * share;
-            let (sin, cos) = trig::sin_cos(self.kappa * w);
             let turn = f64::from(r) * GOLDEN + self.kappa * w / self.step;
             let phase = ((turn - turn.floor()) * f64::from(phases)) as usize;
             let weight = if r == 0 || r == last { 0.5 } else { 1.0 };
-            let phase = phase.min(phases as usize - 1);
-            self.rows.push(Row { w, sin, cos, weight, phase, removed: self.form.crowning_mm * share * share });
+            self.add_row(w, share, weight, phase.min(phases as usize - 1));
         }
     }
 }

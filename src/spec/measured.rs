@@ -123,9 +123,8 @@ impl Spec {
             _ => row.lead.map(DeviationValue::Angle),
         };
         let is_measured = |feature: &Feature| match feature {
-            Feature::OverPin => rows.iter().any(|row| row.over_pin.is_some()),
             Feature::Pitch => rows.iter().any(|row| row.position.is_some()),
-            _ => rows.iter().any(|row| row.lead.is_some()),
+            feature => rows.iter().any(|row| of(row, feature).is_some()),
         };
         let features = [Feature::OverPin, Feature::Pitch, Feature::Lead].into_iter().filter(is_measured);
         let features: Vec<_> = features.collect();

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use crate::deviation::{DeviationError, Part, PinionFlanks, PinionTooth, RackFlanks, RackTooth};
+use crate::deviation::{
+    DeviationError, Part, PinionFlank, PinionFlanks, PinionTooth, RackFlank, RackFlanks, RackTooth,
+};
 use crate::gear::Pair;
 use crate::judge::bound::{GivenPair, pinion_lead_angle_rad};
 use crate::mesh::{FlankSide, Mesh, MeshError};
@@ -34,10 +36,25 @@ pub const TEETH: RangeInclusive<i64> = -30..=36;
 #[derive(Debug, Clone)]
 pub(in crate::judge) struct Placed {
     pair: Pair,
-    rack: Vec<RackTooth>,
-    pinion: Vec<PinionTooth>,
-    /// Per pinion tooth.
-    slopes: Vec<BySide>,
+    rack: Vec<MovedTooth>,
+    pinion: Vec<MovedTooth>,
+}
+
+/// How far a flank is moved.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct MovedFlank {
+    /// Along X, or along the reference circle of the pinion, mm.
+    shift: f64,
+    /// Of the rack, along Z, mm.
+    lift: f64,
+    /// Turn of the rack's flank, rad; slope deviation f_Hβ of the pinion's, mm.
+    turn: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct MovedTooth {
+    left: MovedFlank,
+    right: MovedFlank,
 }
 
 /// A value for each flank of a tooth.
@@ -81,13 +98,8 @@ impl FlankDemand {
 impl Placed {
     /// Without errors.
     pub(in crate::judge) fn new(pair: &Pair) -> Self {
-        let z = pair.pinion().teeth as usize;
-        Self {
-            pair: *pair,
-            rack: vec![RackTooth::default(); TEETH.count()],
-            pinion: vec![PinionTooth::default(); z],
-            slopes: vec![BySide::default(); z],
-        }
+        let none = MovedTooth::default();
+        Self { pair: *pair, rack: vec![none; TEETH.count()], pinion: vec![none; pair.pinion().teeth as usize] }
     }
 
     /// The teeth of a part that errors are put on.
@@ -102,11 +114,11 @@ impl Placed {
     pub(in crate::judge) fn raise_space(&mut self, part: Part, space: i64, value: f64) {
         match part {
             Part::Rack => {
-                if let Some(tooth) = self.rack_tooth(space) {
-                    tooth.right.along_z_mm += value;
+                if let Some(tooth) = self.tooth(part, space) {
+                    tooth.right.lift += value;
                 }
-                if let Some(tooth) = self.rack_tooth(space + 1) {
-                    tooth.left.along_z_mm += value;
+                if let Some(tooth) = self.tooth(part, space + 1) {
+                    tooth.left.lift += value;
                 }
             }
             Part::Pinion => {
@@ -119,48 +131,33 @@ impl Placed {
 
     /// Shifts the flanks of a tooth along X, or along the reference circle, mm.
     pub(in crate::judge) fn shift(&mut self, part: Part, tooth: i64, by: BySide) {
-        match part {
-            Part::Rack => {
-                if let Some(tooth) = self.rack_tooth(tooth) {
-                    tooth.left.along_x_mm += by.left;
-                    tooth.right.along_x_mm += by.right;
-                }
-            }
-            Part::Pinion => {
-                let index = self.pinion_index(tooth);
-                self.pinion[index].left.arc_mm += by.left;
-                self.pinion[index].right.arc_mm += by.right;
-            }
+        if let Some(tooth) = self.tooth(part, tooth) {
+            tooth.left.shift += by.left;
+            tooth.right.shift += by.right;
         }
     }
 
     /// Turns the flanks of a tooth: by angles of the rack, rad; by slope deviations f_Hβ of the pinion, mm.
     pub(in crate::judge) fn turn(&mut self, part: Part, tooth: i64, by: BySide) {
-        match part {
-            Part::Rack => {
-                if let Some(tooth) = self.rack_tooth(tooth) {
-                    tooth.left.lead_rad += by.left;
-                    tooth.right.lead_rad += by.right;
-                }
-            }
-            Part::Pinion => {
-                let index = self.pinion_index(tooth);
-                self.slopes[index].left += by.left;
-                self.slopes[index].right += by.right;
-            }
+        if let Some(tooth) = self.tooth(part, tooth) {
+            tooth.left.turn += by.left;
+            tooth.right.turn += by.right;
         }
     }
 
     /// The flanks, with the form that the pair has.
     pub(in crate::judge) fn flanks(&self, given: &GivenPair) -> Result<(RackFlanks, PinionFlanks), ReachedError> {
-        let turned = |(tooth, slopes): (&PinionTooth, &BySide)| {
-            let mut tooth = *tooth;
-            tooth.left.lead_rad = pinion_lead_angle_rad(&self.pair, slopes.left);
-            tooth.right.lead_rad = pinion_lead_angle_rad(&self.pair, slopes.right);
-            tooth
+        let on_rack =
+            |MovedFlank { shift, lift, turn }| RackFlank { along_x_mm: shift, along_z_mm: lift, lead_rad: turn };
+        let on_pinion = |MovedFlank { shift, turn, .. }| PinionFlank {
+            arc_mm: shift,
+            lead_rad: pinion_lead_angle_rad(&self.pair, turn),
         };
-        let pinion: Vec<PinionTooth> = self.pinion.iter().zip(&self.slopes).map(turned).collect();
-        let rack: BTreeMap<i64, RackTooth> = TEETH.zip(self.rack.iter().copied()).collect();
+        let rack = self.rack.iter().map(|tooth| RackTooth { left: on_rack(tooth.left), right: on_rack(tooth.right) });
+        let rack: BTreeMap<_, _> = TEETH.zip(rack).collect();
+        let pinion = self.pinion.iter();
+        let pinion = pinion.map(|tooth| PinionTooth { left: on_pinion(tooth.left), right: on_pinion(tooth.right) });
+        let pinion: Vec<_> = pinion.collect();
         let rack = RackFlanks::nominal(&self.pair).with_measured(&rack)?.with_form(&self.pair, given.rack_form)?;
         let pinion = PinionFlanks::nominal(&self.pair).with_measured(&pinion)?.with_form(given.pinion_form)?;
         Ok((rack, pinion))
@@ -175,31 +172,35 @@ impl Placed {
     /// What a flank of a rack tooth asks for. The right one meets the left flank of the pinion's tooth with the same number, the
     /// left one the right flank of the tooth before.
     pub(super) fn asked(&self, side: FlankSide, tooth: i64) -> FlankDemand {
-        let rack = self.rack_or_nominal(tooth);
-        let pinion = self.pinion_index(if side == FlankSide::Right { tooth } else { tooth - 1 });
-        let (arcs, slopes) = (&self.pinion[pinion], &self.slopes[pinion]);
-        let (rack, arc_mm, pinion_slope_mm, sign) = match side {
-            FlankSide::Right => (rack.right, arcs.left.arc_mm, slopes.left, 1.0),
-            FlankSide::Left => (rack.left, arcs.right.arc_mm, slopes.right, -1.0),
+        let of = |part, tooth| self.index(part, tooth).map_or(MovedTooth::default(), |index| self.moved(part)[index]);
+        let (rack, pinion, sign) = match side {
+            FlankSide::Right => (of(Part::Rack, tooth).right, of(Part::Pinion, tooth).left, 1.0),
+            FlankSide::Left => (of(Part::Rack, tooth).left, of(Part::Pinion, tooth - 1).right, -1.0),
         };
         let cos_r = trig::cos(self.pair.rack().helix_angle_rad);
-        let by_x = rack.along_x_mm * cos_r / trig::tan(self.pair.normal_pressure_angle_rad());
-        let by_arc = arc_mm / trig::tan(self.pair.pinion().transverse_pressure_angle_rad);
-        let by_mm = sign * by_x + rack.along_z_mm - sign * by_arc;
-        FlankDemand { by_mm, rack_turn_rad: rack.lead_rad, pinion_slope_mm }
+        let by_x = rack.shift * cos_r / trig::tan(self.pair.normal_pressure_angle_rad());
+        let by_arc = pinion.shift / trig::tan(self.pair.pinion().transverse_pressure_angle_rad);
+        let by_mm = sign * by_x + rack.lift - sign * by_arc;
+        FlankDemand { by_mm, rack_turn_rad: rack.turn, pinion_slope_mm: pinion.turn }
     }
 
-    fn rack_tooth(&mut self, tooth: i64) -> Option<&mut RackTooth> {
-        usize::try_from(tooth - *TEETH.start()).ok().and_then(|index| self.rack.get_mut(index))
+    fn index(&self, part: Part, tooth: i64) -> Option<usize> {
+        let place = match part {
+            Part::Rack => tooth - *TEETH.start(),
+            Part::Pinion => tooth.rem_euclid(i64::from(self.pair.pinion().teeth)),
+        };
+        usize::try_from(place).ok().filter(|index| *index < self.moved(part).len())
     }
 
-    fn rack_or_nominal(&self, tooth: i64) -> RackTooth {
-        let index = usize::try_from(tooth - *TEETH.start()).ok();
-        index.and_then(|index| self.rack.get(index)).copied().unwrap_or_default()
+    fn moved(&self, part: Part) -> &[MovedTooth] {
+        match part {
+            Part::Rack => &self.rack,
+            Part::Pinion => &self.pinion,
+        }
     }
 
-    fn pinion_index(&self, tooth: i64) -> usize {
-        let z = i64::from(self.pair.pinion().teeth);
-        usize::try_from(tooth.rem_euclid(z)).unwrap_or(0)
+    fn tooth(&mut self, part: Part, tooth: i64) -> Option<&mut MovedTooth> {
+        let index = self.index(part, tooth)?;
+        Some(if part == Part::Rack { &mut self.rack[index] } else { &mut self.pinion[index] })
     }
 }
