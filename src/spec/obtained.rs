@@ -98,7 +98,7 @@ fn of_table(
     mut told: Vec<Told>,
     slope: Option<Length>,
 ) -> impl Iterator<Item = MeasuredValue> {
-    told.push(Told { graded: Ok(Deviation::HelixSlope), amount: slope, what: "largest lead deviation" });
+    told.push(Told::of(Ok(Deviation::HelixSlope), slope, "largest lead deviation"));
     told.into_iter().filter_map(move |Told { graded, amount, what }| {
         Some(MeasuredValue { part, graded, amount: amount?, origin: format!("{what} in {table}") })
     })
@@ -111,27 +111,22 @@ struct Told {
     what: &'static str,
 }
 
+impl Told {
+    const fn of(graded: Result<Deviation, &'static str>, amount: Option<Length>, what: &'static str) -> Self {
+        Self { graded, amount, what }
+    }
+}
+
 fn of_spaces(rows: &[RackSpace], positions: &BTreeMap<i64, Length>) -> Vec<Told> {
     let height =
         |row: &RackSpace| row.over_pin.map(|(Measured::Absolute(length) | Measured::Deviation(length))| length);
     let heights: Vec<Length> = rows.iter().filter_map(height).collect();
-    let steps = pitch_steps(positions, None);
+    let positions_in_order: Vec<_> = positions.values().copied().collect();
+    let largest = pitch_steps(positions, None).into_values().map(Length::abs).max();
     vec![
-        Told {
-            graded: Err(NO_RUNOUT_OF_A_RACK),
-            amount: spread(&heights),
-            what: "over-pin values, largest less smallest",
-        },
-        Told {
-            graded: Ok(Deviation::SinglePitch),
-            amount: steps.values().map(|step| step.abs()).max(),
-            what: "differences of neighbouring position deviations",
-        },
-        Told {
-            graded: Ok(Deviation::TotalPitch),
-            amount: spread(&positions.values().copied().collect::<Vec<_>>()),
-            what: "position deviations, largest less smallest",
-        },
+        Told::of(Err(NO_RUNOUT_OF_A_RACK), spread(&heights), "over-pin values, largest less smallest"),
+        Told::of(Ok(Deviation::SinglePitch), largest, "differences of neighbouring position deviations"),
+        Told::of(Ok(Deviation::TotalPitch), spread(&positions_in_order), "position deviations, largest less smallest"),
     ]
 }
 
@@ -151,7 +146,7 @@ fn of_teeth(rows: &[PinionTooth], teeth: u32) -> Vec<Told> {
     let sectors = sums
         .iter()
         .flat_map(|sums| (0..sums.len()).map(move |tooth| (sums[(tooth + pitches) % sums.len()] - sums[tooth]).abs()));
-    let told = |deviation, amount, what| Told { graded: Ok(deviation), amount, what };
+    let told = |deviation, amount, what| Told::of(Ok(deviation), amount, what);
     vec![
         told(Deviation::Runout, spread(&radial), "radial deviations, largest less smallest"),
         told(Deviation::SinglePitch, largest, "largest single pitch deviation"),

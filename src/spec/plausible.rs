@@ -8,7 +8,7 @@ use super::keys::{self, Key};
 use super::resolve::Problems;
 use super::value::KeyType;
 use super::{Located, Spec, said_of};
-use crate::deviation::plausible::{self, Doubt, WrittenIn};
+use crate::deviation::plausible::{self, Doubt, Reach, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::formula::over_pin::OverPin;
@@ -21,6 +21,12 @@ struct DoubtedKey {
     name: String,
     span: Range<usize>,
     doubt: Doubt,
+}
+
+impl DoubtedKey {
+    fn new(name: impl Into<String>, span: &Range<usize>, doubt: Doubt) -> Self {
+        Self { name: name.into(), span: span.clone(), doubt }
+    }
 }
 
 impl Spec {
@@ -86,7 +92,7 @@ impl Spec {
     fn doubted_sizes(&self) -> Vec<DoubtedKey> {
         fn of<T: KeyType>(spec: &Spec, key: Key<T>, rule: impl Fn(Located<T>) -> Option<Doubt>) -> Option<DoubtedKey> {
             let written = spec.values.located(key)?;
-            Some(DoubtedKey { name: key.any.name().to_owned(), span: written.span.clone(), doubt: rule(written)? })
+            Some(DoubtedKey::new(key.any.name(), &written.span.clone(), rule(written)?))
         }
         let module = self.module();
         let face_width = |width: Located<Length>| plausible::face_width(width.value, module);
@@ -130,7 +136,7 @@ impl Spec {
                 _ => DeviationValue::Angle(Angle::from_degrees(standard).ok()?),
             };
             let doubt = plausible::deviation(value, self.module())?.of_no_size().of_no_part();
-            Some(DoubtedKey { name: format!("uncertainty of {}", kind.key()), span: written.span.clone(), doubt })
+            Some(DoubtedKey::new(format!("uncertainty of {}", kind.key()), &written.span, doubt))
         };
         self.uncertainties.iter().filter_map(doubted)
     }
@@ -155,14 +161,13 @@ impl Spec {
         };
         let doubt = plausible::deviation(value, self.module())?;
         let doubt = if is_difference { doubt.of_difference() } else { doubt };
-        Some(DoubtedKey { name: kind.key().to_owned(), span: written.span.clone(), doubt })
+        Some(DoubtedKey::new(kind.key(), &written.span, doubt))
     }
 
     /// The doubt about the roller of an entry of `[errors]`.
     fn doubted_roller(&self, written: &Located<WrittenError>) -> Option<DoubtedKey> {
         let WrittenError::OverRoller { roller, .. } = written.value else { return None };
-        let doubt = self.doubted_pin(roller)?;
-        Some(DoubtedKey { name: "roller".to_owned(), span: written.span.clone(), doubt })
+        Some(DoubtedKey::new("roller", &written.span, self.doubted_pin(roller)?))
     }
 
     /// Limits that no deviation comes near, so that they would let every part pass: µm in place of mm.
@@ -170,10 +175,9 @@ impl Spec {
         let doubted = |on: &LimitTarget, end: Option<Length>| {
             let module = self.module();
             let doubt = plausible::deviation(DeviationValue::Length(end?), module)?.of_no_part();
-            let reach =
-                if module.is_some() { plausible::Reach::possible(module) } else { plausible::Reach::usual(None) };
-            Some(DoubtedKey { name: format!("limits.{}", on.key()), span: 0..0, doubt })
-                .filter(|_| reach.is_exceeded_by(doubt.value))
+            let reach = if module.is_some() { Reach::possible(module) } else { Reach::usual(None) };
+            let doubted = DoubtedKey::new(format!("limits.{}", on.key()), &(0..0), doubt);
+            reach.is_exceeded_by(doubt.value).then_some(doubted)
         };
         self.limits()
             .iter()
@@ -184,20 +188,14 @@ impl Spec {
 
     /// The doubts about deviations of single teeth.
     fn doubted_teeth(&self) -> Vec<DoubtedKey> {
-        let module = self.module();
-        let doubted = |name: &str, value: Option<DeviationValue>, span: &Range<usize>| {
-            let doubt = plausible::deviation(value?, module)?;
-            Some(DoubtedKey { name: name.to_owned(), span: span.clone(), doubt })
+        let rack = self.rack_deviations.iter().map(|written| (of_rack(written.value.kind), &written.span));
+        let pinion = self.pinion_deviations.iter().map(|written| (of_pinion(written.value.kind), &written.span));
+        let doubted = |name: &'static str| {
+            move |(value, span): (Option<DeviationValue>, &Range<usize>)| {
+                Some(DoubtedKey::new(name, span, plausible::deviation(value?, self.module())?))
+            }
         };
-        let rack = self
-            .rack_deviations
-            .iter()
-            .filter_map(|written| doubted("rack.deviation", of_rack(written.value.kind), &written.span));
-        let pinion = self
-            .pinion_deviations
-            .iter()
-            .filter_map(|written| doubted("pinion.deviation", of_pinion(written.value.kind), &written.span));
-        rack.chain(pinion).collect()
+        rack.filter_map(doubted("rack.deviation")).chain(pinion.filter_map(doubted("pinion.deviation"))).collect()
     }
 }
 

@@ -94,27 +94,29 @@ impl Default for Sum {
 }
 
 impl Sum {
-    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, NoBound> {
+    /// Of some errors; `each` is shown what each does alone. Several leads of a part are added as angles.
+    #[inline]
+    fn of(
+        errors: &[ExtendedError],
+        knowledge: &Knowledge,
+        mut each: impl FnMut(&ExtendedError, Result<ErrorRange, NoBound>),
+    ) -> Result<Self, NoBound> {
         let several = parts_with_several_leads(errors);
-        let mut sum = Self::default();
+        let (mut sum, mut is_open) = (Self::default(), Ok(()));
         for error in errors {
-            let range = range_of(error, knowledge)?;
-            if !(error.effect.is_lead() && several[error.part as usize]) {
-                sum.add(error.part, range);
+            let range = range_of(error, knowledge);
+            each(error, range);
+            match range {
+                Ok(_) if error.effect.is_lead() && several[error.part as usize] => {}
+                Ok(range) => sum.add(error.part, range),
+                Err(open) => is_open = is_open.and(Err(open)),
             }
         }
-        sum.add_several_leads(several, errors, knowledge);
-        Ok(sum)
-    }
-
-    /// Adds what the leads of parts do that have several, which are added as angles.
-    fn add_several_leads(&mut self, several: [bool; 2], errors: &[ExtendedError], knowledge: &Knowledge) {
-        for part in [Part::Rack, Part::Pinion] {
-            if several[part as usize] {
-                let of_part = errors.iter().filter(|error| error.part == part);
-                self.add(part, of_leads(&of_part.fold(Leads::none(part), Leads::with), knowledge));
-            }
+        for part in [Part::Rack, Part::Pinion].into_iter().filter(|part| several[*part as usize]) {
+            let of_part = errors.iter().filter(|error| error.part == part);
+            sum.add(part, of_leads(&of_part.fold(Leads::none(part), Leads::with), knowledge));
         }
+        is_open.map(|()| sum)
     }
 
     #[inline]
@@ -185,20 +187,10 @@ pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
 
 /// What errors do together.
 pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
-    let several = parts_with_several_leads(errors);
-    let (mut sum, mut scatter) = (Sum::default(), StatisticalSum::default());
-    let (mut summed, mut scattered) = (Ok(()), Ok(()));
-    for error in errors {
-        let range = range_of(error, knowledge);
-        match range {
-            Ok(_) if error.effect.is_lead() && several[error.part as usize] => {}
-            Ok(range) => sum.add(error.part, range),
-            Err(open) => summed = summed.and(Err(open)),
-        }
+    let (mut scatter, mut scattered) = (StatisticalSum::default(), Ok(()));
+    let sum = Sum::of(errors, knowledge, |error, range| {
         scattered = scattered.and_then(|()| moments(error, range, knowledge).map(|moments| scatter.add(moments)));
-    }
-    sum.add_several_leads(several, errors, knowledge);
-    let sum = summed.map(|()| sum);
+    });
     let own = sum.and_then(|sum| own(&sum, knowledge));
     let total = match knowledge.basis.known_teeth {
         Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
@@ -249,7 +241,8 @@ impl KnownPair {
     pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
         let knowledge = Knowledge { basis: &Basis::default(), pair: Some(self) };
         // nothing is open where the geometry is known
-        let Reach { range, of_pinion_mm } = Sum::of(errors, &knowledge).map_or(self.reach, |sum| sum.reach());
+        let Reach { range, of_pinion_mm } =
+            Sum::of(errors, &knowledge, |_, _| {}).map_or(self.reach, |sum| sum.reach());
         let Range { lower, upper } = range;
         Reach {
             range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM },
