@@ -1,22 +1,24 @@
 //! Why a deviation cannot be applied to a part. Raised where flanks are built; holds data, words only in `Display`.
 
-use std::fmt;
-
 use crate::quantity::{Degrees, Rounded};
 
-/// What a deviation's number is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum DeviationQuantity {
-    /// A displacement in mm.
-    Displacement,
-    /// A lead (helix angle) deviation in rad.
-    Lead,
-    /// An eccentricity in mm.
-    Eccentricity,
-    /// A flank form amount in mm.
-    Form,
+named! {
+    /// What a deviation's number is.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum DeviationQuantity {
+        /// A displacement in mm.
+        Displacement = "displacement",
+        /// A lead (helix angle) deviation in rad.
+        Lead = "lead deviation",
+        /// An eccentricity in mm.
+        Eccentricity = "eccentricity",
+        /// A flank form amount in mm.
+        Form = "flank form",
+    }
 }
+
+display_by_name!(DeviationQuantity);
 
 impl DeviationQuantity {
     /// A value of it, with its unit.
@@ -25,17 +27,6 @@ impl DeviationQuantity {
             Self::Lead => Degrees(value).to_string(),
             Self::Displacement | Self::Eccentricity | Self::Form => format!("{} mm", Rounded(value)),
         }
-    }
-}
-
-impl fmt::Display for DeviationQuantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Displacement => "displacement",
-            Self::Lead => "lead deviation",
-            Self::Eccentricity => "eccentricity",
-            Self::Form => "flank form",
-        })
     }
 }
 

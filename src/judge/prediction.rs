@@ -44,18 +44,16 @@ impl PlacedError {
     /// # Errors
     /// [`DomainError`] if a run has a value that the formula does not take.
     pub fn predicted(&self, pair: &Pair) -> Result<Predicted, DomainError> {
-        let mut range = None;
+        let mut ends = Vec::new();
         for run in &self.runs {
             let value = match self.error.value() {
                 DeviationValue::Length(_) => DeviationValue::Length(Length::from_mm(run.value)?),
                 _ => DeviationValue::Angle(Angle::from_degrees(run.value / RADIANS_PER_DEGREE)?),
             };
             let mm = self.error.with_value(value).delta_cd(Model::Exact)?.mm();
-            let (low, high) = if self.is_everywhere(run, pair) { (mm, mm) } else { (mm.min(0.0), mm.max(0.0)) };
-            let (lower, upper) = range.unwrap_or((low, high));
-            range = Some((low.min(lower), high.max(upper)));
+            ends.extend(if self.is_everywhere(run, pair) { [mm, mm] } else { [mm, 0.0] });
         }
-        let (lower_mm, upper_mm) = range.unwrap_or((0.0, 0.0));
+        let (lower_mm, upper_mm) = extremes(ends.into_iter());
         Ok(Predicted { what: self.in_words(pair), lower_mm, upper_mm })
     }
 

@@ -32,9 +32,6 @@ pub(super) fn touch(meeting: &Meeting<'_>, form: &RackForm, load: &mut Load<'_>)
     let mut face = Face::new(load, (pair.right, pair.rack_tooth), by);
     for placed_row in meeting.rows() {
         load.work.counters.spheres_tested += 1;
-        if meeting.is_early(&placed_row) && meeting.floor(&placed_row).is_none() {
-            continue;
-        }
         let PlacedRow { row, crossing, .. } = placed_row;
         let tau = crossing.clamp(template.start_roll, template.tip_roll);
         if plain && tau == crossing {

@@ -189,23 +189,19 @@ fn error_form(
     let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
     let every_part = entry.contains_key(keys::EVERY_PART);
     let beside = uncertain + usize::from(every_part) + usize::from(entry.contains_key(keys::EXTENT));
+    let bad = |message: String, help: &str| Diagnostic::error(Code::BadErrorEntry, message).help(help);
     let makes = |form: &&&[&str]| form.len() + beside == entry.len() && form.iter().all(|k| entry.contains_key(*k));
     let Some(form) = forms.iter().find(makes) else {
         let message = format!("`{}` is a table that makes no error", kind.key());
-        let diagnostic =
-            Diagnostic::error(Code::BadErrorEntry, message).help(format!("write {}", forms_in_words(forms)));
-        return reader.refuse(diagnostic, span);
+        return reader.refuse(bad(message, &format!("write {}", forms_in_words(forms))), span);
     };
     if every_part && !is_of_a_part(form) {
         let message = format!("`{}` has no value that `every_part` could be of", kind.key());
-        let diagnostic = Diagnostic::error(Code::BadErrorEntry, message)
-            .help("it goes with a value: { value = …, every_part = true }");
-        return reader.refuse(diagnostic, span);
+        return reader.refuse(bad(message, "it goes with a value: { value = …, every_part = true }"), span);
     }
     if *form == ["class"] && entry.contains_key(keys::EXTENT) {
         let message = format!("`{}` is a class: what is permitted is that of each tooth", kind.key());
-        let help = "leave `extent` out, or give the largest deviation as `value`";
-        return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
+        return reader.refuse(bad(message, "leave `extent` out, or give the largest deviation as `value`"), span);
     }
     Some(form)
 }

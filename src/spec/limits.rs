@@ -22,17 +22,14 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<
 fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
     let value = reader.table.get(name)?;
     let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
-    let bad = |message: String| Diagnostic::error(Code::BadLimit, message).help(help);
     let limit = match value.get_ref() {
         DeValue::String(text) => {
             let magnitude = ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign));
-            let Some(magnitude) = magnitude else {
-                return reader.refuse(bad(format!("`{name}` is \"{text}\", which is not a limit")), value.span());
-            };
-            match magnitude.parse::<Length>() {
-                Ok(magnitude) if !magnitude.is_negative() => Limit::symmetric(magnitude),
-                Ok(_) => return reader.refuse(bad(format!("`{name}` has two signs")), value.span()),
-                Err(error) => return reader.refuse(bad(format!("`{name}`: {error}")), value.span()),
+            match magnitude.map(str::parse::<Length>) {
+                None => Err(format!("`{name}` is \"{text}\", which is not a limit")),
+                Some(Ok(magnitude)) if !magnitude.is_negative() => Ok(Limit::symmetric(magnitude)),
+                Some(Ok(_)) => Err(format!("`{name}` has two signs")),
+                Some(Err(error)) => Err(format!("`{name}`: {error}")),
             }
         }
         DeValue::Table(ends) => {
@@ -42,20 +39,18 @@ fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Loca
                 None => Some(None),
             };
             let (lower, upper) = (end("lower"), end("upper"));
-            let limit = Limit { lower: lower?, upper: upper? };
-            match (&limit.lower, &limit.upper) {
-                (None, None) => return reader.refuse(bad(format!("`{name}` limits nothing")), value.span()),
+            match (lower?, upper?) {
+                (None, None) => Err(format!("`{name}` limits nothing")),
                 (Some(lower), Some(upper)) if lower > upper => {
-                    let message = format!("the lower limit {lower} is above the upper limit {upper}");
-                    return reader.refuse(bad(message), value.span());
+                    Err(format!("the lower limit {lower} is above the upper limit {upper}"))
                 }
-                _ => limit,
+                (lower, upper) => Ok(Limit { lower, upper }),
             }
         }
-        other => {
-            let message = format!("`{name}` is {}; a limit has two ends", reader::type_in_words(other));
-            return reader.refuse(bad(message), value.span());
-        }
+        other => Err(format!("`{name}` is {}; a limit has two ends", reader::type_in_words(other))),
     };
-    Some(Located { value: limit, span: value.span() })
+    match limit {
+        Ok(limit) => Some(Located { value: limit, span: value.span() }),
+        Err(message) => reader.refuse(Diagnostic::error(Code::BadLimit, message).help(help), value.span()),
+    }
 }

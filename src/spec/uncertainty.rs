@@ -59,16 +59,13 @@ impl SectionReader<'_> {
         span: Range<usize>,
         source: Influence,
         degrees_per_mm: Option<f64>,
-    ) {
+    ) -> Option<()> {
         let (is_angle, scale) = (source.is_angle() && degrees_per_mm.is_none(), degrees_per_mm.unwrap_or(1.0));
-        if !UNCERTAINTY_KEYS.iter().any(|key| table.contains_key(*key)) {
-            return;
-        }
+        UNCERTAINTY_KEYS.iter().find(|key| table.contains_key(**key))?;
         let has = |key: &str| table.contains_key(key);
         let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
         if let Some(problem) = contradiction(name, table) {
-            self.report(bad(problem), span);
-            return;
+            return self.refuse(bad(problem), span);
         }
         let magnitude = |reader: &mut Self, key: &str| {
             let value = table.get(key)?;
@@ -78,33 +75,26 @@ impl SectionReader<'_> {
             }
             Some(number * scale)
         };
-        let distribution = match table.get("distribution") {
-            None => Distribution::Normal,
-            Some(value) => match self.distribution(value) {
-                Some(distribution) => distribution,
-                None => return,
-            },
-        };
-        let uncertainty = if has("u") {
-            magnitude(self, "u").map(|u| Uncertainty { distribution, ..Uncertainty::standard(u) })
+        let distribution = table.get("distribution").map(|value| self.distribution(value));
+        let distribution = distribution.unwrap_or(Some(Distribution::Normal))?;
+        let mut uncertainty = if has("u") {
+            Uncertainty { distribution, ..Uncertainty::standard(magnitude(self, "u")?) }
         } else if has("U") {
-            let expanded = magnitude(self, "U");
-            let k = table.get("k").and_then(|value| self.positive("k", value));
-            expanded.zip(k).map(|(expanded, k)| Uncertainty { distribution, ..Uncertainty::expanded(expanded, k) })
+            let (expanded, k) = (magnitude(self, "U"), table.get("k").and_then(|value| self.positive("k", value)));
+            Uncertainty { distribution, ..Uncertainty::expanded(expanded?, k?) }
         } else {
-            magnitude(self, "half_width").map(|half_width| Uncertainty::half_width(half_width, distribution))
+            Uncertainty::half_width(magnitude(self, "half_width")?, distribution)
         };
-        let Some(mut uncertainty) = uncertainty else { return };
         if let Some(value) = table.get("dof") {
-            let Some(dof) = self.positive("dof", value) else { return };
-            if dof < 1.0 || distribution != Distribution::Normal {
+            uncertainty.dof = self.positive("dof", value)?;
+            if uncertainty.dof < 1.0 || distribution != Distribution::Normal {
+                let dof = uncertainty.dof;
                 let what = if dof < 1.0 { "at least 1 is needed" } else { "only a normal distribution has them" };
-                self.report(bad(format!("`{name}` has {dof} degrees of freedom: {what}")), value.span());
-                return;
+                return self.refuse(bad(format!("`{name}` has {dof} degrees of freedom: {what}")), value.span());
             }
-            uncertainty.dof = dof;
         }
         self.uncertainties.push((source, Located { value: uncertainty, span }));
+        Some(())
     }
 
     pub(super) fn distribution(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Distribution> {
