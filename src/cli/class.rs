@@ -8,9 +8,9 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::{Model, PartDeviation, domain};
 use crate::gear::Pair;
 use crate::judge::Stack;
-use crate::judge::class::{self, DiameterSource, Meshing, RackDiameter};
+use crate::judge::class::{self, DiameterSource, Meshing, NoEffect, RackDiameter};
 use crate::judge::class_mesh::ArrangedDeviation;
-use crate::judge::grade::{self, GradeSearch, ObtainedGrade, ToleranceError};
+use crate::judge::grade::{self, GradeSearch, ObtainedGrade};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
 use crate::spec::{MeasuredValue, Spec, keys};
@@ -343,16 +343,16 @@ impl Args {
             }
         }
         let of = |kind: DeviationKind| sized.iter().find(|sized| sized.meshing.part == kind.part());
-        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, ToleranceError> {
+        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, NoEffect> {
             // the others were left out
             let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
             let missing = || StandardError::NoSuchDeviation { standard, deviation };
             let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
             let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
             let total = class::total_of(kind, limiting, grade, &sized.wheel);
-            Ok(class::tolerance(kind, &permissible, total.as_ref(), &sized.meshing)?)
+            class::tolerance(kind, &permissible, total.as_ref(), &sized.meshing)
         };
-        let mut fatal: Option<ToleranceError> = None;
+        let mut fatal: Option<NoEffect> = None;
         let basis = spec.map(Spec::pair_basis).transpose()?.unwrap_or_default();
         let search = GradeSearch::new(standard, limit, &basis, |grade| {
             let tolerances: Result<Vec<_>, _> = kinds.iter().map(|kind| tolerance(*kind, grade)).collect();
@@ -449,9 +449,9 @@ fn remarks(rows: &[ClassRow], meshing: &Meshing) -> Vec<String> {
 }
 
 /// Why there is no ΔCD of any grade.
-fn no_tolerance(error: &ToleranceError) -> Diagnostic {
+fn no_tolerance(error: &NoEffect) -> Diagnostic {
     match error {
-        ToleranceError::Standard(error) => no_class(error),
+        NoEffect::Standard(error) => no_class(error),
         error => Diagnostic::error(Code::NoResult, format!("ΔCD of a class has no value: {error}"))
             .help("give it as an option or in the spec"),
     }

@@ -54,6 +54,11 @@ impl Extent {
         !matches!(self, Self::Total) || matches!(counted, Countable::Pitch)
     }
 
+    /// The names of those that an error that counts these can have.
+    pub(crate) fn names(counted: Countable) -> Vec<&'static str> {
+        Self::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Self::name).collect()
+    }
+
     /// In words: `one space`, `every pitch, any sign`. Where pitches add up, `in_contact` says how many at most.
     #[must_use]
     pub fn words(self, counted: Countable, in_contact: Option<u32>) -> String {

@@ -8,7 +8,7 @@ use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::law::lead_slope;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{Angle, DomainError, Length, LengthUnit};
-use crate::standard::{Deviation, Permissible, Standard, Wheel};
+use crate::standard::{Deviation, Permissible, Standard, StandardError, Wheel};
 use crate::trig;
 
 /// Which diameter stands for a rack in a standard for toothed wheels. There is no default.
@@ -197,6 +197,17 @@ pub enum NoEffect {
     /// A value is outside its domain.
     #[error(transparent)]
     Domain(#[from] DomainError),
+    /// The standard has no such value.
+    #[error(transparent)]
+    Standard(#[from] StandardError),
+}
+
+impl NoEffect {
+    /// Whether another grade may have one.
+    #[must_use]
+    pub const fn is_of_grade(&self) -> bool {
+        matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
+    }
 }
 
 /// The ΔCD that a deviation of `amount` allows, by the formulas; see the [module](self).

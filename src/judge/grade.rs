@@ -76,33 +76,13 @@ pub fn overall(obtained: &[ObtainedGrade]) -> Option<u8> {
     grades?.into_iter().max()
 }
 
-/// Why a grade has no ΔCD.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ToleranceError {
-    /// The standard has no such value.
-    #[error(transparent)]
-    Standard(#[from] StandardError),
-    /// Nothing is known of what the value does.
-    #[error(transparent)]
-    Effect(#[from] NoEffect),
-}
-
-impl ToleranceError {
-    /// Whether another grade may have one.
-    #[must_use]
-    pub const fn is_of_grade(&self) -> bool {
-        matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
-    }
-}
-
 /// What one grade does to the centre distance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GradeStep {
     /// The grade.
     pub grade: u8,
     /// The combination of every deviation's ΔCD, or why there is none.
-    pub combined: Result<Combined<Interval>, ToleranceError>,
+    pub combined: Result<Combined<Interval>, NoEffect>,
 }
 
 /// The grades of a standard against a limit of ΔCD.
@@ -123,7 +103,7 @@ impl GradeSearch {
         standard: Standard,
         limit: Length,
         basis: &Basis,
-        mut errors: impl FnMut(u8) -> Result<Vec<PartDeviation>, ToleranceError>,
+        mut errors: impl FnMut(u8) -> Result<Vec<PartDeviation>, NoEffect>,
     ) -> Result<Self, QuantityError> {
         let mut steps = Vec::new();
         for grade in standard.grades() {

@@ -73,6 +73,11 @@ impl Limit {
         Self { lower: Some(-magnitude.abs()), upper: Some(magnitude.abs()) }
     }
 
+    /// With both ends moved inwards by so much.
+    pub(super) fn narrowed(self, at_lower: Length, at_upper: Length) -> Self {
+        Self { lower: self.lower.map(|end| end + at_lower), upper: self.upper.map(|end| end - at_upper) }
+    }
+
     /// Whether every value of a result is permitted.
     #[must_use]
     pub fn judge(&self, result: Interval) -> Verdict {

@@ -46,7 +46,7 @@ impl Rule {
     #[must_use]
     pub fn accepted(&self, limit: &Limit) -> Limit {
         let Self::Guard(band) = *self else { return *limit };
-        Limit { lower: limit.lower.map(|lower| lower + band), upper: limit.upper.map(|upper| upper - band) }
+        limit.narrowed(band, band)
     }
 }
 
@@ -239,11 +239,8 @@ pub(crate) fn verdict(
 /// passes, outside the limit moved outwards it fails.
 fn judge(limit: &Limit, result: Interval, guard: Option<(Length, Length)>) -> Verdict {
     let Some((at_lower, at_upper)) = guard else { return limit.judge(result) };
-    let moved = |lower: Length, upper: Length| Limit {
-        lower: limit.lower.map(|end| end + lower),
-        upper: limit.upper.map(|end| end - upper),
-    };
-    match (moved(at_lower, at_upper).judge(result), moved(-at_lower, -at_upper).judge(result)) {
+    let [inwards, outwards] = [limit.narrowed(at_lower, at_upper), limit.narrowed(-at_lower, -at_upper)];
+    match (inwards.judge(result), outwards.judge(result)) {
         (Verdict::Pass, _) => Verdict::Pass,
         (_, Verdict::Fail) => Verdict::Fail,
         _ => Verdict::Indeterminate,

@@ -7,7 +7,7 @@ use super::number::{plain, tidy, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
 use crate::judge::class::{DiameterSource, NoEffect, effect};
-use crate::judge::grade::{GradeSearch, ObtainedGrade, ToleranceError, overall};
+use crate::judge::grade::{GradeSearch, ObtainedGrade, overall};
 use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
@@ -300,12 +300,12 @@ pub struct GradeSearchReport {
 }
 
 /// The ends of a grade's combination, if it has them.
-fn ends(combined: &Result<Combined<Interval>, ToleranceError>, stack: Stack) -> Option<Interval> {
+fn ends(combined: &Result<Combined<Interval>, NoEffect>, stack: Stack) -> Option<Interval> {
     combined.as_ref().ok().and_then(|combined| combined.interval(stack).ok())
 }
 
 /// Why a grade has no worst case.
-fn why_none(combined: &Result<Combined<Interval>, ToleranceError>) -> Option<String> {
+fn why_none(combined: &Result<Combined<Interval>, NoEffect>) -> Option<String> {
     match combined {
         Ok(combined) => combined.range.err().map(|open| open.to_string()),
         Err(error) => Some(error.to_string()),

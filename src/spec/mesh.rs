@@ -230,9 +230,10 @@ impl Spec {
     ) -> Result<RackFlanks, Diagnostic> {
         // each by itself first, so that the message points at the one that cannot be
         for written in &self.rack_deviations {
-            RackFlanks::new(pair, &[written.value]).map_err(|error| self.bad_value(&error, written.span.clone()))?;
+            RackFlanks::new(pair, &[written.value])
+                .map_err(|error| self.bad_value(&error, Some(written.span.clone())))?;
         }
-        let whole = |error| self.bad_value(&error, 0..0);
+        let whole = |error| self.bad_value(&error, None);
         let measured = rack_flanks_from_spaces(pair, rows).map_err(whole)?;
         let in_table = |error| self.bad_in(tables.rack.as_ref().map(|table| table.name.as_str()), &error);
         let form = self.rack_form();
@@ -242,7 +243,7 @@ impl Spec {
             .with_measured(&measured)
             .map_err(in_table)?
             .with_form(pair, form)
-            .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
+            .map_err(|error| self.bad_value(&error, form_span))
     }
 
     fn pinion_flanks(
@@ -253,9 +254,10 @@ impl Spec {
         tables: &MeasuredTables,
     ) -> Result<PinionFlanks, Diagnostic> {
         for written in &self.pinion_deviations {
-            PinionFlanks::new(pair, &[written.value]).map_err(|error| self.bad_value(&error, written.span.clone()))?;
+            PinionFlanks::new(pair, &[written.value])
+                .map_err(|error| self.bad_value(&error, Some(written.span.clone())))?;
         }
-        let whole = |error| self.bad_value(&error, 0..0);
+        let whole = |error| self.bad_value(&error, None);
         let in_table = |error| self.bad_in(tables.pinion.as_ref().map(|table| table.name.as_str()), &error);
         let form = self.pinion_form();
         let form_span = self.place(keys::PINION_PROFILE_SLOPE);
@@ -265,24 +267,23 @@ impl Spec {
             .with_measured(&measured)
             .map_err(in_table)?
             .with_form(form)
-            .map_err(|error| self.bad_value(&error, form_span.unwrap_or(0..0)))
+            .map_err(|error| self.bad_value(&error, form_span))
     }
 
     /// A deviation that cannot be, in a table if there is one.
     fn bad_in(&self, table: Option<&str>, error: &DeviationError) -> Diagnostic {
         table.map_or_else(
-            || self.bad_value(error, 0..0),
+            || self.bad_value(error, None),
             |table| Diagnostic::error(Code::BadTable, format!("{table}: {error}")),
         )
     }
 
-    fn bad_value(&self, error: &DeviationError, span: Range<usize>) -> Diagnostic {
+    fn bad_value(&self, error: &DeviationError, span: Option<Range<usize>>) -> Diagnostic {
         let code = match error {
             DeviationError::NoSuchTooth { .. } => Code::BadTeeth,
             _ => Code::OutOfDomain,
         };
-        let diagnostic = Diagnostic::error(code, error.to_string());
-        if span.is_empty() { diagnostic } else { diagnostic.at(&self.source, span, "") }
+        Diagnostic::error(code, error.to_string()).at(&self.source, span, "")
     }
 
     /// Refuses a table of a pinion with a tooth that does not exist, or a deviation that no tooth can have.

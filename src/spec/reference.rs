@@ -49,10 +49,7 @@ fn in_words(kind: Kind) -> String {
         Kind::Measure(domain, unit) if unit.symbol.is_empty() => return within("a number", &domain, ""),
         Kind::Measure(domain, unit) => return within(&format!("a number, {}", unit.symbol), &domain, unit.after),
         Kind::Word(words) => return one_of(words),
-        Kind::Extent(unit) => {
-            let extents = Extent::EVERY.into_iter().filter(|extent| extent.fits(unit)).map(Extent::name);
-            return one_of(&extents.collect::<Vec<_>>());
-        }
+        Kind::Extent(counted) => return one_of(&Extent::names(counted)),
         Kind::Error(_) => "a deviation, or a table",
         Kind::Limit => "\"±0.05\", or { lower, upper }",
         Kind::Texts => "a list of texts",

@@ -152,7 +152,7 @@ fn uncertainty_properties() -> Map<String, Value> {
 
 /// The extents that an error that counts these may have.
 fn extent(counted: Countable) -> Value {
-    json!({ "enum": Extent::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Extent::name).collect::<Vec<_>>() })
+    json!({ "enum": Extent::names(counted) })
 }
 
 fn grade() -> Value {
