@@ -169,11 +169,11 @@ pub struct Doubt {
 /// The doubt about the value of an error.
 #[must_use]
 pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt> {
+    const LEAD: &str = "much for a lead error";
     let usual = Reach::usual(module);
     if !usual.is_reached_by(value) {
         return None;
     }
-    const LEAD: &str = "much for a lead error";
     let is_impossible = Reach::possible(module).is_exceeded_by(value);
     let doubt = |what, meant| Doubt { is_impossible, ..Doubt::of(what, value, meant) };
     Some(match value {
