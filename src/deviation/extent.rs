@@ -55,7 +55,8 @@ impl Extent {
     }
 
     /// The names of those that an error that counts these can have.
-    pub(crate) fn names(counted: Countable) -> Vec<&'static str> {
+    #[must_use]
+    pub fn names(counted: Countable) -> Vec<&'static str> {
         Self::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Self::name).collect()
     }
 
