@@ -100,6 +100,9 @@ macro_rules! named {
         }
 
         impl $type {
+            /// Every one.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
+
             #[doc = concat!("Its name" $(, " `", $name, "`")+, ".")]
             #[must_use]
             pub const fn name(self) -> &'static str {

@@ -27,9 +27,6 @@ named! {
 }
 
 impl Stack {
-    /// Every one.
-    pub const ALL: [Self; 2] = [Self::Range, Self::Rss];
-
     /// What the combination of a bound rests on.
     #[must_use]
     pub fn notes(self, bound: &Bound) -> Vec<Note> {

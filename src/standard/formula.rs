@@ -52,6 +52,23 @@ pub(super) struct Formula {
     pub(super) informative: bool,
 }
 
+impl Formula {
+    /// One that is binding.
+    pub(super) const fn new(
+        deviation: Deviation,
+        clause: &'static str,
+        shape: Shape,
+        readings: &'static Readings,
+    ) -> Self {
+        Self { deviation, clause, shape, readings, informative: false }
+    }
+
+    /// The same, given for information only.
+    pub(super) const fn informative(self) -> Self {
+        Self { informative: true, ..self }
+    }
+}
+
 /// The grade whose value the formulas give.
 const BASE_GRADE: i32 = 5;
 

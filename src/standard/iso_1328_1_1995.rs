@@ -23,7 +23,7 @@ pub(super) const READINGS: Readings = Readings {
 };
 
 const fn formula(deviation: Deviation, clause: &'static str, terms: Sum) -> Formula {
-    Formula { deviation, clause, shape: Shape::Sum(terms), readings: &READINGS, informative: false }
+    Formula::new(deviation, clause, Shape::Sum(terms), &READINGS)
 }
 
 const GRADE_5: &str = "formulae for grade 5";

@@ -32,7 +32,7 @@ pub(super) fn check_scope(wheel: &Wheel) -> Result<(), StandardError> {
 }
 
 const fn formula(deviation: Deviation, shape: Shape) -> Formula {
-    Formula { deviation, clause: "clause 5.3", shape, readings: &READINGS, informative: false }
+    Formula::new(deviation, "clause 5.3", shape, &READINGS)
 }
 
 const TOTAL_PITCH: Sum = "0.002 d + 0.55 √d + 0.7 m_n + 12";
@@ -50,11 +50,5 @@ pub(super) const FORMULAS: &[Formula] = &[
     formula(Deviation::HelixForm, Shape::Sum(HELIX_FORM)),
     formula(Deviation::HelixSlope, Shape::Sum(HELIX_SLOPE)),
     formula(Deviation::TotalHelix, Shape::RootSumSquare(HELIX_SLOPE, HELIX_FORM)),
-    Formula {
-        deviation: Deviation::Runout,
-        clause: "annex E",
-        shape: Shape::Part(0.9, TOTAL_PITCH),
-        readings: &READINGS,
-        informative: true,
-    },
+    Formula::new(Deviation::Runout, "annex E", Shape::Part(0.9, TOTAL_PITCH), &READINGS).informative(),
 ];

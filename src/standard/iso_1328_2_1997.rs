@@ -5,7 +5,7 @@
 //! and so does this one, with a remark: a public report of such a program prints F_i'' = 133 µm for m_n = 21.
 
 use super::Deviation;
-use super::formula::{Formula, Reading, Readings, Shape};
+use super::formula::{Formula, Reading, Readings, Shape, Sum};
 use super::iso_1328_1_1995;
 use super::range::Ranges;
 
@@ -20,27 +20,18 @@ const READINGS: Readings = Readings {
     face_width: iso_1328_1_1995::READINGS.face_width,
 };
 
+const fn composite(deviation: Deviation, terms: Sum) -> Formula {
+    Formula::new(deviation, "clause 7", Shape::Sum(terms), &READINGS)
+}
+
+const fn runout(of_total_pitch: Sum) -> Formula {
+    let shape = Shape::Part(0.8, of_total_pitch);
+    Formula::new(Deviation::Runout, "annex B", shape, &iso_1328_1_1995::READINGS).informative()
+}
+
 pub(super) const FORMULAS: &[Formula] = &[
     // F_r = 0.8 F_p = 0.24 m_n + 1.0 √d + 5.6
-    Formula {
-        deviation: Deviation::Runout,
-        clause: "annex B",
-        shape: Shape::Part(0.8, "0.3 m_n + 1.25 √d + 7"),
-        readings: &iso_1328_1_1995::READINGS,
-        informative: true,
-    },
-    Formula {
-        deviation: Deviation::RadialComposite,
-        clause: "clause 7",
-        shape: Shape::Sum("3.2 m_n + 1.01 √d + 6.4"),
-        readings: &READINGS,
-        informative: false,
-    },
-    Formula {
-        deviation: Deviation::ToothRadialComposite,
-        clause: "clause 7",
-        shape: Shape::Sum("2.96 m_n + 0.01 √d + 0.8"),
-        readings: &READINGS,
-        informative: false,
-    },
+    runout("0.3 m_n + 1.25 √d + 7"),
+    composite(Deviation::RadialComposite, "3.2 m_n + 1.01 √d + 6.4"),
+    composite(Deviation::ToothRadialComposite, "2.96 m_n + 0.01 √d + 0.8"),
 ];

@@ -60,42 +60,36 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use crate::quantity::{Angle, Length};
+use formula::Formula;
 
-/// A standard and its edition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Standard {
-    /// ISO 1328-1:1995, the same as ANSI/AGMA ISO 1328-1.
-    Iso1328Part1Of1995,
-    /// ISO 1328-2:1997.
-    Iso1328Part2Of1997,
-    /// ISO 1328-1:2013, the same as DIN ISO 1328-1:2018.
-    Iso1328Part1Of2013,
-    /// DIN 3962-1 and DIN 3962-2, of 1978.
-    Din3962,
-    /// JIS B 1702-1976.
-    JisB1702Of1976,
+named! {
+    /// A standard and its edition; its name is the one that people read.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum Standard {
+        /// ISO 1328-1:1995, the same as ANSI/AGMA ISO 1328-1.
+        Iso1328Part1Of1995 = "ISO 1328-1:1995",
+        /// ISO 1328-2:1997.
+        Iso1328Part2Of1997 = "ISO 1328-2:1997",
+        /// ISO 1328-1:2013, the same as DIN ISO 1328-1:2018.
+        Iso1328Part1Of2013 = "ISO 1328-1:2013",
+        /// DIN 3962-1 and DIN 3962-2, of 1978.
+        Din3962 = "DIN 3962:1978",
+        /// JIS B 1702-1976.
+        JisB1702Of1976 = "JIS B 1702-1976",
+    }
 }
 
 impl Standard {
-    /// Every standard.
-    pub const ALL: [Self; 5] = [
-        Self::Iso1328Part1Of1995,
-        Self::Iso1328Part2Of1997,
-        Self::Iso1328Part1Of2013,
-        Self::Din3962,
-        Self::JisB1702Of1976,
-    ];
-
-    /// The name that specs, arguments and results call it by, the one that people read, and its grades.
-    const fn row(self) -> (&'static str, &'static str, RangeInclusive<u8>) {
+    /// The name that specs, arguments and results call it by, and its grades.
+    const fn row(self) -> (&'static str, RangeInclusive<u8>) {
         match self {
-            Self::Iso1328Part1Of1995 => ("iso1328-1:1995", "ISO 1328-1:1995", 0..=12),
-            Self::Iso1328Part2Of1997 => ("iso1328-2:1997", "ISO 1328-2:1997", 4..=12),
-            Self::Iso1328Part1Of2013 => ("iso1328-1:2013", "ISO 1328-1:2013", 1..=11),
+            Self::Iso1328Part1Of1995 => ("iso1328-1:1995", 0..=12),
+            Self::Iso1328Part2Of1997 => ("iso1328-2:1997", 4..=12),
+            Self::Iso1328Part1Of2013 => ("iso1328-1:2013", 1..=11),
             // few of its cells are confirmed
-            Self::Din3962 => ("din3962:1978", "DIN 3962:1978", 1..=12),
-            Self::JisB1702Of1976 => ("jisb1702:1976", "JIS B 1702-1976", 0..=8),
+            Self::Din3962 => ("din3962:1978", 1..=12),
+            Self::JisB1702Of1976 => ("jisb1702:1976", 0..=8),
         }
     }
 
@@ -105,16 +99,10 @@ impl Standard {
         self.row().0
     }
 
-    /// The name that people read, with the edition: `ISO 1328-1:1995`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        self.row().1
-    }
-
     /// Its grades, from the finest. DIN 3962 has 1 to 12, of which few cells are confirmed.
     #[must_use]
     pub const fn grades(self) -> RangeInclusive<u8> {
-        self.row().2
+        self.row().1
     }
 
     /// The other part of the same system, whose values are given beside this one's.
@@ -126,17 +114,24 @@ impl Standard {
         }
     }
 
-    /// The deviations of which it gives permissible values here.
-    #[must_use]
-    pub fn deviations(self) -> Vec<Deviation> {
-        let formulas = match self {
+    /// Its formulas; none of one that has tables.
+    const fn formulas(self) -> &'static [Formula] {
+        match self {
             Self::Iso1328Part1Of1995 => iso_1328_1_1995::FORMULAS,
             Self::Iso1328Part2Of1997 => iso_1328_2_1997::FORMULAS,
             Self::Iso1328Part1Of2013 => iso_1328_1_2013::FORMULAS,
-            Self::Din3962 => return din_3962::DEVIATIONS.to_vec(),
-            Self::JisB1702Of1976 => return jis_b_1702_1976::DEVIATIONS.to_vec(),
-        };
-        formulas.iter().map(|formula| formula.deviation).collect()
+            Self::Din3962 | Self::JisB1702Of1976 => &[],
+        }
+    }
+
+    /// The deviations of which it gives permissible values here.
+    #[must_use]
+    pub fn deviations(self) -> Vec<Deviation> {
+        match self {
+            Self::Din3962 => din_3962::DEVIATIONS.to_vec(),
+            Self::JisB1702Of1976 => jis_b_1702_1976::DEVIATIONS.to_vec(),
+            _ => self.formulas().iter().map(|formula| formula.deviation).collect(),
+        }
     }
 
     /// This standard, or its companion, whichever limits a deviation.
@@ -163,15 +158,13 @@ impl Standard {
         if !self.grades().contains(&grade) {
             return Err(StandardError::Grade { standard: self, grade });
         }
+        if self == Self::Iso1328Part1Of2013 {
+            iso_1328_1_2013::check_scope(wheel)?;
+        }
         match self {
-            Self::Iso1328Part1Of1995 => formula::permissible(self, iso_1328_1_1995::FORMULAS, deviation, grade, wheel),
-            Self::Iso1328Part2Of1997 => formula::permissible(self, iso_1328_2_1997::FORMULAS, deviation, grade, wheel),
-            Self::Iso1328Part1Of2013 => {
-                iso_1328_1_2013::check_scope(wheel)?;
-                formula::permissible(self, iso_1328_1_2013::FORMULAS, deviation, grade, wheel)
-            }
             Self::Din3962 => din_3962::permissible(deviation, grade, wheel),
             Self::JisB1702Of1976 => jis_b_1702_1976::permissible(deviation, grade, wheel),
+            _ => formula::permissible(self, self.formulas(), deviation, grade, wheel),
         }
     }
 }
