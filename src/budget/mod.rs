@@ -22,7 +22,7 @@ pub use request::{
 use simulation::Assembly;
 
 fn of_kind(kind: DeviationKind) -> impl Fn(DomainError) -> BudgetError {
-    move |problem| BudgetError::Formula { kind, problem: Box::new(problem) }
+    move |problem| EvaluationError { error: Some(kind), problem: Box::new(problem) }.into()
 }
 
 /// Finds the tolerances: the largest scale of the free ones at which all conform.

@@ -7,7 +7,7 @@ use crate::evaluation::EvaluationError;
 use crate::formula::{Law, Model, PartDeviation, Sensitivity};
 use crate::judge::bound::{Basis, NoBound, Note};
 use crate::judge::{Combined, Interval, Limit};
-use crate::quantity::{DomainError, Length};
+use crate::quantity::Length;
 
 /// How tolerances add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,17 +159,9 @@ pub enum BudgetError {
     /// The limit of ΔCD has no end.
     #[error("a budget needs a limit of the combined ΔCD")]
     NoLimit,
-    /// A formula has no result.
-    #[error("{}: {problem}", .kind.name())]
-    Formula {
-        /// The error.
-        kind: DeviationKind,
-        /// What is wrong.
-        problem: Box<DomainError>,
-    },
-    /// A combination has no result.
+    /// A formula or a combination has no result.
     #[error(transparent)]
-    Combination(#[from] EvaluationError),
+    NoResult(#[from] EvaluationError),
 }
 
 named! {
