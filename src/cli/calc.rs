@@ -14,7 +14,7 @@ use crate::formula::{
 };
 use crate::judge::Interval;
 use crate::judge::bound::Basis;
-use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError};
+use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError, Unit};
 use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks, noted};
 use crate::spec::GEOMETRY_KEYS;
 
@@ -78,15 +78,57 @@ enum Formula {
     /// The ideal pin diameter for measuring a rack.
     #[command(after_help = "Example:
   rackmesh calc pin --normal-module 2 --pressure-angle 20")]
-    Pin(Pin),
+    Pin {
+        /// Normal module m_n.
+        #[arg(long, allow_hyphen_values = true)]
+        normal_module: Length,
+        /// Normal pressure angle α_n.
+        #[arg(long, allow_hyphen_values = true)]
+        pressure_angle: Angle,
+        /// Normal tooth thickness s_n; π m_n / 2 unless given.
+        #[arg(long, allow_hyphen_values = true)]
+        tooth_thickness: Option<Length>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// The nominal measure over a chosen pin.
     #[command(after_help = "Example:
   rackmesh calc over-pin --normal-module 2 --pressure-angle 20 --pin 4 --datum 22")]
-    OverPin(OverPinArgs),
+    OverPin {
+        /// Normal module m_n.
+        #[arg(long, allow_hyphen_values = true)]
+        normal_module: Length,
+        /// Normal pressure angle α_n.
+        #[arg(long, allow_hyphen_values = true)]
+        pressure_angle: Angle,
+        /// Diameter of the pin.
+        #[arg(long, allow_hyphen_values = true)]
+        pin: Length,
+        /// Distance K from the datum to the reference plane.
+        #[arg(long, allow_hyphen_values = true)]
+        datum: Length,
+        /// Normal tooth thickness s_n; π m_n / 2 unless given.
+        #[arg(long, allow_hyphen_values = true)]
+        tooth_thickness: Option<Length>,
+        #[command(flatten)]
+        common: Common,
+    },
     /// The difference of two over-pin measures made with different rollers.
     #[command(after_help = "Example:
   rackmesh calc roller-change --old-roller 4 --new-roller 3.5 --pressure-angle 20")]
-    RollerChange(RollerChange),
+    RollerChange {
+        /// Diameter of the roller that is replaced.
+        #[arg(long, alias = "from", allow_hyphen_values = true)]
+        old_roller: Length,
+        /// Diameter of the roller that replaces it.
+        #[arg(long, alias = "to", allow_hyphen_values = true)]
+        new_roller: Length,
+        /// Normal pressure angle α_n.
+        #[arg(long, allow_hyphen_values = true)]
+        pressure_angle: Angle,
+        #[command(flatten)]
+        common: Common,
+    },
 }
 
 /// Options of every calculation.
@@ -195,57 +237,6 @@ struct Lead {
     common: Common,
 }
 
-#[derive(Debug, clap::Args)]
-struct Pin {
-    /// Normal module m_n.
-    #[arg(long, allow_hyphen_values = true)]
-    normal_module: Length,
-    /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
-    pressure_angle: Angle,
-    /// Normal tooth thickness s_n; π m_n / 2 unless given.
-    #[arg(long, allow_hyphen_values = true)]
-    tooth_thickness: Option<Length>,
-    #[command(flatten)]
-    common: Common,
-}
-
-#[derive(Debug, clap::Args)]
-struct OverPinArgs {
-    /// Normal module m_n.
-    #[arg(long, allow_hyphen_values = true)]
-    normal_module: Length,
-    /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
-    pressure_angle: Angle,
-    /// Diameter of the pin.
-    #[arg(long, allow_hyphen_values = true)]
-    pin: Length,
-    /// Distance K from the datum to the reference plane.
-    #[arg(long, allow_hyphen_values = true)]
-    datum: Length,
-    /// Normal tooth thickness s_n; π m_n / 2 unless given.
-    #[arg(long, allow_hyphen_values = true)]
-    tooth_thickness: Option<Length>,
-    #[command(flatten)]
-    common: Common,
-}
-
-#[derive(Debug, clap::Args)]
-struct RollerChange {
-    /// Diameter of the roller that is replaced.
-    #[arg(long, alias = "from", allow_hyphen_values = true)]
-    old_roller: Length,
-    /// Diameter of the roller that replaces it.
-    #[arg(long, alias = "to", allow_hyphen_values = true)]
-    new_roller: Length,
-    /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
-    pressure_angle: Angle,
-    #[command(flatten)]
-    common: Common,
-}
-
 /// What a ΔCD formula is asked for.
 enum Question {
     /// ΔCD of this error.
@@ -256,12 +247,9 @@ enum Question {
     SlopeDeviation { delta_cd: Length, length: Length },
 }
 
-/// The unit that values have in a spec.
-fn base_unit(value: DeviationValue) -> ResultUnit {
-    match value {
-        DeviationValue::Length(_) => ResultUnit::Length(LengthUnit::Millimetre, "mm".to_owned()),
-        DeviationValue::Angle(_) | DeviationValue::Slope(_) => ResultUnit::Angle(AngleUnit::Degree, "deg".to_owned()),
-    }
+/// A unit by its symbol.
+fn by_symbol(unit: Unit) -> ResultUnit {
+    ResultUnit { unit, spelling: unit.symbol().to_owned() }
 }
 
 fn usage(message: impl Into<String>) -> Failure {
@@ -307,18 +295,13 @@ impl GivenValue {
 impl Common {
     /// The unit of a result: the one that was asked for, or its own.
     fn unit(&self, own: ResultUnit) -> Result<ResultUnit, Failure> {
-        let Some(unit) = self.unit.as_deref() else { return Ok(own) };
-        let (known, dimension, names) = match own {
-            ResultUnit::Angle(..) => {
-                let known = AngleUnit::from_symbol(unit).map(|known| ResultUnit::Angle(known, unit.to_owned()));
-                (known, "an angle", AngleUnit::NAMES)
-            }
-            ResultUnit::Length(..) => {
-                let known = LengthUnit::from_symbol(unit).map(|known| ResultUnit::Length(known, unit.to_owned()));
-                (known, "a length", LengthUnit::NAMES)
-            }
+        let Some(spelling) = self.unit.clone() else { return Ok(own) };
+        let (known, dimension, names) = match own.unit {
+            Unit::Angle(_) => (AngleUnit::from_symbol(&spelling).map(Unit::Angle), "an angle", AngleUnit::NAMES),
+            Unit::Length(_) => (LengthUnit::from_symbol(&spelling).map(Unit::Length), "a length", LengthUnit::NAMES),
         };
-        known.ok_or_else(|| usage(format!("the result is {dimension}, and `{unit}` is none of its units: {names}")))
+        let unknown = || usage(format!("the result is {dimension}, and `{spelling}` is none of its units: {names}"));
+        Ok(ResultUnit { unit: known.ok_or_else(unknown)?, spelling })
     }
 
     /// Prints a result: its line, its explanation, or a report; what it returns has the unit and decimals that are printed.
@@ -362,18 +345,18 @@ impl Args {
             Formula::PinionPitch(args) => pitch(&args, output, Law::pinion_pitch),
             Formula::PinionLead(args) => pitch(&args, output, Law::pinion_lead),
             Formula::Lead(args) => lead(&args, output),
-            Formula::Pin(Pin { normal_module, pressure_angle, tooth_thickness, common }) => {
+            Formula::Pin { normal_module, pressure_angle, tooth_thickness, common } => {
                 let diameter = ideal_pin::diameter(normal_module, pressure_angle, tooth_thickness)?;
                 common.print_value(output, &IDEAL_PIN, diameter, &rack_doubts(pressure_angle, normal_module))
             }
-            Formula::OverPin(OverPinArgs { normal_module, pressure_angle, pin, datum, tooth_thickness, common }) => {
+            Formula::OverPin { normal_module, pressure_angle, pin, datum, tooth_thickness, common } => {
                 let (pin_diameter, normal_pressure_angle) = (pin, pressure_angle);
                 let over_pin = OverPin { normal_module, normal_pressure_angle, tooth_thickness, pin_diameter, datum };
                 let [angle, module] = rack_doubts(pressure_angle, normal_module);
                 let doubts = [angle, module, ("--pin", over_pin.doubted_pin(None))];
                 common.print_value(output, &OVER_PIN, over_pin.measure()?, &doubts)
             }
-            Formula::RollerChange(RollerChange { old_roller, new_roller, pressure_angle, common }) => {
+            Formula::RollerChange { old_roller, new_roller, pressure_angle, common } => {
                 let difference = roller_change::difference(old_roller, new_roller, pressure_angle)?;
                 common.print_value(output, &ROLLER_CHANGE, difference, &[pressure_angle_doubt(pressure_angle)])
             }
@@ -407,7 +390,10 @@ fn calculation(formula: &'static FormulaPage, result: DeviationValue) -> Calcula
         result,
         model: None,
         other: None,
-        unit: base_unit(result),
+        unit: by_symbol(match result {
+            DeviationValue::Length(_) => Unit::Length(LengthUnit::Millimetre),
+            DeviationValue::Angle(_) | DeviationValue::Slope(_) => Unit::Angle(AngleUnit::Degree),
+        }),
         decimals: None,
         is_bound: false,
         worst_case: None,
@@ -453,7 +439,7 @@ impl Asked<'_> {
         calculation.other = self.model.map(|model| self.answer(model.other()).unwrap_or(result));
         calculation.is_bound = !matches!(self.question, Question::DeltaCd(_));
         if matches!(self.question, Question::SlopeDeviation { .. }) {
-            calculation.unit = ResultUnit::Length(LengthUnit::Micrometre, "µm".to_owned());
+            calculation.unit = by_symbol(Unit::Length(LengthUnit::Micrometre));
         }
         if let Question::DeltaCd(error) = self.question {
             let (worst_case, rests_on) = self.worst_case(error)?;

@@ -8,7 +8,7 @@ use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
 use crate::judge::Interval;
 use crate::judge::bound::NoBound;
-use crate::quantity::{AngleUnit, Length, LengthUnit};
+use crate::quantity::{Length, Unit};
 
 /// One formula evaluated once.
 #[derive(Debug, Clone)]
@@ -53,28 +53,21 @@ impl WorstCase {
 
 /// The unit of a result, in the spelling in which it was asked for.
 #[derive(Debug, Clone)]
-#[non_exhaustive]
-pub enum ResultUnit {
-    /// A length.
-    Length(LengthUnit, String),
-    /// An angle.
-    Angle(AngleUnit, String),
+pub struct ResultUnit {
+    /// The unit.
+    pub unit: Unit,
+    /// Its spelling.
+    pub spelling: String,
 }
 
 impl Calculation {
     /// The value in the unit asked for.
     fn number(&self, value: DeviationValue) -> f64 {
-        match (value, &self.unit) {
-            (DeviationValue::Length(length), ResultUnit::Length(unit, _)) => length.in_unit(*unit),
-            (DeviationValue::Angle(angle), ResultUnit::Angle(unit, _)) => angle.in_unit(*unit),
+        match (value, self.unit.unit) {
+            (DeviationValue::Length(length), Unit::Length(unit)) => length.in_unit(unit),
+            (DeviationValue::Angle(angle), Unit::Angle(unit)) => angle.in_unit(unit),
             // a result has the dimension of its unit
             (value, _) => value.base(),
-        }
-    }
-
-    fn unit_name(&self) -> &str {
-        match &self.unit {
-            ResultUnit::Length(_, name) | ResultUnit::Angle(_, name) => name,
         }
     }
 
@@ -86,7 +79,7 @@ impl Calculation {
             }),
             None => plain_padded(number, 6),
         };
-        format!("{text} {}", self.unit_name())
+        format!("{text} {}", self.unit.spelling)
     }
 
     /// Both ends in the unit of the result, or one where they are the same.
@@ -95,7 +88,7 @@ impl Calculation {
             let text = self.value_text(end.into());
             if end > Length::ZERO { format!("+{text}") } else { text }
         };
-        let unit = format!(" {}", self.unit_name());
+        let unit = format!(" {}", self.unit.spelling);
         if lower == upper { end(upper) } else { format!("{} … {}", end(lower).trim_end_matches(&unit), end(upper)) }
     }
 
@@ -162,7 +155,7 @@ impl Report for Calculation {
             "model": self.model.map(Model::name),
             key: base,
             "value": self.number(self.result),
-            "unit": self.unit_name(),
+            "unit": self.unit.spelling,
         });
         if let (Some(model), Some(other)) = (self.model, self.other) {
             json[format!("{}_{key}", model.other())] = base_value(other).1.into();
@@ -203,6 +196,7 @@ mod tests {
     use super::*;
     use crate::formula::Law;
     use crate::formula::law::lead_slope;
+    use crate::quantity::LengthUnit;
     use crate::quantity::{Angle, Length};
 
     fn quantity<Q: std::str::FromStr>(text: &str) -> Q {
@@ -224,7 +218,7 @@ mod tests {
                     result: result.into(),
                     model: Some(model),
                     other: None,
-                    unit: ResultUnit::Length(unit, unit.symbol().to_owned()),
+                    unit: ResultUnit { unit: Unit::Length(unit), spelling: unit.symbol().to_owned() },
                     decimals,
                     is_bound: true,
                     worst_case: None,
