@@ -46,12 +46,6 @@ impl Contribution {
         }
     }
 
-    /// Whether the two models give different values.
-    #[must_use]
-    pub fn models_differ(&self) -> bool {
-        self.exact != self.paper
-    }
-
     /// Its extent in words, with how many steps add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
@@ -233,7 +227,7 @@ impl Evaluation {
     /// Whether any error's ΔCD depends on the model.
     #[must_use]
     pub fn models_differ(&self) -> bool {
-        self.contributions.iter().any(Contribution::models_differ)
+        self.contributions.iter().any(|contribution| contribution.exact != contribution.paper)
     }
 }
 

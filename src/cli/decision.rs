@@ -88,29 +88,14 @@ impl JudgeArgs {
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
-        evaluation.rule = self.rule(spec);
-        if let Err(open) = evaluation.combined.interval(self.stack) {
+        let rule = self.rule(spec);
+        evaluation.rule = rule.clone();
+        let open = evaluation.combined.interval(self.stack).err();
+        let known = if open.is_some() { None } else { self.known(errors, basis, spec)? };
+        if let Some(open) = open.filter(|_| rule.needs_uncertainty()) {
             // what is open has no uncertainty, without which some rules decide on no error either
-            let rule = evaluation.rule.clone();
-            if rule.needs_uncertainty() {
-                spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoBound(open)));
-            } else if rule != Rule::Simple {
-                evaluation.decide_by(&rule, None, None).map_err(Diagnostic::with_code(Code::NoResult))?;
-            }
-            return Ok((evaluation, None));
-        }
-        let over_pin = spec.over_pin();
-        let part = UncertainPart {
-            errors,
-            over_pin: over_pin.as_ref(),
-            model: self.model,
-            stack: self.stack,
-            basis,
-            teeth: &spec.teeth_sensitivities,
-        };
-        let known = self.known(&part, spec)?;
-        let rule = evaluation.rule.clone();
-        if known.is_some() || rule != Rule::Simple {
+            spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoBound(open)));
+        } else if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
             let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
             evaluation
@@ -121,9 +106,8 @@ impl JudgeArgs {
     }
 
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, part: &UncertainPart<'_>, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
-        let settings = self.settings()?;
-        let uncertainties = spec.uncertainties()?;
+    fn known(&self, errors: &[PartDeviation], basis: &Basis, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
+        let (settings, uncertainties) = (self.settings()?, spec.uncertainties()?);
         if uncertainties.is_empty() {
             if settings.is_some() {
                 return Err(unsimulated(&MonteCarloError::NothingUncertain).into());
@@ -135,9 +119,12 @@ impl JudgeArgs {
             }
             return Ok(None);
         }
+        let (over_pin, teeth) = (spec.over_pin(), &spec.teeth_sensitivities);
+        let (model, stack) = (self.model, self.stack);
+        let part = UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
         let propagation =
-            uncertainty::propagate(part, &uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
-        let simulated = |settings| chance::simulate_part(part, &uncertainties, &spec.limits(), &settings);
+            uncertainty::propagate(&part, &uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
+        let simulated = |settings| chance::simulate_part(&part, &uncertainties, &spec.limits(), &settings);
         let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {
             propagation,

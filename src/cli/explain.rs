@@ -96,18 +96,15 @@ pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
     let mut out = String::new();
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
-        if line.starts_with("```") {
-            for line in lines.by_ref().take_while(|line| !line.starts_with("```")) {
-                out.push_str(format!("    {line}").trim_end());
-                out.push('\n');
-            }
+        let shown = if line.starts_with("```") {
+            let code = lines.by_ref().take_while(|line| !line.starts_with("```"));
+            code.map(|line| format!("    {line}").trim_end().to_owned()).collect::<Vec<_>>().join("\n")
         } else if width.is_some() && line.starts_with('|') {
             let mut table = vec![line];
             while let Some(line) = lines.next_if(|line| line.starts_with('|')) {
                 table.push(line);
             }
-            out.push_str(&table_text(&table_of(&table), width));
-            out.push('\n');
+            table_text(&table_of(&table), width)
         } else if width.is_some() && !line.is_empty() && !line.starts_with('#') {
             let mut paragraph = line.to_owned();
             while let Some(line) = lines.next_if(|line| {
@@ -116,12 +113,12 @@ pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
                 paragraph.push(' ');
                 paragraph.push_str(line.trim_start());
             }
-            out.push_str(&wrap(&paragraph, width));
-            out.push('\n');
+            wrap(&paragraph, width)
         } else {
-            out.push_str(line);
-            out.push('\n');
-        }
+            line.to_owned()
+        };
+        out.push_str(&shown);
+        out.push('\n');
     }
     out
 }

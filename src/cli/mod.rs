@@ -39,7 +39,7 @@ mod terminal;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{Arg, ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
+use clap::{ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
 pub use answer::{answer, judged_spec};
 pub use held::{Answer, HeldSpec};
@@ -143,11 +143,26 @@ fn help_template() -> String {
 /// Behind the options that a subcommand has of its own.
 const LAST: usize = 1000;
 
+// what every subcommand takes; no documentation, for that would be the program's own
+#[derive(clap::Args)]
+struct Global {
+    /// Print help.
+    #[arg(long, short, global = true, display_order = LAST, action = ArgAction::HelpShort)]
+    help: Option<bool>,
+    /// Leave out remarks and progress; warnings and errors stay.
+    #[arg(long, short, global = true, display_order = LAST)]
+    quiet: bool,
+    /// When to use colours: auto, always or never.
+    #[arg(long, global = true, display_order = LAST, value_name = "WHEN", default_value = "auto")]
+    #[arg(hide_possible_values = true)]
+    color: ColorChoice,
+}
+
 /// The program's arguments. Those of a subcommand are built only when it is the one that is called (or
 /// when its help, completions or manual page is made), which is a third of the start-up time.
 #[must_use]
 pub fn command() -> Command {
-    let mut command = Command::new("rackmesh")
+    let mut command = Global::augment_args(Command::new("rackmesh"))
         .about("How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion")
         .version(env!("CARGO_PKG_VERSION"))
         .help_template(help_template())
@@ -155,36 +170,7 @@ pub fn command() -> Command {
         .subcommand_required(true)
         .arg_required_else_help(true)
         // one page for -h and --help; what each value means is in docs/flags.md
-        .disable_help_flag(true)
-        .arg(
-            Arg::new("help")
-                .long("help")
-                .short('h')
-                .global(true)
-                .display_order(LAST)
-                .action(ArgAction::HelpShort)
-                .help("Print help"),
-        )
-        .arg(
-            Arg::new("quiet")
-                .long("quiet")
-                .short('q')
-                .global(true)
-                .display_order(LAST)
-                .action(ArgAction::SetTrue)
-                .help("Leave out remarks and progress; warnings and errors stay"),
-        )
-        .arg(
-            Arg::new("color")
-                .long("color")
-                .global(true)
-                .display_order(LAST)
-                .value_name("WHEN")
-                .help("When to use colours: auto, always or never")
-                .hide_possible_values(true)
-                .default_value("auto")
-                .value_parser(clap::value_parser!(ColorChoice)),
-        );
+        .disable_help_flag(true);
     for subcommand in subcommands() {
         let arguments = Command::new(subcommand.name).about(subcommand.about).defer(subcommand.arguments);
         command = command.subcommand(arguments);
@@ -201,16 +187,17 @@ pub fn run() -> ExitCode {
 /// Runs the program with these arguments, the first of which is its name; the exit status.
 #[must_use]
 pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = match command().try_get_matches_from(arguments) {
-        Ok(matches) => matches,
-        Err(error) => {
-            // help and version go to standard output and are no failure; a closed pipe is none either
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
-    };
-    let color = matches.get_one("color").copied().unwrap_or(ColorChoice::Auto);
-    let mut output = Output::new(color, matches.get_flag("quiet"));
+    let matches = command().try_get_matches_from(arguments);
+    let (Global { quiet, color, .. }, matches) =
+        match matches.and_then(|found| Ok((Global::from_arg_matches(&found)?, found))) {
+            Ok(matches) => matches,
+            Err(error) => {
+                // help and version go to standard output and are no failure; a closed pipe is none either
+                let _ = error.print();
+                return u8::try_from(error.exit_code()).unwrap_or(2);
+            }
+        };
+    let mut output = Output::new(color, quiet);
     let called = called(&matches, &mut output);
     // a subcommand is required, so there always is one
     output.finish(called.unwrap_or(Ok(Status::Pass))).code()

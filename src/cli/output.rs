@@ -126,15 +126,11 @@ impl Output {
         };
         choice.write_global();
         let (stdout, stderr) = (io::stdout(), io::stderr());
-        let width = if stdout.is_terminal() {
-            // a terminal that does not tell its width is taken to be 80 columns wide
-            Some(terminal_size::terminal_size_of(&stdout).map_or(80, |(width, _)| width.0))
-        } else {
-            None
-        };
+        // a terminal that does not tell its width is taken to be 80 columns wide
+        let width = || terminal_size::terminal_size_of(&stdout).map_or(80, |(width, _)| width.0);
         Self {
             screen: Screen {
-                width,
+                width: stdout.is_terminal().then(width),
                 color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never,
                 is_dumb: is_dumb(),
                 is_quiet,
@@ -263,24 +259,15 @@ impl Output {
 
     /// Shows why a command has no result, if it has none.
     pub(super) fn finish(&mut self, result: Result<Status, Failure>) -> Status {
-        match result {
-            Ok(status) => status,
-            Err(Failure::Diagnostics(diagnostics)) => {
-                for diagnostic in &diagnostics {
-                    self.diagnostic(diagnostic);
-                }
-                Status::Undecided
+        result.unwrap_or_else(|failure| {
+            match failure {
+                // who has seen enough is told nothing, but not that all is well
+                failure if failure.is_closed_pipe() => {}
+                Failure::Diagnostics(diagnostics) => diagnostics.iter().for_each(|found| self.diagnostic(found)),
+                Failure::Usage(error) => drop(error.print()),
+                Failure::Write(error) => self.message(&format!("error: cannot write the output: {error}")),
             }
-            Err(Failure::Usage(error)) => {
-                let _ = error.print();
-                Status::Undecided
-            }
-            // who has seen enough is told nothing, but not that all is well
-            Err(failure) if failure.is_closed_pipe() => Status::Undecided,
-            Err(Failure::Write(error)) => {
-                self.message(&format!("error: cannot write the output: {error}"));
-                Status::Undecided
-            }
-        }
+            Status::Undecided
+        })
     }
 }

@@ -97,25 +97,18 @@ impl Report for ReadReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![["file", "column", "is", "unit", "holds", "nominal"].map(str::to_owned).to_vec()];
-        for reading in &self.readings {
-            rows.extend(reading.columns.iter().map(|column| {
-                vec![
-                    reading.file.clone(),
-                    column.title.clone(),
-                    column.role.clone(),
-                    column.unit.clone().unwrap_or_default(),
-                    column.holds.unwrap_or_default().to_owned(),
-                    column.nominal.clone().unwrap_or_default(),
-                ]
-            }));
-            let unused = |title: &str, is: &str| [&reading.file, title, is, "", "", ""].map(str::to_owned).to_vec();
-            rows.extend(reading.not_used.iter().map(|column| unused(&column.title, "not used")));
-        }
-        let unknown = |stranger: &Stranger| {
-            let unit = stranger.unit.as_deref().unwrap_or_default();
-            [&stranger.file, &stranger.title, "not understood", unit, "", ""].map(str::to_owned).to_vec()
+        let row = |file: &str, title: &str, is: &str, rest: [Option<&str>; 3]| {
+            [file, title, is].into_iter().chain(rest.map(Option::unwrap_or_default)).map(str::to_owned).collect()
         };
+        let mut rows = vec![row("file", "column", "is", ["unit", "holds", "nominal"].map(Some))];
+        for Reading { file, columns, not_used, .. } in &self.readings {
+            rows.extend(columns.iter().map(|column| {
+                let rest = [column.unit.as_deref(), column.holds, column.nominal.as_deref()];
+                row(file, &column.title, &column.role, rest)
+            }));
+            rows.extend(not_used.iter().map(|column| row(file, &column.title, "not used", [None; 3])));
+        }
+        let unknown = |of: &Stranger| row(&of.file, &of.title, "not understood", [of.unit.as_deref(), None, None]);
         rows.extend(self.strangers.iter().map(unknown));
         rows
     }

@@ -235,8 +235,14 @@ pub struct MeasureReport {
     datum_mm: Option<f64>,
     /// What is numbered, and what is listed of each.
     columns: Vec<&'static str>,
-    rows: Vec<(i64, Vec<f64>)>,
+    rows: Vec<Vec<Value>>,
     notes: Vec<String>,
+}
+
+/// A row: its number, and values as they are printed.
+fn numbered(number: i64, values: impl IntoIterator<Item = f64>) -> Vec<Value> {
+    let printed = |value| serde_json::from_str(&plain(tidy(value))).unwrap_or_default();
+    std::iter::once(number.into()).chain(values.into_iter().map(printed)).collect()
 }
 
 impl MeasureReport {
@@ -253,7 +259,7 @@ impl MeasureReport {
             let lead_deg = reading.lead_rad.to_degrees();
             let deviations =
                 [reading.height_deviation_mm, reading.position_mm, reading.position_deviation_mm, lead_deg];
-            (reading.space, over_pin.into_iter().chain(deviations).collect())
+            numbered(reading.space, over_pin.into_iter().chain(deviations))
         };
         Self { part: Part::Rack, pin_mm, datum_mm, columns, rows: readings.iter().map(row).collect(), notes }
     }
@@ -263,17 +269,10 @@ impl MeasureReport {
     pub fn of_pinion(ball_mm: f64, readings: &[PinionReading], notes: Vec<String>) -> Self {
         let columns = vec!["tooth", "radius_mm", "radial_deviation_mm", "position_deviation_mm"];
         let row = |reading: &PinionReading| {
-            (reading.tooth.into(), vec![reading.radius_mm, reading.radial_mm, reading.position_mm])
+            numbered(reading.tooth.into(), [reading.radius_mm, reading.radial_mm, reading.position_mm])
         };
         let rows = readings.iter().map(row).collect();
         Self { part: Part::Pinion, pin_mm: ball_mm, datum_mm: None, columns, rows, notes }
-    }
-
-    /// The cells of each row; `text` writes a number.
-    fn cells(&self, text: impl Fn(f64) -> String) -> impl Iterator<Item = Vec<String>> {
-        self.rows.iter().map(move |(number, values)| {
-            std::iter::once(number.to_string()).chain(values.iter().map(|value| text(tidy(*value)))).collect()
-        })
     }
 
     fn note(&self) -> String {
@@ -292,23 +291,20 @@ impl MeasureReport {
 
 impl Report for MeasureReport {
     fn json(&self) -> Value {
-        let number = |cell: &String| -> Value { serde_json::from_str(cell).unwrap_or_default() };
-        let rows = self.cells(plain).map(|row| -> Value {
-            self.columns.iter().zip(&row).map(|(name, cell)| ((*name).to_owned(), number(cell))).collect()
-        });
-        let rows: Vec<_> = rows.collect();
-        let (part, pin_mm, notes) = (self.part.name(), self.pin_mm, &self.notes);
-        match self.part {
-            Part::Rack => {
-                json!({ "part": part, "pin_mm": pin_mm, "datum_mm": self.datum_mm, "rows": rows, "notes": notes })
-            }
-            Part::Pinion => json!({ "part": part, "pin_mm": pin_mm, "rows": rows, "notes": notes }),
+        let fact = |row: &Vec<Value>| -> Value {
+            self.columns.iter().zip(row).map(|(name, cell)| ((*name).to_owned(), cell.clone())).collect()
+        };
+        let mut json = json!({ "part": self.part.name(), "pin_mm": self.pin_mm });
+        if self.part == Part::Rack {
+            json["datum_mm"] = self.datum_mm.into();
         }
+        json["rows"] = self.rows.iter().map(fact).collect();
+        json["notes"] = self.notes.clone().into();
+        json
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let header = self.columns.iter().map(|name| (*name).to_owned()).collect();
-        std::iter::once(header).chain(self.cells(plain)).collect()
+        fact::rows(&self.json(), "rows", &self.columns.join(" "))
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -318,7 +314,11 @@ impl Report for MeasureReport {
             let name = name.replace('_', " ");
             Column::number(if unit.is_empty() { name } else { format!("{name}\n[{unit}]") })
         });
-        let rows = self.cells(|value| format!("{value:.5}")).collect();
+        let text = |(column, cell): (usize, &Value)| match cell.as_f64() {
+            Some(value) if column > 0 => format!("{value:.5}"),
+            _ => cell.to_string(),
+        };
+        let rows = self.rows.iter().map(|row| row.iter().enumerate().map(text).collect()).collect();
         vec![Block::Table(Table { columns: columns.collect(), rows }), Block::Note(self.note())]
     }
 }

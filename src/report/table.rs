@@ -184,11 +184,11 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
             out.push('\n');
         }
         previous_is_note = is_note;
-        match block {
-            Block::Title(title) => out.push_str(&paint(title, Style::new().bold())),
-            Block::Drawing(lines) => out.push_str(lines),
-            Block::Note(note) => out.push_str(&wrap(note, screen.width)),
-            Block::Remark(remark) => out.push_str(&wrap(&noted(remark), screen.width)),
+        out += &match block {
+            Block::Title(title) => paint(title, Style::new().bold()),
+            Block::Drawing(lines) => lines.clone(),
+            Block::Note(note) => wrap(note, screen.width),
+            Block::Remark(remark) => wrap(&noted(remark), screen.width),
             Block::Verdict(verdict, sentence) => {
                 let color = match verdict {
                     Some(Verdict::Pass) => AnsiColor::Green,
@@ -196,12 +196,10 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
                     Some(Verdict::Indeterminate) | None => AnsiColor::Yellow,
                 };
                 let word = paint(&verdict_word(*verdict), color.on_default().bold());
-                out.push_str(&wrap(&format!("{word}: {sentence}"), screen.width));
+                wrap(&format!("{word}: {sentence}"), screen.width)
             }
-            Block::Table(table) => {
-                out.push_str(&table_text(table, screen.width));
-            }
-        }
+            Block::Table(table) => table_text(table, screen.width),
+        };
         out.push('\n');
     }
     out
@@ -260,33 +258,32 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
         if !out.is_empty() {
             out.push('\n');
         }
-        match block {
-            Block::Title(title) => out.push_str(&format!("## {title}\n")),
-            Block::Drawing(lines) => out.push_str(&format!("```text\n{lines}\n```\n")),
-            Block::Note(note) => out.push_str(&format!("{note}\n")),
-            Block::Remark(remark) => out.push_str(&format!("{}\n", noted(remark))),
-            Block::Verdict(verdict, sentence) => {
-                out.push_str(&format!("**{}**: {sentence}\n", verdict_word(*verdict)));
-            }
-            Block::Table(table) => {
-                let mut escaped = table.clone();
-                for column in &mut escaped.columns {
-                    column.heading = column.heading.replace('\n', " ");
-                }
-                for cell in escaped.rows.iter_mut().flatten() {
-                    *cell = cell.replace('|', "\\|");
-                }
-                let mut grid = grid(&escaped, presets::ASCII_MARKDOWN, (1, 1));
-                grid.set_content_arrangement(ContentArrangement::Disabled);
-                for (index, line) in grid.lines().enumerate() {
-                    let line = if index == 1 { mark_alignment(&line, &table.columns) } else { line };
-                    out.push_str(&line);
-                    out.push('\n');
-                }
-            }
-        }
+        out += &match block {
+            Block::Title(title) => format!("## {title}\n"),
+            Block::Drawing(lines) => format!("```text\n{lines}\n```\n"),
+            Block::Note(note) => format!("{note}\n"),
+            Block::Remark(remark) => format!("{}\n", noted(remark)),
+            Block::Verdict(verdict, sentence) => format!("**{}**: {sentence}\n", verdict_word(*verdict)),
+            Block::Table(table) => markdown_table(table),
+        };
     }
     out
+}
+
+fn markdown_table(table: &Table) -> String {
+    let mut escaped = table.clone();
+    for column in &mut escaped.columns {
+        column.heading = column.heading.replace('\n', " ");
+    }
+    for cell in escaped.rows.iter_mut().flatten() {
+        *cell = cell.replace('|', "\\|");
+    }
+    let mut grid = grid(&escaped, presets::ASCII_MARKDOWN, (1, 1));
+    grid.set_content_arrangement(ContentArrangement::Disabled);
+    let marked = |(index, line): (usize, String)| {
+        if index == 1 { mark_alignment(&line, &table.columns) } else { line }
+    };
+    grid.lines().enumerate().map(marked).map(|line| line + "\n").collect()
 }
 
 /// Marks right-aligned columns in the rule below a Markdown table's header: `---:`.
