@@ -185,10 +185,7 @@ impl<'a> Evaluator<'a> {
         self.keep_raw(row.block, row.index);
         if self.tally.problems.len() < self.plan.request.problems_kept {
             self.tally.problems.push(Problem {
-                file: Arc::clone(&self.file),
-                line: row.line(),
-                record: row.record(),
-                place: None,
+                place: row.place(&self.file),
                 part: row.block.name(row.index).filter(|name| !name.is_empty()).map(|name| shown(&name)),
                 column: column.and_then(|column| self.layout.titles.get(column)).cloned(),
                 text: text.clone(),
@@ -211,10 +208,7 @@ impl<'a> Evaluator<'a> {
 fn kept(row: Row<'_>, file: &Arc<str>, verdict: Option<Verdict>, margin: Margin) -> Part {
     Part {
         id: row.id().into_owned(),
-        file: Arc::clone(file),
-        line: row.line(),
-        record: row.record(),
-        place: None,
+        place: row.place(file),
         verdict,
         margin_mm: margin.inside_by.mm(),
         on: margin.on,

@@ -105,7 +105,8 @@ impl<'a> Ledger<'a> {
     }
 
     /// Ends the run: what it came to.
-    pub(super) fn finish(self) -> (Outcome, io::Result<()>) {
+    pub(super) fn finish(mut self, is_strict: bool) -> (Outcome, io::Result<()>) {
+        self.outcome.is_cut |= self.is_over(is_strict);
         (self.outcome, self.sinks.flush())
     }
 }

@@ -6,6 +6,8 @@ use std::fmt;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::sync::Arc;
 
+use super::output::Output;
+use super::request::Request;
 use super::source::KINDS;
 use super::statistics::{MovingRange, Statistics};
 use crate::diagnostic::Code;
@@ -68,17 +70,34 @@ impl Counts {
     }
 }
 
+/// Where a row is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RowPlace {
+    /// The table.
+    pub file: Arc<str>,
+    /// The line on which its record starts, from 1.
+    pub line: u64,
+    /// Its record, from 1 below the header.
+    pub record: u64,
+    /// In words, for tables without lines.
+    pub in_words: Option<String>,
+}
+
+/// `parts.csv:17`, or as the table calls it.
+impl fmt::Display for RowPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.in_words {
+            Some(place) => write!(f, "{}, {place}", self.file),
+            None => write!(f, "{}:{}", self.file, self.line),
+        }
+    }
+}
+
 /// A row that makes no part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// The table.
-    pub file: Arc<str>,
-    /// The line on which the record starts, from 1.
-    pub line: u64,
-    /// The record, from 1 below the header.
-    pub record: u64,
-    /// Where that is, for tables without lines.
-    pub place: Option<String>,
+    /// Where it is.
+    pub place: RowPlace,
     /// The name of the part, if it has one.
     pub part: Option<String>,
     /// The column, by its name in the header.
@@ -90,21 +109,12 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Where the row is: `parts.csv:17`, or as the table calls it.
-    #[must_use]
-    pub fn whereabouts(&self) -> String {
-        match &self.place {
-            Some(place) => format!("{}, {place}", self.file),
-            None => format!("{}:{}", self.file, self.line),
-        }
-    }
-
     /// What is wrong, with the text where the message does not have it.
     #[must_use]
     pub fn what(&self) -> String {
         let column = self.column.as_ref().map(|column| format!(", column `{column}`")).unwrap_or_default();
         let part = self.part.as_ref().map(|part| format!(" (part {part})")).unwrap_or_default();
-        let message = format!("record {}{part}{column}: {}", self.record, self.message);
+        let message = format!("record {}{part}{column}: {}", self.place.record, self.message);
         if self.text.is_empty() || self.message.contains(&self.text) {
             message
         } else {
@@ -116,7 +126,7 @@ impl Problem {
 /// `file:line: error[bad-row]: record, column: what is wrong`, on one line.
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: error[{}]: {}", self.whereabouts(), Code::BadRow, self.what())
+        write!(f, "{}: error[{}]: {}", self.place, Code::BadRow, self.what())
     }
 }
 
@@ -125,14 +135,8 @@ impl fmt::Display for Problem {
 pub struct Part {
     /// Its name.
     pub id: String,
-    /// The table.
-    pub file: Arc<str>,
-    /// The line on which its record starts.
-    pub line: u64,
-    /// Its record.
-    pub record: u64,
-    /// Where that is, for tables without lines.
-    pub place: Option<String>,
+    /// Where its row is.
+    pub place: RowPlace,
     /// The verdict.
     pub verdict: Option<Verdict>,
     /// How far it is inside the nearest limit, mm; negative outside. Without limits, how far its largest ΔCD
@@ -292,7 +296,7 @@ impl Tally {
 /// The counts of one table while it is read, and of all of them.
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
-    pub(super) moving: &'a mut [MovingRange],
+    pub(super) followed: &'a [(usize, Output)],
     /// Lines before the next piece; 0 where lines count from the start of the file.
     pub(super) lines: u64,
     pub(super) is_relative: bool,
@@ -305,41 +309,37 @@ pub(super) struct Total<'a> {
     pub(super) contradiction: Option<Contradiction>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
-    pub(super) problems_kept: usize,
-    pub(super) failures_kept: usize,
+    pub(super) request: &'a Request,
 }
 
 impl Total<'_> {
     /// Takes the chunk that follows all that it has; line and record numbers of the chunk become those of
     /// the table.
     pub(super) fn add(&mut self, tally: &mut Tally) {
-        let place = |line: u64| self.place.in_words(line);
         let (lines, records) = (self.lines, self.records);
+        let settle = |place: &mut RowPlace| {
+            place.line += lines;
+            place.record += records;
+            place.in_words = self.place.in_words(place.line);
+        };
         for mut problem in tally.problems.drain(..) {
-            if self.outcome.problems.len() < self.problems_kept {
-                problem.line += lines;
-                problem.record += records;
-                problem.place = place(problem.line);
+            if self.outcome.problems.len() < self.request.problems_kept {
+                settle(&mut problem.place);
                 self.outcome.problems.push(problem);
             }
         }
-        let settle = |part: &mut Part| {
-            part.line += lines;
-            part.record += records;
-            part.place = place(part.line);
-        };
         for mut part in tally.failures.drain(..) {
-            if self.outcome.failures.len() < self.failures_kept {
-                settle(&mut part);
+            if self.outcome.failures.len() < self.request.failures_kept {
+                settle(&mut part.place);
                 self.outcome.failures.push(part);
             }
         }
         for mut part in tally.worst.drain(..) {
-            settle(&mut part);
+            settle(&mut part.place);
             keep_worst(&mut self.outcome.worst, part.margin_mm, || part);
         }
-        for (moving, next) in self.moving.iter_mut().zip(&tally.moving) {
-            moving.join(next);
+        for ((index, _), next) in self.followed.iter().zip(&tally.moving) {
+            self.outcome.quantities[*index].statistics.moving.join(next);
         }
         for mut aside in tally.asides.drain(..) {
             if self.asides.len() < ASIDES {

@@ -5,7 +5,8 @@ use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostic;
-use crate::judge::{LimitTarget, Stack};
+use crate::judge::{Interval, LimitTarget, Stack};
+use crate::quantity::Length;
 use crate::table::Table;
 
 /// One column of the output.
@@ -15,13 +16,10 @@ pub(super) enum Output {
     Id,
     /// ΔCD of an error.
     Error(DeviationKind),
-    RangeLower,
-    RangeUpper,
-    RssLower,
-    RssUpper,
-    /// What the exact mesh reaches with the errors on the worst teeth found.
-    ReachedLower,
-    ReachedUpper,
+    /// An end of a combination.
+    Combined(Stack, End),
+    /// An end of what the exact mesh reaches with the errors on the worst teeth found.
+    Reached(End),
     /// Standard uncertainty of a result.
     Standard(UncertainOutput),
     /// Expanded uncertainty of a result.
@@ -43,28 +41,48 @@ pub(super) enum Output {
     Copied(String),
 }
 
+/// An end of a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Lower,
+    Upper,
+}
+
+impl End {
+    pub(super) const BOTH: [Self; 2] = [Self::Lower, Self::Upper];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Upper => "upper",
+        }
+    }
+
+    /// This end of a range.
+    #[inline]
+    pub(super) const fn of(self, range: Interval) -> Length {
+        match self {
+            Self::Lower => range.lower,
+            Self::Upper => range.upper,
+        }
+    }
+}
+
 /// A result that has an uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum UncertainOutput {
     /// ΔCD of an error.
     Error(DeviationKind),
-    /// The lower end of the combination that is judged.
-    Lower,
-    /// Its upper end.
-    Upper,
+    /// An end of the combination that is judged.
+    Combined(End),
 }
 
 impl UncertainOutput {
     /// The name of the result, without its unit.
     fn name(self, stack: Stack) -> String {
-        let together = match stack {
-            Stack::Range => "range",
-            Stack::Rss => "rss",
-        };
         match self {
             Self::Error(kind) => format!("delta_cd_{}", kind.key()),
-            Self::Lower => format!("{together}_lower"),
-            Self::Upper => format!("{together}_upper"),
+            Self::Combined(end) => format!("{}_{}", stack.name(), end.name()),
         }
     }
 }
@@ -89,12 +107,12 @@ impl Output {
     /// What there is to write of parts with errors of these kinds and limits on these.
     fn all(request: &Request, kinds: &[DeviationKind], limits: &[LimitTarget], is_uncertain: bool) -> Vec<Self> {
         let errors = kinds.iter().copied().map(UncertainOutput::Error);
-        let results = || errors.clone().chain([UncertainOutput::Lower, UncertainOutput::Upper]);
+        let results = || errors.clone().chain(End::BOTH.map(UncertainOutput::Combined));
         let mut all = vec![Self::Id];
         all.extend(kinds.iter().copied().map(Self::Error));
-        all.extend([Self::RangeLower, Self::RangeUpper, Self::RssLower, Self::RssUpper]);
+        all.extend(Stack::ALL.into_iter().flat_map(Self::ends));
         if request.mesh {
-            all.extend([Self::ReachedLower, Self::ReachedUpper]);
+            all.extend(End::BOTH.map(Self::Reached));
         }
         if is_uncertain {
             all.extend(results().flat_map(|of| [Self::Standard(of), Self::Expanded(of)]));
@@ -115,6 +133,11 @@ impl Output {
             all.push(Self::Reason);
         }
         all
+    }
+
+    /// Both ends of a combination.
+    pub(super) fn ends(stack: Stack) -> [Self; 2] {
+        End::BOTH.map(|end| Self::Combined(stack, end))
     }
 
     /// The outputs that were asked for, or all that there are.
@@ -160,12 +183,8 @@ impl Output {
         match self {
             Self::Id => "part_id".to_owned(),
             Self::Error(kind) => format!("{}_mm", UncertainOutput::Error(*kind).name(stack)),
-            Self::RangeLower => "range_lower_mm".to_owned(),
-            Self::RangeUpper => "range_upper_mm".to_owned(),
-            Self::RssLower => "rss_lower_mm".to_owned(),
-            Self::RssUpper => "rss_upper_mm".to_owned(),
-            Self::ReachedLower => "reached_lower_mm".to_owned(),
-            Self::ReachedUpper => "reached_upper_mm".to_owned(),
+            Self::Combined(stack, end) => format!("{}_{}_mm", stack.name(), end.name()),
+            Self::Reached(end) => format!("reached_{}_mm", end.name()),
             Self::Standard(of) => format!("{}_standard_uncertainty_mm", of.name(stack)),
             Self::Expanded(of) => format!("{}_expanded_uncertainty_mm", of.name(stack)),
             Self::Linear => "linear".to_owned(),

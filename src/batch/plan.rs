@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::columns::ColumnKind;
-use super::number::{Decimals, Places};
+use super::number::Decimals;
 use super::outcome::Quantity;
 use super::output::{Output, UncertainOutput};
 use super::request::{Request, Rows};
@@ -19,6 +19,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
+use crate::quantity::Places;
 use crate::spec::Spec;
 use crate::table::Table;
 
@@ -119,22 +120,17 @@ impl Plan {
             outputs.push(Output::Reason);
         }
         let basis = spec.basis()?;
-        let uncertain = is_uncertain
-            && (request.statistics
-                || request.monte_carlo.is_some()
-                || request.rule.needs_uncertainty()
-                || outputs.iter().any(Output::is_uncertain));
-        let uncertain =
-            if uncertain { Some(Box::new(Uncertain::new(spec, &sources, &request, &basis)?)) } else { None };
+        let is_asked = request.statistics || request.monte_carlo.is_some() || request.rule.needs_uncertainty();
+        let uncertain = is_uncertain && (is_asked || outputs.iter().any(Output::is_uncertain));
+        let uncertain = uncertain.then(|| Uncertain::new(spec, &sources, &request, &basis)).transpose()?.map(Box::new);
         let stack = request.stack;
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
-        let is_written = |ends: [Output; 2]| outputs.iter().any(|output| ends.contains(output));
-        let needs_range = is_judged(Stack::Range) || is_written([Output::RangeLower, Output::RangeUpper]);
-        let needs_reached = is_written([Output::ReachedLower, Output::ReachedUpper]);
+        let needs = |of: Stack| is_judged(of) || Output::ends(of).iter().any(|end| outputs.contains(end));
+        let (needs_range, needs_rss) = (needs(Stack::Range), needs(Stack::Rss));
+        let needs_reached = outputs.iter().any(|output| matches!(output, Output::Reached(_)));
         if needs_reached {
             refuse_unreached(spec, &basis)?;
         }
-        let needs_rss = is_judged(Stack::Rss) || is_written([Output::RssLower, Output::RssUpper]);
         let mut plan = Self {
             basis,
             needs_range,
@@ -143,7 +139,7 @@ impl Plan {
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
-            places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count)) } else { None },
+            places: if let Decimals::Places(count) = request.decimals { Some(Places::new(count.into())) } else { None },
             limits: judged,
             unjudged,
             lacking,
@@ -175,21 +171,15 @@ impl Plan {
 
     /// The outputs of which there are statistics: ΔCD and its combinations.
     pub(super) fn quantities(&self) -> impl Iterator<Item = &Output> {
-        self.outputs.iter().filter(|output| {
-            matches!(
-                output,
-                Output::Error(_) | Output::RangeLower | Output::RangeUpper | Output::RssLower | Output::RssUpper
-            )
-        })
+        self.outputs.iter().filter(|output| matches!(output, Output::Error(_) | Output::Combined(..)))
     }
 
     /// Of which uncertainty the variance of a result is made, if the uncertainties are known.
     pub(super) fn spread_of(&self, output: &Output) -> Option<UncertainOutput> {
         self.uncertain.as_ref()?;
-        match (output, self.request.stack) {
-            (Output::Error(kind), _) => Some(UncertainOutput::Error(*kind)),
-            (Output::RangeLower, Stack::Range) | (Output::RssLower, Stack::Rss) => Some(UncertainOutput::Lower),
-            (Output::RangeUpper, Stack::Range) | (Output::RssUpper, Stack::Rss) => Some(UncertainOutput::Upper),
+        match output {
+            Output::Error(kind) => Some(UncertainOutput::Error(*kind)),
+            Output::Combined(stack, end) if *stack == self.request.stack => Some(UncertainOutput::Combined(*end)),
             _ => None,
         }
     }
@@ -211,12 +201,10 @@ impl Plan {
 
     /// The results that have statistics, without a value so far.
     pub(super) fn quantities_kept(&self) -> Vec<Quantity> {
-        let together = |stack: Stack| (self.request.stack == stack).then_some(LimitTarget::CenterDistance);
         let quantities = self.quantities().map(|output| {
             let on = match output {
                 Output::Error(kind) => Some(LimitTarget::Error(*kind)),
-                Output::RangeLower | Output::RangeUpper => together(Stack::Range),
-                Output::RssLower | Output::RssUpper => together(Stack::Rss),
+                Output::Combined(stack, _) if *stack == self.request.stack => Some(LimitTarget::CenterDistance),
                 _ => None,
             };
             let limit = self.limits.iter().find(|(target, _)| on == Some(*target)).map(|(_, limit)| limit);
@@ -228,8 +216,9 @@ impl Plan {
     /// The columns of the lower and the upper end of the worst case, if they are written.
     #[must_use]
     pub fn range_columns(&self) -> Option<[usize; 2]> {
-        let column = |of: &Output| self.outputs.iter().position(|output| output == of);
-        Some([column(&Output::RangeLower)?, column(&Output::RangeUpper)?])
+        let [lower, upper] =
+            Output::ends(Stack::Range).map(|end| self.outputs.iter().position(|output| *output == end));
+        Some([lower?, upper?])
     }
 
     /// The names of the columns written, in order.

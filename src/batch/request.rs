@@ -79,3 +79,15 @@ pub enum RowFormat {
     /// No text, but columns.
     Columns,
 }
+
+impl RowFormat {
+    /// What stands between values; `None` of JSON.
+    #[inline]
+    pub(super) const fn separator(self) -> Option<u8> {
+        match self {
+            Self::Csv | Self::Columns => Some(b','),
+            Self::Tsv => Some(b'\t'),
+            Self::JsonLines => None,
+        }
+    }
+}

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops;
 
 use super::layout::Layout;
-use super::output::{Output, UncertainOutput};
+use super::output::{End, Output, UncertainOutput};
 use super::plan::Plan;
 use super::request::Request;
 use super::source::{KINDS, index_of};
@@ -34,8 +34,8 @@ pub(super) struct Results<'a> {
     each: [Vec<Length>; KINDS],
     /// What each can do alone, where that is held against a limit.
     alone: [Vec<Option<Interval>>; KINDS],
-    range: Vec<Option<Interval>>,
-    rss: Vec<Option<Interval>>,
+    /// What all do together, by the number of the combination.
+    combined: [Vec<Option<Interval>>; Stack::ALL.len()],
     reached: Vec<Option<Interval>>,
     /// What is uncertain about each part, if that is computed.
     uncertainties: Vec<Option<RowUncertainty>>,
@@ -96,8 +96,7 @@ impl<'a> Results<'a> {
             refusals: block.faults().iter().rev().map(|fault| (fault.row, Box::new(fault.clone()))).collect(),
             each: Default::default(),
             alone: Default::default(),
-            range: Vec::new(),
-            rss: Vec::new(),
+            combined: Default::default(),
             reached: Vec::new(),
             uncertainties: Vec::new(),
             verdicts: Vec::new(),
@@ -176,7 +175,7 @@ impl<'a> Results<'a> {
                     None
                 }));
             };
-            let (mut range, mut rss) = (Vec::with_capacity(self.rows), Vec::with_capacity(self.rows));
+            let [mut range, mut rss] = [(); 2].map(|()| Vec::with_capacity(self.rows));
             errors.each_together(self.rows, values, |row, together| {
                 if plan.needs_range {
                     end(&mut range, row, together.range);
@@ -185,7 +184,7 @@ impl<'a> Results<'a> {
                     end(&mut rss, row, together.rss);
                 }
             });
-            (self.range, self.rss) = (range, rss);
+            self.combined = [range, rss];
             for (row, problem) in refused {
                 self.refusals.entry(row).or_insert_with(|| Box::new(no_result("combination", None, problem)));
             }
@@ -283,10 +282,10 @@ impl<'a> Results<'a> {
         for rows in self.runs() {
             match output {
                 Output::Error(kind) => all.extend_from_slice(&self.each[*kind as usize][rows]),
-                Output::RangeLower => all.extend(known(&self.range, rows).map(|range| range.lower)),
-                Output::RangeUpper => all.extend(known(&self.range, rows).map(|range| range.upper)),
-                Output::RssLower => all.extend(known(&self.rss, rows).map(|rss| rss.lower)),
-                Output::RssUpper => all.extend(known(&self.rss, rows).map(|rss| rss.upper)),
+                Output::Combined(stack, end) => {
+                    let known = self.combined[*stack as usize].get(rows).unwrap_or_default().iter().flatten();
+                    all.extend(known.map(|range| end.of(*range)));
+                }
                 _ => all.extend(rows.filter_map(|row| self.of(output, row))),
             }
         }
@@ -298,12 +297,8 @@ impl<'a> Results<'a> {
     pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
         match output {
             Output::Error(kind) => self.each[*kind as usize].get(row).copied(),
-            Output::RangeLower => Some(at(&self.range, row)?.lower),
-            Output::RangeUpper => Some(at(&self.range, row)?.upper),
-            Output::RssLower => Some(at(&self.rss, row)?.lower),
-            Output::RssUpper => Some(at(&self.rss, row)?.upper),
-            Output::ReachedLower => Some(at(&self.reached, row)?.lower),
-            Output::ReachedUpper => Some(at(&self.reached, row)?.upper),
+            Output::Combined(stack, end) => Some(end.of(at(&self.combined[*stack as usize], row)?)),
+            Output::Reached(end) => Some(end.of(at(&self.reached, row)?)),
             _ => None,
         }
     }
@@ -312,8 +307,7 @@ impl<'a> Results<'a> {
     #[inline]
     fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance if self.plan.request.stack == Stack::Rss => at(&self.rss, row),
-            LimitTarget::CenterDistance => at(&self.range, row),
+            LimitTarget::CenterDistance => at(&self.combined[self.plan.request.stack as usize], row),
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
     }
@@ -323,11 +317,6 @@ impl<'a> Results<'a> {
 #[inline]
 fn at(column: &[Option<Interval>], row: usize) -> Option<Interval> {
     *column.get(row)?
-}
-
-/// What is known of some rows of a column, which may not be computed.
-fn known(column: &[Option<Interval>], rows: ops::Range<usize>) -> impl Iterator<Item = &Interval> {
-    column.get(rows).unwrap_or_default().iter().flatten()
 }
 
 /// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.
@@ -350,7 +339,7 @@ fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> En
 pub(super) fn spread_of<'s>(plan: &Plan, spreads: &'s Spreads, of: UncertainOutput) -> Option<&'s Spread> {
     Some(match of {
         UncertainOutput::Error(kind) => &spreads.errors[index_of(&plan.sources, kind)?],
-        UncertainOutput::Lower => &spreads.lower,
-        UncertainOutput::Upper => &spreads.upper,
+        UncertainOutput::Combined(End::Lower) => &spreads.lower,
+        UncertainOutput::Combined(End::Upper) => &spreads.upper,
     })
 }

@@ -1,8 +1,10 @@
 //! The row that is written for a part, as text or in columns. Called by the evaluator; computes nothing.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::columns::{ResultCell, ResultColumns};
+use super::outcome::RowPlace;
 use super::output::{Output, simulated};
 use super::plan::Plan;
 use super::request::{Request, RowFormat};
@@ -40,8 +42,9 @@ impl<'a> Row<'a> {
         self.block.records[self.index]
     }
 
-    pub(super) fn line(self) -> u64 {
-        self.block.lines[self.index]
+    /// Where it is, from the start of the block.
+    pub(super) fn place(self, file: &Arc<str>) -> RowPlace {
+        RowPlace { file: Arc::clone(file), line: self.block.lines[self.index], record: self.record(), in_words: None }
     }
 }
 

@@ -5,9 +5,10 @@
 //! workers.
 
 use std::io;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Condvar, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::evaluate::Evaluator;
 use super::layout::Layout;
@@ -15,7 +16,6 @@ use super::ledger::{Ledger, RowSink, Sink, Sinks};
 use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
-use super::statistics::MovingRange;
 use super::write;
 use crate::table::{Block, Contradiction, Encoding, Piece, Queue, Rows, Table};
 
@@ -36,7 +36,6 @@ pub struct Progress {
 pub struct Batch<'a> {
     plan: &'a Plan,
     ledger: Ledger<'a>,
-    moving: Vec<MovingRange>,
     workers: usize,
 }
 
@@ -50,7 +49,6 @@ impl<'a> Batch<'a> {
         Self {
             plan,
             ledger: Ledger::new(sinks, if plan.request.statistics { plan.quantities_kept() } else { Vec::new() }),
-            moving: vec![MovingRange::default(); plan.followed.len()],
             workers: workers.unwrap_or_else(cores).clamp(1, MOST_WORKERS),
         }
     }
@@ -78,7 +76,7 @@ impl<'a> Batch<'a> {
         let (rows, queue) = pieces.open(layout.wanted(keeps_rejects));
         let total = Total {
             outcome,
-            moving: &mut self.moving,
+            followed: &plan.followed,
             lines: queue.lines,
             is_relative: queue.is_relative(),
             records: 0,
@@ -87,8 +85,7 @@ impl<'a> Batch<'a> {
             rejections: Vec::new(),
             contradiction: None,
             doubted: Default::default(),
-            problems_kept: plan.request.problems_kept,
-            failures_kept: plan.request.failures_kept,
+            request: &plan.request,
         };
         let shared = SharedRun {
             plan,
@@ -102,25 +99,26 @@ impl<'a> Batch<'a> {
             queue: Mutex::new(PieceQueue { queue, next: 0, ended: false, error: None }),
             order: Mutex::new(WriteOrder { next: 0, total, sinks, failure: None }),
             turn: Condvar::new(),
-            working: AtomicUsize::new(self.workers),
             stop,
             ended: AtomicBool::new(false),
             keeps_names: AtomicBool::new(has_id),
             bytes: AtomicU64::new(0),
         };
-        let (statistics, watcher) = (Mutex::new(Vec::new()), std::thread::current());
+        let statistics = Mutex::new(Vec::new());
         let work = || {
             let mut evaluator = Evaluator::new(plan, layout, &name, keeps_rejects);
             shared.work(&mut evaluator);
             lock(&statistics).push(std::mem::take(&mut evaluator.statistics));
-            shared.working.fetch_sub(1, Ordering::Release);
-            watcher.unpark();
         };
+        let (working, done) = channel::<()>();
         std::thread::scope(|scope| {
-            for _ in 0..self.workers {
-                scope.spawn(work);
+            for working in vec![working; self.workers] {
+                scope.spawn(move || {
+                    work();
+                    drop(working);
+                });
             }
-            shared.watch(progress);
+            shared.watch(&done, progress);
         });
         let SharedRun { queue, order, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -155,14 +153,8 @@ impl<'a> Batch<'a> {
     ///
     /// # Errors
     /// If the results cannot be written.
-    pub fn finish(mut self) -> (Outcome, io::Result<()>) {
-        for (moving, (index, _)) in self.moving.iter().zip(&self.plan.followed) {
-            if let Some(quantity) = self.ledger.outcome.quantities.get_mut(*index) {
-                quantity.statistics.add_moving(moving);
-            }
-        }
-        self.ledger.outcome.is_cut |= self.is_over();
-        self.ledger.finish()
+    pub fn finish(self) -> (Outcome, io::Result<()>) {
+        self.ledger.finish(self.plan.request.strict)
     }
 }
 
@@ -209,8 +201,6 @@ struct SharedRun<'a, 'b> {
     queue: Mutex<PieceQueue>,
     order: Mutex<WriteOrder<'a, 'b>>,
     turn: Condvar,
-    /// How many workers are not done.
-    working: AtomicUsize,
     /// Ends the run from outside.
     stop: &'a AtomicBool,
     /// Ends the run from inside: nothing can be written any more, or nothing should.
@@ -300,17 +290,12 @@ impl SharedRun<'_, '_> {
         Some(number)
     }
 
-    /// Tells how far the run is until the workers are done.
-    fn watch(&self, progress: &mut dyn FnMut(&Progress)) {
+    /// Tells how far the run is until the workers, who have the other end of `done`, are through.
+    fn watch(&self, done: &Receiver<()>, progress: &mut dyn FnMut(&Progress)) {
         const INTERVAL: Duration = Duration::from_millis(100);
-        let mut told = Instant::now();
-        while self.working.load(Ordering::Acquire) > 0 {
-            std::thread::park_timeout(INTERVAL);
-            if told.elapsed() >= INTERVAL {
-                told = Instant::now();
-                let Counts { rows, fail: failures, rejected, .. } = lock(&self.order).total.outcome.counts;
-                progress(&Progress { rows, failures, rejected, bytes: self.bytes.load(Ordering::Relaxed) });
-            }
+        while done.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
+            let Counts { rows, fail: failures, rejected, .. } = lock(&self.order).total.outcome.counts;
+            progress(&Progress { rows, failures, rejected, bytes: self.bytes.load(Ordering::Relaxed) });
         }
     }
 }

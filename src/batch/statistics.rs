@@ -21,8 +21,8 @@ pub struct Statistics {
     histogram: Histogram,
     /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
     gauge: (u128, u64),
-    /// Sum of the magnitudes of the differences of successive values, in 1e-12 mm, and how many there are.
-    moving: (u128, u64),
+    /// From value to value, where that is followed.
+    pub(super) moving: MovingRange,
 }
 
 /// The differences of successive values, for a chunk of them.
@@ -76,7 +76,7 @@ impl Default for Statistics {
             largest: i64::MIN,
             histogram: Histogram::default(),
             gauge: (0, 0),
-            moving: (0, 0),
+            moving: MovingRange::default(),
         }
     }
 }
@@ -109,16 +109,11 @@ impl Statistics {
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64).sqrt())
     }
 
-    /// Takes the differences of successive values.
-    pub(super) fn add_moving(&mut self, moving: &MovingRange) {
-        self.moving = (self.moving.0.saturating_add(moving.sum), self.moving.1 + moving.count);
-    }
-
     /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were
     /// not followed, or if there are no two values.
     #[must_use]
     pub fn moving_range_mm(&self) -> Option<f64> {
-        let (sum, count) = self.moving;
+        let MovingRange { sum, count, .. } = self.moving;
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64))
     }
 
@@ -213,11 +208,7 @@ impl Statistics {
             let value = value.clamp(millimetres(self.smallest), millimetres(self.largest));
             let bin = ((value - from_mm) / (to_mm - from_mm) * bins as f64).floor() as i64;
             // the upper end belongs to the last bin, and rounding takes nothing beyond it
-            let bin = if value <= to_mm {
-                usize::try_from(bin).ok().map(|bin| bin.min(bins.saturating_sub(1)))
-            } else {
-                None
-            };
+            let bin = usize::try_from(bin).ok().filter(|_| value <= to_mm).map(|bin| bin.min(bins.saturating_sub(1)));
             if let Some(counted) = bin.and_then(|bin| counts.get_mut(bin)) {
                 *counted += count;
             }
@@ -380,7 +371,7 @@ mod tests {
         }
         let mut statistics = of(values.iter().copied());
         assert_eq!(statistics.moving_range_mm(), None);
-        statistics.add_moving(&whole);
+        statistics.moving = whole;
         let expected: u64 = values.windows(2).map(|pair| pair[0].abs_diff(pair[1])).sum();
         let mean = f64::from(u32::try_from(expected).unwrap()) / 99.0 * 1e-12;
         assert!((statistics.moving_range_mm().unwrap() / mean - 1.0).abs() < 1e-12);

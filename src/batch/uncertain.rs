@@ -1,7 +1,7 @@
 //! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the
 //! evaluator; decides nothing.
 
-use super::output::UncertainOutput;
+use super::output::{End, UncertainOutput};
 use super::request::Request;
 use super::source::{Source, index_of};
 use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
@@ -50,8 +50,8 @@ impl RowUncertainty {
         let part = self.simulation.as_ref()?;
         Some(match of {
             UncertainOutput::Error(kind) => &part.outcome.results[index_of(sources, kind)?],
-            UncertainOutput::Lower => part.lower(),
-            UncertainOutput::Upper => part.upper(),
+            UncertainOutput::Combined(End::Lower) => part.lower(),
+            UncertainOutput::Combined(End::Upper) => part.upper(),
         })
     }
 }

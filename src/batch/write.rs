@@ -1,18 +1,19 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
+use std::borrow::Cow;
+
 use super::columns::ResultCell;
-use super::number::{Decimals, Places};
+use super::number::Decimals;
 use super::request::RowFormat;
-use crate::quantity::plain;
+use crate::quantity::{Places, plain};
 use crate::table::cell_text;
 
 /// Writes a text with the quotes or escapes that it needs.
 #[inline]
 pub(super) fn text(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
-    match format {
-        RowFormat::Csv if bytes.iter().all(|byte| is_bare(*byte, b',')) => out.extend_from_slice(bytes),
-        RowFormat::Tsv if bytes.iter().all(|byte| is_bare(*byte, b'\t')) => out.extend_from_slice(bytes),
-        _ => escaped(out, bytes, format),
+    match format.separator() {
+        Some(separator) if bytes.iter().all(|byte| is_bare(*byte, separator)) => out.extend_from_slice(bytes),
+        separator => escaped(out, bytes, separator),
     }
 }
 
@@ -23,22 +24,16 @@ fn is_bare(byte: u8, separator: u8) -> bool {
 }
 
 #[cold]
-fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
+fn escaped(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
     let text = cell_text(bytes);
-    let separator = match format {
-        RowFormat::JsonLines => {
-            return out.extend_from_slice(serde_json::Value::from(text.as_ref()).to_string().as_bytes());
+    let written: Cow<'_, str> = match separator.map(char::from) {
+        None => serde_json::Value::from(text.as_ref()).to_string().into(),
+        Some(separator) if text.contains([separator, '"', '\n', '\r']) => {
+            format!("\"{}\"", text.replace('"', "\"\"")).into()
         }
-        RowFormat::Csv | RowFormat::Columns => ',',
-        RowFormat::Tsv => '\t',
+        Some(_) => text,
     };
-    if text.contains([separator, '"', '\n', '\r']) {
-        out.extend_from_slice(b"\"");
-        out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
-        out.extend_from_slice(b"\"");
-    } else {
-        out.extend_from_slice(text.as_bytes());
-    }
+    out.extend_from_slice(written.as_bytes());
 }
 
 /// What stands before each value of a line of JSON.
@@ -50,11 +45,10 @@ pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u
 /// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
 #[inline]
 pub(super) fn start(out: &mut Vec<u8>, index: usize, json_start: &[u8], format: RowFormat) {
-    match format {
-        RowFormat::JsonLines => out.extend_from_slice(json_start),
-        RowFormat::Csv | RowFormat::Columns if index > 0 => out.push(b','),
-        RowFormat::Tsv if index > 0 => out.push(b'\t'),
-        RowFormat::Csv | RowFormat::Tsv | RowFormat::Columns => {}
+    match format.separator() {
+        None => out.extend_from_slice(json_start),
+        Some(separator) if index > 0 => out.push(separator),
+        Some(_) => {}
     }
 }
 
@@ -68,7 +62,7 @@ pub(super) fn end(out: &mut Vec<u8>, format: RowFormat) {
 #[inline]
 pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, decimals: Decimals) {
     match (cell, decimals) {
-        (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places).write(out, *length),
+        (ResultCell::Length(length), Decimals::Places(places)) => Places::new(places.into()).write(out, *length),
         (ResultCell::Length(length), Decimals::Full) => out.extend_from_slice(plain(length.mm()).as_bytes()),
         (ResultCell::Text(bytes), _) => text(out, bytes, format),
         (ResultCell::Number(number), decimals) => out.extend_from_slice(decimals.text(*number).as_bytes()),
@@ -80,18 +74,14 @@ pub(super) fn cell(out: &mut Vec<u8>, cell: &ResultCell<'_>, format: RowFormat, 
 
 /// The header row of the columns written; JSON lines have none.
 pub(super) fn header(names: &[String], format: RowFormat) -> Vec<u8> {
-    let separator = match format {
-        RowFormat::JsonLines | RowFormat::Columns => return Vec::new(),
-        RowFormat::Csv => b",",
-        RowFormat::Tsv => b"\t",
-    };
     let mut out = Vec::new();
+    if matches!(format, RowFormat::JsonLines | RowFormat::Columns) {
+        return out;
+    }
     for (index, name) in names.iter().enumerate() {
-        if index > 0 {
-            out.extend_from_slice(separator);
-        }
+        start(&mut out, index, b"", format);
         text(&mut out, name.as_bytes(), format);
     }
-    out.extend_from_slice(b"\n");
+    end(&mut out, format);
     out
 }

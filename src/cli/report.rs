@@ -283,7 +283,7 @@ impl Args {
 }
 
 fn problem_text(problem: &crate::batch::Problem) -> String {
-    format!("{}: {}", problem.whereabouts(), problem.what())
+    format!("{}: {}", problem.place, problem.what())
 }
 
 /// What came of the parts of all tables.

@@ -1,16 +1,14 @@
 //! The quantities that the formulas take, and the values that each may have. Checked by the formulas, shown by the JSON
 //! Schema and the command line; each bound stands here only.
 
+use std::ops::Bound;
+
 use super::femtometres;
-use crate::quantity::{Domain, DomainEnd, DomainError, Length};
+use crate::quantity::{Domain, DomainError, Length};
 
 /// Normal pressure angle α_n: above 0° and at most 45°.
-pub const NORMAL_PRESSURE_ANGLE: Domain = Domain {
-    name: "normal pressure angle",
-    symbol: "α_n",
-    lower: DomainEnd::Exclusive(0),
-    upper: DomainEnd::Inclusive(45),
-};
+pub const NORMAL_PRESSURE_ANGLE: Domain =
+    Domain { name: "normal pressure angle", symbol: "α_n", lower: Bound::Excluded(0), upper: Bound::Included(45) };
 
 /// Helix angle of the rack β_r: right hand positive.
 pub const RACK_HELIX_ANGLE: Domain = helix_angle("helix angle of the rack", "β_r");
@@ -29,7 +27,7 @@ pub const TRANSVERSE_MODULE: Domain = Domain::positive("transverse module of the
 
 /// Magnitude of the shaft angle Σ.
 pub const SHAFT_ANGLE: Domain =
-    Domain { name: "shaft angle", symbol: "Σ", lower: DomainEnd::Inclusive(0), upper: DomainEnd::Exclusive(180) };
+    Domain { name: "shaft angle", symbol: "Σ", lower: Bound::Included(0), upper: Bound::Excluded(180) };
 
 /// Tooth thickness of the rack s_n, measured in the normal plane at the reference plane.
 pub const TOOTH_THICKNESS: Domain = Domain::positive("tooth thickness", "s_n");
@@ -41,17 +39,13 @@ pub const PIN_DIAMETER: Domain = Domain::positive("pin diameter", "d_p");
 pub const DATUM: Domain = Domain {
     name: "distance from the datum to the reference plane",
     symbol: "K",
-    lower: DomainEnd::Inclusive(0),
-    upper: DomainEnd::None,
+    lower: Bound::Included(0),
+    upper: Bound::Unbounded,
 };
 
 /// Lead angle error of the rack Δβ.
-pub const LEAD_ERROR: Domain = Domain {
-    name: "lead angle error",
-    symbol: "Δβ",
-    lower: DomainEnd::Exclusive(-90),
-    upper: DomainEnd::Exclusive(90),
-};
+pub const LEAD_ERROR: Domain =
+    Domain { name: "lead angle error", symbol: "Δβ", lower: Bound::Excluded(-90), upper: Bound::Excluded(90) };
 
 /// Evaluation length L of a helix slope deviation f_Hβ.
 pub const EVALUATION_LENGTH: Domain = Domain::positive("evaluation length", "L");
@@ -60,12 +54,12 @@ pub const EVALUATION_LENGTH: Domain = Domain::positive("evaluation length", "L")
 pub const PUSHING_DELTA_CD: Domain = Domain {
     name: "centre distance deviation of a pitch or lead error",
     symbol: "ΔCD",
-    lower: DomainEnd::Inclusive(0),
-    upper: DomainEnd::None,
+    lower: Bound::Included(0),
+    upper: Bound::Unbounded,
 };
 
 const fn helix_angle(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: DomainEnd::Exclusive(-90), upper: DomainEnd::Exclusive(90) }
+    Domain { name, symbol, lower: Bound::Excluded(-90), upper: Bound::Excluded(90) }
 }
 
 /// The normal pitch π m_n, in fm.

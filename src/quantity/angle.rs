@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::number::{Decimal, Scale, split_number};
+use super::number::{Decimal, split_number};
 use super::unit::AngleUnit;
 use super::{QuantityError, grid_quantity};
 
@@ -32,19 +32,7 @@ impl Angle {
     /// # Errors
     /// [`QuantityError`] if `degrees` is an infinity or NaN, or beyond 277,777°.
     pub fn from_degrees(degrees: f64) -> Result<Self, QuantityError> {
-        Self::from_base(degrees, AngleUnit::Degree.scale(), "the angle")
-    }
-
-    /// An angle of a number in `unit`; `None` beyond the largest.
-    #[cfg(feature = "table")]
-    #[inline]
-    pub(crate) fn of_plain(number: Decimal, unit: AngleUnit) -> Option<Self> {
-        Self::within(number.steps(unit.scale())?)
-    }
-
-    /// An angle of a number in `unit`.
-    pub(crate) fn of_number(number: Decimal, unit: AngleUnit) -> Result<Self, QuantityError> {
-        Self::of_steps(number.steps(unit.scale()), "the angle")
+        Self::of_f64(degrees, AngleUnit::Degree)
     }
 
     /// An angle of that many nano-arcseconds.
@@ -112,7 +100,7 @@ impl Angle {
     }
 }
 
-grid_quantity!(Angle, nas, "277777°");
+grid_quantity!(Angle, nas, AngleUnit, "the angle", "277777°");
 
 impl FromStr for Angle {
     type Err = QuantityError;

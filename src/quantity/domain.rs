@@ -2,21 +2,11 @@
 //! corrects nothing.
 
 use std::fmt;
+use std::ops::{Bound, RangeBounds as _};
 
 use thiserror::Error;
 
 use super::{Angle, Length, QuantityError};
-
-/// One end of a domain, in the quantity's base unit (mm or degrees).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DomainEnd {
-    /// No bound.
-    None,
-    /// The bound itself is not in the domain.
-    Exclusive(i64),
-    /// The bound itself is in the domain.
-    Inclusive(i64),
-}
 
 /// A named quantity and the values that it may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,10 +15,10 @@ pub struct Domain {
     pub name: &'static str,
     /// Its symbol: `α_n`.
     pub symbol: &'static str,
-    /// The lower end.
-    pub lower: DomainEnd,
-    /// The upper end.
-    pub upper: DomainEnd,
+    /// The lower end, in the base unit (mm or degrees).
+    pub lower: Bound<i64>,
+    /// The upper end, in the base unit.
+    pub upper: Bound<i64>,
 }
 
 /// A value outside its domain, or a result outside the numbers.
@@ -80,29 +70,20 @@ impl Domain {
     /// The domain of a length or angle that has none but being a number.
     #[must_use]
     pub const fn any(name: &'static str, symbol: &'static str) -> Self {
-        Self { name, symbol, lower: DomainEnd::None, upper: DomainEnd::None }
+        Self { name, symbol, lower: Bound::Unbounded, upper: Bound::Unbounded }
     }
 
     /// The domain of everything above 0.
     #[must_use]
     pub const fn positive(name: &'static str, symbol: &'static str) -> Self {
-        Self { name, symbol, lower: DomainEnd::Exclusive(0), upper: DomainEnd::None }
+        Self { name, symbol, lower: Bound::Excluded(0), upper: Bound::Unbounded }
     }
 
     /// Whether `value`, in the base unit, lies in the domain.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
-        let above = match self.lower {
-            DomainEnd::None => true,
-            DomainEnd::Exclusive(bound) => value > bound as f64,
-            DomainEnd::Inclusive(bound) => value >= bound as f64,
-        };
-        let below = match self.upper {
-            DomainEnd::None => true,
-            DomainEnd::Exclusive(bound) => value < bound as f64,
-            DomainEnd::Inclusive(bound) => value <= bound as f64,
-        };
-        above && below
+        let end = |bound: i64| bound as f64;
+        (self.lower.map(end), self.upper.map(end)).contains(&value)
     }
 
     /// Checks a length.
@@ -131,16 +112,12 @@ impl Domain {
     /// The domain in words, with its bounds in `unit`: `above 0° and at most 45°`.
     #[must_use]
     pub fn in_words(&self, unit: &'static str) -> String {
-        let lower = match self.lower {
-            DomainEnd::None => None,
-            DomainEnd::Exclusive(bound) => Some(format!("above {bound}{unit}")),
-            DomainEnd::Inclusive(bound) => Some(format!("at least {bound}{unit}")),
+        let end = |end: Bound<i64>, excluded: &str, included: &str| match end {
+            Bound::Unbounded => None,
+            Bound::Excluded(bound) => Some(format!("{excluded} {bound}{unit}")),
+            Bound::Included(bound) => Some(format!("{included} {bound}{unit}")),
         };
-        let upper = match self.upper {
-            DomainEnd::None => None,
-            DomainEnd::Exclusive(bound) => Some(format!("below {bound}{unit}")),
-            DomainEnd::Inclusive(bound) => Some(format!("at most {bound}{unit}")),
-        };
+        let (lower, upper) = (end(self.lower, "above", "at least"), end(self.upper, "below", "at most"));
         let bounds: Vec<_> = lower.into_iter().chain(upper).collect();
         if bounds.is_empty() { "a finite number".to_owned() } else { bounds.join(" and ") }
     }
@@ -155,8 +132,8 @@ mod tests {
         let domain = Domain {
             name: "normal pressure angle",
             symbol: "α_n",
-            lower: DomainEnd::Exclusive(0),
-            upper: DomainEnd::Inclusive(45),
+            lower: Bound::Excluded(0),
+            upper: Bound::Included(45),
         };
         let angle = |text: &str| text.parse::<Angle>().unwrap();
         assert_eq!(domain.check_angle(angle("45")), Ok(()));

@@ -18,25 +18,13 @@ pub enum QuantityError {
         /// What is wrong with the number.
         reason: NumberError,
     },
-    /// The unit is none of those known.
-    #[error("`{}` is not a unit of {expected}: write {units}", shown(unit))]
-    UnknownUnit {
+    /// The unit is none of those known, or measures something else.
+    #[error("`{}` is {problem}: write {units}", shown(unit))]
+    Unit {
         /// The unit as written.
         unit: String,
-        /// What was expected: `a length` or `an angle`.
-        expected: &'static str,
-        /// The units to choose from.
-        units: &'static str,
-    },
-    /// The unit measures something else.
-    #[error("`{}` is a unit of {measures}, and {expected} is needed: write {units}", shown(unit))]
-    OtherDimension {
-        /// The unit as written.
-        unit: String,
-        /// What the unit measures.
-        measures: &'static str,
-        /// What was expected.
-        expected: &'static str,
+        /// What it is instead.
+        problem: &'static str,
         /// The units to choose from.
         units: &'static str,
     },
@@ -61,37 +49,23 @@ pub enum QuantityError {
 impl QuantityError {
     /// A symbol that is no unit of length.
     pub(crate) fn no_unit_of_length(symbol: &str) -> Self {
-        Self::no_unit(symbol, AngleUnit::from_symbol(symbol).map(|_| "angle"), "a length", LengthUnit::NAMES)
+        let is_known = AngleUnit::from_symbol(symbol).is_some();
+        let problem = if is_known { "a unit of angle, and a length is needed" } else { "not a unit of a length" };
+        Self::Unit { unit: symbol.to_owned(), problem, units: LengthUnit::NAMES }
     }
 
     /// A symbol that is no unit of angle.
     pub(crate) fn no_unit_of_angle(symbol: &str) -> Self {
-        Self::no_unit(symbol, LengthUnit::from_symbol(symbol).map(|_| "length"), "an angle", AngleUnit::NAMES)
-    }
-
-    fn no_unit(symbol: &str, of: Option<&'static str>, expected: &'static str, units: &'static str) -> Self {
-        let unit = symbol.to_owned();
-        match of {
-            Some(measures) => Self::OtherDimension { unit, measures, expected, units },
-            None => Self::UnknownUnit { unit, expected, units },
-        }
+        let is_known = LengthUnit::from_symbol(symbol).is_some();
+        let problem = if is_known { "a unit of length, and an angle is needed" } else { "not a unit of an angle" };
+        Self::Unit { unit: symbol.to_owned(), problem, units: AngleUnit::NAMES }
     }
 }
 
 /// A text as a message shows it: its first 60 characters, on one line, and nothing that a terminal would obey.
 pub(crate) fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
-    let mut shown = String::new();
-    for (count, c) in text.chars().enumerate() {
-        if count == LONGEST {
-            shown.push('…');
-            break;
-        }
-        if c.is_control() {
-            shown.extend(c.escape_debug());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
+    let shown = |c: char| if c.is_control() { c.escape_debug().to_string() } else { c.to_string() };
+    let more = text.chars().nth(LONGEST).map(|_| "…".to_owned());
+    text.chars().take(LONGEST).map(shown).chain(more).collect()
 }

@@ -3,9 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::decimals::Places;
 #[cfg(feature = "table")]
 use super::number::millionths;
-use super::number::{Decimal, Scale, fixed_decimals, shortest_decimal, split_number};
+use super::number::{Decimal, split_number};
 use super::unit::LengthUnit;
 use super::{FM_PER_MM, QuantityError, grid_quantity};
 
@@ -40,14 +41,7 @@ impl Length {
     /// # Errors
     /// [`QuantityError`] if `mm` is an infinity or NaN, or beyond 1 km.
     pub fn from_mm(mm: f64) -> Result<Self, QuantityError> {
-        Self::from_base(mm, LengthUnit::Millimetre.scale(), "the length")
-    }
-
-    /// A length of a number in `unit`; `None` beyond the largest.
-    #[cfg(feature = "table")]
-    #[inline]
-    pub(crate) fn of_plain(number: Decimal, unit: LengthUnit) -> Option<Self> {
-        Self::within(number.steps(unit.scale())?)
+        Self::of_f64(mm, LengthUnit::Millimetre)
     }
 
     /// Doubles in `unit`, each of which is its shortest decimal, less another length; `None` if one has more than six decimals
@@ -65,11 +59,6 @@ impl Length {
         });
         let lengths = lengths.collect();
         are_plain.then_some(lengths)
-    }
-
-    /// A length of a number in `unit`.
-    pub(crate) fn of_number(number: Decimal, unit: LengthUnit) -> Result<Self, QuantityError> {
-        Self::of_steps(number.steps(unit.scale()), "the length")
     }
 
     /// The length nearest to a computed number of femtometres, half away from zero.
@@ -134,11 +123,13 @@ impl Length {
     /// The length in mm with that many decimals, half away from zero.
     #[must_use]
     pub fn to_decimal_text(self, decimals: usize) -> String {
-        fixed_decimals(self.fm, 12, decimals)
+        let mut text = Vec::new();
+        Places::new(decimals).write(&mut text, self);
+        text.into_iter().map(char::from).collect()
     }
 }
 
-grid_quantity!(Length, fm, "1e6 mm");
+grid_quantity!(Length, fm, LengthUnit, "the length", "1e6 mm");
 
 impl FromStr for Length {
     type Err = QuantityError;
@@ -158,7 +149,7 @@ impl FromStr for Length {
 /// The shortest decimal number of mm.
 impl fmt::Display for Length {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} mm", shortest_decimal(self.fm, 12))
+        write!(f, "{} mm", self.to_decimal_text(12).trim_end_matches('0').trim_end_matches('.'))
     }
 }
 

@@ -18,6 +18,7 @@
 //! ```
 
 mod angle;
+mod decimals;
 mod domain;
 mod error;
 mod length;
@@ -27,7 +28,9 @@ mod rounded;
 mod unit;
 
 pub use angle::Angle;
-pub use domain::{Domain, DomainEnd, DomainError};
+#[cfg(feature = "batch")]
+pub(crate) use decimals::Places;
+pub use domain::{Domain, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]
 pub(crate) use error::shown;
@@ -38,9 +41,9 @@ pub use number::NumberError;
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
-#[cfg(feature = "report")]
-pub(crate) use plain::plain_padded;
 pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, plain, tidy};
+#[cfg(feature = "report")]
+pub(crate) use plain::{padded, plain_padded};
 pub(crate) use rounded::{Degrees, Rounded};
 #[cfg(feature = "spec")]
 pub(crate) use unit::spelling_pattern;
@@ -70,7 +73,7 @@ pub(crate) const LARGEST: i64 = 1_000_000_000_000_000_000;
 
 /// What lengths and angles share: the way onto their grid, sums, differences, sign, order.
 macro_rules! grid_quantity {
-    ($quantity:ident, $steps:ident, $largest:literal) => {
+    ($quantity:ident, $steps:ident, $unit:ident, $what:literal, $largest:literal) => {
         impl $quantity {
             /// Nothing.
             pub const ZERO: Self = Self { $steps: 0 };
@@ -109,12 +112,24 @@ macro_rules! grid_quantity {
                 steps.and_then(Self::within).ok_or(QuantityError::Overflow { what, largest: $largest })
             }
 
-            /// A number in the base unit, taken as its shortest decimal.
-            fn from_base(value: f64, scale: Scale, what: &'static str) -> Result<Self, QuantityError> {
+            /// A double in `unit`, taken as its shortest decimal.
+            fn of_f64(value: f64, unit: $unit) -> Result<Self, QuantityError> {
                 match Decimal::parse(&format!("{value:e}")) {
-                    Ok(decimal) => Self::of_steps(decimal.steps(scale), what),
-                    Err(_) => Err(QuantityError::NotFinite { what, value: value.to_string() }),
+                    Ok(decimal) => Self::of_number(decimal, unit),
+                    Err(_) => Err(QuantityError::NotFinite { what: $what, value: value.to_string() }),
                 }
+            }
+
+            /// A number in `unit`.
+            pub(crate) fn of_number(number: Decimal, unit: $unit) -> Result<Self, QuantityError> {
+                Self::of_steps(number.steps(unit.scale()), $what)
+            }
+
+            /// A number in `unit`; `None` beyond the largest.
+            #[cfg(feature = "table")]
+            #[inline]
+            pub(crate) fn of_plain(number: Decimal, unit: $unit) -> Option<Self> {
+                Self::within(number.steps(unit.scale())?)
             }
         }
 

@@ -150,15 +150,17 @@ impl Decimal {
             None => (exponent < 0).then_some(0),
         }
     }
+}
 
+/// Numbers as files store them.
+#[cfg(feature = "table")]
+impl Decimal {
     /// The shortest decimal that reads as this double; `None` if it is not finite.
-    #[cfg(feature = "table")]
     pub(crate) fn of_f64(value: f64) -> Option<Self> {
         Self::of_double(value).map(Self::without_zeros)
     }
 
     /// [`of_f64`](Self::of_f64), which may end in zeros.
-    #[cfg(feature = "table")]
     #[inline]
     pub(crate) fn of_double(value: f64) -> Option<Self> {
         const MILLIONTH: i32 = -6;
@@ -170,19 +172,16 @@ impl Decimal {
     }
 
     /// The shortest decimal that reads as this single-precision number; `None` if it is not finite.
-    #[cfg(feature = "table")]
     pub(crate) fn of_f32(value: f32) -> Option<Self> {
         Self::of_display(format_args!("{value:e}"))
     }
 
     /// `unscaled · 10^-scale`.
-    #[cfg(feature = "table")]
     pub(crate) fn of_i64(unscaled: i64, scale: i32) -> Self {
         Self { negative: unscaled < 0, digits: unscaled.unsigned_abs(), exponent: -scale }
     }
 
     /// `unscaled · 10^-scale`; of more digits than fit the rest is cut off.
-    #[cfg(feature = "table")]
     pub(crate) fn of_i128(unscaled: i128, scale: i32) -> Self {
         let mut magnitude = unscaled.unsigned_abs();
         let mut exponent = -scale;
@@ -197,7 +196,6 @@ impl Decimal {
     }
 
     /// A number as it is displayed, in scientific notation; `None` if that is no number.
-    #[cfg(feature = "table")]
     fn of_display(number: std::fmt::Arguments<'_>) -> Option<Self> {
         let mut text = ShortText { bytes: [0; 32], length: 0 };
         std::fmt::Write::write_fmt(&mut text, number).ok()?;
@@ -205,7 +203,6 @@ impl Decimal {
     }
 
     /// The same number without zeros at the end of its decimals.
-    #[cfg(feature = "table")]
     fn without_zeros(mut self) -> Self {
         while self.exponent < 0 && self.digits.is_multiple_of(10) {
             self.digits /= 10;
@@ -304,23 +301,6 @@ pub(crate) fn split_number(text: &str) -> (&str, &str) {
         previous = c;
     }
     (text[..end].trim(), text[end..].trim())
-}
-
-/// `steps · 10^-places` as decimal text with that many decimals of them, half away from zero; zero has no sign.
-pub(crate) fn fixed_decimals(steps: i64, places: usize, decimals: usize) -> String {
-    let cut = 10u64.pow(u32::try_from(places.saturating_sub(decimals)).unwrap_or(0));
-    let rounded = steps.unsigned_abs() / cut + u64::from(cut > 1 && steps.unsigned_abs() % cut >= cut / 2);
-    let kept = places.min(decimals);
-    let digits = format!("{rounded:0>width$}", width = kept + 1);
-    let (whole, fraction) = digits.split_at(digits.len() - kept);
-    let sign = if steps < 0 && rounded > 0 { "-" } else { "" };
-    if decimals == 0 { format!("{sign}{whole}") } else { format!("{sign}{whole}.{fraction:0<decimals$}") }
-}
-
-/// `steps · 10^-places` as the shortest decimal text.
-pub(crate) fn shortest_decimal(steps: i64, places: usize) -> String {
-    let text = fixed_decimals(steps, places, places);
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
@@ -442,33 +422,6 @@ mod tests {
                 };
                 assert_eq!(significant(number.digits), significant(shortest.digits), "{value:e}");
             }
-        }
-    }
-
-    #[test]
-    fn decimals_are_rounded_half_away_from_zero() {
-        for (steps, decimals, text) in [
-            (13_100_000_000, 6, "0.013100"),
-            (-13_100_500_000, 6, "-0.013101"),
-            (13_100_499_999, 6, "0.013100"),
-            (500_000_000_000, 0, "1"),
-            (-1_499_999_999_999, 0, "-1"),
-            (999_950_000_000_000, 1, "1000.0"),
-            (12_345_678_000_000, 3, "12.346"),
-            (12_345_678_123_456, 9, "12.345678123"),
-            (-1_000_000_000_001, 12, "-1.000000000001"),
-            (-500_000, 6, "-0.000001"),
-            (-499_999, 6, "0.000000"),
-            (12_500_000_000_000, 0, "13"),
-            (-1_000_000_000_000_000, 2, "-1000.00"),
-            (-1, 14, "-0.00000000000100"),
-            (i64::MIN, 12, "-9223372.036854775808"),
-        ] {
-            assert_eq!(fixed_decimals(steps, 12, decimals), text);
-        }
-        for (steps, text) in [(13_100_000_000, "0.0131"), (-25_000_000_000_000, "-25"), (0, "0"), (1, "0.000000000001")]
-        {
-            assert_eq!(shortest_decimal(steps, 12), text);
         }
     }
 }

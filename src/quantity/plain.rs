@@ -12,9 +12,15 @@ pub(crate) fn plain_padded(value: f64, decimals: usize) -> String {
     if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
         return format!("{value:e}");
     }
+    padded(value, decimals).unwrap_or_else(|| value.to_string())
+}
+
+/// A value with more decimals than it has: zeros.
+pub(crate) fn padded(value: f64, decimals: usize) -> Option<String> {
     let text = format!("{value}");
     let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-    if has >= decimals { text } else { format!("{value:.decimals$}") }
+    let point = if has == 0 { "." } else { "" };
+    (decimals > has).then(|| format!("{text}{point}{}", "0".repeat(decimals - has)))
 }
 
 /// The grid of lengths, 1 fm.

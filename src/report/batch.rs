@@ -182,7 +182,7 @@ impl<'a> BatchReport<'a> {
     fn worst_table(&self) -> Block {
         Table::of(&self.outcome.worst)
             .text("worst parts", |part| part.id.clone())
-            .text("where", |part| whereabouts(part))
+            .text("where", |part| part.place.to_string())
             .text("limit on ΔCD", |part| part.on.map(|on| on.to_string()))
             .number("result\n[mm]", |part| ends(part.result_mm.0, part.result_mm.1))
             .number("margin\n[mm]", |part| part.on.map(|_| millimetres(part.margin_mm)))
@@ -311,14 +311,6 @@ impl<'a> BatchReport<'a> {
     }
 }
 
-/// Where a part's row is: file and line, or as the table calls it.
-pub(super) fn whereabouts(part: &Part) -> String {
-    match &part.place {
-        Some(place) => format!("{}, {place}", part.file),
-        None => format!("{}:{}", part.file, part.line),
-    }
-}
-
 impl<'a> From<&'a Quantity> for ResultFact<'a> {
     fn from(Quantity { name, limits, statistics, .. }: &'a Quantity) -> Self {
         let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
@@ -341,10 +333,10 @@ impl<'a> From<&'a Quantity> for ResultFact<'a> {
 fn part_fact(part: &Part) -> Value {
     json!({
         "part_id": part.id,
-        "file": *part.file,
-        "line": part.line,
-        "record": part.record,
-        "place": part.place,
+        "file": *part.place.file,
+        "line": part.place.line,
+        "record": part.place.record,
+        "place": part.place.in_words,
         "limit_on": part.on.map(LimitTarget::key),
         "result_lower_mm": part.result_mm.0,
         "result_upper_mm": part.result_mm.1,

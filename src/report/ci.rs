@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::batch::{Basis, whereabouts};
+use super::batch::Basis;
 use super::escape;
 use super::number::{ends, grouped, unsigned};
 use super::reading::remarks;
-use crate::batch::{Outcome, Part, Problem};
+use crate::batch::{Outcome, Part, Problem, RowPlace};
 use crate::judge::Verdict;
 
 /// Annotations that a page shows of one step.
@@ -98,20 +98,20 @@ impl Case {
 fn cases(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     let Outcome { counts, failures, problems, .. } = outcome;
     let failure = |part: &Part| Case {
-        class: part.file.to_string(),
+        class: part.place.file.to_string(),
         name: part.id.clone(),
         tag: "failure",
         kind: part.verdict.map_or("fail", Verdict::name),
         message: sentence(part),
-        place: Some(whereabouts(part)),
+        place: Some(part.place.to_string()),
     };
     let error = |problem: &Problem| Case {
-        class: problem.file.to_string(),
-        name: format!("record {}", problem.record),
+        class: problem.place.file.to_string(),
+        name: format!("record {}", problem.place.record),
         tag: "error",
         kind: "bad-row",
         message: problem.what(),
-        place: Some(problem.whereabouts()),
+        place: Some(problem.place.to_string()),
     };
     let unlisted = |all: u64, listed: usize, case: Case| {
         let count = all.saturating_sub(listed as u64);
@@ -166,11 +166,11 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
         let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
         let title = format!("part {}", part.id);
-        command(&mut text, level, &part.file, part.line, &title, &sentence(part));
+        command(&mut text, level, &part.place, &title, &sentence(part));
     }
     for problem in outcome.problems.iter().take(ANNOTATIONS_SHOWN) {
-        let title = format!("record {} rejected", problem.record);
-        command(&mut text, "error", &problem.file, problem.line, &title, &problem.what());
+        let title = format!("record {} rejected", problem.place.record);
+        command(&mut text, "error", &problem.place, &title, &problem.what());
     }
     let counts = &outcome.counts;
     let _ = writeln!(
@@ -181,11 +181,12 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     text
 }
 
-fn command(text: &mut String, level: &str, file: &str, line: u64, title: &str, message: &str) {
+fn command(text: &mut String, level: &str, place: &RowPlace, title: &str, message: &str) {
     // the characters that end a value, as the runner's own toolkit writes them
     let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
     let value = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
-    let _ = writeln!(text, "::{level} file={},line={line},title={}::{}", value(file), value(title), data(message));
+    let (file, line) = (value(&place.file), place.line);
+    let _ = writeln!(text, "::{level} file={file},line={line},title={}::{}", value(title), data(message));
 }
 
 #[cfg(test)]
@@ -196,7 +197,8 @@ mod tests {
     fn text_is_escaped() {
         assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\u{fffd}&#10;");
         let mut text = String::new();
-        command(&mut text, "error", "a,b.csv", 7, "part 1:2", "50 %\nout: of");
+        let place = RowPlace { file: "a,b.csv".into(), line: 7, record: 1, in_words: None };
+        command(&mut text, "error", &place, "part 1:2", "50 %\nout: of");
         assert_eq!(text, "::error file=a%2Cb.csv,line=7,title=part 1%3A2::50 %25%0Aout: of\n");
     }
 }

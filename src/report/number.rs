@@ -1,6 +1,6 @@
 //! Numbers as text. Called by all reports: how many digits a column has is decided here.
 
-pub(super) use crate::quantity::{plain, plain_padded, tidy};
+pub(super) use crate::quantity::{padded, plain, plain_padded, tidy};
 
 /// A length in mm for people: signed, to 0.1 µm; a value too small for that in powers of ten, so that
 /// nothing but zero is printed as zero.
@@ -17,14 +17,8 @@ pub(super) fn unsigned(mm: f64) -> String {
 #[cfg(any(feature = "batch", feature = "cli"))]
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+    groups.join(",")
 }
 
 /// A share in whole percent.
@@ -63,14 +57,6 @@ pub(super) fn truncated(value: f64, decimals: usize) -> String {
         return full[..end].to_owned();
     }
     text
-}
-
-/// A value with more decimals than it has: zeros.
-pub(super) fn padded(value: f64, decimals: usize) -> Option<String> {
-    let text = format!("{value}");
-    let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-    let point = if has == 0 { "." } else { "" };
-    (decimals > has).then(|| format!("{text}{point}{}", "0".repeat(decimals - has)))
 }
 
 #[cfg(test)]

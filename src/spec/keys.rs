@@ -2,13 +2,14 @@
 //! keys all follow this table. It holds names, kinds of values and their domains, and reads nothing.
 
 use std::marker::PhantomData;
+use std::ops::Bound;
 
 use crate::deviation::{Countable, DeviationKind, ToothRange};
 use crate::formula::domain;
 use crate::gear::MOST_TEETH;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
-use crate::quantity::{Angle, Domain, DomainEnd, Length};
+use crate::quantity::{Angle, Domain, Length};
 use crate::standard::Standard;
 
 /// The coarsest grade of any standard.
@@ -232,11 +233,11 @@ const fn key(name: &'static str, kind: Kind, doc: &'static str) -> AnyKey {
 }
 
 const fn between(name: &'static str, symbol: &'static str, lower: i64, upper: i64) -> Domain {
-    Domain { name, symbol, lower: DomainEnd::Inclusive(lower), upper: DomainEnd::Inclusive(upper) }
+    Domain { name, symbol, lower: Bound::Included(lower), upper: Bound::Included(upper) }
 }
 
 const fn from_zero(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: DomainEnd::Inclusive(0), upper: DomainEnd::None }
+    Domain { name, symbol, lower: Bound::Included(0), upper: Bound::Unbounded }
 }
 
 /// Printed above the results.
@@ -545,8 +546,8 @@ section! {
 const FRACTION: Domain = Domain {
     name: "fraction of conforming assemblies",
     symbol: "P",
-    lower: DomainEnd::Exclusive(0),
-    upper: DomainEnd::Inclusive(1),
+    lower: Bound::Excluded(0),
+    upper: Bound::Included(1),
 };
 
 section! {

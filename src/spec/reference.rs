@@ -1,9 +1,11 @@
 //! Every key of the spec with what it holds, from the same table as the reader. Printed by `rackmesh explain keys` and
 //! offered by completions; reads nothing.
 
+use std::ops::Bound;
+
 use super::keys::{Kind, SECTIONS, Section, TOP};
 use crate::deviation::Extent;
-use crate::quantity::{Domain, DomainEnd};
+use crate::quantity::Domain;
 
 /// A key of the spec.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,7 +73,7 @@ fn in_words(kind: Kind) -> String {
 
 fn within(what: &str, domain: &Domain, unit: &'static str) -> String {
     match (domain.lower, domain.upper) {
-        (DomainEnd::None, DomainEnd::None) => what.to_owned(),
+        (Bound::Unbounded, Bound::Unbounded) => what.to_owned(),
         _ => format!("{what}, {}", domain.in_words(unit)),
     }
 }

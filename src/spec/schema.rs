@@ -1,13 +1,14 @@
 //! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
 
 use std::collections::BTreeSet;
+use std::ops::Bound;
 
 use serde_json::{Map, Value, json};
 
 use super::errors::{error_table_forms, is_of_a_part};
 use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
 use crate::deviation::{Countable, DeviationKind, Extent};
-use crate::quantity::{AngleUnit, Domain, DomainEnd, LengthUnit, spelling_pattern};
+use crate::quantity::{AngleUnit, Domain, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
 use crate::uncertainty::Influence;
 
@@ -205,9 +206,9 @@ fn typed(name: &str, domain: &Domain) -> Value {
     let ends = [(domain.lower, "minimum", "exclusiveMinimum"), (domain.upper, "maximum", "exclusiveMaximum")];
     for (end, inclusive, exclusive) in ends {
         match end {
-            DomainEnd::None => {}
-            DomainEnd::Exclusive(bound) => schema[exclusive] = bound.into(),
-            DomainEnd::Inclusive(bound) => schema[inclusive] = bound.into(),
+            Bound::Unbounded => {}
+            Bound::Excluded(bound) => schema[exclusive] = bound.into(),
+            Bound::Included(bound) => schema[inclusive] = bound.into(),
         }
     }
     schema

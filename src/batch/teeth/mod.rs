@@ -17,10 +17,9 @@ pub use judge::{JudgedTeeth, TeethJudge};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
-use super::outcome::{Outcome, Part, Problem, Quantity, keep_worst};
+use super::outcome::{Outcome, Part, Problem, Quantity, RowPlace, keep_worst};
 use super::request::Request;
 use super::run::{Progress, RunError};
-use super::statistics::MovingRange;
 use super::write;
 use crate::deviation;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -46,14 +45,12 @@ pub struct TeethRequest {
 /// A column that is written.
 #[derive(Debug, Clone, Copy)]
 enum Column {
-    Id,
+    /// A text of a part and what it comes to.
+    Text(fn(&ToothedPart, &Solved) -> Option<String>),
     /// A result, mm.
     Number(NumberOf),
     /// An end of what is held against the limit, mm.
     End(NumberOf),
-    Verdict,
-    /// Why there is no pass or fail.
-    Reason,
 }
 
 /// A result; `None` if there is none.
@@ -62,7 +59,7 @@ type NumberOf = fn(&Solved) -> Option<f64>;
 impl Column {
     const fn kind(self) -> ColumnKind {
         match self {
-            Self::Id | Self::Verdict | Self::Reason => ColumnKind::Text,
+            Self::Text(_) => ColumnKind::Text,
             Self::Number(_) | Self::End(_) => ColumnKind::Number,
         }
     }
@@ -71,14 +68,14 @@ impl Column {
     fn number(self, solved: &Solved) -> Option<f64> {
         match self {
             Self::Number(of) | Self::End(of) => of(solved).map(tidy),
-            Self::Id | Self::Verdict | Self::Reason => None,
+            Self::Text(_) => None,
         }
     }
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
 const COLUMNS: [(&str, Column); 15] = [
-    ("part_id", Column::Id),
+    ("part_id", Column::Text(|part, _| Some(part.name.clone()))),
     ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
     ("min_delta_cd_mm", Column::Number(|solved| Some(solved.summary.min_mm))),
     ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
@@ -86,8 +83,8 @@ const COLUMNS: [(&str, Column); 15] = [
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
     ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.lower.mm()))),
     ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.upper.mm()))),
-    ("verdict", Column::Verdict),
-    ("reason", Column::Reason),
+    ("verdict", Column::Text(|_, solved| Some(solved.judged.evaluation.verdict?.name().to_owned()))),
+    ("reason", Column::Text(|_, solved| solved.judged.evaluation.open_because())),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
     ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
     ("min_stroke_mm", Column::Number(|solved| Some(solved.summary.min_stroke_mm))),
@@ -121,7 +118,6 @@ pub struct Teeth<'a> {
     limit: Option<&'a Limit>,
     ledger: Ledger<'a>,
     workers: usize,
-    moving: Vec<MovingRange>,
     /// Parts of which not every stroke that was asked for is covered.
     cut: u64,
 }
@@ -156,7 +152,6 @@ impl<'a> Teeth<'a> {
             limit,
             ledger: Ledger::new(sinks, kept.iter().map(quantity).collect()),
             workers: workers.max(1),
-            moving: vec![MovingRange::default(); kept.len()],
             cut: 0,
         })
     }
@@ -267,12 +262,6 @@ impl<'a> Teeth<'a> {
     /// If the results cannot be written. What was computed before is kept.
     pub fn finish(mut self, stop: &AtomicBool, progress: &mut dyn FnMut(&Progress)) -> (Outcome, io::Result<()>) {
         let judged = self.judge(stop, progress);
-        for (quantity, moving) in self.ledger.outcome.quantities.iter_mut().zip(&self.moving) {
-            if quantity.is_limited() {
-                quantity.statistics.add_moving(moving);
-            }
-        }
-        self.ledger.outcome.is_cut |= self.ledger.is_over(self.request.rows.strict);
         if self.cut > 0 {
             let (from, to) = self.request.stroke_mm;
             self.ledger.outcome.notes.push(format!(
@@ -281,7 +270,7 @@ impl<'a> Teeth<'a> {
                 self.cut
             ));
         }
-        let (outcome, written) = self.ledger.finish();
+        let (outcome, written) = self.ledger.finish(self.request.rows.strict);
         (outcome, judged.and(written))
     }
 
@@ -311,11 +300,12 @@ impl<'a> Teeth<'a> {
     }
 
     fn count(&mut self, solved: &Solved) {
-        let quantities = self.ledger.outcome.quantities.iter_mut().zip(&mut self.moving);
-        for ((quantity, moving), (_, column)) in quantities.zip(&COLUMNS[QUANTITIES]) {
+        for (quantity, (_, column)) in self.ledger.outcome.quantities.iter_mut().zip(&COLUMNS[QUANTITIES]) {
             let Some(Ok(value)) = column.number(solved).map(Length::from_mm) else { continue };
             quantity.statistics.add(&[value]);
-            moving.add(value);
+            if quantity.is_limited() {
+                quantity.statistics.moving.add(value);
+            }
         }
     }
 
@@ -330,10 +320,7 @@ impl<'a> Teeth<'a> {
         }
         if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
             self.ledger.outcome.problems.push(Problem {
-                file: Arc::clone(&lot.file),
-                line: fault.line,
-                record: part.record,
-                place: lot.unit.in_words(fault.line),
+                place: lot.place(fault.line, part.record),
                 part: Some(part.name.clone()).filter(|name| !name.is_empty()),
                 column: None,
                 text: String::new(),
@@ -355,10 +342,7 @@ impl<'a> Teeth<'a> {
         let nearest = above.into_iter().chain(below).reduce(f64::min);
         Part {
             id: part.name.clone(),
-            file: Arc::clone(&lot.file),
-            line: part.line,
-            record: part.record,
-            place: lot.unit.in_words(part.line),
+            place: lot.place(part.line, part.record),
             verdict: evaluation.verdict,
             margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
             on: nearest.map(|_| LimitTarget::CenterDistance),
@@ -369,17 +353,10 @@ impl<'a> Teeth<'a> {
     /// Writes the row of a part.
     fn write(&mut self, part: &ToothedPart, solved: &Solved) -> io::Result<()> {
         let Request { format, decimals, .. } = self.request.rows;
+        let text = |text: String| ResultCell::Text(text.into_bytes().into());
         let cells = self.columns.iter().map(|(_, column)| match column {
-            Column::Id => ResultCell::Text(part.name.as_bytes().into()),
-            Column::Number(_) | Column::End(_) => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
-            Column::Verdict => match solved.judged.evaluation.verdict {
-                Some(verdict) => ResultCell::Text(verdict.name().as_bytes().into()),
-                None => ResultCell::Nothing,
-            },
-            Column::Reason => match solved.judged.evaluation.open_because() {
-                Some(why) => ResultCell::Text(why.into_bytes().into()),
-                None => ResultCell::Nothing,
-            },
+            Column::Text(of) => of(part, solved).map_or(ResultCell::Nothing, text),
+            column => column.number(solved).map_or(ResultCell::Nothing, ResultCell::Number),
         });
         match &mut self.ledger.sinks.rows {
             None => Ok(()),
@@ -446,6 +423,10 @@ struct Solved {
 }
 
 impl Lot {
+    fn place(&self, line: u64, record: u64) -> RowPlace {
+        RowPlace { file: Arc::clone(&self.file), line, record, in_words: self.unit.in_words(line) }
+    }
+
     /// Solves one of its parts; `tables` are those of the part that is the same for all.
     fn solved(&self, part: &ToothedPart, tables: &MeasuredTables, request: &TeethRequest) -> Result<Solved, LineFault> {
         if let Some(fault) = &part.fault {

@@ -1,14 +1,16 @@
 //! The keys of `[simulation]`: a part of the table in [`keys`](super).
 
+use std::ops::Bound;
+
 use super::{Key, Kind, MeasureUnit, Section, between, count, from_zero, length, measure, of, section, word};
-use crate::quantity::{Domain, DomainEnd, Length};
+use crate::quantity::{Domain, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
     between(name, symbol, 2, 100_000)
 }
 
 const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
-    Domain { name, symbol, lower: DomainEnd::Inclusive(1), upper: DomainEnd::None }
+    Domain { name, symbol, lower: Bound::Included(1), upper: Bound::Unbounded }
 }
 
 section! {

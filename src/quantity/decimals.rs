@@ -1,0 +1,132 @@
+//! Lengths as decimal text. Called by lengths, and by batches, which write nothing as often.
+
+use super::Length;
+
+/// Writes lengths in mm with a number of decimals.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Places {
+    write: fn(&mut Vec<u8>, Length),
+    /// Decimals that the grid does not have.
+    zeros: usize,
+}
+
+impl Places {
+    pub(crate) fn new(count: usize) -> Self {
+        /// By the number of decimals, so that each divides by constants.
+        const WRITERS: [fn(&mut Vec<u8>, Length); 13] = [
+            write::<0>,
+            write::<1>,
+            write::<2>,
+            write::<3>,
+            write::<4>,
+            write::<5>,
+            write::<6>,
+            write::<7>,
+            write::<8>,
+            write::<9>,
+            write::<10>,
+            write::<11>,
+            write::<12>,
+        ];
+        let kept = count.min(12);
+        Self { write: WRITERS[kept], zeros: count - kept }
+    }
+
+    /// Writes the length rounded half away from zero.
+    #[inline]
+    pub(crate) fn write(self, out: &mut Vec<u8>, length: Length) {
+        (self.write)(out, length);
+        out.resize(out.len() + self.zeros, b'0');
+    }
+}
+
+fn write<const DECIMALS: u32>(out: &mut Vec<u8>, length: Length) {
+    let (cut, one) = (10u64.pow(12 - DECIMALS), 10u64.pow(DECIMALS));
+    let rounded = (length.fm().unsigned_abs() + cut / 2) / cut;
+    if length.is_negative() && rounded > 0 {
+        out.push(b'-');
+    }
+    whole(out, rounded / one);
+    if DECIMALS == 0 {
+        return;
+    }
+    out.push(b'.');
+    // twelve digits, of which the first are kept
+    let decimals = rounded % one * cut;
+    let (first, last) = ((decimals / 10_000) as u32, (decimals % 10_000 * 10_000) as u32);
+    leading_digits(out, eight_digits(first), DECIMALS.min(8) as usize);
+    if DECIMALS > 8 {
+        leading_digits(out, eight_digits(last), DECIMALS as usize - 8);
+    }
+}
+
+/// The first `count` of eight digits: room for all of them, so that the copy has a constant length.
+#[inline]
+fn leading_digits(out: &mut Vec<u8>, digits: [u8; 8], count: usize) {
+    let end = out.len() + count;
+    out.extend_from_slice(&digits);
+    out.truncate(end);
+}
+
+/// A whole number.
+#[inline]
+fn whole(out: &mut Vec<u8>, number: u64) {
+    if number < 10 {
+        out.push(b'0' + number as u8);
+    } else {
+        out.extend_from_slice(number.to_string().as_bytes());
+    }
+}
+
+/// The eight decimal digits of a number below 10⁸, the first one first: halves, quarters and single digits
+/// are divided side by side in one word.
+#[inline]
+fn eight_digits(number: u32) -> [u8; 8] {
+    let fours = u64::from(number / 10_000) | u64::from(number % 10_000) << 32;
+    // x / 100 = (x · 10486) >> 20 for x < 10⁴, x / 10 = (x · 103) >> 10 for x < 100
+    let hundreds = ((fours * 10_486) >> 20) & 0x0000_007f_0000_007f;
+    let twos = hundreds | (fours - hundreds * 100) << 16;
+    let tens = ((twos * 103) >> 10) & 0x000f_000f_000f_000f;
+    let ones = tens | (twos - tens * 10) << 8;
+    (ones | 0x3030_3030_3030_3030).to_le_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits() {
+        for number in (0..100_000_000).step_by(9973).chain([0, 9, 10, 99, 9999, 10_000, 99_999_999]) {
+            assert_eq!(std::str::from_utf8(&eight_digits(number)).unwrap(), format!("{number:08}"));
+        }
+    }
+
+    #[test]
+    fn decimals_are_rounded_half_away_from_zero() {
+        for (decimals, fm, text) in [
+            (6, 13_100_000_000, "0.013100"),
+            (6, -13_100_500_000, "-0.013101"),
+            (6, 13_100_499_999, "0.013100"),
+            (6, -499_999, "0.000000"),
+            (6, -500_000, "-0.000001"),
+            (0, 500_000_000_000, "1"),
+            (0, -1_499_999_999_999, "-1"),
+            (0, 12_500_000_000_000, "13"),
+            (1, 999_950_000_000_000, "1000.0"),
+            (2, -1_000_000_000_000_000, "-1000.00"),
+            (3, 12_345_678_000_000, "12.346"),
+            (9, 12_345_678_123_456, "12.345678123"),
+            (12, -1_000_000_000_001, "-1.000000000001"),
+            (12, i64::MIN, "-9223372.036854775808"),
+            (14, 1, "0.00000000000100"),
+        ] {
+            assert_eq!(Length::from_fm(fm).to_decimal_text(decimals), text, "{fm} {decimals}");
+        }
+        for (fm, text) in
+            [(13_100_000_000, "0.0131 mm"), (-25_000_000_000_000, "-25 mm"), (0, "0 mm"), (1, "0.000000000001 mm")]
+        {
+            assert_eq!(Length::from_fm(fm).to_string(), text);
+        }
+    }
+}
