@@ -17,8 +17,7 @@ use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, FormulaAndMesh, PartRow, PartsReport, Report, Screen, SpacesReport,
-    UncertaintyPart, WithReading,
+    self, EvaluationReport, Format, PartRow, PartsReport, Report, Screen, SpacesReport, UncertaintyPart, WithReading,
 };
 use crate::spec::Spec;
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
@@ -94,7 +93,7 @@ impl Args {
         let interruption = long::interrupted(output);
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &self.inputs(&spec))?;
-            target::known_ending(path, &ENDINGS)?;
+            target::known_ending(path, path, &ENDINGS)?;
         }
         let Opened { table, spec, notes } = self.open(&spec, &interruption, output)?;
         if let Some(status) = interruption.status() {
@@ -136,7 +135,7 @@ impl Args {
         if let Some(path) = &self.output {
             let inputs = self.inputs(&read.spec);
             let text = |format| report::write(&whole, format, Screen::default()).map(String::into_bytes);
-            let bytes = match target::known_ending(path, &ENDINGS)? {
+            let bytes = match target::known_ending(path, path, &ENDINGS)? {
                 Some("html" | "htm") => {
                     page::of_report(title, &read.spec, *report, readings, &read.notes, &inputs)?.into_bytes()
                 }
@@ -202,11 +201,8 @@ impl Args {
         let missing = read.spec.missing_geometry();
         if rows.len() > 1 {
             let bounds = rows.iter().filter_map(|row| row.evaluation.as_ref());
-            for note in bounds.flat_map(|evaluation| report::bound_remarks(&evaluation.notes, &missing)) {
-                if !read.notes.contains(&note) {
-                    read.notes.push(note);
-                }
-            }
+            let of_bounds = bounds.flat_map(|evaluation| report::bound_remarks(&evaluation.notes, &missing));
+            report::add_new(&mut read.notes, of_bounds);
         }
         tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
         if rows.is_empty() {
@@ -349,17 +345,17 @@ impl Args {
         let spec = &Arc::clone(&read.spec);
         let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
-        let report = SpacesReport { title: Some(&title), measured: &measured };
+        let mut report = SpacesReport { title: Some(&title), measured: &measured, mesh: None };
         let missing = spec.missing_geometry();
-        let shown = Shown { title: &title, report: &report, rows: report.rows() };
+        let rows = report.rows();
         if spec.limits.is_empty() && !self.mesh {
-            self.report(&shown, &read, output)?;
+            self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
             return Ok(Status::Pass);
         }
         if !missing.is_empty() && !self.mesh {
             let unjudged = unjudged_teeth(&missing);
             read.notes.push(format!("no limit is judged: {}", unjudged.message));
-            self.report(&shown, &read, output)?;
+            self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
             output.diagnostic(&unjudged);
             return Ok(Status::Undecided);
         }
@@ -379,9 +375,10 @@ impl Args {
                 covered.start, covered.end
             ));
         }
-        let both = FormulaAndMesh { formula: &report, mesh: &solved };
-        self.report(&Shown { report: &both, ..shown }, &read, output)?;
-        Ok(Status::of(solved.evaluation.verdict, &solved.evaluation.limits))
+        let status = Status::of(solved.evaluation.verdict, &solved.evaluation.limits);
+        report.mesh = Some(solved);
+        self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
+        Ok(status)
     }
 }
 

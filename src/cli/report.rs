@@ -65,7 +65,7 @@ impl Args {
         let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
         if let Some(path) = &self.output {
             target::refuse_inputs(path, &inputs)?;
-            target::known_ending(path, &["html", "htm"])?;
+            target::known_ending(path, path, &["html", "htm"])?;
         }
         let mut page = Page { title: spec.title.clone().unwrap_or_else(|| self.spec.clone()), ..Page::default() };
         for path in &inputs {
@@ -214,7 +214,8 @@ impl Args {
 
     /// Parts by the formulas.
     fn parts(&self, found: &mut Files<'_>, interruption: &Interruption, output: &mut Output) -> Result<Lot, Failure> {
-        let Some(first) = &found.first else { return Err(no_table().into()) };
+        let no_table = || Diagnostic::error(Code::BadTable, "there is no table that can be read");
+        let first = found.first.as_ref().ok_or_else(no_table)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let request = Request {
             model: self.judge.model,
@@ -292,8 +293,4 @@ struct Lot {
     basis: Basis,
     charts: Vec<Chart>,
     small_charts: Vec<Chart>,
-}
-
-fn no_table() -> Diagnostic {
-    Diagnostic::error(Code::BadTable, "there is no table that can be read")
 }

@@ -263,12 +263,8 @@ pub(super) fn files_read(path: &str) -> Vec<String> {
 pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let told = say_readings(readings, output);
     let mut remarks = report::remarks(&told, notes);
+    report::add_new(&mut remarks, readings.iter().flat_map(|reading| reading.notes.iter().cloned()));
     let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
-    for note in readings.iter().flat_map(|reading| &reading.notes) {
-        if !remarks.contains(note) {
-            remarks.push(note.clone());
-        }
-    }
     for remark in remarks {
         let text = report::noted(&remark);
         if warnings.contains(&remark) { output.message(&text) } else { output.remark(&text) }

@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 
 use super::output::{Failure, Output};
 use super::stream;
-use crate::batch::Packing;
 use crate::diagnostic::{Code, Diagnostic};
 
 /// A file that is being written. It is removed when it is dropped without [`Target::finish`] or
@@ -296,17 +295,9 @@ pub(super) fn ending(path: &str) -> String {
 }
 
 /// Which of the `known` endings the name has, in lower case and without its point; `None` for standard output, a pipe
-/// or a device, whose name says nothing. A name with another ending or none is refused.
-pub(super) fn known_ending<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
-    ending_of(path, path, known)
-}
-
-/// The same for files that may be packed: `rows.csv.gz` has the ending `csv`.
-pub(super) fn known_ending_unpacked<'k>(path: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
-    ending_of(path, Packing::of_name(path).1, known)
-}
-
-fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option<&'k str>, Failure> {
+/// or a device, whose name says nothing. A name with another ending or none is refused. `unpacked` is the name of what is
+/// packed: that of `rows.csv.gz` has the ending `csv`.
+pub(super) fn known_ending<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option<&'k str>, Diagnostic> {
     let ending = ending(unpacked);
     if let Some(known) = known.iter().find(|known| **known == ending) {
         return Ok(Some(known));
@@ -320,7 +311,7 @@ fn ending_of<'k>(path: &str, unpacked: &str, known: &[&'k str]) -> Result<Option
         Some((last, others)) if !others.is_empty() => format!("it ends in {} or {last}", others.join(", ")),
         _ => format!("it ends in {}", endings.concat()),
     };
-    Err(Diagnostic::usage(message).help(help).into())
+    Err(Diagnostic::usage(message).help(help))
 }
 
 /// Why a file cannot be written. That the reader of a pipe has seen enough is no fault.
@@ -336,6 +327,7 @@ fn unwritable(path: &str, error: io::Error) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::Packing;
 
     const NONE: [&str; 0] = [];
 
@@ -507,20 +499,20 @@ mod tests {
     fn endings_are_those_that_are_known() {
         let known = ["csv", "svg"];
         for (path, ending) in [("a.csv", "csv"), ("b.c/A.SVG", "svg")] {
-            assert_eq!(known_ending(path, &known).unwrap(), Some(ending), "{path}");
+            assert_eq!(known_ending(path, path, &known).unwrap(), Some(ending), "{path}");
         }
         for path in ["a.pdf", "a", "csv", ".csv", "a.csv.gz", ""] {
-            let refused = message(&known_ending(path, &known).unwrap_err());
+            let refused = message(&known_ending(path, path, &known).unwrap_err().into());
             assert!(refused.contains("it ends in .csv or .svg"), "{path}: {refused}");
         }
         for path in ["a.csv.gz", "a.csv.ZST", "a.csv"] {
-            assert_eq!(known_ending_unpacked(path, &known).unwrap(), Some("csv"), "{path}");
+            assert_eq!(known_ending(path, Packing::of_name(path).1, &known).unwrap(), Some("csv"), "{path}");
         }
         for path in ["a.gz", "a.pdf.gz", "a.csv.zip", "ü.gz"] {
-            assert!(known_ending_unpacked(path, &known).is_err(), "{path}");
+            assert!(known_ending(path, Packing::of_name(path).1, &known).is_err(), "{path}");
         }
-        assert_eq!(known_ending("-", &known).unwrap(), None);
+        assert_eq!(known_ending("-", "-", &known).unwrap(), None);
         #[cfg(unix)]
-        assert_eq!(known_ending("/dev/null", &known).unwrap(), None);
+        assert_eq!(known_ending("/dev/null", "/dev/null", &known).unwrap(), None);
     }
 }

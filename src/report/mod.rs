@@ -55,10 +55,12 @@ pub(crate) use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
-pub use paste::{FormulaAndMesh, PartRow, PartsReport, SpacesReport};
+pub use paste::{PartRow, PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::qdas;
 pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
+#[cfg(feature = "cli")]
+pub(crate) use reading::add_new;
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, remarks};
 pub use reproduction::Reproduction;

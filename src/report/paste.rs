@@ -4,7 +4,9 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
-use super::{Block, Column, Report, Table, UncertaintyPart, WITHOUT, fact, judged_without, keys_of, titled};
+use super::{
+    Block, Column, MeshReport, Report, Table, UncertaintyPart, WITHOUT, fact, judged_without, keys_of, titled,
+};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
@@ -198,6 +200,8 @@ pub struct SpacesReport<'a> {
     pub title: Option<&'a str>,
     /// What was measured.
     pub measured: &'a MeasuredPart,
+    /// The exact mesh, if it is solved.
+    pub mesh: Option<MeshReport<'a>>,
 }
 
 impl SpacesReport<'_> {
@@ -231,22 +235,28 @@ impl Report for SpacesReport<'_> {
             })
             .collect();
         let (low, high) = measured.range();
-        json!({
+        let formula = json!({
             "title": self.title,
             "part": measured.part.name(),
             "model": measured.model.name(),
             "rows": rows,
             "formula_range_mm": { "lower": low.mm(), "upper": high.mm() },
-        })
+        });
+        match &self.mesh {
+            Some(mesh) => json!({ "formula": formula, "mesh": mesh.json() }),
+            None => formula,
+        }
     }
 
+    /// What the formulas say: the curve is a table of its own, which `rackmesh mesh` writes.
     fn rows(&self) -> Vec<Vec<String>> {
         let mut header = self.place().to_owned();
         for feature in &self.measured.features {
             let unit = if feature.error() == DeviationKind::RackLead { "deg" } else { "mm" };
             header.push_str(&format!(" {key}_deviation_{unit} delta_cd_{key}_mm", key = feature.key()));
         }
-        fact::rows(&self.json(), "rows", &header)
+        let json = self.json();
+        fact::rows(json.get("formula").unwrap_or(&json), "rows", &header)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -278,31 +288,7 @@ impl Report for SpacesReport<'_> {
             .number("to\n[mm]", |(_, _, (_, high), _)| millimetres(high.mm()))
             .text(format!("formula ({})", measured.model), |(.., equation)| *equation);
         blocks.push(by_formula.block());
+        blocks.extend(self.mesh.iter().flat_map(MeshReport::blocks));
         blocks
-    }
-}
-
-/// Two reports as one: what the formulas say, and the exact mesh.
-pub struct FormulaAndMesh<'a> {
-    /// By formula.
-    pub formula: &'a dyn Report,
-    /// By the exact mesh.
-    pub mesh: &'a dyn Report,
-}
-
-impl Report for FormulaAndMesh<'_> {
-    fn json(&self) -> Value {
-        json!({ "formula": self.formula.json(), "mesh": self.mesh.json() })
-    }
-
-    /// The rows of the formulas' report: the curve is a table of its own, which `rackmesh mesh` writes.
-    fn rows(&self) -> Vec<Vec<String>> {
-        self.formula.rows()
-    }
-
-    fn blocks(&self) -> Vec<Block> {
-        // one verdict is enough: that of the mesh, which counts
-        let formula = self.formula.blocks().into_iter().filter(|block| !matches!(block, Block::Verdict(..)));
-        formula.chain(self.mesh.blocks()).collect()
     }
 }

@@ -349,21 +349,18 @@ impl Args {
     }
 
     /// The ending of the output's name, which tells the format.
-    fn known_ending(&self) -> Result<Option<&'static str>, Failure> {
-        let ending = match &self.output {
-            Some(path) if self.summary => target::known_ending(path, &["txt", "json", "csv", "md"]),
-            Some(path) if Packing::of_name(path).0 == Packing::None => {
-                target::known_ending(path, &["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"])
-            }
-            Some(path) => target::known_ending_unpacked(path, &["csv", "tsv", "jsonl", "ndjson"]),
-            None => Ok(None),
+    fn known_ending(&self) -> Result<Option<&'static str>, Diagnostic> {
+        const ROWS: [&str; 7] = ["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"];
+        let Some(path) = &self.output else { return Ok(None) };
+        let ending = match Packing::of_name(path) {
+            _ if self.summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
+            (Packing::None, _) => target::known_ending(path, path, &ROWS),
+            // text alone is packed
+            (_, unpacked) => target::known_ending(path, unpacked, &ROWS[..4]),
         };
-        ending.map_err(|failure| {
-            let or_format = |diagnostic: Diagnostic| {
-                let endings = diagnostic.help.clone().unwrap_or_default();
-                diagnostic.help(format!("{endings}; or --format says the format"))
-            };
-            Failure::from(Diagnostics(tables::diagnostics(failure).into_iter().map(or_format).collect()))
+        ending.map_err(|diagnostic| {
+            let endings = diagnostic.help.clone().unwrap_or_default();
+            diagnostic.help(format!("{endings}; or --format says the format"))
         })
     }
 
@@ -464,23 +461,19 @@ impl Args {
 
 /// The counts in one line.
 fn in_words(counts: &Counts, row: &str) -> String {
-    let mut parts = Vec::new();
-    for (count, what) in [
+    let all = [
         (counts.pass, "pass"),
         (counts.fail, "fail"),
         (counts.indeterminate, "indeterminate"),
         (counts.unjudged, "without a verdict"),
         (counts.rejected, "rejected"),
-    ] {
-        if count > 0 || (what == "fail" && counts.pass > 0) {
-            parts.push(format!("{} {what}", report::grouped(count)));
-        }
-    }
+    ];
+    let shown = all.into_iter().filter(|(count, what)| *count > 0 || (*what == "fail" && counts.pass > 0));
+    let parts: Vec<_> = shown.map(|(count, what)| format!("{} {what}", report::grouped(count))).collect();
     let plural = if counts.rows == 1 { "" } else { "s" };
     let mut line = format!("{} {row}{plural}", report::grouped(counts.rows));
     if !parts.is_empty() {
-        line.push_str(": ");
-        line.push_str(&parts.join(", "));
+        line.push_str(&format!(": {}", parts.join(", ")));
     }
     if counts.blank_lines > 0 {
         let lines = if counts.blank_lines == 1 { "line" } else { "lines" };
