@@ -3,15 +3,17 @@
 
 use super::Table;
 use super::cell::{Cell, Content, Record};
-use super::column::SMALLEST_DIGIT;
+use super::column::{Column, SMALLEST_DIGIT};
 use super::grid::is_unit;
 use super::lines::{Beside, of_all_values};
 use super::measured::MeasuredValues;
-use super::names::{Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, role, says_more};
+use super::names::{
+    Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_said, role, says_more,
+};
 use super::number::quantity;
 use super::parquet::{ParquetTable, Unread};
 use super::pieces::Place;
-use super::qdas::{Characteristic, LeftOut, Qdas};
+use super::qdas::{Characteristic, LeftOut, Mixed, PartDefinition, Qdas};
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
 use super::rows::stored_record;
@@ -22,9 +24,9 @@ use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
 use super::workbook::{Shown, Workbook, listed};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Decimal, Unit};
+use crate::quantity::{Decimal, Unit, shown};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
@@ -253,13 +255,24 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
 }
 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
-    let (left_out, remarks) = (qdas.left_out.clone(), qdas.remarks.clone());
+    let (left_out, remarks, parts) = (qdas.left_out.clone(), qdas.remarks.clone(), qdas.parts.clone());
     let want = &with_nominals(&qdas, want)?;
     let table = qdas.table(&want.own);
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
         Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
     })?;
+    if let Some(Mixed { line, names: [one, other] }) = table.mixed() {
+        let message =
+            format!("{name}, line {line}: this value is of `{other}` (K0014), and others measured with it of `{one}`");
+        let help =
+            "write the values of each part in one line, or those of every characteristic in the same order of parts";
+        return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+    }
+    let is_of_other = |part: &PartDefinition, columns: &[Column]| {
+        let of = |gear: Part| !columns.iter().filter_map(|column| column.kind).any(|kind| kind.part() == gear);
+        part_said(&part.name).is_some_and(of)
+    };
     let mut head = vec![table.header(&want.own)];
     head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
     let mut understood =
@@ -272,6 +285,13 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     let mut found = Table::new(name, "Q-DAS", &understood, want);
     found.pieces.give_records(records, None);
     found.reading.header_line = None;
+    if let Some(part) = parts.iter().find(|part| is_of_other(part, &understood.columns)) {
+        let title = shown(&part.name);
+        found
+            .reading
+            .notes
+            .push(format!("{name}: K1002 says `{title}`, and no value is of that: these may be other parts"));
+    }
     for remark in remarks {
         let place = format!("K{:04} in line {}", remark.key, remark.line);
         found.take_remark(&place, &remark.text, &understood, want)?;

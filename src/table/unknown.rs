@@ -108,7 +108,7 @@ impl Unknown {
         if is_context(title) {
             return is_in_unit && unit != Some("min")
                 || self.names_more()
-                || self.is_repeated && (self.is_fine() || WordList::Requirement.has(title))
+                || self.is_repeated && (self.is_fine() || self.has_words() || WordList::Requirement.has(title))
                 || is_again(title) && self.may_be_measured_again()
                 || WordList::Words.has(title) && self.cells.iter().any(Cell::has_decimals);
         }
@@ -151,6 +151,11 @@ impl Unknown {
             || is_bounded(&text)
             || self.is_measurement && has_unit_behind(&text)
             || self.title.is_empty() && speaks_of_value(&text)
+    }
+
+    /// Whether words stand among its numbers.
+    fn has_words(&self) -> bool {
+        self.cells.iter().any(|cell| !cell.is_number() && !cell.is_missing())
     }
 
     /// Whether a number of it has the decimals of measured values; a workbook drops zeros of others.

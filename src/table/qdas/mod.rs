@@ -24,6 +24,7 @@ mod table;
 mod write;
 
 pub use read::read;
+pub(crate) use table::Mixed;
 pub use write::{CharacteristicColumn, ValueRow, write};
 
 use super::names::{Field, heading};

@@ -69,6 +69,12 @@ pub(crate) struct QdasTable {
     pub(super) qdas: Qdas,
 }
 
+/// Values of different parts in one row.
+pub(crate) struct Mixed<'t> {
+    pub(crate) line: u32,
+    pub(crate) names: [&'t str; 2],
+}
+
 impl QdasTable {
     /// How many rows it has.
     pub(crate) fn len(&self) -> usize {
@@ -103,6 +109,22 @@ impl QdasTable {
             0 => format!("{number} {}", sample + 1),
             named => self.qdas.part_names[named as usize - 1].clone(),
         }
+    }
+
+    /// The first row whose values have the names of different parts (K0014): they are joined by their order, and are not of one
+    /// part.
+    pub(crate) fn mixed(&self) -> Option<Mixed<'_>> {
+        if self.qdas.part_names.len() < 2 {
+            return None;
+        }
+        self.rows.iter().find_map(|(part, sample)| {
+            let values = self.characteristics(*part).filter_map(|found| found?.sample(*sample));
+            let mut named = values.filter(|value| value.part_name > 0).peekable();
+            let first = named.peek()?.part_name;
+            let other = named.find(|value| value.part_name != first)?;
+            let name = |index: u32| self.qdas.part_names[index as usize - 1].as_str();
+            Some(Mixed { line: other.line, names: [name(first), name(other.part_name)] })
+        })
     }
 
     /// The names of the columns as the file writes them, with their units: `part_id` first. Of a characteristic's number
