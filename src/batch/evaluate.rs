@@ -66,7 +66,7 @@ impl<'a> Evaluator<'a> {
         self.tally.records = block.record_count;
         self.tally.counts.blank_lines = block.blank_lines;
         self.tally.asides.clone_from(&block.asides);
-        self.tally.rejection.clone_from(&block.rejection);
+        self.tally.rejections.clone_from(&block.rejections);
         self.tally.contradiction.clone_from(&block.contradiction);
         if block.is_rest {
             self.keep_raw(block, 0);

@@ -13,7 +13,7 @@ use super::statistics::{MovingRange, Statistics};
 use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
-use crate::table::{AsideReading, Contradiction, Place, Reading, Rejection, cell_text};
+use crate::table::{AsideReading, Contradiction, Place, Reading, Rejection, add_rejections, cell_text};
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -274,8 +274,8 @@ pub(super) struct Tally {
     pub(super) worst: Vec<Part>,
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
-    /// What is said against one of the parts.
-    pub(super) rejection: Option<Rejection>,
+    /// What is said against parts, the first of each column.
+    pub(super) rejections: Vec<Rejection>,
     /// A cell that contradicts how the table is read.
     pub(super) contradiction: Option<Contradiction>,
     /// How many values of each source are suspicious.
@@ -347,9 +347,7 @@ impl Total<'_> {
                 self.asides.push(aside);
             }
         }
-        let is_known = |rejection: &Rejection| self.rejections.iter().any(|known| known.title == rejection.title);
-        let rejection = tally.rejection.take().filter(|rejection| !is_known(rejection));
-        self.rejections.extend(rejection);
+        add_rejections(&mut self.rejections, tally.rejections.drain(..));
         if let Some(mut contradiction) = tally.contradiction.take() {
             contradiction.line += lines;
             self.contradiction.get_or_insert(contradiction);

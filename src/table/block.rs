@@ -67,8 +67,8 @@ pub struct Block {
     pub(crate) records: Vec<u64>,
     /// Records that are no parts: a header again, a mean.
     pub(crate) asides: Vec<AsideReading>,
-    /// What is said against one of the parts.
-    pub(crate) rejection: Option<Rejection>,
+    /// What is said against parts, the first of each column.
+    pub(crate) rejections: Vec<Rejection>,
     /// Records in all.
     pub(crate) record_count: u64,
     /// Lines in all.
@@ -91,9 +91,11 @@ impl Block {
     /// Adds what rows say besides their values to how their table was read.
     pub(crate) fn tell(&self, reading: &mut Reading) {
         reading.asides.extend(self.asides.iter().cloned());
-        let note = self.rejection.as_ref().map(|rejection| rejection.in_words(&reading.file));
-        let note = note.filter(|note| !reading.notes.contains(note));
-        reading.notes.extend(note);
+        for rejection in &self.rejections {
+            let note = rejection.in_words(&reading.file);
+            let is_new = !reading.notes.contains(&note);
+            reading.notes.extend(is_new.then_some(note));
+        }
     }
 
     /// The values of a column.

@@ -89,7 +89,7 @@ pub(crate) use column::{Column, Nominal};
 pub(crate) use encoding::text as cell_text;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
-pub(crate) use rejection::Rejection;
+pub(crate) use rejection::{Rejection, add as add_rejections};
 pub(crate) use rows::{Rows, Wanted};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
 pub(crate) use typed::stored_table;

@@ -8,7 +8,7 @@ use crate::quantity::shown;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Rejection {
     /// The column, comment or line that says it.
-    pub(crate) title: String,
+    title: String,
     said: String,
 }
 
@@ -39,4 +39,13 @@ pub(crate) fn rejection<'a>(
     };
     let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
     Some(Rejection { title: title.to_owned(), said: shown(&said) })
+}
+
+/// Adds what is said, if the same column or kind of line has said nothing so far.
+pub(crate) fn add(rejections: &mut Vec<Rejection>, more: impl IntoIterator<Item = Rejection>) {
+    for rejection in more {
+        if rejections.iter().all(|known| known.title != rejection.title) {
+            rejections.push(rejection);
+        }
+    }
 }

@@ -21,7 +21,7 @@ use super::names::{
     Role, heading, is_of_parts, is_total, is_value_heading, names_value, role, says_largest, split_unit,
 };
 use super::reading::AsideReading;
-use super::rejection::{Rejection, rejection};
+use super::rejection::{self, Rejection, rejection};
 use super::shape::{PartNames, Remarks, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
 use super::strangers::Others;
@@ -323,7 +323,7 @@ impl Rows {
         }
         if record.says_nothing() || self.is_aside(record) {
             let words = Cell::of_text(&record.in_words(), 0..0);
-            block.rejection = block.rejection.take().or_else(|| rejection("a line", [&words], false));
+            rejection::add(&mut block.rejections, rejection("a line", [&words], false));
             block.asides.push(AsideReading { line: record.line, text: record.in_words() });
             return;
         }
@@ -336,7 +336,7 @@ impl Rows {
     /// A record that is a part: its name and its values.
     fn values_of(&self, record: &Record, raw: Span, block: &mut Block) {
         start(record.line, raw, block);
-        block.rejection = block.rejection.take().or_else(|| self.rejection(record));
+        rejection::add(&mut block.rejections, self.rejections(record));
         let text_of = |place: usize| record.cells.get(place).map(Cell::text).unwrap_or_default();
         if let Some(place) = self.setup.id {
             let name = block.append(text_of(place).as_bytes());
@@ -379,9 +379,9 @@ impl Rows {
             .or_else(|| self.value_in_remark(record))
     }
 
-    /// What a remark says against the part of a record, if nothing said the same before.
-    fn rejection(&self, record: &Record) -> Option<Rejection> {
-        self.setup.remarks.iter().find_map(|remarks| {
+    /// What new remarks say against the part of a record.
+    fn rejections(&self, record: &Record) -> impl Iterator<Item = Rejection> {
+        self.setup.remarks.iter().filter_map(|remarks| {
             let cell = record.cells.get(remarks.place).filter(|cell| remarks.is_new(cell.text().as_bytes()))?;
             rejection(self.setup.titles.get(remarks.place)?, [cell], remarks.are_verdicts)
         })

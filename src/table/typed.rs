@@ -229,13 +229,12 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
     if unit.is_none() && !is_other && !is_struck_through {
         return None;
     }
-    let shape = &understood.shape;
-    let is_in_table = Some(u64::from(row)) >= shape.header_line;
-    let ids = shape.ids.as_ref().filter(|ids| is_struck_through && in_rows && ids.place == shown.column);
+    let ids = understood.shape.ids.as_ref();
+    let ids = ids.filter(|ids| is_struck_through && in_rows && ids.place == shown.column);
     let mut columns = understood.columns.iter().filter(|column| !in_rows || column.place == shown.column);
-    let other = columns
-        .find(|column| is_struck_through && is_in_table || unit.is_some_and(|unit| unit != column.unit) || is_other);
-    let title = other.map(|column| &column.title).or(ids.filter(|_| is_in_table).map(|ids| &ids.title))?;
+    let is_refused = |column: &&Column| is_struck_through || is_other || unit.is_some_and(|unit| unit != column.unit);
+    let other = columns.find(is_refused);
+    let title = other.map(|column| &column.title).or(ids.map(|ids| &ids.title))?;
     let (message, help) = if is_struck_through {
         (
             format!("{name}, row {row}: a cell of `{title}` is struck through"),

@@ -458,4 +458,11 @@ fn what_is_said_against_a_part_is_named_however_far_down_it_stands() {
         let warned = String::from_utf8_lossy(&quiet.stderr);
         assert!(warned.contains(&format!("`{heading}` says `{said}`")), "{heading}: {warned}");
     }
+    // the first of each column
+    let mut table = "part_id;rack_over_roller [mm];Status;Bemerkung\n".to_owned();
+    for part in 0..9000 {
+        table += &format!("P{part};25.00{};{}\n", part % 10, if part == 8000 { "rework;NOK" } else { "ok;" });
+    }
+    let (_, said) = status(&["batch", &spec, &folder.file("two.csv", table.as_bytes()), "--partial"], b"");
+    assert!(said.contains("`Status` says `rework`") && said.contains("`Bemerkung` says `NOK`"));
 }
