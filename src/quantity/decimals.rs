@@ -36,46 +36,38 @@ impl Places {
     #[inline]
     pub(crate) fn write(self, out: &mut Vec<u8>, length: Length) {
         (self.write)(out, length);
-        out.resize(out.len() + self.zeros, b'0');
+        if self.zeros > 0 {
+            out.resize(out.len() + self.zeros, b'0');
+        }
     }
 }
 
+/// What most lengths of a table are, below 10 mm with up to seven decimals, is put together in one word and copied at
+/// once: a tenth of the time of a table of a million rows.
 fn write<const DECIMALS: u32>(out: &mut Vec<u8>, length: Length) {
-    let (cut, one) = (10u64.pow(12 - DECIMALS), 10u64.pow(DECIMALS));
+    let cut = 10u64.pow(12 - DECIMALS);
     let rounded = (length.fm().unsigned_abs() + cut / 2) / cut;
-    if length.is_negative() && rounded > 0 {
-        out.push(b'-');
+    let is_negative = length.is_negative() && rounded > 0;
+    if !(1..=7).contains(&DECIMALS) || rounded >= 10 * 10u64.pow(DECIMALS) {
+        return write_long(out, is_negative, rounded, DECIMALS);
     }
-    whole(out, rounded / one);
-    if DECIMALS == 0 {
-        return;
-    }
-    out.push(b'.');
-    // twelve digits, of which the first are kept
-    let decimals = rounded % one * cut;
-    let (first, last) = ((decimals / 10_000) as u32, (decimals % 10_000 * 10_000) as u32);
-    leading_digits(out, eight_digits(first), DECIMALS.min(8) as usize);
-    if DECIMALS > 8 {
-        leading_digits(out, eight_digits(last), DECIMALS as usize - 8);
-    }
-}
-
-/// The first `count` of eight digits: room for all of them, so that the copy has a constant length.
-#[inline]
-fn leading_digits(out: &mut Vec<u8>, digits: [u8; 8], count: usize) {
-    let end = out.len() + count;
-    out.extend_from_slice(&digits);
+    let digits = u64::from_le_bytes(eight_digits(rounded as u32 * 10u32.pow(7u32.saturating_sub(DECIMALS))));
+    let text = u128::from(digits >> 8) << 16 | u128::from(b'.') << 8 | u128::from(digits & 0xff);
+    let (text, sign) = if is_negative { (text << 8 | u128::from(b'-'), 1) } else { (text, 0) };
+    let end = out.len() + sign + 2 + DECIMALS as usize;
+    out.extend_from_slice(&text.to_le_bytes());
     out.truncate(end);
 }
 
-/// A whole number.
-#[inline]
-fn whole(out: &mut Vec<u8>, number: u64) {
-    if number < 10 {
-        out.push(b'0' + number as u8);
-    } else {
-        out.extend_from_slice(number.to_string().as_bytes());
-    }
+#[cold]
+fn write_long(out: &mut Vec<u8>, is_negative: bool, rounded: u64, decimals: u32) {
+    let (one, count) = (10u64.pow(decimals), decimals as usize);
+    let sign = if is_negative { "-" } else { "" };
+    let text = match decimals {
+        0 => format!("{sign}{rounded}"),
+        _ => format!("{sign}{}.{:0count$}", rounded / one, rounded % one),
+    };
+    out.extend_from_slice(text.as_bytes());
 }
 
 /// The eight decimal digits of a number below 10⁸, the first one first: halves, quarters and single digits
