@@ -1,6 +1,8 @@
 //! `rackmesh batch`: tables of measured parts, through the formulas; with `--teeth` through the exact mesh.
 
 mod bar;
+mod format;
+mod notes;
 mod targets;
 mod teeth;
 
@@ -8,8 +10,9 @@ use std::io;
 use std::sync::Arc;
 
 use bar::Bar;
-use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use format::BatchFormat;
+pub(super) use notes::{lacking, notes, of_every_part};
 use targets::Targets;
 
 use super::decision::JudgeArgs;
@@ -19,12 +22,11 @@ use super::set::SetArgs;
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
 use super::{spec_files, stream, target};
-use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Packing, Plan, Request, RowFormat, Rows, RunError};
-use crate::deviation::DeviationKind;
+use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
 use crate::report::{self, Basis, BatchReport, Format, Screen, WithReading};
-use crate::spec::{Spec, WrittenError};
+use crate::spec::Spec;
 use crate::table::{Contradiction, Table};
 
 pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdict for every part";
@@ -98,49 +100,6 @@ pub(super) struct Args {
     threads: Option<u16>,
     #[command(flatten)]
     reading: ReadArgs,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum BatchFormat {
-    /// Comma-separated values with a header.
-    Csv,
-    /// Tab-separated values with a header.
-    Tsv,
-    /// One JSON object per line.
-    Jsonl,
-    /// Parquet (rows).
-    Parquet,
-    /// Aligned tables for people (summary).
-    Table,
-    /// Markdown tables (summary).
-    Markdown,
-    /// One JSON object (summary).
-    Json,
-    /// Workbook or Q-DAS file (rows), as the output's name says.
-    #[value(skip)]
-    Office,
-}
-
-impl BatchFormat {
-    /// The format that the ending of a name tells.
-    fn of_ending(ending: &str) -> Option<Self> {
-        Some(match ending {
-            "csv" => Self::Csv,
-            "tsv" => Self::Tsv,
-            "jsonl" | "ndjson" => Self::Jsonl,
-            "parquet" => Self::Parquet,
-            "xlsx" | "dfq" => Self::Office,
-            "json" => Self::Json,
-            "md" => Self::Markdown,
-            "txt" => Self::Table,
-            _ => return None,
-        })
-    }
-
-    /// What it is called on the command line.
-    fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
 }
 
 fn with_teeth(arg: clap::Arg) -> clap::Arg {
@@ -305,65 +264,6 @@ impl Args {
         Ok(status(&outcome, &basis, !failed.is_empty()))
     }
 
-    /// The format of the rows, and of a summary.
-    fn formats(&self) -> Result<(RowFormat, Format), Failure> {
-        let format = self.format()?;
-        let refused = |what: &str, help: &str| {
-            let message = format!("{what} cannot be written as {}", format.name());
-            Err(Diagnostic::usage(message).help(help).into())
-        };
-        let rows = match format {
-            BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
-            BatchFormat::Tsv => RowFormat::Tsv,
-            BatchFormat::Jsonl => RowFormat::JsonLines,
-            BatchFormat::Parquet => RowFormat::Columns,
-            _ if self.summary => RowFormat::Csv,
-            _ => return refused("rows", "write csv, tsv, jsonl or parquet; or ask for the --summary"),
-        };
-        let summary = match format {
-            BatchFormat::Table => Format::Table,
-            BatchFormat::Csv => Format::Csv,
-            BatchFormat::Json => Format::Json,
-            BatchFormat::Markdown => Format::Markdown,
-            _ if self.summary => return refused("a summary", "write table, markdown, json or csv"),
-            _ => Format::Table,
-        };
-        Ok((rows, summary))
-    }
-
-    /// The format: that of the option, of the output's name, or the usual one.
-    fn format(&self) -> Result<BatchFormat, Failure> {
-        let Some(format) = self.format else {
-            let usual = if self.summary { BatchFormat::Table } else { BatchFormat::Csv };
-            return Ok(self.known_ending()?.and_then(BatchFormat::of_ending).unwrap_or(usual));
-        };
-        let Some(path) = &self.output else { return Ok(format) };
-        match BatchFormat::of_ending(&target::ending(Packing::of_name(path).1)) {
-            // .txt is any text
-            Some(named) if named != format && named != BatchFormat::Table => {
-                let message = format!("--format {} does not fit the name {path}", format.name());
-                Err(Diagnostic::usage(message).help("leave out --format, or end the name otherwise").into())
-            }
-            _ => Ok(format),
-        }
-    }
-
-    /// The ending of the output's name, which tells the format.
-    fn known_ending(&self) -> Result<Option<&'static str>, Diagnostic> {
-        const ROWS: [&str; 7] = ["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"];
-        let Some(path) = &self.output else { return Ok(None) };
-        let ending = match Packing::of_name(path) {
-            _ if self.summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
-            (Packing::None, _) => target::known_ending(path, path, &ROWS),
-            // text alone is packed
-            (_, unpacked) => target::known_ending(path, unpacked, &ROWS[..4]),
-        };
-        ending.map_err(|diagnostic| {
-            let endings = diagnostic.help.clone().unwrap_or_default();
-            diagnostic.help(format!("{endings}; or --format says the format"))
-        })
-    }
-
     /// Refuses columns that are asked for twice: rows have one of each name.
     fn refuse_repeated_columns(&self) -> Result<(), Diagnostic> {
         let columns = self.columns.as_deref().unwrap_or_default();
@@ -498,63 +398,6 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
         without: Vec::new(),
     }
-}
-
-/// What the tables lack of what the spec asks for, and what follows.
-pub(super) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
-    let keys = DeviationKind::keys(kinds.iter().copied());
-    let consequence = if is_partial {
-        "parts are judged without, as told by --partial"
-    } else if kinds.iter().all(|kind| class(spec, *kind).is_some()) {
-        "the sum is shown without and not judged; a class is what is permitted, not what a part has"
-    } else {
-        "the sum is shown without and not judged; every_part = true beside a value of [errors] says that every part has it, --partial judges without"
-    };
-    (!kinds.is_empty()).then(|| format!("the {who} {keys}, which the spec asks for: {consequence}"))
-}
-
-/// Which values of the spec every part has.
-pub(super) fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
-    let keys = DeviationKind::keys(kinds.iter().copied());
-    (!kinds.is_empty()).then(|| format!("every part has the value in [errors]: {keys}"))
-}
-
-/// What the plan leaves to say with the result.
-pub(super) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
-    let classes = plan.errors().filter_map(|kind| Some((kind, class(spec, kind)?)));
-    let mut notes: Vec<_> = classes
-        .map(|(kind, grade)| {
-            let key = kind.key();
-            format!("{key}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]")
-        })
-        .collect();
-    notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
-    notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
-    notes.extend(plan.extents_in_words());
-    let refused_by = Some(&plan.request.rule).filter(|rule| rule.needs_uncertainty() && !plan.unjudged.is_empty());
-    notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
-    if let Some(open) = plan.open() {
-        let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
-        let is_judged = plan.limits.iter().all(|(on, _)| *on != LimitTarget::CenterDistance);
-        let what = if is_judged { "a range" } else { "a range or a verdict" };
-        notes.push(format!("no part has {what}: {open}: {}", missing.join(", ")));
-    }
-    if plan.open().is_none() {
-        let missing = spec.missing_geometry();
-        notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
-    }
-    if !plan.has_id {
-        notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
-    }
-    notes
-}
-
-/// The class that `[errors]` gives for an error.
-fn class(spec: &Spec, kind: DeviationKind) -> Option<u8> {
-    spec.errors.iter().find_map(|(error, written)| match written.value {
-        WrittenError::Class(grade) if *error == kind => Some(grade),
-        _ => None,
-    })
 }
 
 /// What is wrong where a table was not read to its end.

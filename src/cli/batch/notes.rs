@@ -1,0 +1,64 @@
+//! What is said beside the result of a batch: what the tables lack, what every part has, why there is no range.
+
+use crate::batch::Plan;
+use crate::deviation::DeviationKind;
+use crate::judge::LimitTarget;
+use crate::report;
+use crate::spec::{Spec, WrittenError};
+
+/// What the tables lack of what the spec asks for, and what follows.
+pub(in crate::cli) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
+    let keys = DeviationKind::keys(kinds.iter().copied());
+    let consequence = if is_partial {
+        "parts are judged without, as told by --partial"
+    } else if kinds.iter().all(|kind| class(spec, *kind).is_some()) {
+        "the sum is shown without and not judged; a class is what is permitted, not what a part has"
+    } else {
+        "the sum is shown without and not judged; every_part = true beside a value of [errors] says that every part has it, --partial judges without"
+    };
+    (!kinds.is_empty()).then(|| format!("the {who} {keys}, which the spec asks for: {consequence}"))
+}
+
+/// Which values of the spec every part has.
+pub(in crate::cli) fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
+    let keys = DeviationKind::keys(kinds.iter().copied());
+    (!kinds.is_empty()).then(|| format!("every part has the value in [errors]: {keys}"))
+}
+
+/// What the plan leaves to say with the result.
+pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
+    let classes = plan.errors().filter_map(|kind| Some((kind, class(spec, kind)?)));
+    let mut notes: Vec<_> = classes
+        .map(|(kind, grade)| {
+            let key = kind.key();
+            format!("{key}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]")
+        })
+        .collect();
+    notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
+    notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
+    notes.extend(plan.extents_in_words());
+    let refused_by = Some(&plan.request.rule).filter(|rule| rule.needs_uncertainty() && !plan.unjudged.is_empty());
+    notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
+    if let Some(open) = plan.open() {
+        let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
+        let is_judged = plan.limits.iter().all(|(on, _)| *on != LimitTarget::CenterDistance);
+        let what = if is_judged { "a range" } else { "a range or a verdict" };
+        notes.push(format!("no part has {what}: {open}: {}", missing.join(", ")));
+    }
+    if plan.open().is_none() {
+        let missing = spec.missing_geometry();
+        notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
+    }
+    if !plan.has_id {
+        notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
+    }
+    notes
+}
+
+/// The class that `[errors]` gives for an error.
+fn class(spec: &Spec, kind: DeviationKind) -> Option<u8> {
+    spec.errors.iter().find_map(|(error, written)| match written.value {
+        WrittenError::Class(grade) if *error == kind => Some(grade),
+        _ => None,
+    })
+}
