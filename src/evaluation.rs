@@ -215,9 +215,9 @@ impl Evaluation {
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 
-    /// Takes the verdict on a limit back.
+    /// Takes the verdict on a limit back; one that is open keeps its reason.
     pub fn leave_open(&mut self, on: LimitTarget, why: Unjudged) {
-        for check in self.limits.iter_mut().filter(|check| check.on == on) {
+        for check in self.limits.iter_mut().filter(|check| check.on == on && check.result.is_ok()) {
             check.result = Err(why);
             (check.verdict, check.decision) = (None, None);
         }

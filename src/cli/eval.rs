@@ -6,6 +6,7 @@ use super::set::SetArgs;
 use super::teeth::{WorstTeeth, with_known_teeth};
 use super::{mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::evaluation::Unjudged;
 use crate::judge::LimitTarget;
 use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
@@ -72,12 +73,17 @@ pub(super) fn evaluated<'a>(
     let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
     let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
     evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
+    let (rule, exact) = (judge.rule(spec), spec.taken_as_exact());
+    let note_of_exact = spec.note_of_exact(&exact, Some(&rule)).filter(|_| rule.needs_uncertainty());
+    if note_of_exact.is_some() {
+        spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoUncertainty));
+    }
     for target in evaluation.not_given() {
         output.diagnostic(&unjudged(spec, target));
     }
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
     report.classes = spec.classes()?;
-    report.notes.extend(spec.suspicions_in_words());
+    report.notes.extend(spec.suspicions_in_words().into_iter().chain(note_of_exact));
     report.uncertainty = uncertainty;
     Ok(report)
 }

@@ -285,7 +285,8 @@ impl Spec {
             None => format!("taken as exact, because no uncertainty is given: {keys}"),
             Some(rule) => {
                 format!(
-                    "no uncertainty is given, and the rule {rule} needs one: {keys}; --partial takes these as exact"
+                    "no uncertainty is given, and the rule {rule} needs one: {keys}; u = 0 in [errors] says that a value is \
+                     exact, --partial of tables takes these so"
                 )
             }
         })

@@ -513,7 +513,7 @@ fn a_size_near_zero_is_uncertain_to_the_side_where_it_acts() {
 fn an_error_near_a_jump_of_the_bound_is_uncertain_by_the_jump() {
     let spec = "[pair]\nnormal_module = 1\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = -7.355\nface_width = 6.59\n\
         addendum = 0.6281\n[pinion]\nteeth = 8\nhelix_angle = 0\nprofile_shift = 0.5\nface_width = 9.227\ntip_diameter = 10.7021\n\
-        [errors]\nrack_over_roller = { value = \"-7.246 um\", extent = \"each\" }\n\
+        [errors]\nrack_over_roller = { value = \"-7.246 um\", extent = \"each\", u = 0 }\n\
         rack_pitch = { value = \"-19.772 um\", extent = \"one\", u = \"3.71 um\" }\n[decision]\nrule = \"iso14253\"\n[limits]\n";
     let of = |limit: &str, draws: &[&str]| {
         let spec = format!("{spec}center_distance = {{ lower = {limit} }}\n");
@@ -733,6 +733,36 @@ fn a_rule_needs_an_uncertainty_above_zero() {
         let ended = run(&[command, &path, "-"], "part_id,rack_over_roller [mm]\nA,0.01\n");
         assert_eq!(ended.code, Some(2), "{command}");
         assert!(ended.stderr.contains("such as `rack_pitch = { u = "), "{command}: {}", ended.stderr);
+    }
+}
+
+/// A value without an uncertainty leaves the verdict of a rule that needs one open, wherever it is asked for; `u = 0` says that
+/// it is exact.
+#[test]
+fn a_rule_needs_an_uncertainty_of_every_value() {
+    let folder = Folder::new("every-uncertainty");
+    let (path, table) = (folder.path("spec.toml"), folder.path("part.csv"));
+    std::fs::write(&table, "part_id,rack_over_roller [um],rack_pitch [um]\nA,13,12\n").expect("written");
+    for (pitch, code, reason) in [
+        ("\"12 um\"", 2, "the rule iso14253 needs an uncertainty of every value"),
+        ("{ value = \"12 um\", u = 0 }", 0, ""),
+    ] {
+        let spec = format!(
+            "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_over_roller = {{ value = \"13 um\", u = \"2 um\" }}\n\
+             rack_pitch = {pitch}\n[limits]\ncenter_distance = {{ lower = -0.03, upper = 0.034 }}\n[decision]\nrule = \"iso14253\"\n"
+        );
+        std::fs::write(&path, spec).expect("written");
+        for command in [
+            &["eval", &path, "--format", "csv"][..],
+            &["batch", &path, &table],
+            &["paste", &path, &table, "--format", "csv"],
+        ] {
+            let ended = run(command, "");
+            assert_eq!(ended.code, Some(code), "{command:?}: {}", ended.stderr);
+            assert!(ended.stdout.contains(reason), "{command:?}: {}", ended.stdout);
+        }
+        let page = run(&["report", &path], "");
+        assert_eq!((page.code, page.stdout.contains(reason)), (Some(code), true), "{}", page.stderr);
     }
 }
 
