@@ -297,7 +297,7 @@ impl Plan {
             None if !self.taken_as_exact().is_empty() && self.request.rule.needs_uncertainty() => {
                 format!("not judged: the rule {} needs an uncertainty of every value", self.request.rule)
             }
-            None => "not judged: a limit is on what the table does not have, or no bound is known".to_owned(),
+            None => "not judged: a limit is on what the table does not have, or no bound is known, here or within the uncertainties".to_owned(),
         }
     }
 

@@ -235,10 +235,11 @@ impl<'a> Results<'a> {
         let (on, limit) = &plan.limits[index];
         let Some(result) = self.judged(*on, row) else { return Ok(None) };
         let uncertainty = self.uncertainty(row);
-        let standard = uncertainty.map_or((0.0, 0.0), |known| {
-            let ends = ends(plan, &known.spreads, *on, result);
-            (ends.lower_standard_mm, ends.upper_standard_mm)
-        });
+        let ends = uncertainty.and_then(|known| ends(plan, &known.spreads, *on, result));
+        if ends.is_none() && plan.request.rule.needs_uncertainty() {
+            return Ok(None);
+        }
+        let standard = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
         let simulated = uncertainty.and_then(|known| known.inside(index));
         match rule::verdict(&plan.request.rule, limit, result, standard, simulated) {
             Ok((verdict, _)) => Ok(Some(verdict)),
@@ -250,7 +251,7 @@ impl<'a> Results<'a> {
     pub(super) fn conformance(&self, known: &RowUncertainty, on: LimitTarget, row: usize) -> Option<f64> {
         let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
-        let linear = || Some(ends(plan, &known.spreads, on, self.judged(on, row)?).conformance(&plan.limits[index].1));
+        let linear = || Some(ends(plan, &known.spreads, on, self.judged(on, row)?)?.conformance(&plan.limits[index].1));
         known.inside(index).or_else(linear)
     }
 
@@ -326,20 +327,22 @@ fn reached(plan: &Plan, errors: &[ExtendedError]) -> Option<Interval> {
     Interval::nearest(Range { lower: lower_mm, upper: upper_mm }).ok()
 }
 
-/// A result with its uncertainty.
-fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> Ends {
+/// A result with its uncertainty; `None` where no bound is known within it.
+fn ends(plan: &Plan, spreads: &Spreads, on: LimitTarget, result: Interval) -> Option<Ends> {
     let source = match on {
         LimitTarget::CenterDistance => None,
         LimitTarget::Error(kind) => index_of(&plan.sources, kind),
     };
-    spreads.ends(source, result)
+    let ends = spreads.ends(source, result);
+    (ends.lower_standard_mm.is_finite() && ends.upper_standard_mm.is_finite()).then_some(ends)
 }
 
-/// The uncertainty of a result.
+/// The uncertainty of a result; `None` where no bound is known within it.
 pub(super) fn spread_of<'s>(plan: &Plan, spreads: &'s Spreads, of: UncertainOutput) -> Option<&'s Spread> {
-    Some(match of {
+    let spread = match of {
         UncertainOutput::Error(kind) => &spreads.errors[index_of(&plan.sources, kind)?],
         UncertainOutput::Combined(End::Lower) => &spreads.lower,
         UncertainOutput::Combined(End::Upper) => &spreads.upper,
-    })
+    };
+    spread.standard_mm.is_finite().then_some(spread)
 }

@@ -5,11 +5,11 @@ use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Setting
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::Basis;
+use crate::judge::bound::{Basis, Note};
 use crate::judge::{Rule, Stack};
 use crate::report::UncertaintyPart;
 use crate::spec::{Spec, keys};
-use crate::uncertainty::{self, UncertainPart};
+use crate::uncertainty::{self, UncertainPart, UncertaintyError};
 
 /// How the errors of a part are judged, and how a verdict is reached under uncertainty.
 #[derive(Debug, Clone, clap::Args)]
@@ -91,10 +91,11 @@ impl JudgeArgs {
         let rule = self.rule(spec);
         evaluation.rule = rule.clone();
         let open = evaluation.combined.interval(self.stack).err();
-        let known = if open.is_some() { None } else { self.known(errors, basis, spec)? };
-        if let Some(open) = open.filter(|_| rule.needs_uncertainty()) {
+        let known = if open.is_some() { None } else { self.known(errors, basis, spec, &mut evaluation.notes)? };
+        if rule.needs_uncertainty() && known.is_none() {
             // what is open has no uncertainty, without which some rules decide on no error either
-            spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoBound(open)));
+            let why = open.map_or(Unjudged::NoUncertainty, Unjudged::NoBound);
+            spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, why));
         } else if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
             let inside = simulated.map(|simulation| simulation.outcome.inside.as_slice());
@@ -105,8 +106,15 @@ impl JudgeArgs {
         Ok((evaluation, known))
     }
 
-    /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed.
-    fn known(&self, errors: &[PartDeviation], basis: &Basis, spec: &Spec) -> Result<Option<UncertaintyPart>, Failure> {
+    /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed, or if a bound is open within it,
+    /// which is noted.
+    fn known(
+        &self,
+        errors: &[PartDeviation],
+        basis: &Basis,
+        spec: &Spec,
+        notes: &mut Vec<Note>,
+    ) -> Result<Option<UncertaintyPart>, Failure> {
         let (settings, uncertainties) = (self.settings()?, spec.uncertainties()?);
         if uncertainties.is_empty() {
             if settings.is_some() {
@@ -122,8 +130,13 @@ impl JudgeArgs {
         let (over_pin, teeth) = (spec.over_pin(), &spec.teeth_sensitivities);
         let (model, stack) = (self.model, self.stack);
         let part = UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
-        let propagation =
-            uncertainty::propagate(&part, &uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
+        let propagation = match uncertainty::propagate(&part, &uncertainties) {
+            Err(UncertaintyError::NoBound(source)) => {
+                notes.push(Note::OpenWithin(source));
+                return Ok(None);
+            }
+            propagation => propagation.map_err(Diagnostic::with_code(Code::NoResult))?,
+        };
         let simulated = |settings| chance::simulate_part(&part, &uncertainties, &spec.limits(), &settings);
         let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {

@@ -6,10 +6,11 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::spec_files::measured_tables;
 use super::teeth::WorstTeeth;
-use crate::deviation::{DeviationKind, Part};
+use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
 use crate::judge::reached::TEETH;
+use crate::mesh::Mesh;
 use crate::quantity::Length;
 use crate::report::{Format, MeasureReport, noted};
 use crate::spec::{MeshInput, Origin, Spec, keys};
@@ -56,7 +57,8 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
-        let said = put_on_teeth(&spec, self.part, &mut input)?;
+        let mut said = put_on_teeth(&spec, self.part, &mut input)?;
+        said.extend(unmeasured(self.part, &input.mesh));
         let mut notes = said.clone();
         let mesh = &input.mesh;
         let report = match self.part {
@@ -98,6 +100,24 @@ impl Args {
     }
 }
 
+/// What is wrong with the part and no reading tells.
+fn unmeasured(part: Part, mesh: &Mesh) -> Vec<String> {
+    let (rack, pinion) = (mesh.rack(), mesh.pinion());
+    let is_eccentric = pinion.eccentricity_mm() != (0.0, 0.0);
+    let has_lead = pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
+    let untold = match part {
+        Part::Rack => {
+            [(*rack.form() != RackForm::default(), "the tip relief and the crowning of its flanks"), (false, "")]
+        }
+        Part::Pinion => [
+            (is_eccentric, "its eccentricity, for it turns about the axis of its teeth"),
+            (has_lead || *pinion.form() != PinionForm::default(), "the leads and the form of its flanks"),
+        ],
+    };
+    let untold = untold.into_iter().filter(|(is_wrong, _)| *is_wrong);
+    untold.map(|(_, what)| format!("no reading tells of the {}: {what}", part.name())).collect()
+}
+
 /// Puts errors whose teeth are not told on the worst ones, as `mesh` does; what was done is to be said.
 fn put_on_teeth(spec: &Spec, part: Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
     let untold = |message: &str| {
@@ -111,7 +131,7 @@ fn put_on_teeth(spec: &Spec, part: Part, input: &mut MeshInput) -> Result<Vec<St
     if input.origin == Origin::Teeth && spec.errors.iter().any(is_of_part) {
         return Err(untold("[errors] do not tell which teeth have them, beside those of the other part").into());
     }
-    if input.origin == Origin::Errors {
+    if matches!(input.origin, Origin::Errors { .. }) {
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?;
         let message = "[errors] do not tell which teeth have them, and the worst ones are not known: the rack may roll, or an error is too large";
         worst.ok_or_else(|| untold(message))?.place(input, spec.limit_on(LimitTarget::CenterDistance))?;

@@ -113,11 +113,16 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
             let errors: Vec<_> = errors.iter().map(|error| error.in_words(input.mesh.pair())).collect();
             format!("the worst teeth that a search finds, as their extents allow: {}", errors.join("; "))
         }
-        Origin::Errors => {
+        Origin::Errors { elsewhere } => {
             let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
+            let names: Vec<_> = elsewhere.iter().map(|kind| kind.name()).collect();
+            let elsewhere = match &names[..] {
+                [] => String::new(),
+                names => format!("; the extent of {} is not followed here, `eval` has its range", names.join(", ")),
+            };
             format!(
-                "the teeth: over-roller and radial on all, the rack's pitch and lead on teeth {FIRST_ODD_TOOTH}.., the pinion's pitch as one \
-                 step half way round{lead}"
+                "the teeth: over-roller and radial on all, the rack's pitch as one step before tooth {FIRST_ODD_TOOTH}, its lead on \
+                 teeth {FIRST_ODD_TOOTH}.., the pinion's pitch as one step half way round{lead}{elsewhere}"
             )
         }
         Origin::Teeth if input.left_out.is_empty() => return None,

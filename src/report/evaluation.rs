@@ -215,6 +215,13 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
             ends(tidy(*lower), tidy(*upper))
         ),
+        Note::KnownTeeth(Range { lower, upper }) => {
+            format!("the sum counts the teeth that are known one by one: ΔCD = {} mm", ends(tidy(*lower), tidy(*upper)))
+        }
+        Note::OpenWithin(source) => format!(
+            "no bound of ΔCD is known where {} is off by its uncertainty: the results are shown without uncertainties",
+            source.key()
+        ),
         Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
         Note::AssumedHeight(AssumedHeight { mm, from }) => {
             let from = match from {
@@ -368,8 +375,12 @@ impl Report for EvaluationReport<'_> {
         };
         let mut records: Vec<_> =
             self.contributions().map(|fact| record("error", fact["error"].clone(), fact)).collect();
-        let combined = |stack| json!(evaluation.combined.interval(stack).ok());
-        records.extend(Stack::ALL.map(|stack| ends("combined", stack.name(), combined(stack))));
+        records.extend(Stack::ALL.map(|stack| {
+            let combined = evaluation.combined.interval(stack);
+            let mut row = ends("combined", stack.name(), json!(combined.as_ref().ok()));
+            row["limit"]["reason"] = json!(combined.err().map(|open| open.to_string()));
+            row
+        }));
         records.extend(evaluation.reached.map(|reached| ends("combined", "reached", json!(reached))));
         records.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| {
             let range = json!({ "lower": tidy(summary.min_mm), "upper": tidy(summary.max_mm) });

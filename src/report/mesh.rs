@@ -304,7 +304,9 @@ impl Report for MeasureReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        fact::rows(&self.json(), "rows", &self.columns.join(" "))
+        // a table of measured teeth has the deviation of the radius, and not the radius
+        let columns: Vec<_> = self.columns.iter().copied().filter(|name| *name != "radius_mm").collect();
+        fact::rows(&self.json(), "rows", &columns.join(" "))
     }
 
     fn blocks(&self) -> Vec<Block> {

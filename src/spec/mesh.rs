@@ -50,8 +50,11 @@ impl MeasuredTables {
 pub enum Origin {
     /// Deviations per tooth: `deviation` and `measured`; none at all is a perfect pair.
     Teeth,
-    /// One value per error, from `[errors]`: put on the teeth as the formulas understand them.
-    Errors,
+    /// One value per error, from `[errors]`: put on the teeth as the formulas understand them, those with another extent too.
+    Errors {
+        /// The errors whose extent asks for other teeth.
+        elsewhere: Vec<DeviationKind>,
+    },
     /// The same, on the worst teeth that a search finds.
     WorstTeeth(Vec<PlacedError>),
 }
@@ -171,11 +174,14 @@ impl Spec {
             self.pinion_deviations.iter().map(|deviation| deviation.value).collect(),
         );
         self.refuse_both_ways(&self.kinds())?;
-        let origin = if self.has_deviations() || self.errors.is_empty() { Origin::Teeth } else { Origin::Errors };
-        let left_out = if origin == Origin::Teeth { self.kinds() } else { Vec::new() };
-        let mut pinion_lead_mm = None;
-        if origin == Origin::Errors {
+        let has_errors = !self.has_deviations() && !self.errors.is_empty();
+        let left_out = if has_errors { Vec::new() } else { self.kinds() };
+        let (mut origin, mut pinion_lead_mm) = (Origin::Teeth, None);
+        if has_errors {
             let errors = self.part_deviations()?;
+            let is_elsewhere = |error: &&PartDeviation| error.extent() != error.kind().usual_extent();
+            let elsewhere = errors.iter().filter(is_elsewhere).map(PartDeviation::kind).collect();
+            origin = Origin::Errors { elsewhere };
             (rack_deviations, pinion_deviations) = on_teeth(&errors, &pair);
             let lead = errors.iter().find(|error| error.kind() == DeviationKind::PinionLead);
             pinion_lead_mm = lead.map(|error| error.value().base());

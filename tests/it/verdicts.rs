@@ -766,6 +766,100 @@ fn a_rule_needs_an_uncertainty_of_every_value() {
     }
 }
 
+/// Known teeth count beside errors of the other part, and a note says so.
+#[test]
+fn known_teeth_beside_errors_are_named() {
+    let spec = format!("{PAPER}[[rack.deviation]]\nteeth = 3\npitch = \"20 um\"\n[errors]\npinion_pitch = \"10 um\"\n");
+    let notes = eval(&spec).json()["notes"].to_string();
+    assert!(notes.contains("the sum counts the teeth that are known one by one: ΔCD = "), "{notes}");
+}
+
+/// `simulate` has one placement for each error: another extent is named as not followed.
+#[test]
+fn an_extent_that_a_simulation_does_not_follow_is_named() {
+    for (extent, is_named) in [("one", false), ("all", true)] {
+        let spec = format!(
+            "{PAPER}[errors]\nrack_pitch = {{ value = \"20 um\", extent = \"{extent}\" }}\n[simulation]\nstroke = 1\n"
+        );
+        let ended = run(&["simulate", "-", "--quasi-static", "--format", "json"], &spec);
+        let notes = ended.json()["notes"].to_string();
+        assert_eq!(notes.contains("the extent of rack pitch is not followed here"), is_named, "{notes}");
+    }
+}
+
+/// What a measured table cannot hold is named, and a pinion's table is read back.
+#[test]
+fn what_no_reading_tells_is_named() {
+    let folder = Folder::new("measured-pinion");
+    let table = folder.path("pinion.csv");
+    let spec = format!("{PAPER}[[pinion.deviation]]\neccentricity = {{ amount = \"10 um\", tooth = 3 }}\n");
+    let ended = run(&["measure", "-", "--part", "pinion", "--format", "csv"], &spec);
+    assert!(ended.stderr.contains("no reading tells of the pinion: its eccentricity"), "{}", ended.stderr);
+    std::fs::write(&table, &ended.stdout).expect("written");
+    let back = folder.path("back.toml");
+    std::fs::write(&back, PAPER.replace("[pinion]\n", "[pinion]\nmeasured = \"pinion.csv\"\n")).expect("written");
+    assert_eq!(run(&["mesh", &back], "").code, Some(0));
+}
+
+/// A worst case that is open has its reason where it is read, with limits or without.
+#[test]
+fn an_open_worst_case_says_why() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_pitch = { value = \"30 um\", extent = \"each\" }\n";
+    let why = "errors of many pitches add up over the teeth in contact: the pair's geometry is missing";
+    for (limits, code) in [("", 0), ("[limits]\ncenter_distance = \"±0.1\"\n", 2)] {
+        for format in ["table", "csv", "json", "markdown"] {
+            let ended = run(&["eval", "-", "--format", format], &format!("{spec}{limits}"));
+            let says =
+                [why, "there is no worst case without the pair's geometry"].map(|text| ended.stdout.contains(text));
+            assert!(ended.code == Some(code) && says != [false; 2], "{format}: {}", ended.stdout);
+        }
+    }
+}
+
+/// Where an uncertainty leads to where no bound is known, the range has none: it is shown, and a rule that needs one leaves it open.
+#[test]
+fn a_bound_that_ends_within_an_uncertainty_has_none() {
+    let spec = |values: [&str; 3]| {
+        let [lead, radial, pitch] = values;
+        format!(
+            "[pair]\nnormal_module = 3\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = -30\nface_width = 27\naddendum = 2.7\n\
+             tip_relief = {{ amount = \"15 um\", start = 1.35 }}\n[pinion]\nteeth = 6\nhelix_angle = 25\nprofile_shift = -0.1\n\
+             tip_diameter = 25.2608\nface_width = 12\n[errors]\npinion_lead = {{ {lead}extent = \"one\", u = \"2 um\" }}\n\
+             pinion_radial = {{ {radial}extent = \"all\", u = \"0.5 um\" }}\n\
+             pinion_pitch = {{ {pitch}extent = \"all\", u = \"1 um\" }}\n[limits]\ncenter_distance = \"±0.5\"\n"
+        )
+    };
+    let folder = Folder::new("open-within");
+    let (path, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+    std::fs::write(&path, spec([""; 3])).expect("written");
+    let rows =
+        "part_id,pinion_lead [um],pinion_radial [um],pinion_pitch [um]\nP0,-2.4,-5.98,-9.39\nP3,2.28,-3.24,-12.0\n";
+    std::fs::write(&table, rows).expect("written");
+    let of_eval = spec(["value = \"-2.4 um\", ", "value = \"-5.98 um\", ", "value = \"-9.39 um\", "]);
+    for (rule, code, verdict) in
+        [("simple", 0, "pass".into()), ("guard=3um", 0, "pass".into()), ("iso14253", 2, Value::Null)]
+    {
+        let ended = run(&["batch", &path, &table, "--format", "jsonl", "--rule", rule], "");
+        assert_eq!(ended.code, Some(code), "{rule}: {}", ended.stderr);
+        for line in ended.stdout.lines() {
+            let row: Value = serde_json::from_str(line).expect(line);
+            assert!(
+                row["range_lower_mm"].is_number() && row["range_lower_standard_uncertainty_mm"].is_null(),
+                "{line}"
+            );
+            assert_eq!((&row["verdict"], &row["conformance_probability"]), (&verdict, &Value::Null), "{line}");
+            assert_eq!(row["reason"].is_null(), code == 0, "{line}");
+        }
+        let summary = run(&["batch", &path, &table, "--summary", "--format", "json", "--rule", rule], "");
+        assert!(!summary.stdout.contains("e+") && summary.code == Some(code), "{}", summary.stdout);
+        let ended = run(&["eval", "-", "--format", "json", "--rule", rule], &of_eval);
+        let json = ended.json();
+        assert_eq!((ended.code, &json["verdict"]), (Some(code), &verdict), "{rule}: {}", ended.stderr);
+        assert!(json["combined"]["range_mm"]["lower"].is_number(), "{json}");
+        assert!(json["notes"].to_string().contains("no bound of ΔCD is known where errors.p"), "{json}");
+    }
+}
+
 /// A roll axis without a word on whether the rack may roll about it.
 #[test]
 fn a_roll_axis_needs_roll() {

@@ -32,6 +32,7 @@ pub use scales::Scales;
 pub use sum::{Bound, Combined};
 
 use crate::deviation::Extent;
+use crate::formula::Influence;
 
 /// A range of ΔCD in mm, computed in f64: whoever holds it against decimal limits takes the nearest decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -226,6 +227,10 @@ pub enum Note {
     OwnCurveAt(f64),
     /// The known pair without errors is in this range, which the sum counts.
     OwnRange(Range),
+    /// The sum counts what the teeth do that are known one by one: ΔCD in this range.
+    KnownTeeth(Range),
+    /// Where this is off by its uncertainty there is no range, so that nothing tells how uncertain the range is.
+    OpenWithin(Influence),
     /// There is no range without the pair's geometry.
     GeometryNeeded,
     /// Flanks are taken to touch within this height over and under the reference plane.

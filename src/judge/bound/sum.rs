@@ -53,7 +53,8 @@ pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     }
     let statistical_notes = [(acts, Note::StepsAlwaysAct), (counts, Note::OneStepCounts)];
     let statistical_notes = statistical_notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect();
-    Bound { errors: each, combined, notes: notes(errors, knowledge), statistical_notes }
+    let needs_geometry = combined.range == Err(NoBound::TeethInContactUnknown);
+    Bound { errors: each, combined, notes: notes(errors, knowledge, needs_geometry), statistical_notes }
 }
 
 /// What errors of both parts add up to, mm.
@@ -282,8 +283,11 @@ fn is_pitch(error: &ExtendedError) -> bool {
     matches!(error.effect, ErrorEffect::Pitch { .. })
 }
 
-fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
+fn notes(errors: &[ExtendedError], knowledge: &Knowledge, needs_geometry: bool) -> Vec<Note> {
     let mut notes = Vec::new();
+    if let Some(teeth) = knowledge.basis.known_teeth.filter(|teeth| teeth.solved && !errors.is_empty()) {
+        notes.push(Note::KnownTeeth(teeth.range));
+    }
     let whole_teeth =
         |error: &ExtendedError| is_pitch(error) && matches!(error.extent, Extent::Each | Extent::All | Extent::Part);
     if errors.iter().any(whole_teeth) {
@@ -302,7 +306,7 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge) -> Vec<Note> {
         }
     }
     if !errors.is_empty() {
-        notes.push(Note::GeometryNarrows);
+        notes.push(if needs_geometry { Note::GeometryNeeded } else { Note::GeometryNarrows });
     }
     if matches!(knowledge.basis.geometry, GivenGeometry::Unknown)
         && !knowledge.rolls()
