@@ -239,9 +239,8 @@ impl<'a> Results<'a> {
         if ends.is_none() && plan.request.rule.needs_uncertainty() {
             return Ok(None);
         }
-        let standard = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
         let simulated = uncertainty.and_then(|known| known.inside(index));
-        match rule::verdict(&plan.request.rule, limit, result, standard, simulated) {
+        match rule::verdict(&plan.request.rule, limit, result, ends.as_ref(), simulated) {
             Ok((verdict, _)) => Ok(Some(verdict)),
             Err(error) => Err(Box::new(fault(None, error.to_string()))),
         }

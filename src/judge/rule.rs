@@ -4,7 +4,7 @@
 
 use super::{Interval, Limit, Verdict};
 use crate::quantity::{Length, LengthUnit, QuantityError, plain};
-use crate::statistics::{bivariate_normal_cdf, normal_cdf};
+use crate::statistics::{bivariate_normal_cdf, normal_cdf, student_cdf};
 
 /// Guard band of ISO 14253-1 in standard uncertainties: 95 % one-sided, as the standard rounds it.
 pub const ISO_14253_FACTOR: f64 = 1.65;
@@ -109,6 +109,34 @@ pub struct Ends {
     pub upper_standard_mm: f64,
     /// Correlation of both.
     pub correlation: f64,
+    /// How the lower end is distributed.
+    pub lower_tail: Tail,
+    /// How the upper end is distributed.
+    pub upper_tail: Tail,
+}
+
+/// How an end is distributed beyond its value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tail {
+    /// Effective degrees of freedom of its standard uncertainty.
+    pub dof: f64,
+    /// How many magnitudes so near to 0 are in it that either sign of them may count.
+    pub folds: u8,
+}
+
+impl Tail {
+    /// A normal distribution.
+    pub const NORMAL: Self = Self { dof: f64::INFINITY, folds: 0 };
+
+    /// The probability, at most, that the end lies so many standard uncertainties beyond its value, Q: either sign of n
+    /// magnitudes makes 2ⁿ normal ends, each of which is as far at most. Student's t for finite degrees of freedom.
+    fn beyond(self, distance: f64) -> f64 {
+        if distance.is_infinite() {
+            return if distance > 0.0 { 0.0 } else { 1.0 };
+        }
+        let of_one = if self.dof.is_finite() { student_cdf(-distance, self.dof) } else { normal_cdf(-distance) };
+        (f64::from(1_u32 << self.folds) * of_one).min(1.0)
+    }
 }
 
 impl Ends {
@@ -121,12 +149,19 @@ impl Ends {
             lower_standard_mm: standard_mm,
             upper_standard_mm: standard_mm,
             correlation: 1.0,
+            lower_tail: Tail::NORMAL,
+            upper_tail: Tail::NORMAL,
         }
     }
 
-    /// The probability that both ends lie inside `limit`, both taken as jointly normal.
+    /// Whether its conformance is known exactly: otherwise it is at least so probable.
     #[must_use]
-    pub fn conformance(&self, limit: &Limit) -> f64 {
+    pub fn is_normal(&self) -> bool {
+        [self.lower_tail, self.upper_tail] == [Tail::NORMAL; 2]
+    }
+
+    /// How far both ends are inside their limits, in standard uncertainties.
+    fn distances(&self, limit: &Limit) -> (f64, f64) {
         let reduced = |distance: Option<f64>, standard: f64| match distance {
             None => f64::INFINITY,
             // on the limit is inside
@@ -141,10 +176,35 @@ impl Ends {
         };
         let below = limit.lower.map(|lower| self.lower_mm - lower.mm());
         let above = limit.upper.map(|upper| upper.mm() - self.upper_mm);
-        let (h, k) = (reduced(below, self.lower_standard_mm), reduced(above, self.upper_standard_mm));
+        (reduced(below, self.lower_standard_mm), reduced(above, self.upper_standard_mm))
+    }
+
+    /// The probability that both ends lie inside `limit`, both taken as jointly normal; at least that, if they are not.
+    #[must_use]
+    pub fn conformance(&self, limit: &Limit) -> f64 {
+        let (h, k) = self.distances(limit);
+        if !self.is_normal() {
+            return (1.0 - self.lower_tail.beyond(h) - self.upper_tail.beyond(k)).max(0.0);
+        }
         // the lower end must not be too low and the upper one not too high: of opposite sense
         let rho = -self.correlation;
         if rho < -1.0 + 1e-9 { (normal_cdf(h) - normal_cdf(-k)).max(0.0) } else { bivariate_normal_cdf(h, k, rho) }
+    }
+
+    /// Whether 95 % stand behind a verdict that the guard band of one limit gives: both limits may be near, the ends need not
+    /// be normal.
+    fn proves(&self, verdict: Verdict, limit: &Limit) -> bool {
+        match verdict {
+            Verdict::Pass => self.conformance(limit) >= ISO_14253_PROBABILITY,
+            Verdict::Fail => {
+                let (low, high) = self.distances(limit);
+                let is_beyond = |distance: f64, tail: Tail| {
+                    Tail { folds: 0, ..tail }.beyond(-distance) <= 1.0 - ISO_14253_PROBABILITY
+                };
+                is_beyond(low, self.lower_tail) || is_beyond(high, self.upper_tail)
+            }
+            Verdict::Indeterminate => true,
+        }
     }
 }
 
@@ -153,8 +213,10 @@ impl Ends {
 pub struct Conformance {
     /// The probability of conformance p_c.
     pub probability: f64,
-    /// Whether it was counted in a simulation; otherwise it follows from the linear result and a normal distribution.
+    /// Whether it was counted in a simulation; otherwise it follows from the linear result.
     pub simulated: bool,
+    /// Whether it is at least so probable: ends that are not normally distributed.
+    pub is_least: bool,
 }
 
 impl Conformance {
@@ -197,16 +259,17 @@ pub fn decide(
     simulated: Option<f64>,
 ) -> Result<Decision, QuantityError> {
     let conformance = match (simulated, ends) {
-        (Some(probability), _) => Some(Conformance { probability, simulated: true }),
-        (None, Some(ends)) => Some(Conformance { probability: ends.conformance(limit), simulated: false }),
+        (Some(probability), _) => Some(Conformance { probability, simulated: true, is_least: false }),
+        (None, Some(ends)) => {
+            Some(Conformance { probability: ends.conformance(limit), simulated: false, is_least: !ends.is_normal() })
+        }
         (None, None) => None,
     };
-    let standard_mm = ends.map_or((0.0, 0.0), |ends| (ends.lower_standard_mm, ends.upper_standard_mm));
-    let (verdict, guard) = verdict(rule, limit, result, standard_mm, simulated)?;
+    let (verdict, guard) = verdict(rule, limit, result, ends, simulated)?;
     Ok(Decision { guard, conformance, verdict })
 }
 
-/// The verdict on a result, from its lower to its upper end, with the standard uncertainties of both, or its simulated
+/// The verdict on a result, from its lower to its upper end, with the uncertainties of both, or its simulated
 /// probability of conformance; and the guard bands at the lower and the upper limit that led to it, if the rule has any.
 ///
 /// # Errors
@@ -216,7 +279,7 @@ pub(crate) fn verdict(
     rule: &Rule,
     limit: &Limit,
     result: Interval,
-    standard_mm: (f64, f64),
+    ends: Option<&Ends>,
     simulated: Option<f64>,
 ) -> Result<(Verdict, Option<(Length, Length)>), QuantityError> {
     let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
@@ -228,11 +291,19 @@ pub(crate) fn verdict(
             return Ok((Verdict::Fail, None));
         }
         (Rule::Iso14253, Some(_)) => return Ok((Verdict::Indeterminate, None)),
-        (Rule::Iso14253, None) => Some((band(standard_mm.0)?, band(standard_mm.1)?)),
+        (Rule::Iso14253, None) => {
+            let of = |standard: fn(&Ends) -> f64| band(ends.map_or(0.0, standard));
+            Some((of(|ends| ends.lower_standard_mm)?, of(|ends| ends.upper_standard_mm)?))
+        }
         (Rule::Simple, _) => None,
         (Rule::Guard(guard), _) => Some((*guard, *guard)),
     };
-    Ok((judge(limit, result, guard), guard))
+    let verdict = judge(limit, result, guard);
+    let is_proven = match (rule, ends) {
+        (Rule::Iso14253, Some(ends)) => ends.proves(verdict, limit),
+        _ => true,
+    };
+    Ok((if is_proven { verdict } else { Verdict::Indeterminate }, guard))
 }
 
 /// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it
@@ -305,6 +376,7 @@ mod tests {
             lower_standard_mm: 0.001,
             upper_standard_mm: 0.001,
             correlation: 0.0,
+            ..Ends::value(0.0, 0.0)
         };
         near(ends, normal_cdf(1.0) * normal_cdf(2.0));
         // both ends on their limits: Sheppard's quarter, whatever goes together
@@ -315,6 +387,44 @@ mod tests {
         }
         let open = Limit { lower: None, upper: Some(length("0.05")) };
         assert!((ends.conformance(&open) - normal_cdf(2.0)).abs() < 1e-12);
+    }
+
+    /// What is inside by 1.65 u passes only with 95 % behind it: two limits, a magnitude near 0 and few degrees of freedom
+    /// take some away.
+    #[test]
+    fn a_pass_has_95_percent_behind_it() {
+        use Verdict::{Fail, Indeterminate, Pass};
+        let decided = |value: f64, u: f64, lower: &str, tail: Tail| {
+            let ends = Ends { lower_tail: tail, upper_tail: tail, ..Ends::value(value, u) };
+            let lower = (!lower.is_empty()).then(|| length(lower));
+            let limit = Limit { lower, upper: Some(length("0.005")) };
+            let result = Interval::value(Length::from_mm(value).unwrap());
+            let decision = decide(&Rule::Iso14253, &limit, result, Some(&ends), None).unwrap();
+            let probability = decision.conformance.unwrap().probability;
+            assert!(decision.verdict != Pass || probability >= ISO_14253_PROBABILITY, "{probability}");
+            decision.verdict
+        };
+        let few = |dof: f64| Tail { dof, ..Tail::NORMAL };
+        let folded = |folds: u8| Tail { folds, ..Tail::NORMAL };
+        for (value, u, lower, tail, expected) in [
+            (0.0, 0.003, "", Tail::NORMAL, Pass),
+            // 90.4 % between both
+            (0.0, 0.003, "-0.005", Tail::NORMAL, Indeterminate),
+            (0.0, 0.0025, "-0.005", Tail::NORMAL, Pass),
+            // one magnitude: 1.96 u, two: 2.24 u
+            (0.0, 0.0026, "", folded(1), Indeterminate),
+            (0.0, 0.0025, "", folded(1), Pass),
+            (0.0, 0.0023, "", folded(2), Indeterminate),
+            (0.0, 0.0022, "", folded(2), Pass),
+            // Student's t with 4 degrees of freedom: 2.13 u
+            (0.0, 0.0024, "", few(4.0), Indeterminate),
+            (0.0, 0.0023, "", few(4.0), Pass),
+            (0.010, 0.0024, "", few(4.0), Indeterminate),
+            (0.010, 0.0023, "", few(4.0), Fail),
+            (0.010, 0.0, "", few(4.0), Fail),
+        ] {
+            assert_eq!(decided(value, u, lower, tail), expected, "{value} {u} {lower} {tail:?}");
+        }
     }
 
     #[test]

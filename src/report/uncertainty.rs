@@ -318,7 +318,13 @@ pub(super) fn decision_fact(&Decision { guard, conformance, .. }: &Decision) -> 
         "conformance_probability": conformance.map(|c| c.probability),
         "consumer_risk_if_accepted": conformance.map(|c| c.consumer_risk()),
         "producer_risk_if_rejected": conformance.map(|c| c.producer_risk()),
-        "method": conformance.map(|c| if c.simulated { "monte carlo" } else { "linear, normal" }),
+        "method": conformance.map(|c| if c.simulated {
+            "monte carlo"
+        } else if c.is_least {
+            "linear, at least"
+        } else {
+            "linear, normal"
+        }),
     })
 }
 
@@ -340,12 +346,19 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
             100.0 * ISO_14253_PROBABILITY
         )),
         Rule::Iso14253 => Some(format!(
-            "ISO 14253-1: guard band {ISO_14253_FACTOR} u_c (conformance probability 95 %, one-sided); inside the limits by it pass, outside by it fail, between indeterminate"
+            "ISO 14253-1: guard band {ISO_14253_FACTOR} u_c (conformance probability 95 %, one-sided); inside the limits by it pass, outside by it fail, between or with less than 95 % indeterminate"
         )),
         Rule::Guard(_) => Some("inside the limits by the guard band pass, outside by it fail, between indeterminate".to_owned()),
     });
     if decided.iter().any(|(_, decision)| decision.conformance.is_some()) {
-        let how = if simulated { "counted in the simulation" } else { "linear, normal distribution" };
+        let is_least = decided.iter().any(|(_, decision)| decision.conformance.is_some_and(|c| c.is_least));
+        let how = match (simulated, is_least) {
+            (true, _) => "counted in the simulation",
+            (_, true) => {
+                "linear; at least, where values are near 0 or u has few degrees of freedom: --monte-carlo counts it"
+            }
+            _ => "linear, normal distribution",
+        };
         notes.push(format!(
             "conforms: probability that the true value lies inside the limits, given this measurement ({how}); consumer's risk: that the part, accepted, does not conform; producer's risk: that it, rejected, does (JCGM 106)"
         ));

@@ -330,11 +330,13 @@ impl Propagator {
                 *derivative = 0.0;
             }
         }
+        let dof = self.dof(gradient, standard_mm);
         Spread {
             standard_mm,
-            coverage_factor: self.coverage_factor(self.dof(gradient, standard_mm)),
+            coverage_factor: self.coverage_factor(dof),
             gauge_mm2: self.variance(&gauge),
-            folded: !gradient.folded.is_empty(),
+            folds: gradient.folded.len() as u8,
+            dof: dof.map_or(f64::INFINITY, whole_dof),
         }
     }
 

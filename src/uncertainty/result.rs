@@ -5,7 +5,7 @@ use super::Influence;
 use super::coverage::whole_dof;
 use crate::deviation::DeviationKind;
 use crate::judge::bound::Range;
-use crate::judge::rule::Ends;
+use crate::judge::rule::{Ends, Tail};
 use crate::judge::{Interval, LimitTarget, Stack};
 use crate::statistics::student_quantile;
 
@@ -79,8 +79,16 @@ pub struct Spread {
     pub coverage_factor: f64,
     /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
     pub gauge_mm2: f64,
-    /// Whether an error is so near to zero that the result is not linear.
-    pub folded: bool,
+    /// How many errors are so near to zero that the result is not linear.
+    pub folds: u8,
+    /// Effective degrees of freedom; infinite where there is no formula for them.
+    pub dof: f64,
+}
+
+impl Spread {
+    const fn tail(&self) -> Tail {
+        Tail { dof: self.dof, folds: self.folds }
+    }
 }
 
 /// The uncertainties of a part's results.
@@ -113,7 +121,11 @@ impl Spreads {
             None => (self.lower.standard_mm, self.upper.standard_mm, self.end_correlation),
         };
         let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
-        Ends { lower_mm, upper_mm, lower_standard_mm, upper_standard_mm, correlation }
+        let [lower_tail, upper_tail] = match error {
+            Some(index) => [self.errors[index].tail(); 2],
+            None => [self.lower.tail(), self.upper.tail()],
+        };
+        Ends { lower_mm, upper_mm, lower_standard_mm, upper_standard_mm, correlation, lower_tail, upper_tail }
     }
 }
 
