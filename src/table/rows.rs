@@ -428,9 +428,13 @@ impl Rows {
             self.setup.columns.iter().any(|column| column.title == cell.text()) || names_value(&cell.text(), &[])
         };
         let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
+        // `Teil` below `Teil` begins another table, whatever stands beside it
+        let is_named_again = || {
+            let id = self.setup.id.filter(|id| cells().count() > 1 && self.setup.titles.len() > *id);
+            id.is_some_and(|id| record.cells.get(id).is_some_and(|cell| cell.text() == self.setup.titles[id]))
+        };
         let is_other = record.numbers() == 0
-            && cells().any(names_column)
-            && cells().filter(is_name).count() > 1
+            && (cells().any(names_column) && cells().filter(is_name).count() > 1 || is_named_again())
             && !self.repeats_header(record);
         let message = || format!("other names begin here: {}", record.in_words());
         is_other.then(|| contradiction(record, None, message(), "give tables with other columns one by one"))
