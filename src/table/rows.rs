@@ -430,8 +430,8 @@ impl Rows {
         let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
         // `Teil` below `Teil` begins another table, whatever stands beside it
         let is_named_again = || {
-            let id = self.setup.id.filter(|id| cells().count() > 1 && self.setup.titles.len() > *id);
-            id.is_some_and(|id| record.cells.get(id).is_some_and(|cell| cell.text() == self.setup.titles[id]))
+            let title = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
+            title.is_some_and(|(title, cell)| !cell.is_empty() && cell.text() == *title) && cells().count() > 1
         };
         let is_other = record.numbers() == 0
             && (cells().any(names_column) && cells().filter(is_name).count() > 1 || is_named_again())

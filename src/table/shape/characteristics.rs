@@ -153,9 +153,9 @@ fn take_names(roles: &mut [Option<Role>], header: &Record, below: &[Record], wan
     let has_names = |place: usize| cells(place).any(|cell| names_value(&cell.text(), &want.own));
     let [wanted, called, measured] = [Role::Nominal, Role::Name, Role::Measured].map(|role| places(roles, role));
     let may_be_french = wanted.len() > 1 && called.is_empty();
-    let is_named = !called.into_iter().any(has_names) && !measured.is_empty();
+    let is_named = || !measured.is_empty() && !called.iter().any(|place| has_names(*place));
     let is_name =
-        |place: &usize| has_words(*place) && (may_be_french && is_called(*place) || is_named && has_names(*place));
+        |place: &usize| has_words(*place) && (may_be_french && is_called(*place) || has_names(*place) && is_named());
     if let Some(place) = wanted.into_iter().find(is_name) {
         roles[place] = Some(Role::Name);
     }

@@ -57,14 +57,14 @@ pub(super) fn with_names_above(records: &[Record]) -> Cow<'_, [Record]> {
         let header = records[at].filled();
         let is_number = |below: &Record| below.cells.get(header.len()).is_some_and(Cell::is_number);
         let is_open =
-            header.iter().any(|cell| role(&cell.text()) == Some(Role::Name)) && is_number(records.get(at + 1)?);
+            is_number(records.get(at + 1)?) && header.iter().any(|cell| role(&cell.text()) == Some(Role::Name));
         let has_names = |above: &Record| {
             let (word, names) = above.filled().split_at_checked(header.len()).unwrap_or_default();
             word.last().is_some_and(|cell| is_part_name(&cell.text()))
                 && !names.is_empty()
                 && !names.iter().any(Cell::is_empty)
         };
-        let above = (at.saturating_sub(NEAR)..at).find(|above| has_names(&records[*above])).filter(|_| is_open)?;
+        let above = (at.saturating_sub(NEAR)..at).find(|above| is_open && has_names(&records[*above]))?;
         Some((at, above))
     };
     let Some((at, above)) = (1..records.len()).find_map(named) else { return records.into() };
@@ -105,8 +105,8 @@ fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
 fn with_parts_of_blocks(records: &[Record], want: &Want) -> Option<Vec<Record>> {
     let is_counter = |cell: &Cell| !cell.is_number() || cell.is_whole();
     let is_header = |record: &Record| {
-        record.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name))
-            && record.cells.iter().all(is_counter)
+        record.cells.iter().all(is_counter)
+            && record.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name))
     };
     let headers: Vec<&Record> = records.iter().filter(|record| is_header(record)).collect();
     let first = *headers.first().filter(|_| headers.len() > 1)?;

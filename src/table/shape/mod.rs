@@ -149,13 +149,13 @@ impl Shape {
         true
     }
 
-    /// The heading of a companion below which names of others stand: a list beside the table, `Soll` above `OGW` and `UGW`.
+    /// The heading of nominal values below which names of limits stand: a list beside the table, `Soll` above `OGW` and `UGW`.
     fn list_beside(&self) -> Option<Cell> {
         let names_other = |cell: &Cell| {
             cell.text().starts_with(char::is_alphabetic) && role(&cell.text()).is_some_and(Role::is_beside_value)
         };
-        let mut beside = self.measurements.iter().flat_map(|measurement| measurement.beside.iter());
-        let list = beside.find(|series| series.cells.iter().any(names_other))?;
+        let mut nominals = self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Nominal));
+        let list = nominals.find(|series| series.cells.iter().any(names_other))?;
         self.header.get(list.place).cloned()
     }
 
