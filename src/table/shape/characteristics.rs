@@ -168,13 +168,16 @@ fn places(roles: &[Option<Role>], of: Role) -> Vec<usize> {
 
 /// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not.
 fn drop_common_names(roles: &mut [Option<Role>], rows: &[usize], records: &[Record], header: &Record) {
+    let names = places(roles, Role::Part);
+    if names.len() < 2 {
+        return;
+    }
     let is_common = |place: usize| {
         let cells = rows.iter().filter_map(|row| records[*row].cells.get(place)).filter(|cell| !cell.is_missing());
         cells.map(Cell::text).collect::<HashSet<_>>().len() < 2
     };
     let is_serial = |place: usize| WordList::Serial.has(&header.cells[place].text());
     let tells = |place: &usize| !is_common(*place) && (is_serial(*place) || !counts_rows(records, rows, *place));
-    let names = places(roles, Role::Part);
     let of_one_part = || {
         let serial = names.iter().find(|place| is_serial(**place)).or(names.first());
         serial.filter(|_| names.iter().all(|place| is_common(*place)))
