@@ -428,9 +428,13 @@ impl Rows {
             self.setup.columns.iter().any(|column| column.title == cell.text()) || names_value(&cell.text(), &[])
         };
         let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
+        // `Teil` below `Teil` begins another table, whatever stands beside it
+        let is_named_again = || {
+            let title = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
+            title.is_some_and(|(title, cell)| !cell.is_empty() && cell.text() == *title) && cells().count() > 1
+        };
         let is_other = record.numbers() == 0
-            && cells().any(names_column)
-            && cells().filter(is_name).count() > 1
+            && (cells().any(names_column) && cells().filter(is_name).count() > 1 || is_named_again())
             && !self.repeats_header(record);
         let message = || format!("other names begin here: {}", record.in_words());
         is_other.then(|| contradiction(record, None, message(), "give tables with other columns one by one"))

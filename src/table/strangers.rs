@@ -225,6 +225,9 @@ impl Sorter<'_> {
     fn take_line(&mut self, aside: &AsideReading) {
         // above the names stand titles; only what has the name of a part there is a row
         let is_above = Some(aside.line) < self.shape.header_line;
+        // `Mittelwert` below the rows is a row that nobody filled
+        let is_below = self.shape.orientation == Orientation::Rows && Some(&aside.line) > self.shape.lines.last();
+        let is_empty_statistic = is_below && is_statistic(&aside.text);
         let found = self
             .beside
             .value_in(aside, is_above)
@@ -233,7 +236,7 @@ impl Sorter<'_> {
             .or_else(|| without_name(aside, self.shape))
             .or_else(|| of_part(aside, self.shape))
             .or_else(|| of_other_part(aside, self.shape))
-            .or_else(|| of_all_values(aside, self.beside.columns, self.want));
+            .or_else(|| of_all_values(aside, self.beside.columns, self.want).filter(|_| !is_empty_statistic));
         let is_described = |unknown: &Unknown| {
             let text = without_punctuation(&aside.text);
             text.strip_prefix(&unknown.title).is_some_and(|behind| self.measured.are_described_by(unknown, behind))

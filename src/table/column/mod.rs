@@ -210,7 +210,7 @@ impl Column {
             beside: companions(measurement, unit, is_slope)?,
         };
         if !is_slope {
-            column.take_nominal(want)?;
+            column.take_nominal(measurement, want)?;
         } else if column.beside.get(Role::Length).is_some() {
             column.evaluated = Stated::Beside;
         } else {

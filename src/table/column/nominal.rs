@@ -82,7 +82,7 @@ impl Column {
 
     /// Decides what is taken from a value: what stands beside it, or what the spec says. Of a space or tooth, the spec says
     /// it only where the deviation stands beside the value; any other is taken from its nominal place later.
-    pub(super) fn take_nominal(&mut self, want: &Want) -> Result<(), Diagnostics> {
+    pub(super) fn take_nominal(&mut self, measurement: &Measurement, want: &Want) -> Result<(), Diagnostics> {
         if self.kind.is_some() {
             self.module = want.module;
             self.farthest = Reach::possible(want.module);
@@ -103,7 +103,10 @@ impl Column {
             None if self.beside.get(Role::Deviation).is_some() => given.and_then(Result::ok).or(over_pin),
             None => None,
         };
-        if let Some(nominal) = in_spec {
+        let in_row = measurement.nominal_in_row.as_ref().and_then(|cell| self.quantity(cell).ok());
+        let in_row =
+            in_row.filter(|size| self.kind.is_some() && !says_deviation(&self.title) && size.is_size(self.module));
+        if let Some(nominal) = in_spec.or(in_row) {
             self.farthest = near(nominal, self.farthest);
             self.nominal = Nominal::Fixed(nominal);
         } else if let Some(kind) = self.kind

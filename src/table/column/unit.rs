@@ -183,5 +183,11 @@ pub(super) fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnos
     }
     let (what, units) = if is_angle { ("an angle", AngleUnit::NAMES) } else { ("a length", LengthUnit::NAMES) };
     let message = format!("`{title}`: `{}` is not a unit of {what}", shown(symbol));
-    Diagnostic::error(Code::BadTable, message).help(format!("write {units}"))
+    // the micro sign of code page 850
+    let help = if symbol.contains('æ') {
+        "the file is in code page 850, as DOS programs write it: save it as UTF-8".to_owned()
+    } else {
+        format!("write {units}")
+    };
+    Diagnostic::error(Code::BadTable, message).help(help)
 }

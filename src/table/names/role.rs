@@ -141,6 +141,11 @@ pub(crate) fn is_again(name: &str) -> bool {
 /// Whether a line says where a page ends, and nothing else: `Seite 2 von 5`, `Page 2/5`, `Übertrag`.
 pub(crate) fn names_page(line: &str) -> bool {
     let line = plain(line);
+    // as a database ends its answer: `(2 rows)`
+    let of_rows = line.trim_matches(['(', ')']).split_once(' ');
+    if of_rows.is_some_and(|(count, rows)| count.parse::<u64>().is_ok() && WordList::Rows.has(rows)) {
+        return true;
+    }
     let is_page =
         |page: &&String| line.strip_prefix(page.as_str()).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
     let Some(page) = VOCABULARY.list(WordList::Page).iter().find(is_page) else { return false };

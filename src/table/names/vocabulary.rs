@@ -213,6 +213,8 @@ pub(crate) enum WordList {
     Page,
     /// What may stand between a page's number and that of all.
     PageCount,
+    /// What a database counts at the end of its answer.
+    Rows,
     /// That values are no lengths or angles as they stand: by a factor, in parts of a tolerance, with the other sign.
     Scale,
     /// What says that values or a part do not count.

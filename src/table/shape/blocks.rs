@@ -20,6 +20,7 @@ pub(super) fn with_parts_side_by_side<'r>(records: &'r [Record], want: &Want) ->
     let is_start = |record: &Record| {
         record.cells.len() == 2
             && is_part_name(&record.cells[0].text())
+            && !record.cells[0].text().trim_end_matches(':').contains(':')
             && !names_value(&record.cells[1].text(), &want.own)
     };
     let Some(first) = records.iter().position(is_start) else { return records.into() };

@@ -6,15 +6,14 @@ use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::headings::{Named, PartNames, headings, is_part_name, is_statistic_among, says_no_part};
+use super::headings::{Named, PartNames, headings, is_extreme, is_part_name, is_statistic_among, says_no_part};
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, says_which,
-    split_unit,
+    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, split_unit,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -69,7 +68,8 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
             role(&cell.text()).filter(|role| !(is_ignored(cell) || role.is_beside_value() && is_of_series(place)))
         };
         let mut roles: Vec<_> = record.cells.iter().enumerate().map(role_of).collect();
-        take_french_name(&mut roles, record, &records[header + 1..]);
+        take_names(&mut roles, record, &records[header + 1..], want);
+        take_verdicts(&mut roles, record, &records[header + 1..]);
         let has = |wanted: &[Role]| roles.iter().flatten().any(|role| wanted.contains(role));
         // names of parts beside a word for names, as in `Merkmal | Einheit | Teil 1 | Teil 2`
         let names_parts = roles.contains(&Some(Role::Name)) && roles.contains(&None);
@@ -132,6 +132,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let is_known = |row: &&usize| heading(&records[**row].cells[name].text(), &want.own).is_some();
         let known = rows.iter().filter(is_known).count();
         let is_read = has(&[Role::Measured, Role::Deviation]) || !parts.is_empty();
+        drop_common_names(&mut roles, &rows, records, record);
         let parts = settle_parts(&mut roles, parts, &rows, records);
         drop_extremes(&mut roles, &parts, record);
         // so many roles leave no doubt, though none of the names is known
@@ -141,19 +142,64 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
 }
 
 /// `Nom` is the nominal value, and in French the name: beside a column of nominal values it has names, if all its cells are words.
-fn take_french_name(roles: &mut [Option<Role>], header: &Record, below: &[Record]) {
-    let is_called = |place: &usize| header.cells[*place].text().trim().eq_ignore_ascii_case("nom");
-    let has_words = |place: &usize| {
-        let mut cells =
-            below.iter().filter_map(|row| row.cells.get(*place)).filter(|cell| !cell.is_missing()).peekable();
+/// So has any requirement in whose cells known names stand, where no column that is called by names has them.
+fn take_names(roles: &mut [Option<Role>], header: &Record, below: &[Record], want: &Want) {
+    let is_called = |place: usize| header.cells[place].text().trim().eq_ignore_ascii_case("nom");
+    let cells = |place: usize| below.iter().filter_map(move |row| row.cells.get(place));
+    let has_words = |place: usize| {
+        let mut cells = cells(place).filter(|cell| !cell.is_missing()).peekable();
         cells.peek().is_some() && !cells.any(Cell::is_number)
     };
-    let nominals = roles.iter().filter(|role| **role == Some(Role::Nominal)).count();
-    if nominals > 1
-        && !roles.contains(&Some(Role::Name))
-        && let Some(place) = (0..roles.len()).find(|place| is_called(place) && has_words(place))
-    {
+    let has_names = |place: usize| cells(place).any(|cell| names_value(&cell.text(), &want.own));
+    let [wanted, called, measured] = [Role::Nominal, Role::Name, Role::Measured].map(|role| places(roles, role));
+    let may_be_french = wanted.len() > 1 && called.is_empty();
+    let is_named = || !measured.is_empty() && !called.iter().any(|place| has_names(*place));
+    let is_name =
+        |place: &usize| has_words(*place) && (may_be_french && is_called(*place) || has_names(*place) && is_named());
+    if let Some(place) = wanted.into_iter().find(is_name) {
         roles[place] = Some(Role::Name);
+    }
+}
+
+/// The columns of a role.
+fn places(roles: &[Option<Role>], of: Role) -> Vec<usize> {
+    (0..roles.len()).filter(|place| roles[*place] == Some(of)).collect()
+}
+
+/// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not.
+fn drop_common_names(roles: &mut [Option<Role>], rows: &[usize], records: &[Record], header: &Record) {
+    let names = places(roles, Role::Part);
+    if names.len() < 2 {
+        return;
+    }
+    let is_common = |place: usize| {
+        let cells = rows.iter().filter_map(|row| records[*row].cells.get(place)).filter(|cell| !cell.is_missing());
+        cells.map(Cell::text).collect::<HashSet<_>>().len() < 2
+    };
+    let is_serial = |place: usize| WordList::Serial.has(&header.cells[place].text());
+    let tells = |place: &usize| !is_common(*place) && (is_serial(*place) || !counts_rows(records, rows, *place));
+    let of_one_part = || {
+        let serial = names.iter().find(|place| is_serial(**place)).or(names.first());
+        serial.filter(|_| names.iter().all(|place| is_common(*place)))
+    };
+    let Some(kept) = names.iter().find(|place| tells(place)).or_else(of_one_part) else { return };
+    for place in names.iter().filter(|place| *place != kept && is_common(**place)) {
+        roles[*place] = None;
+    }
+}
+
+/// Words beside the values of several parts are no part's: `Part 1 | Part 2 | Result`.
+fn take_verdicts(roles: &mut [Option<Role>], header: &Record, below: &[Record]) {
+    let cells = |place: usize| below.iter().filter_map(move |row| row.cells.get(place));
+    let is_part = |place: &usize| {
+        let title = &header.cells[*place];
+        roles[*place].is_none() && (names_one_part(&title.text()) || title.is_whole() && !title.is_empty())
+    };
+    let is_verdict = |place: &usize| !cells(*place).any(Cell::is_number) && !cells(*place).all(Cell::is_missing);
+    if (0..roles.len()).filter(is_part).count() > 1
+        && let Some(place) = places(roles, Role::Measured).into_iter().find(is_verdict)
+    {
+        roles[place] = Some(Role::Status);
     }
 }
 
@@ -194,11 +240,6 @@ fn drop_extremes(roles: &mut [Option<Role>], parts: &[usize], header: &Record) {
             roles[place] = None;
         }
     }
-}
-
-/// Whether a heading is that of the largest or the smallest value, or of a limit.
-pub(super) fn is_extreme(title: &str) -> bool {
-    WordList::Mean.has(title) && (says_which(title) || matches!(role(title), Some(Role::Upper | Role::Lower)))
 }
 
 /// Whether two cells hold the same number, whichever their decimal mark is.
@@ -328,7 +369,7 @@ pub(crate) fn by_characteristic(
         };
         let measurement = reading.measurement(&named, rows, name)?;
         if shape.measurements.iter().any(|known| known.field == measurement.field) {
-            return Err(NoShape::Twice { heading: name.clone(), field: named.field });
+            return Err(twice(&named, name));
         }
         shape.measurements.push(measurement);
     }
@@ -440,6 +481,8 @@ impl Characteristics {
         let says_nothing = |place: usize| match self.roles[place] {
             None => true,
             Some(Role::Status) => split_unit(&header[place].text()).1.is_none(),
+            // a second one has no numbers
+            Some(role @ (Role::Measured | Role::Part)) => self.place(role) != Some(place),
             Some(_) => false,
         };
         let is_without = |place: &usize| says_nothing(*place) && *place != self.name && !self.parts.contains(place);
@@ -518,7 +561,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The cells of one column, one per part.
-    fn series(&self, place: usize, rows: &[&Record], title: &Cell) -> Result<Series, NoShape> {
+    fn series(&self, place: usize, rows: &[&Record], title: &Cell, field: Field) -> Result<Series, NoShape> {
         let mut cells = vec![Cell::default(); self.parts.len()];
         let mut filled = vec![false; self.parts.len()];
         for record in rows {
@@ -530,13 +573,25 @@ impl<'a> Reading<'a> {
             }
             let part = self.part_of(record);
             if std::mem::replace(&mut filled[part], true) {
-                let field = heading(&title.text(), &[]).and_then(|heading| heading.fields.first().copied());
-                return Err(NoShape::Twice { heading: title.clone(), field: field.unwrap_or(Field::PartId) });
+                return Err(NoShape::Twice { heading: title.clone(), field, may_tell: self.may_tell(rows) });
             }
             cells[part] = cell;
         }
         let (_, unit) = split_unit(&self.titles[place]);
         Ok(Series { title: title.text().into_owned(), place, unit, cells })
+    }
+
+    /// The columns without a role that may tell of which parts rows are, where none is known to: no two rows have the same there.
+    fn may_tell(&self, rows: &[&Record]) -> Vec<String> {
+        let differs = |place: &usize| {
+            let cells = rows.iter().filter_map(|row| row.cells.get(*place)).filter(|cell| !cell.is_missing());
+            self.found.roles[*place].is_none() && cells.map(Cell::text).collect::<HashSet<_>>().len() == rows.len()
+        };
+        let is_told = self.found.place(Role::Part).is_some();
+        (0..self.titles.len())
+            .filter(|place| !is_told && differs(place))
+            .map(|place| self.titles[place].clone())
+            .collect()
     }
 
     /// The values of one characteristic.
@@ -555,7 +610,7 @@ impl<'a> Reading<'a> {
         let united = |series: Series| Series { unit: series.unit.clone().or_else(|| unit.clone()), ..series };
         let of_role = |role: Role| -> Result<Option<Series>, NoShape> {
             let Some(place) = self.found.place(role) else { return Ok(None) };
-            let series = united(self.series(place, rows, title)?);
+            let series = united(self.series(place, rows, title, named.field)?);
             Ok(series.cells.iter().any(|cell| !cell.is_missing()).then_some(series))
         };
         let (measured, deviation) = (of_role(Role::Measured)?, of_role(Role::Deviation)?);
@@ -599,7 +654,7 @@ impl<'a> Reading<'a> {
         }
         let field = if named.aspect == Role::Measured { named.field } else { return Err(twice(named, title)) };
         beside.set(Role::Deviation, deviation.map(headed));
-        Ok(Measurement { field, holds, value, beside, stated_unit: None })
+        Ok(Measurement { field, holds, value, beside, stated_unit: None, nominal_in_row: None })
     }
 
     /// The unit in the column of units, which is the same for every row of a characteristic.
@@ -630,5 +685,5 @@ fn says_zero(series: &Series) -> bool {
 }
 
 fn twice(named: &Named, title: &Cell) -> NoShape {
-    NoShape::Twice { heading: title.clone(), field: named.field }
+    NoShape::Twice { heading: title.clone(), field: named.field, may_tell: Vec::new() }
 }

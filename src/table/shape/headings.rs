@@ -130,6 +130,11 @@ pub(super) fn says_no_part(text: &str) -> bool {
         || heading(text, &[]).is_none() && text.split(['-', '/', '|', '[']).filter(is_word).any(is_none)
 }
 
+/// Whether a heading is that of the largest or the smallest value, or of a limit.
+pub(super) fn is_extreme(title: &str) -> bool {
+    WordList::Mean.has(title) && (says_which(title) || matches!(role(title), Some(Role::Upper | Role::Lower)))
+}
+
 /// What the names of a table's parts look like.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PartNames {
@@ -203,7 +208,7 @@ pub(crate) fn is_spread(name: &str) -> bool {
 }
 
 /// Whether a text says what is known about a table, and names no part: `Temperatur`.
-fn is_plain_context(text: &str) -> bool {
+pub(super) fn is_plain_context(text: &str) -> bool {
     !has_digit(text) && is_context(text) && !is_part_name(text)
 }
 

@@ -8,8 +8,9 @@
 
 use std::borrow::Cow;
 
+use super::headings::{is_part_name, is_plain_context, says_no_part};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Role, names_value, role};
+use crate::table::names::{Role, is_again, is_statistic, names_value, role};
 use crate::table::want::Want;
 
 /// The columns of parts.
@@ -25,7 +26,7 @@ struct Groups {
 /// The records with a row for each part of a characteristic, and its name in a column of its own; other records as they are.
 pub(super) fn with_part_in_each_row<'r>(records: &'r [Record], want: &Want) -> Cow<'r, [Record]> {
     let Some(groups) = (1..records.len()).find_map(|header| groups(records, header, want)) else {
-        return records.into();
+        return with_parts_of_blocks(records, want).map_or(records.into(), Cow::Owned);
     };
     let (names, header) = (&records[groups.names], &records[groups.names + 1]);
     let lead = groups.starts[0];
@@ -47,6 +48,31 @@ pub(super) fn with_part_in_each_row<'r>(records: &'r [Record], want: &Want) -> C
         }
     }
     rows.into()
+}
+
+/// The records with the names of parts in their header, where a line above has them: `No.;1;2` above `Design value;;`.
+pub(super) fn with_names_above(records: &[Record]) -> Cow<'_, [Record]> {
+    const NEAR: usize = 3;
+    let named = |at: usize| {
+        let header = records[at].filled();
+        let is_number = |below: &Record| below.cells.get(header.len()).is_some_and(Cell::is_number);
+        let is_open =
+            is_number(records.get(at + 1)?) && header.iter().any(|cell| role(&cell.text()) == Some(Role::Name));
+        let has_names = |above: &Record| {
+            let (word, names) = above.filled().split_at_checked(header.len()).unwrap_or_default();
+            word.last().is_some_and(|cell| is_part_name(&cell.text()))
+                && !names.is_empty()
+                && !names.iter().any(Cell::is_empty)
+        };
+        let above = (at.saturating_sub(NEAR)..at).find(|above| is_open && has_names(&records[*above]))?;
+        Some((at, above))
+    };
+    let Some((at, above)) = (1..records.len()).find_map(named) else { return records.into() };
+    let mut records = records.to_vec();
+    let width = records[at].filled().len();
+    let names = records[above].cells.split_off(width);
+    records[at].cells.splice(width.., names);
+    records.into()
 }
 
 /// The columns of parts of a header below their names: as many for each part, with the same titles.
@@ -72,4 +98,61 @@ fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
     let has_no_part = titles[..first].iter().all(|title| role(&title.text()) != Some(Role::Part));
     let is_table = values == 1 && has_no_part && starts.iter().all(is_part);
     is_table.then_some(Groups { names: header - 1, starts, width })
+}
+
+/// The same of parts in several blocks below each other, `Merkmal;T1;T2` and `Merkmal;T3;T4`: a row for each value, with its part
+/// behind it. `None` if there is one block, or if not every cell is that of one part.
+fn with_parts_of_blocks(records: &[Record], want: &Want) -> Option<Vec<Record>> {
+    let is_counter = |cell: &Cell| !cell.is_number() || cell.is_whole();
+    let is_header = |record: &Record| {
+        record.cells.iter().all(is_counter)
+            && record.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name))
+    };
+    let headers: Vec<&Record> = records.iter().filter(|record| is_header(record)).collect();
+    let first = *headers.first().filter(|_| headers.len() > 1)?;
+    let lead = first.cells.iter().take_while(|cell| role(&cell.text()).is_some()).count();
+    let texts = |cells: &[Cell]| cells.iter().map(|cell| cell.text().into_owned()).collect::<Vec<_>>();
+    let is_part = |title: &String| {
+        let is_other = says_no_part(title) || is_again(title) || is_statistic(title) || is_plain_context(title);
+        !is_other && !names_value(title, &want.own) && role(title).is_none() && !title.is_empty()
+    };
+    let of_value = [Some(Role::Measured), Some(Role::Deviation), Some(Role::Part)];
+    let leads = texts(&first.cells[..lead]);
+    let is_block = |header: &&Record| header.cells.len() > lead && texts(&header.cells[..lead]) == leads;
+    let mut parts: Vec<String> =
+        headers.iter().flat_map(|header| texts(header.filled().get(lead..).unwrap_or_default())).collect();
+    let is_plain = leads.iter().all(|title| !of_value.contains(&role(title))) && parts.iter().all(is_part);
+    let count = parts.len();
+    parts.sort();
+    parts.dedup();
+    if !is_plain || parts.len() < count || !headers.iter().all(is_block) {
+        return None;
+    }
+    let row_of = |record: &Record, value: Cell, part: Cell| {
+        let cells = record.cells[..lead].iter().cloned().chain([value, part]);
+        Record { cells: cells.collect(), ..record.clone() }
+    };
+    let (start, last) = (records.iter().position(is_header)?, headers[headers.len() - 1].line);
+    let says_value = |record: &Record| {
+        let has_value = record.cells.iter().skip(lead).any(|cell| !cell.is_empty());
+        has_value || names_value(&record.cells[0].text(), &want.own)
+    };
+    let mut rows = records[..start].to_vec();
+    rows.push(row_of(first, Cell::of_text("value", 0..0), Cell::of_text("part", 0..0)));
+    let mut parts = &first.filled()[lead..];
+    for record in &records[start..] {
+        let width = lead + parts.len();
+        if is_header(record) {
+            parts = &record.filled()[lead..];
+        } else if record.cells.len() >= width && record.filled().len() <= width && says_value(record) {
+            let values = record.cells[lead..width].iter().zip(parts);
+            rows.extend(values.map(|(value, part)| row_of(record, value.clone(), part.clone())));
+        } else if record.numbers() > 0 || record.line < last && !record.says_nothing() {
+            // nothing tells of which part its values are, or of what the next block is
+            return None;
+        } else {
+            rows.push(record.clone());
+        }
+    }
+    Some(rows)
 }

@@ -46,7 +46,7 @@ use characteristics::{by_characteristic, find_characteristics};
 use dimensions::with_dimension_names;
 use headings::{Named, known};
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
-use merged::with_part_in_each_row;
+use merged::{with_names_above, with_part_in_each_row};
 use pages::with_part_of_page;
 use rows::{by_header, find_header, header_of_strangers};
 use sentences::by_sentence;
@@ -74,6 +74,8 @@ pub(crate) struct Measurement {
     pub(crate) beside: Companions<Series>,
     /// The unit that a line beside the table states.
     pub(crate) stated_unit: Option<Unit>,
+    /// What a row that is called nominal has in the column.
+    pub(crate) nominal_in_row: Option<Cell>,
 }
 
 /// A text as a table.
@@ -145,6 +147,29 @@ impl Shape {
         }
         *slot = Some(Series { title: title.to_owned(), place, unit, cells });
         true
+    }
+
+    /// The heading of nominal values below which names of limits stand: a list beside the table, `Soll` above `OGW` and `UGW`.
+    fn list_beside(&self) -> Option<Cell> {
+        let names_other = |cell: &Cell| {
+            cell.text().starts_with(char::is_alphabetic) && role(&cell.text()).is_some_and(Role::is_beside_value)
+        };
+        let mut nominals = self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Nominal));
+        let list = nominals.find(|series| series.cells.iter().any(names_other))?;
+        self.header.get(list.place).cloned()
+    }
+
+    /// Takes a row of nominal values among those of the parts, which is called so.
+    fn take_nominal_row(&mut self, rows: &[&Record], name: usize) {
+        let is_nominal = |row: &&&Record| {
+            let title = row.cells.get(name).map(Cell::text).unwrap_or_default();
+            role(&title) == Some(Role::Nominal) && !WordList::Requirement.has(&title)
+        };
+        let Some(row) = rows.iter().find(is_nominal) else { return };
+        for measurement in &mut self.measurements {
+            measurement.nominal_in_row =
+                row.cells.get(measurement.value.place).filter(|cell| cell.is_number()).cloned();
+        }
     }
 
     /// Leaves out what has companions but no value: its nominal value says nothing of a part.
@@ -304,12 +329,19 @@ impl Remarks {
 }
 
 fn twice(series: &Series, field: Field) -> NoShape {
-    NoShape::Twice { heading: Cell::of_text(&series.title, 0..0), field }
+    NoShape::Twice { heading: Cell::of_text(&series.title, 0..0), field, may_tell: Vec::new() }
 }
 
 impl Measurement {
     fn of(field: Field) -> Self {
-        Self { field, holds: None, value: Series::default(), beside: Companions::default(), stated_unit: None }
+        Self {
+            field,
+            holds: None,
+            value: Series::default(),
+            beside: Companions::default(),
+            stated_unit: None,
+            nominal_in_row: None,
+        }
     }
 
     /// Takes one of the columns that belong to the field.
@@ -341,6 +373,7 @@ impl Measurement {
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
     let records = with_parts_side_by_side(records, want);
+    let records = with_names_above(&records);
     let records = with_part_in_each_row(&records, want);
     let records = with_part_of_page(&records);
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;

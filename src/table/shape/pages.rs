@@ -13,6 +13,7 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
+use super::characteristics::is_axis;
 use super::headings::is_part_name;
 use crate::table::cell::{Cell, Record};
 use crate::table::names::{Role, role};
@@ -90,7 +91,8 @@ fn is_header(record: &Record) -> bool {
         return false;
     }
     let roles: Vec<_> = record.cells.iter().filter_map(|cell| role(&cell.text())).collect();
-    roles.contains(&Role::Name) && roles.contains(&Role::Measured) && !roles.contains(&Role::Part)
+    let has_names = roles.contains(&Role::Name) || record.cells.first().is_some_and(|cell| is_axis(&cell.text()));
+    has_names && roles.contains(&Role::Measured) && !roles.contains(&Role::Part)
 }
 
 /// What a line says of parts: `Teil 421`, `Seriennummer: 421`, or two cells.

@@ -19,10 +19,12 @@ pub(crate) enum NoShape {
     OpenQuote { line: u64 },
     /// A heading that could be two things.
     TwoMeanings { heading: Cell, fields: Vec<Field> },
+    /// A list of names and values beside the table, in the line of its names.
+    ListBeside { heading: Cell },
     /// A row that has more or fewer cells than the header.
     Ragged { record: Record, expected: usize },
-    /// The same name twice.
-    Twice { heading: Cell, field: Field },
+    /// The same name twice, and the columns that may tell of which parts they are.
+    Twice { heading: Cell, field: Field, may_tell: Vec<String> },
     /// Numbers without names, and a count that does not fit what is expected.
     Count { columns: usize, rows: usize, span: std::ops::Range<usize> },
     /// Values that have different units in different places.
@@ -61,6 +63,7 @@ impl NoShape {
             Self::TwoMeanings { heading, .. }
             | Self::Twice { heading, .. }
             | Self::NoPart { heading }
+            | Self::ListBeside { heading }
             | Self::InOneCell { cell: heading }
             | Self::TwoColumns { second: heading, .. } => heading.span,
             Self::Ragged { record, .. }
@@ -98,9 +101,12 @@ impl NoShape {
             }
             Self::Ragged { record, expected } => {
                 let cells = many(record.filled().len(), "cell");
-                error(format!("line {}: the row has {cells}, and the table has {expected}", record.line)).help(
-                    "a number with a blank or comma inside may have been cut in two; put semicolons between cells",
-                )
+                let is_short = record.filled().len() < *expected;
+                error(format!("line {}: the row has {cells}, and the table has {expected}", record.line)).help(if is_short {
+                    "where a cell is empty, write - in it; or put semicolons between cells"
+                } else {
+                    "a number with a blank or comma inside may have been cut in two; put semicolons between cells"
+                })
             }
             Self::Units { record } => error(format!(
                 "line {}: nothing tells one unit for all numbers of `{}`",
@@ -110,10 +116,25 @@ impl NoShape {
             .help(
                 "write the same unit in the heading, below it, beside it and in every row, and one value for each part",
             ),
-            Self::Twice { heading, field } => {
-                let key = field.key();
-                error(format!("`{}` names {key} a second time", heading.text()))
-                    .help("leave out the one that does not count: --ignore with its name, or in the spec [batch] ignore = [\"…\"]; two of one name, out of the table; if several parts have one each, name the column that tells which with --id")
+            Self::Twice { heading, field: Field::PartId, .. } => {
+                error(format!("`{}` names the part a second time: another table begins there", heading.text()))
+                    .help("put its rows below those of the first; or give one after the other, of a workbook with --range")
+            }
+            Self::ListBeside { heading } => error(format!(
+                "`{}` begins a list beside the table: names of other values stand below it",
+                heading.text()
+            ))
+            .help("say which cells of the workbook are the table: --range; take the list out of a text"),
+            Self::Twice { heading, field, may_tell } => {
+                let problem = error(format!("`{}` names {} a second time", heading.text(), field.key()));
+                let columns: Vec<_> = may_tell.iter().map(|title| format!("--id '{title}'")).collect();
+                if !columns.is_empty() {
+                    return problem.help(format!(
+                        "if several parts have one each, say which column tells them apart: {}; or leave out the one that does not count",
+                        columns.join(" or ")
+                    ));
+                }
+                problem.help("leave out the one that does not count: --ignore with its name, or in the spec [batch] ignore = [\"…\"]; two of one name, out of the table; if several parts have one each, name the column that tells which with --id")
             }
             Self::NoPart { heading } => {
                 error(format!("`{}` is no part's value, and nothing tells which column is", heading.text()))

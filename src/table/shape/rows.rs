@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::headings::{Named, PartNames, headings, is_numbered, known};
+use super::headings::{Named, PartNames, headings, is_extreme, is_numbered, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
 use crate::table::names::{
-    Field, Role, WordList, heading, is_context, is_statistic, names_value, part_said, role, split_unit,
+    Field, Role, WordList, heading, is_context, is_statistic, names_value, part_said, role, says_which, split_unit,
 };
 use crate::table::unknown::{Unknown, speaks_of_value};
 use crate::table::want::{Orientation, Want};
@@ -50,6 +50,11 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
         let cells = match separator {
             Separator::Blanks => grouped(record, data.cells.len(), want)
                 .or_else(|| above_names(grouped(record, 1, want)?, &records[index + 1..])),
+            Separator::AlignedBlanks if stands_behind_count(records, index) => {
+                // what counts the rows has no name
+                let start = record.start..record.start;
+                Some(std::iter::once(Cell::of_text("", start)).chain(record.cells.iter().cloned()).collect())
+            }
             _ => alone(record)
                 .and_then(|heading| above_names(vec![heading], &records[index + 1..]))
                 .or_else(|| Some(record.cells.clone())),
@@ -78,8 +83,11 @@ fn two_rows(records: &[Record], index: usize, cells: &[Cell], want: &Want) -> Op
     let below = records.get(index + 1)?;
     let is_beside = |cell: &Cell| role(&cell.text()).is_some_and(Role::is_beside_value);
     let has_roles = below.cells.iter().any(is_beside);
-    // `Zahnstange` above `Rollenmaß` and `Teilung`
-    let is_gear = |cell: &Cell| part_said(&cell.text()).is_some() && !names_value(&cell.text(), &want.own);
+    // `Zahnstange` above `Rollenmaß` and `Teilung`, `links` above `fp` and `Fp`
+    let is_gear = |cell: &Cell| {
+        let text = cell.text();
+        (part_said(&text).is_some() || says_which(&text) && !is_extreme(&text)) && !names_value(&text, &want.own)
+    };
     let has_gears = cells.iter().any(is_gear);
     let fits = below.cells.len() == cells.len() || (has_roles || has_gears) && below.cells.len() > cells.len();
     let goes_on = below.numbers() == 0 && fits && !below.says_nothing() && !is_unit_row(below);
@@ -108,6 +116,27 @@ pub(super) fn header_of_strangers(records: &[Record]) -> Option<Header> {
         && names.filled().len() == below.filled().len()
         && names.line + 1 == below.line;
     is_header.then(|| Header { record, rows: 1, cells: names.cells.clone(), known: 0 })
+}
+
+/// Whether each row below a line of names begins with its number in front of all names, and has a cell below each.
+fn stands_behind_count(records: &[Record], names: usize) -> bool {
+    let (names, above, below) = (&records[names], &records[..names], &records[names + 1..]);
+    let place = |record: &Record, cell: &Cell| cell.span.start - record.start..cell.span.end - record.start;
+    let is_below = |row: &Record, (cell, name): (&Cell, &Cell)| {
+        let (cell, name) = (place(row, cell), place(names, name));
+        cell.start < name.end && name.start < cell.end
+    };
+    let first = names.cells.first().map_or(0, |name| place(names, name).start);
+    let is_row = |(number, row): (usize, &Record)| {
+        row.cells.len() == names.cells.len() + 1
+            && row.cells[0].text() == number.to_string()
+            && place(row, &row.cells[0]).end <= first
+            && row.cells[1..].iter().zip(&names.cells).all(|pair| is_below(row, pair))
+    };
+    let is_whole = |row: &&Record| row.cells.len() > 1;
+    below.first().is_some_and(|first| is_whole(&first))
+        && !above.last().is_some_and(is_unit_row)
+        && below.iter().filter(is_whole).enumerate().all(is_row)
 }
 
 /// The first cell of a line that has no other.
@@ -269,7 +298,7 @@ pub(super) fn by_header(
         } else if role(&cell.text()) == Some(Role::Unit) {
             let title = cell.text().into_owned();
             columns_of_units.push(Series { title, place, unit: None, cells: column(place) });
-        } else if !shape.take_beside(&cell.text(), place, &column) || want.ignores(&cell.text()) {
+        } else if want.ignores(&cell.text()) || !shape.take_beside(&cell.text(), place, &column) {
             // a nominal value or tolerance in front of every value is that of one of them
             let is_of_value = shape.measurements.is_empty() && role(&cell.text()).is_some_and(Role::is_beside_value);
             let unknown = Unknown::column(&cell.text(), place, column(place));
@@ -277,6 +306,10 @@ pub(super) fn by_header(
             shape.unknown.push(Unknown { unit: unit_of(place), ..unknown });
         }
     }
+    if let Some(heading) = shape.list_beside() {
+        return Err(NoShape::ListBeside { heading });
+    }
+    shape.take_nominal_row(&rows, id.unwrap_or(0));
     let beside = width..rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     shape.unknown.extend(beside.filter_map(|place| remarks(place, column(place))));
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {

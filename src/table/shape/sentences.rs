@@ -8,8 +8,8 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::characteristics::{Characteristics, by_characteristic, is_extreme};
-use super::headings::is_part_name;
+use super::characteristics::{Characteristics, by_characteristic};
+use super::headings::{is_extreme, is_part_name};
 use super::labels::says_value;
 use super::words::{Token, is_colon_behind, speaker, tokens, word, words};
 use super::{NoShape, Shape, has_digit, unknown_line};
@@ -347,7 +347,7 @@ impl Row {
                 *cell = value;
                 Ok(())
             }
-            _ => Err(NoShape::Twice { heading, field: self.name.fields[0] }),
+            _ => Err(NoShape::Twice { heading, field: self.name.fields[0], may_tell: Vec::new() }),
         }
     }
 }
