@@ -11,8 +11,8 @@ use super::request::Rows;
 use super::results::{Margin, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
 use super::statistics::Statistics;
-use crate::deviation::DeviationValues;
 use crate::deviation::plausible::Reach;
+use crate::deviation::{DeviationValue, DeviationValues};
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
 use crate::quantity::shown;
@@ -72,7 +72,10 @@ impl<'a> Evaluator<'a> {
             self.keep_raw(block, 0);
         }
         for (doubted, column) in self.tally.doubted.iter_mut().zip(&self.layout.columns) {
-            *doubted = column.map_or(0, |column| self.usual.doubted(block.values(column)));
+            let is_reached = |end: &DeviationValue| self.usual.is_reached_by(*end);
+            let may_be =
+                |column: &usize| block.ends.get(*column).is_none_or(|ends| ends.iter().flatten().any(is_reached));
+            *doubted = column.filter(may_be).map_or(0, |column| self.usual.doubted(block.values(column)));
         }
         let results = Results::new(self.plan, self.layout, block, &self.columns(block), &self.errors);
         self.take(&results, Row { block, index: 0, records_before });

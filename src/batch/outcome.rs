@@ -13,7 +13,9 @@ use super::statistics::{MovingRange, Statistics};
 use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
-use crate::table::{AsideReading, Contradiction, Place, Reading, Rejection, add_rejections, cell_text};
+use crate::table::{
+    ASIDES_KEPT, AsideReading, Contradiction, Extremes, Place, Reading, Rejection, add_rejections, cell_text,
+};
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -260,9 +262,6 @@ impl Duplicates {
     }
 }
 
-/// How many records that are no parts are kept.
-const ASIDES: usize = 100;
-
 /// What one chunk came to.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
@@ -307,6 +306,8 @@ pub(super) struct Total<'a> {
     /// What is said against parts, the first of each column.
     pub(super) rejections: Vec<Rejection>,
     pub(super) contradiction: Option<Contradiction>,
+    /// What rows called by a statistic are held against.
+    pub(super) extremes: Extremes,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
     pub(super) request: &'a Request,
@@ -342,7 +343,7 @@ impl Total<'_> {
             self.outcome.quantities[*index].statistics.moving.join(next);
         }
         for mut aside in tally.asides.drain(..) {
-            if self.asides.len() < ASIDES {
+            if self.asides.len() < ASIDES_KEPT {
                 aside.line += lines;
                 self.asides.push(aside);
             }

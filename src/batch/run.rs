@@ -17,7 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
-use crate::table::{Block, Contradiction, Encoding, Piece, Queue, Rows, Table};
+use crate::table::{Block, Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -84,6 +84,7 @@ impl<'a> Batch<'a> {
             asides: Vec::new(),
             rejections: Vec::new(),
             contradiction: None,
+            extremes: Extremes::default(),
             doubted: Default::default(),
             request: &plan.request,
         };
@@ -120,11 +121,14 @@ impl<'a> Batch<'a> {
             }
             shared.watch(&done, progress);
         });
-        let SharedRun { queue, order, .. } = shared;
+        let SharedRun { queue, order, ended, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let failure = order.failure.or(waiting.error.map(RunError::Read));
-        let Total { asides, rejections, doubted, .. } = order.total;
+        let Total { asides, rejections, doubted, extremes, .. } = order.total;
+        // rows that are still to come may allow it
+        let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
+        let last = rows.as_ref().filter(|_| is_whole).and_then(|rows| extremes.contradiction(rows));
+        let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -236,6 +240,9 @@ impl SharedRun<'_, '_> {
             let is_counted = !self.ended.load(Ordering::Relaxed);
             if is_counted {
                 let order = &mut *order;
+                if let Some(rows) = self.rows {
+                    order.total.extremes.add(rows, &piece.block, order.total.lines);
+                }
                 order.total.add(&mut evaluator.tally);
                 let written = match order.sinks.rows.as_mut() {
                     Some(RowSink::Text(sink)) => write_to(Some(sink), rows),

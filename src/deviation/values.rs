@@ -83,6 +83,15 @@ impl DeviationValues {
         }
     }
 
+    /// The least and the greatest; `None` without any.
+    pub(crate) fn ends(&self) -> Option<[DeviationValue; 2]> {
+        let rows = 0..self.len();
+        let is_less = |one: usize, other: usize| of_each!(self, values => values[one] < values[other]);
+        let least = rows.clone().reduce(|least, row| if is_less(row, least) { row } else { least })?;
+        let most = rows.reduce(|most, row| if is_less(most, row) { row } else { most })?;
+        Some([least, most].map(|row| self.at(row)))
+    }
+
     /// Appends a value; one of another dimension stays out. Whether it is in.
     #[inline]
     pub(crate) fn push(&mut self, value: DeviationValue) -> bool {

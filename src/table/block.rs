@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use super::cell::Record;
 use super::encoding::text;
 use super::reading::{AsideReading, Reading};
 use super::rejection::Rejection;
@@ -67,6 +68,10 @@ pub struct Block {
     pub(crate) records: Vec<u64>,
     /// Records that are no parts: a header again, a mean.
     pub(crate) asides: Vec<AsideReading>,
+    /// Records among them that are called by a statistic, and that the values of the block contradict.
+    pub(crate) statistics: Vec<Record>,
+    /// The least and the greatest value of each column.
+    pub(crate) ends: Vec<Option<[DeviationValue; 2]>>,
     /// What is said against parts, the first of each column.
     pub(crate) rejections: Vec<Rejection>,
     /// Records in all.

@@ -135,9 +135,9 @@ impl Cell {
     /// Whether it is a number with nothing behind it but a unit, or what else stands behind measured values.
     pub(crate) fn is_measure(&self) -> bool {
         let Content::Text(text) = &self.content else { return self.is_number() };
-        let behind = text
-            .trim()
-            .trim_start_matches(|c: char| !c.is_alphabetic() && !matches!(c, '°' | 'µ' | '±' | '!' | '?' | '*' | '/'));
+        let behind = text.trim().trim_start_matches(|c: char| {
+            !c.is_alphabetic() && !matches!(c, '°' | 'µ' | '±' | '!' | '?' | '*' | '/' | '→' | '>')
+        });
         self.is_number()
             && !text.contains('_')
             && (behind.is_empty() || behind.starts_with(['°', '±', 'e', 'E']) || Unit::from_symbol(behind).is_some())

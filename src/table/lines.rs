@@ -63,7 +63,9 @@ impl Beside<'_> {
         let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
         let value = value_in(&remark, self, false).filter(is_meant);
         let value = value.or_else(|| value_beyond(&remark, self.measured?));
-        let is_correction = has_scale(&remark.text) || is_prose && speaks_of_deviation(&remark.text);
+        let is_correction = has_scale(&remark.text)
+            || is_prose && speaks_of_deviation(&remark.text)
+            || says_value_alone(&remark.text, self.columns);
         let value = value.or_else(|| is_correction.then(correction))?;
         Some(Unknown { place: format!("{column}, {}", value.place), ..value })
     }
@@ -201,6 +203,38 @@ fn is_rejected(text: &str) -> bool {
 fn speaks_of_deviation(text: &str) -> bool {
     let before = text.find(|c: char| c.is_ascii_digit()).map(|number| &text[..number]);
     before.is_some_and(|words| WordList::Mean.has(words) || says_deviation(words) || says_which(words.trim()))
+}
+
+/// Whether a text is a number that some column may hold and words that call it a value, and nothing else: `nochmal gemessen: 95`,
+/// `95!`, `2→95`, `0.4 over`. The number of a tooth is none, nor is a digit behind a machine: `KMG 2`.
+fn says_value_alone(text: &str, columns: &[Column]) -> bool {
+    let (mut has_number, mut is_said, mut is_named) = (false, false, false);
+    // the digits that a number has at most which is that of the word before it
+    let mut digits_of_name = 0;
+    let is_mark = |c: char| "→⇒≈~>!=".contains(c);
+    let text = text.replace("->", "→").replace(": ", " = ").replace(is_mark, " = ");
+    for word in text.split(|c: char| c.is_whitespace() || "(),;".contains(c)).filter(|word| !word.is_empty()) {
+        let bare = word.strip_suffix("my").unwrap_or(word);
+        let number = Cell::of_text(bare, 0..0);
+        if number.is_measure() && !word.ends_with('.') && !word.contains([':', '/']) {
+            let is_name = bare.len() <= digits_of_name;
+            has_number |= !is_name && columns.iter().any(|column| column.may_hold(&number));
+            is_said |= bare.len() < word.len();
+            is_named = is_name;
+        } else if names_one(word) {
+            // Zahn 3, 7
+            (is_said, is_named, digits_of_name) = (true, false, usize::MAX);
+        } else if WordList::Words.has(word) {
+            digits_of_name = 1;
+        } else if word == "=" || WordList::CallsValue.has(word) || WordList::Again.has(word) {
+            is_said = true;
+            // Zahn: 3
+            digits_of_name = if is_named || digits_of_name == 1 { 0 } else { digits_of_name };
+        } else if !WordList::BesideValue.has(word) && !WordList::Report.has(word) {
+            return false;
+        }
+    }
+    has_number && is_said
 }
 
 /// Whether a number has a sign.

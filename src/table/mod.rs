@@ -89,8 +89,9 @@ pub(crate) use column::{Column, Nominal};
 pub(crate) use encoding::text as cell_text;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
+pub(crate) use reading::ASIDES_KEPT;
 pub(crate) use rejection::{Rejection, add as add_rejections};
-pub(crate) use rows::{Rows, Wanted};
+pub(crate) use rows::{Extremes, Rows, Wanted};
 pub(crate) use teeth::{Gatherer, LineFault, ToothedPart, gather};
 pub(crate) use typed::stored_table;
 pub(crate) use understand::in_words;
@@ -237,14 +238,21 @@ impl Table {
         let (rows, mut queue) = self.pieces.open(wanted);
         let mut piece = Piece::default();
         let mut lines = queue.lines;
+        let mut extremes = Extremes::default();
         std::iter::from_fn(move || match queue.next(rows.as_ref(), &mut piece) {
-            Ok(false) => None,
+            Ok(false) => {
+                let contradiction = rows.as_ref().and_then(|rows| std::mem::take(&mut extremes).contradiction(rows));
+                contradiction.map(|found| Ok(Block { contradiction: Some(found), ..Block::default() }))
+            }
             Err(error) => Some(Err(error)),
             Ok(true) => {
                 if let Err(error) = piece.read(rows.as_ref()) {
                     return Some(Err(error));
                 }
                 let mut block = std::mem::take(&mut piece.block);
+                if let Some(rows) = &rows {
+                    extremes.add(rows, &block, if queue.is_relative() { lines } else { 0 });
+                }
                 if queue.is_relative() {
                     block.lines.iter_mut().for_each(|line| *line += lines);
                     lines += block.line_count;

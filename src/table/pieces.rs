@@ -10,10 +10,11 @@ use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
 use super::gathered::gathered;
 use super::parquet::{OpenGroup, ParquetTable, RowRange};
-use super::rows::{Rows, Setup, Wanted};
+use super::rows::{Extremes, Rows, Setup, Wanted};
 use super::split::next_record;
 use super::understand::Understood;
 use super::want::Want;
+use crate::deviation::DeviationValues;
 use crate::diagnostic::{Diagnostic, Source as Text};
 
 /// Records that make one piece.
@@ -212,6 +213,11 @@ impl Piece {
             }
             _ => {}
         }
+        let Some(rows) = rows else { return Ok(()) };
+        self.block.ends = self.block.values.iter().map(DeviationValues::ends).collect();
+        let mut extremes = Extremes::default();
+        extremes.add(rows, &self.block, 0);
+        self.block.statistics = extremes.doubted;
         Ok(())
     }
 }

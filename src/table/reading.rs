@@ -5,7 +5,11 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::names::names_page;
 use crate::quantity::shown;
+
+/// How many lines between rows are kept.
+pub(crate) const ASIDES_KEPT: usize = 100;
 
 /// How one table was read.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -81,7 +85,20 @@ impl Reading {
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
         let assumed = self.sentence("units assumed, because nothing tells them:", &assumed.collect::<Vec<_>>(), "");
-        self.notes.iter().cloned().chain(assumed).collect()
+        self.notes.iter().cloned().chain(assumed).chain(self.missing_page()).collect()
+    }
+
+    /// That lines between rows count more pages than there are: `Seite 1 von 2`, and no second one.
+    fn missing_page(&self) -> Option<String> {
+        let numbers = |aside: &AsideReading| {
+            let numbers = aside.text.split(|c: char| !c.is_ascii_digit());
+            numbers.filter_map(|number| number.parse().ok()).collect::<Vec<u32>>()
+        };
+        let pages = self.asides.iter().filter(|aside| names_page(&aside.text)).map(numbers);
+        let last = pages.filter(|numbers| numbers.len() == 2 && self.asides.len() < ASIDES_KEPT).max()?;
+        let [page, all] = [last[0], last[1]];
+        let said = || format!("{}: it ends with page {page} of {all}: parts on other pages are not judged", self.file);
+        (page < all).then(said)
     }
 
     fn sentence(&self, what: &str, each: &[String], more: &str) -> Option<String> {

@@ -1,8 +1,11 @@
 //! What cells, comments and lines say against a part or its value: it counts all the same, and a warning names them.
 
 use super::cell::Cell;
-use super::names::WordList;
+use super::names::{Role, WordList, role};
 use crate::quantity::shown;
+
+/// Stands before and behind what is struck through, as Markdown has it.
+pub(crate) const STRUCK: &str = "~~";
 
 /// What is said against a part or its value, which count all the same.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,8 +23,8 @@ impl Rejection {
     }
 }
 
-/// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, or what is no
-/// approval in a column of `verdicts`.
+/// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, what is no
+/// approval in a column of `verdicts`, or the code of a rejection in SAP, `R`.
 pub(crate) fn rejection<'a>(
     title: &str,
     cells: impl IntoIterator<Item = &'a Cell>,
@@ -35,7 +38,9 @@ pub(crate) fn rejection<'a>(
             || WordList::Rejected.is_in(text)
             || WordList::Validity.has(title) && is_no(text)
             || is_heading && !is_no(text) && !is_approval(text)
+            || text.starts_with(STRUCK)
             || verdicts && !is_approval(text)
+            || text == "R" && role(title) == Some(Role::Status)
     };
     let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
     Some(Rejection { title: title.to_owned(), said: shown(&said) })

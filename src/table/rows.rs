@@ -2,8 +2,10 @@
 //! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
 //! workers share it.
 
+mod extremes;
 mod stored;
 
+pub(crate) use extremes::Extremes;
 pub(crate) use stored::stored_record;
 
 use std::borrow::Cow;
@@ -16,12 +18,12 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, Nominal, PlainNumbers, Problem};
 use super::encoding::text;
 use super::grid::{Separator, bare_unit, only_units};
-use super::lines::Beside;
+use super::lines::{Beside, of_all_values};
 use super::names::{
     Role, heading, is_of_parts, is_total, is_value_heading, names_value, role, says_largest, split_unit,
 };
 use super::reading::AsideReading;
-use super::rejection::{self, Rejection, rejection};
+use super::rejection::{self, Rejection, STRUCK, rejection};
 use super::shape::{PartNames, Remarks, has_digit, is_numbered, stated_units};
 use super::split::{Field, next_record};
 use super::strangers::Others;
@@ -266,7 +268,9 @@ impl Rows {
                     return None;
                 }
                 let says_what = matches!(field, PlainField::Id | PlainField::Label);
-                if says_what && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`') || may_be_statistic(text)) {
+                if says_what
+                    && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`' | b'~') || may_be_statistic(text))
+                {
                     return None;
                 }
                 if matches!(field, PlainField::Id) {
@@ -325,6 +329,8 @@ impl Rows {
             let words = Cell::of_text(&record.in_words(), 0..0);
             rejection::add(&mut block.rejections, rejection("a line", [&words], false));
             block.asides.push(AsideReading { line: record.line, text: record.in_words() });
+            let is_statistic = record.numbers() > 0 && self.statistic(record).is_some();
+            block.statistics.extend(is_statistic.then(|| record.clone()));
             return;
         }
         if let Some(message) = self.misfit(record) {
@@ -377,14 +383,31 @@ impl Rows {
             .or_else(|| self.other_nominal(record))
             .or_else(|| self.error_as_part(record))
             .or_else(|| self.value_in_remark(record))
+            .or_else(|| self.said_of_all(record))
     }
 
-    /// What new remarks say against the part of a record.
+    /// A line of words that says of all values that they do not count, or what else they are: `Sollwerte`.
+    fn said_of_all(&self, record: &Record) -> Option<Contradiction> {
+        let mut cells = record.cells.iter().filter(|cell| !cell.is_empty());
+        let (Some(cell), None) = (cells.next(), cells.next()) else { return None };
+        let line = AsideReading { line: record.line, text: cell.text().into_owned() };
+        of_all_values(&line, &self.setup.columns, &self.setup.want)
+            .filter(|said| !said.is_ignored(&self.setup.want))?;
+        let message = format!("it says of all values that they are none of parts: {}", shown(&line.text));
+        let help = "take the line out of the table, with the rows of which it speaks; or leave it out with --ignore";
+        Some(contradiction(record, None, message, help))
+    }
+
+    /// What new remarks say against the part of a record, or its name that is struck through.
     fn rejections(&self, record: &Record) -> impl Iterator<Item = Rejection> {
-        self.setup.remarks.iter().filter_map(|remarks| {
+        let name = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
+        let struck = name.filter(|(_, name)| name.text().starts_with(STRUCK));
+        let struck = struck.and_then(|(title, name)| rejection(title, [name], false));
+        let said = self.setup.remarks.iter().filter_map(|remarks| {
             let cell = record.cells.get(remarks.place).filter(|cell| remarks.is_new(cell.text().as_bytes()))?;
             rejection(self.setup.titles.get(remarks.place)?, [cell], remarks.are_verdicts)
-        })
+        });
+        said.chain(struck)
     }
 
     /// A remark that speaks of a value, which may correct the one that is read.

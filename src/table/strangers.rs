@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use serde::Serialize;
 
 use super::cell::{Cell, Record};
-use super::column::Column;
+use super::column::{Column, Nominal};
 use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
@@ -209,7 +209,7 @@ impl Sorter<'_> {
     /// Whether a number below or behind a title may be one more of the values.
     fn is_one_more(&self, title: &str, cell: &Cell) -> bool {
         let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
-        !is_said && self.measured.may_have(cell)
+        (!is_said || WordList::Apart.has(title)) && self.measured.may_have(cell)
             || WordList::Mean.has(title) && self.measured.is_beyond_all(cell)
             || (title == "R" || WordList::Spread.has(title)) && self.measured.are_narrower_than(cell)
     }
@@ -255,6 +255,7 @@ impl Sorter<'_> {
                 let rejection = rejection(&place, [&Cell::of_text(&aside.text, 0..0)], false);
                 self.sorted.notes.extend(rejection.map(|rejection| rejection.in_words(self.file)));
                 self.sorted.notes.extend(other_module(self.file, &said, self.want));
+                self.sorted.notes.extend(other_temperature(self.file, aside, self.beside.columns));
                 self.sorted.asides.push(aside.clone());
             }
         }
@@ -359,6 +360,18 @@ fn other_module(file: &str, said: &[NamedSize], want: &Want) -> Option<String> {
     let is_other = |said: &&NamedSize| WordList::NormalModule.has(&said.name) && said.size != ours;
     let NamedSize { name, size } = said.iter().find(is_other)?;
     Some(format!("{file}: `{name}` is {size}, and {ours} in the spec: these may be other parts"))
+}
+
+/// What tells that sizes have grown: a temperature of parts or the room that is not that at which sizes are meant.
+fn other_temperature(file: &str, line: &AsideReading, columns: &[Column]) -> Option<String> {
+    const KELVIN_APART: f64 = 2.0;
+    let before = line.text.split_once("°C")?.0.trim();
+    let (words, number) = before.split_at(before.rfind([' ', ':', '=']).map_or(0, |at| at + 1));
+    let celsius: f64 = number.replace(',', ".").parse().ok()?;
+    let is_of_parts = is_context(words) || role(words) == Some(Role::Measured);
+    let has_sizes = columns.iter().any(|column| column.nominal != Nominal::None);
+    (is_of_parts && has_sizes && (celsius - 20.0).abs() > KELVIN_APART)
+        .then(|| format!("{file}: line {} says {celsius} °C, and sizes are taken as those at 20 °C", line.line))
 }
 
 fn stranger(file: &str, unknown: &Unknown) -> Stranger {

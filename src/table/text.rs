@@ -119,6 +119,7 @@ impl Text {
     /// A table that is all there.
     fn whole_table(self, source: &Arc<Source>, understood: &Understood, want: &Want) -> Table {
         let mut table = self.found(understood, want);
+        table.reading.notes.extend(understood.other_count(&table.name));
         let (Some(separator), true) = (understood.separator, understood.has_row_per_part()) else { return table };
         let mut all = records(&source.text, separator).unwrap_or_default();
         let data = understood.shape.data.clone();

@@ -3,7 +3,7 @@
 
 use super::Table;
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, SMALLEST_DIGIT};
+use super::column::{Column, SMALLEST_DIGIT, UnitFrom};
 use super::grid::is_unit;
 use super::lines::{Beside, of_all_values};
 use super::measured::MeasuredValues;
@@ -63,22 +63,20 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     let mut table = Table::new(&name, "workbook", &understood, want);
     // the table may end before the sheet does, if all of it was looked at
     let is_all = all.len() < HEAD;
-    if let Some(refused) = understood.false_statistic(&name).filter(|_| in_rows && is_all) {
+    if let Some(refused) = understood.false_statistic(&name).filter(|_| !in_rows || is_all) {
         return Err(refused.into());
     }
+    table.reading.notes.extend(understood.other_count(&name).filter(|_| !in_rows || is_all));
     let range = understood.shape.data.start..if is_all { understood.shape.data.end } else { all.len() };
     let head: Vec<Record> = all.drain(range).collect();
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     let called = format!("{SHEET}{sheet}");
-    let title = AsideReading { line: 0, text: sheet.clone() };
-    if !table.take_words(&called, &sheet, &understood, want)?
-        && let Some(value) = of_all_values(&title, &understood.columns, want)
-    {
-        table.take_value(&called, value, want);
+    if !table.take_words(&called, &sheet, &understood, want)? {
+        table.take_of_all(&called, &sheet, &understood, want);
     }
     for comment in &records.comments {
-        table.take_remark(&format!("comment {}", comment.cell), &comment.text, &understood, want)?;
+        table.take_remark(&comment.place, &comment.text, &understood, want)?;
     }
     for other in &others {
         table.take_other(other, &understood, want)?;
@@ -142,6 +140,14 @@ impl Table {
             self.reading.not_used.push(NotUsed { title: title.to_owned(), why: "no measurement" });
         }
         Ok(())
+    }
+
+    /// What words say of all values is a stranger.
+    fn take_of_all(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) {
+        let line = AsideReading { line: 0, text: text.to_owned() };
+        if let Some(value) = of_all_values(&line, &understood.columns, want) {
+            self.take_value(title, value, want);
+        }
     }
 
     /// What words say of values; whether that is a value, or ignored.
@@ -294,6 +300,10 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     for remark in remarks {
         let place = format!("K{:04} in line {}", remark.key, remark.line);
         found.take_remark(&place, &remark.text, &understood, want)?;
+        // others speak of single values
+        if remark.key >= 1000 {
+            found.take_of_all(&place, &remark.text, &understood, want);
+        }
     }
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
@@ -390,6 +400,15 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
         None => Vec::new(),
     };
     let mut table = stored_table(name, "Parquet", &titles, &head, want)?;
+    if file.has_units_of_fields() {
+        let said = format!("{name}: its schema has units of fields, which are not read");
+        if table.columns.iter().any(|column| column.unit_from == UnitFrom::Key) {
+            let help = "write each unit into the name of its column, as in `rack_pitch_mm`";
+            let message = format!("{said}, and nothing else tells them");
+            return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+        }
+        table.reading.notes.push(said);
+    }
     if table.pieces.are_rows() {
         table.pieces.give_file(file);
     } else {

@@ -526,15 +526,24 @@ impl Understood {
         other_unit(&self.shape, &self.columns, want, place, text)
     }
 
-    /// A row that is called by a statistic or a limit of the others, and is none by its value: beyond them all, or an upper limit
-    /// below them; it is a part, or of other parts. Asked where every row is there.
+    /// A row, or a limit in a column beside those of parts, that is called by a statistic or a limit of the others, and is none by
+    /// its value: beyond them all, or an upper limit below them; it is a part, or of other parts. Asked where every row is there.
     pub(crate) fn false_statistic(&self, file: &str) -> Option<Diagnostic> {
-        let ids = if self.is_teeth { self.shape.index.as_ref()? } else { self.shape.ids.as_ref()? };
-        let name = |row: usize| ids.cells.get(row).map(Cell::text).unwrap_or_default();
+        let name = |row: usize| {
+            let cells = self.shape.index.iter().chain(&self.shape.ids).filter_map(|series| series.cells.get(row));
+            cells.map(Cell::text).find(|text| !text.is_empty()).unwrap_or_default()
+        };
         let of_parts: Vec<bool> = (0..self.shape.lines.len()).map(|row| may_be_of_parts(&name(row))).collect();
-        if !of_parts.contains(&true) {
+        let is_across = self.shape.orientation == Orientation::Columns && of_parts.len() > 1;
+        if !of_parts.contains(&true) && !is_across {
             return None;
         }
+        let refused = |line: u64, name: &str, value: &Cell| {
+            let text = value.text();
+            let message = format!("{file}, line {line}: `{name}` is {text}, which values of the others contradict");
+            let help = "give the row the name of its part, or take it out of the table";
+            Some(Diagnostic::error(Code::BadTable, message).help(help))
+        };
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
             let others = rows().filter(|(row, _)| !(of_parts[*row] && name(*row).len() > 1));
@@ -543,24 +552,38 @@ impl Understood {
                 value.map_or(extent, |value| extent.with(value, cell, column))
             });
             let is_false = |(row, cell): &(usize, &Cell)| {
-                if !of_parts[*row] {
-                    return false;
-                }
-                let side = column.beyond(cell, measurement.beside_row(*row), &others);
-                side.is_some_and(|side| contradicts(&name(*row), side, column.nominal))
-                    || name(*row).len() > 1 && WordList::Spread.has(&name(*row)) && column.is_wider(cell, &others)
+                of_parts[*row] && is_false_statistic(&name(*row), column, cell, measurement.beside_row(*row), &others)
             };
-            if let Some((row, cell)) = rows().find(is_false).filter(|_| others.least <= others.most) {
-                let (line, name, value) = (self.shape.lines[row], name(row), cell.text());
-                let message =
-                    format!("{file}, line {line}: `{name}` is {value}, which the values of the other rows contradict");
-                return Some(
-                    Diagnostic::error(Code::BadTable, message)
-                        .help("give the row the name of its part, or take it out of the table"),
-                );
+            if others.least > others.most {
+                continue;
+            }
+            if let Some((row, cell)) = rows().find(is_false) {
+                return refused(self.shape.lines[row], &name(row), cell);
+            }
+            // a limit to one side may be a part
+            let [upper, lower] = [Role::Upper, Role::Lower].map(|role| measurement.beside.get(role));
+            let limit = upper.xor(lower).filter(|_| is_across && column.nominal != Nominal::None);
+            if let Some((limit, cell)) = limit.and_then(|limit| Some((limit, limit.cells.first()?)))
+                && is_false_statistic(&limit.title, column, cell, measurement.beside_row(0), &others)
+            {
+                return refused(self.shape.lines[0], &limit.title, cell);
             }
         }
         None
+    }
+
+    /// That a line beside the table counts other parts than it has: `Anzahl Teile: 3`. Asked where every row is there.
+    pub(crate) fn other_count(&self, file: &str) -> Option<String> {
+        let ids = self.shape.ids.as_ref().filter(|_| !self.is_teeth)?;
+        let parts = ids.cells.iter().filter(|name| !may_be_of_parts(&name.text())).count();
+        let count = |line: &AsideReading| {
+            let words: Vec<&str> = line.text.split([' ', ':', '=']).filter(|word| !word.is_empty()).collect();
+            let (number, words) = words.split_last()?;
+            number.parse::<usize>().ok().filter(|_| WordList::PartCount.has(&words.join(" ")))
+        };
+        let mut counts = self.shape.asides.iter().filter_map(|line| Some((line, count(line)?)));
+        let (line, _) = counts.find(|(_, count)| *count != parts)?;
+        Some(format!("{file}: line {} says `{}`, and the table has {parts}", line.line, shown(&line.text)))
     }
 
     /// Whether each row below a header is a part, a space or a tooth.
@@ -607,6 +630,19 @@ impl Measurement {
     pub(crate) fn beside_row(&self, row: usize) -> Companions<&Cell> {
         self.beside.map(|series| series.cells.get(row))
     }
+}
+
+/// Whether what a row of this name has in a column cannot be made of the others.
+pub(super) fn is_false_statistic(
+    name: &str,
+    column: &Column,
+    cell: &Cell,
+    beside: Companions<&Cell>,
+    others: &Extent,
+) -> bool {
+    let side = column.beyond(cell, beside, others);
+    side.is_some_and(|side| contradicts(name, side, column.nominal))
+        || name.len() > 1 && WordList::Spread.has(name) && column.is_wider(cell, others)
 }
 
 /// Whether a row of this name cannot lie beyond this end of the others: a mean or an extreme of them, a limit on the other side,

@@ -105,14 +105,16 @@ impl Unknown {
         }
         let is_in_unit =
             unit.is_some_and(is_unit) || has_unit(title) || values.iter().any(|text| has_unit_behind(text));
+        let are_values = WordList::Words.has(title) && self.cells.iter().any(Cell::has_decimals);
         if is_context(title) {
-            return is_in_unit && unit != Some("min")
+            return are_values
+                || is_in_unit && unit != Some("min")
                 || self.names_more()
                 || self.is_repeated && (self.is_fine() || self.has_words() || WordList::Requirement.has(title))
-                || is_again(title) && self.may_be_measured_again()
-                || WordList::Words.has(title) && self.cells.iter().any(Cell::has_decimals);
+                || is_again(title) && self.may_be_measured_again();
         }
         self.is_measurement
+            || are_values
             || is_in_unit
             || title.contains('[') && unit.is_some()
             || !near(title).is_empty()

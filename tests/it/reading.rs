@@ -466,3 +466,61 @@ fn what_is_said_against_a_part_is_named_however_far_down_it_stands() {
     let (_, said) = status(&["batch", &spec, &folder.file("two.csv", table.as_bytes()), "--partial"], b"");
     assert!(said.contains("`Status` says `rework`") && said.contains("`Bemerkung` says `NOK`"));
 }
+
+#[test]
+fn what_is_said_of_all_parts_is_held_against_them_however_far_down_it_stands() {
+    let folder = Folder::new("of-all");
+    let spec = spec(&folder);
+    let table = |last: &str| {
+        let parts = (0..9000).map(|part| format!("P{part};25.0{}\n", 10 + part % 5));
+        format!("part_id;rack_over_roller [mm]\n{}{last}\n", parts.collect::<String>())
+    };
+    for (last, expected) in [
+        ("Max;25.014", 0),
+        ("Mean;25.0121", 0),
+        ("Range;0.004", 0),
+        ("Max;25.412", 2),
+        ("Mean;25.005", 2),
+        ("Range;0.4", 2),
+        ("Sollwerte", 2),
+        ("Ausschuss;", 2),
+    ] {
+        let table = folder.file("lot.csv", table(last).as_bytes());
+        let (code, said) = status(&["batch", &spec, &table, "--summary", "--partial"], b"");
+        assert_eq!(code, Some(expected), "{last}: {said}");
+        let last = last.trim_end_matches(';').replace(';', " ");
+        assert!(expected == 0 || said.contains(&last) && said.contains("line 9002"), "{last}: {said}");
+    }
+}
+
+#[test]
+fn what_a_workbook_strikes_through_in_part_or_says_in_a_text_box_is_seen() {
+    let folder = Folder::new("struck-in-part");
+    let spec = spec(&folder);
+    let struck = rust_xlsxwriter::Format::new().set_font_strikethrough();
+    let plain = rust_xlsxwriter::Format::new();
+    for (value, name, text_box, said, expected) in [
+        (true, false, "", "~~25.011~~", Some(2)),
+        (false, true, "", "says `~~P2~~`", Some(0)),
+        (false, false, "P2 = 25.412", "25.412", Some(2)),
+        (false, false, "Messung ungültig", "`text box` says `Messung ungültig`", Some(0)),
+    ] {
+        let mut book = rust_xlsxwriter::Workbook::new();
+        let sheet = book.add_worksheet();
+        sheet.write_string(0, 0, "part_id").unwrap().write_string(0, 1, "rack_over_roller [mm]").unwrap();
+        sheet.write_string(1, 0, "P1").unwrap().write_number(1, 1, 25.012).unwrap();
+        for (column, text, is_struck) in [(0, "P2", name), (1, "25.011", value)] {
+            let (first, rest) = text.split_at(1);
+            let font = if is_struck { &struck } else { &plain };
+            sheet.write_rich_string(2, column, &[(font, first), (font, rest)]).unwrap();
+        }
+        if !text_box.is_empty() {
+            sheet.insert_shape(5, 5, &rust_xlsxwriter::Shape::textbox().set_text(text_box)).unwrap();
+        }
+        let table = folder.path("lot.xlsx");
+        book.save(&table).unwrap();
+        let (code, answer) = status(&["batch", &spec, &table, "--partial"], b"");
+        assert_eq!(code, expected, "{said}: {answer}");
+        assert!(answer.contains(said), "{said}: {answer}");
+    }
+}

@@ -130,6 +130,11 @@ impl Extent {
     /// Of no values.
     pub(crate) const NONE: Self = Self { least: f64::INFINITY, most: f64::NEG_INFINITY, digit: 1.0 };
 
+    /// Of values from one to another, of whose last digit nothing else is known.
+    pub(crate) fn between([least, most]: [DeviationValue; 2]) -> Self {
+        Self { least: least.base(), most: most.base(), digit: 0.01 }
+    }
+
     /// With one more value, that a cell of a column holds.
     pub(crate) fn with(self, value: DeviationValue, cell: &Cell, column: &Column) -> Self {
         let value = value.base();

@@ -178,6 +178,10 @@ pub(crate) enum WordList {
     Mean,
     /// What counts how often a part was measured, or holds what was measured once more.
     Again,
+    /// What calls a number in a remark a value, or says by how much one is off.
+    CallsValue,
+    /// What may stand beside it there, and says nothing.
+    BesideValue,
     /// What is wanted of a value, its size or a limit, and where it stands.
     Requirement,
     /// What names a part for good, whatever other number it has.
@@ -211,6 +215,8 @@ pub(crate) enum WordList {
     Probe,
     /// A line between the pages of a table.
     Page,
+    /// What a line calls the number of parts.
+    PartCount,
     /// What may stand between a page's number and that of all.
     PageCount,
     /// What a database counts at the end of its answer.
@@ -223,6 +229,8 @@ pub(crate) enum WordList {
     Shift,
     /// What a line speaks of that states a unit for a whole table.
     UnitSubject,
+    /// What says of a whole table that it is in inches.
+    Imperial,
     /// What may stand between that and the unit.
     BeforeUnit,
     /// The length over which f_Hβ is evaluated.

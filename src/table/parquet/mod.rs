@@ -67,6 +67,16 @@ impl ParquetTable {
         &self.columns
     }
 
+    /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
+    pub(crate) fn has_units_of_fields(&self) -> bool {
+        // at each place that it may have among three bytes
+        const KEYS: [&str; 6] =
+            ["BAAAAHVuaXQA", "QAAAB1bml0A", "EAAAAdW5pdA", "BQAAAHVuaXRzA", "UAAAB1bml0cw", "FAAAAdW5pdHMA"];
+        let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
+        let mut schemas = pairs.filter(|pair| pair.key == "ARROW:schema").filter_map(|pair| pair.value.as_ref());
+        schemas.any(|schema| KEYS.iter().any(|key| schema.contains(key)))
+    }
+
     /// Whether the values of the columns that can be read lie in the file.
     ///
     /// # Errors

@@ -87,7 +87,7 @@ pub(crate) fn find_characteristics(records: &[Record], want: &Want) -> Option<Ch
         let name = called.max_by_key(named);
         let name = name.or_else(|| roles.iter().position(Option::is_none)).unwrap_or(0);
         // a value with a unit is no name: `P2 again: 25,30 mm`, cut at its comma
-        let may_be_name = |cell: &Cell| !(cell.is_number() && unit_in(&cell.text()).is_some());
+        let may_be_name = |cell: &Cell| !(cell.is_number() && unit_in(&cell.text()).is_some_and(|unit| is_unit(&unit)));
         let is_row = |record: &Record| {
             record.cells.len() > name.max(1) && record.numbers() > 0 && may_be_name(&record.cells[name])
                 || has_name(record, name)
@@ -364,7 +364,10 @@ pub(crate) fn by_characteristic(
                 cells.extend(name.text().split_whitespace().next_back().map(|last| Cell::of_text(last, 0..0)));
             }
             let unit = reading.unit_of_rows(rows).ok().flatten();
-            shape.unknown.push(Unknown { unit, ..Unknown::line(&name.text(), rows[0].line, cells).measured(true) });
+            // behind the name of a part stands a value of it
+            let is_unread = names_one_part(&name.text()) && cells.iter().any(Cell::is_number);
+            let unknown = Unknown::line(&name.text(), rows[0].line, cells).measured(true);
+            shape.unknown.push(Unknown { unit, is_unread, ..unknown });
             continue;
         };
         let measurement = reading.measurement(&named, rows, name)?;

@@ -29,6 +29,9 @@ pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
     if let Some(unit) = Unit::from_symbol(bare_unit(without_end(alone))) {
         return vec![StatedUnit { unit, is_clear: true }];
     }
+    if WordList::Imperial.is_in(text) {
+        return vec![StatedUnit { unit: Unit::Length(LengthUnit::Inch), is_clear: true }];
+    }
     let words: Vec<String> = words(text).map(str::to_lowercase).collect();
     let is_symbol = |word: &String| Unit::from_symbol(word).is_some();
     let is_between = |word: &String| WordList::BeforeUnit.has(word);

@@ -58,7 +58,7 @@ fn a_column_that_cannot_be_a_measurement_is_listed() {
         ("Maschine", "7"),
         ("Serie", "4711"),
         ("Modul [mm]", "2,5"),
-        ("Bemerkung", "25,5 gemessen"),
+        ("Bemerkung", "25 Stück gemessen"),
         ("foo", "17"),
         ("shift", "2"),
         ("rack_pich [um]", "good"),

@@ -23,11 +23,15 @@ pub(crate) struct Style {
     pub(crate) is_struck_through: bool,
 }
 
+/// Stands for the style of a text of which a run is struck through.
+pub(super) const STRUCK_RUN: u32 = u32::MAX;
+
 /// How each style of cells shows a number, by its index; styles that show nothing but the number are left out.
 pub(super) fn shown_by_style(styles: &[u8]) -> HashMap<u32, Style> {
     let mut formats: HashMap<u32, String> = HashMap::from([(9, "%".to_owned()), (10, "%".to_owned())]);
     let (mut fonts, mut struck) = (0, HashSet::new());
-    let (mut shown, mut is_of_cells, mut index) = (HashMap::new(), false, 0);
+    let run = Style { text: String::new(), is_struck_through: true };
+    let (mut shown, mut is_of_cells, mut index) = (HashMap::from([(STRUCK_RUN, run)]), false, 0);
     Tags::default().each(styles, &mut |tag| {
         let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok());
         match name(tag) {
@@ -112,7 +116,7 @@ mod tests {
         }
         let styles = "<fonts><font/><font><strike/></font><font><strike val=\"0\"/></font></fonts><numFmts><numFmt numFmtId=\"164\" formatCode=\"0.0&quot; in&quot;\"/></numFmts><cellStyleXfs><xf numFmtId=\"9\"/>\
                       </cellStyleXfs><cellXfs><xf numFmtId=\"0\"/><xf numFmtId=\"164\"/><xf numFmtId=\"10\" fontId=\"2\"/><xf fontId=\"1\"/></cellXfs>";
-        let shown = [(1, "in", false), (2, "%", false), (3, "", true)];
+        let shown = [(1, "in", false), (2, "%", false), (3, "", true), (STRUCK_RUN, "", true)];
         let style = |text: &str, is_struck_through| Style { text: text.to_owned(), is_struck_through };
         let expected = shown.map(|(index, text, is_struck)| (index, style(text, is_struck))).into();
         assert_eq!(shown_by_style(styles.as_bytes()), expected);

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
-use super::format::{Shown, Style};
+use super::format::{STRUCK_RUN, Shown, Style};
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
 
@@ -100,6 +100,9 @@ impl SheetXml {
                     let styles = if is_number { &mut self.numbers } else { &mut self.texts };
                     styles.entry((style, self.column - 1)).or_insert(self.row);
                 }
+            }
+            "strike" if !matches!(attribute(tag, "val"), Some("0" | "false")) => {
+                self.texts.entry((STRUCK_RUN, self.column.saturating_sub(1))).or_insert(self.row);
             }
             // what a cell holds
             "v" | "is" if !tag.ends_with('/') => {

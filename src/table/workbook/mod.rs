@@ -16,15 +16,16 @@ pub(crate) use comments::Comment;
 pub(crate) use format::Shown;
 pub use range::{CellRange, NoCellRange};
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Cursor, Read as _};
 use std::sync::mpsc;
 
 use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
+use super::rejection::STRUCK;
 use crate::diagnostic::{Code, Diagnostic};
-use comments::comments;
+use comments::{comments, struck_through};
 use format::{Style, shown_by_style};
 use hidden::{HiddenCount, SheetXml, sheet_parts};
 
@@ -101,7 +102,7 @@ impl Workbook {
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
         let mut head = Vec::new();
-        each_row(&mut self.book, sheet, range, &mut |record| {
+        each_row(&mut self.book, &self.checked.struck, sheet, range, &mut |record| {
             head.push(record);
             head.len() < most
         })
@@ -124,7 +125,9 @@ impl Workbook {
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
             // the other end hangs up when it has seen enough
-            let read = each_row(&mut self.book, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
+            let read = each_row(&mut self.book, &self.checked.struck, &sheet, range, &mut |record| {
+                sender.send(Ok(record)).is_ok()
+            });
             if let Err(problem) = read {
                 let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
@@ -145,6 +148,7 @@ pub(super) fn listed(sheets: &[String]) -> String {
 /// Calls `take` with each row that is not empty, until it returns false.
 fn each_row(
     book: &mut Book,
+    struck: &HashSet<String>,
     sheet: &str,
     range: CellRange,
     take: &mut dyn FnMut(Record) -> bool,
@@ -173,7 +177,7 @@ fn each_row(
         let content = match cell.formula {
             _ if !range.has_row(row) || !range.has_column(column) => Content::Empty,
             Some(formula) if cell.value == DataRef::Empty => Content::Other(format!("={formula}")),
-            _ => content(&cell.value),
+            _ => content(&cell.value, struck),
         };
         if content != Content::Empty {
             let index = (column - range.columns.0) as usize;
@@ -189,12 +193,13 @@ fn each_row(
     Ok(())
 }
 
-fn content(value: &DataRef<'_>) -> Content {
+fn content(value: &DataRef<'_>, struck: &HashSet<String>) -> Content {
     match value {
         DataRef::Empty => Content::Empty,
         DataRef::Int(number) => Content::Number(crate::quantity::Decimal::of_i128(i128::from(*number), 0)),
         DataRef::Float(number) => Content::of_f64(*number),
         DataRef::String(text) => Content::of_text(text),
+        DataRef::SharedString(text) if struck.contains(*text) => Content::of_text(&format!("{STRUCK}{text}{STRUCK}")),
         DataRef::SharedString(text) => Content::of_text(text),
         DataRef::Error(error) => Content::Text(error.to_string()),
         DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => Content::Other(text.clone()),
@@ -231,13 +236,15 @@ struct Checked {
     styles: HashMap<u32, Style>,
     /// The comments on cells of any sheet.
     comments: Vec<Comment>,
+    /// The texts of cells of which a run is struck through.
+    struck: HashSet<String>,
 }
 
 /// Unpacks every part that will be read, counting bytes and keeping hardly any.
 fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
-    let (mut workbook, mut relations, mut styles) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut workbook, mut relations, mut styles, mut texts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut sheets: HashMap<String, SheetXml> = HashMap::new();
     let (mut other, mut found) = (0, Vec::new());
     for index in 0..archive.len() {
@@ -254,8 +261,9 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             "xl/workbook.xml" => &mut workbook,
             "xl/_rels/workbook.xml.rels" => &mut relations,
             "xl/styles.xml" => &mut styles,
+            "xl/sharedstrings.xml" => &mut texts,
             _ if is_sheet => &mut sheet,
-            _ if part.starts_with("xl/comments") => &mut noted,
+            _ if part.starts_with("xl/comments") || part.starts_with("xl/drawings/drawing") => &mut noted,
             _ => &mut io::sink(),
         };
         let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
@@ -269,11 +277,11 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             sheets.insert(part, sheet);
         } else {
             other += size;
-            found.extend(comments(&noted));
+            found.extend(comments(&noted).into_iter().filter(|comment| !comment.text.trim().is_empty()));
         }
     }
     let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
-    Ok(Checked { sheets, styles: shown_by_style(&styles), comments: found })
+    Ok(Checked { sheets, styles: shown_by_style(&styles), comments: found, struck: struck_through(&texts) })
 }
 
 #[cfg(test)]

@@ -1,0 +1,59 @@
+//! Rows that are called by a statistic or a limit of the others, which are no part if the values of all rows allow that: this
+//! is known when the last one is read.
+
+use super::super::block::{Block, Contradiction};
+use super::super::cell::Record;
+use super::super::column::Extent;
+use super::super::understand::is_false_statistic;
+use super::{Rows, contradiction, is_called_of_parts};
+use crate::deviation::DeviationValue;
+
+/// How far the values of a table reach, and the rows called by a statistic that contradict them so far.
+#[derive(Debug, Default)]
+pub(crate) struct Extremes {
+    ends: Vec<Option<[DeviationValue; 2]>>,
+    pub(crate) doubted: Vec<Record>,
+}
+
+impl Extremes {
+    /// Takes the rows of one more block, before which there are so many lines.
+    pub(crate) fn add(&mut self, rows: &Rows, block: &Block, lines: u64) {
+        self.ends.resize(block.ends.len().max(self.ends.len()), None);
+        for (ends, more) in self.ends.iter_mut().zip(&block.ends) {
+            let mut all: Vec<_> = ends.iter().chain(more).flatten().copied().collect();
+            all.sort_by(|one, other| one.base().total_cmp(&other.base()));
+            *ends = all.first().zip(all.last()).map(|(least, most)| [*least, *most]);
+        }
+        let more = block.statistics.iter().map(|record| Record { line: record.line + lines, ..record.clone() });
+        self.doubted.extend(more);
+        // more values contradict less
+        self.doubted.retain(|record| rows.false_statistic(record, &self.ends).is_some());
+    }
+
+    /// What contradicts the values of all rows.
+    pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
+        self.doubted.first().and_then(|record| rows.false_statistic(record, &self.ends))
+    }
+}
+
+impl Rows {
+    /// What a record is called that is made of the others: by its name, or in place of the number of a tooth.
+    pub(super) fn statistic<'r>(&self, record: &'r Record) -> Option<std::borrow::Cow<'r, str>> {
+        let index = self.setup.index.and_then(|index| record.cells.get(index)).map(|cell| cell.text());
+        self.label(record).into_iter().chain(index).find(|name| is_called_of_parts(name))
+    }
+
+    /// Why a record cannot be the statistic that it is called.
+    fn false_statistic(&self, record: &Record, ends: &[Option<[DeviationValue; 2]>]) -> Option<Contradiction> {
+        let name = self.statistic(record)?;
+        let other = self.setup.columns.iter().zip(ends).find(|(column, ends)| {
+            let (Some(ends), Some(cell)) = (ends, record.cells.get(column.place)) else { return false };
+            let beside = column.beside.map(|companion| record.cells.get(companion.place));
+            is_false_statistic(&name, column, cell, beside, &Extent::between(*ends))
+        });
+        let (column, _) = other?;
+        let message = format!("the values of the other rows contradict this: {}", record.in_words());
+        let help = "give the row the name of its part, or take it out of the table";
+        Some(contradiction(record, Some(&column.title), message, help))
+    }
+}
