@@ -106,6 +106,14 @@ impl JudgeArgs {
         Ok((evaluation, known))
     }
 
+    /// Leaves the verdicts on a spec's errors open if the rule needs an uncertainty that a value lacks; a note of which.
+    pub(super) fn leave_open_without_uncertainty(&self, spec: &Spec, evaluation: &mut Evaluation) -> Option<String> {
+        let rule = self.rule(spec);
+        let note = spec.note_of_exact(&spec.taken_as_exact(), Some(&rule)).filter(|_| rule.needs_uncertainty())?;
+        spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoUncertainty));
+        Some(note)
+    }
+
     /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed, or if a bound is open within it,
     /// which is noted.
     fn known(

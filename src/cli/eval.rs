@@ -6,7 +6,6 @@ use super::set::SetArgs;
 use super::teeth::{WorstTeeth, with_known_teeth};
 use super::{mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Unjudged;
 use crate::judge::LimitTarget;
 use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
@@ -73,11 +72,7 @@ pub(super) fn evaluated<'a>(
     let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
     let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
     evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
-    let (rule, exact) = (judge.rule(spec), spec.taken_as_exact());
-    let note_of_exact = spec.note_of_exact(&exact, Some(&rule)).filter(|_| rule.needs_uncertainty());
-    if note_of_exact.is_some() {
-        spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoUncertainty));
-    }
+    let note_of_exact = judge.leave_open_without_uncertainty(spec, &mut evaluation);
     for target in evaluation.not_given() {
         output.diagnostic(&unjudged(spec, target));
     }
@@ -106,6 +101,11 @@ pub(super) fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {
     let message = format!("there is a limit on ΔCD of the {target}, but [errors] does not give that error");
     let place = spec.limits.iter().find(|(on, _)| *on == target).map(|(_, limit)| limit.span.clone());
     Diagnostic::warning(Code::UnjudgedLimit, message)
-        .help(format!("add `{}` to [errors], or remove its limit", target.key()))
+        .help(match target {
+            LimitTarget::Error(kind) if spec.knows_teeth(kind.part()) => {
+                "remove its limit: of teeth that are known one by one, no single error is judged".to_owned()
+            }
+            _ => format!("add `{}` to [errors], or remove its limit", target.key()),
+        })
         .at(&spec.source, place, "cannot be judged")
 }

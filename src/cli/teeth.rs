@@ -27,7 +27,9 @@ pub(super) fn with_known_teeth(spec: Spec, path: &str, output: &mut Output) -> R
 
 /// The errors of a spec whose known teeth are solved, held against its limits.
 pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<Evaluation, Failure> {
-    Ok(judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?)?.0)
+    let (mut evaluation, _) = judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?)?;
+    judge.leave_open_without_uncertainty(spec, &mut evaluation);
+    Ok(evaluation)
 }
 
 /// Errors on the worst teeth that a search finds.

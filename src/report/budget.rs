@@ -328,7 +328,9 @@ impl Report for BudgetReport<'_> {
                 .map(|kind| {
                     let line = budget.lines.iter().find(|line| line.error.kind() == *kind);
                     let range = line.map_or_else(String::new, |line| interval_text(&line.range));
-                    format!("{kind} ({range} mm)")
+                    let own = self.request.own_limits.iter().find(|(of, _)| of == kind);
+                    let own = own.map_or_else(String::new, |(_, limit)| format!(", its own limit {limit}"));
+                    format!("{kind} ({range} mm{own})")
                 })
                 .collect();
             let sentence =

@@ -66,6 +66,9 @@ fn three_digits(value: f64) -> String {
     plain(format!("{value:.2e}").parse().unwrap_or(value))
 }
 
+/// What steps that are short enough leave of the balance of energy at most, of its largest part.
+const CLOSED_BALANCE: f64 = 0.1;
+
 impl SimulationReport<'_> {
     /// Where the elastic part of ΔCD comes from.
     fn elastic_part(&self) -> &'static str {
@@ -85,9 +88,11 @@ impl SimulationReport<'_> {
                 "{lost} N mm lost to damping and friction, {settling} N mm to settling while the rack reaches its speed"
             )
         };
-        let balance = energy
-            .drift_share()
-            .map_or_else(String::new, |share| format!(", balance off by {share:.1e} of the largest of these"));
+        let balance = energy.drift_share().map_or_else(String::new, |share| {
+            let advice =
+                if share > CLOSED_BALANCE { " (forces change within a step: a shorter --step closes it)" } else { "" };
+            format!(", balance off by {share:.1e} of the largest of these{advice}")
+        });
         let missed = if self.missed(energy) { "; the tolerance is not met" } else { "" };
         format!("energy: {driven} N mm driven in, {stored} N mm stored, {losses}{balance}{missed}")
     }

@@ -206,17 +206,19 @@ impl UncertaintyPart {
             return Vec::new();
         }
         let known = decided.iter().any(|(_, decision)| decision.conformance.is_some());
-        let risk =
-            |decision: &Decision, of: fn(&Conformance) -> f64| decision.conformance.as_ref().map(of).map(probability);
+        let risk = |decision: &Decision, of: fn(&Conformance) -> f64, bound: &str| {
+            let known = decision.conformance.as_ref()?;
+            Some(format!("{}{}", if known.is_least { bound } else { "" }, probability(of(known))))
+        };
         let table = Table::of(&decided)
             .text("decision on", |(check, _)| check.on.to_string())
             .number("guard band\n[µm]", |(_, decision)| guard_text(decision))
-            .column_if(known, Column::number("conforms"), |(_, decision)| risk(decision, |c| c.probability))
+            .column_if(known, Column::number("conforms"), |(_, decision)| risk(decision, |c| c.probability, "≥ "))
             .column_if(known, Column::number("consumer's risk\nif accepted"), |(_, decision)| {
-                risk(decision, Conformance::consumer_risk)
+                risk(decision, Conformance::consumer_risk, "≤ ")
             })
             .column_if(known, Column::number("producer's risk\nif rejected"), |(_, decision)| {
-                risk(decision, Conformance::producer_risk)
+                risk(decision, Conformance::producer_risk, "≥ ")
             })
             .text(format!("by {}", rule.in_words()), |(_, decision)| decision.verdict.name());
         let mut blocks = vec![table.block()];

@@ -40,7 +40,8 @@ fn meaning(arg: &Arg) -> String {
 struct Flag {
     shorts: BTreeSet<char>,
     meanings: BTreeSet<String>,
-    old_names: BTreeSet<String>,
+    /// Each with the commands that take it.
+    old_names: BTreeMap<String, BTreeSet<String>>,
     commands: BTreeSet<String>,
     /// Each value with what it means.
     values: BTreeMap<String, String>,
@@ -57,7 +58,9 @@ fn flags() -> BTreeMap<String, Flag> {
             flag.commands.insert(name.clone());
             let shown = arg.get_visible_aliases().unwrap_or_default();
             let old = arg.get_all_aliases().unwrap_or_default().into_iter().filter(|alias| !shown.contains(alias));
-            flag.old_names.extend(old.map(str::to_owned));
+            for old in old {
+                flag.old_names.entry(old.to_owned()).or_default().insert(name.clone());
+            }
             for value in arg.get_possible_values().iter().filter(|_| arg.get_action().takes_values()) {
                 if let Some(help) = value.get_help() {
                     flag.values.insert(value.get_name().to_owned(), help.to_string());
@@ -96,10 +99,11 @@ fn page() -> String {
         }
     }
     page.push_str("\n## Other names\n\nThey are read and mean the same; the help does not show them.\n\n");
-    page.push_str("| name | flag |\n|---|---|\n");
+    page.push_str("| name | flag | commands |\n|---|---|---|\n");
     for (long, flag) in &flags {
-        for old in &flag.old_names {
-            let _ = writeln!(page, "| `--{old}` | `--{long}` |");
+        for (old, commands) in &flag.old_names {
+            let commands: Vec<_> = commands.iter().map(String::as_str).collect();
+            let _ = writeln!(page, "| `--{old}` | `--{long}` | {} |", commands.join(", "));
         }
     }
     page
