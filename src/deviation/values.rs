@@ -85,11 +85,11 @@ impl DeviationValues {
 
     /// The least and the greatest; `None` without any.
     pub(crate) fn ends(&self) -> Option<[DeviationValue; 2]> {
-        let rows = 0..self.len();
-        let is_less = |one: usize, other: usize| of_each!(self, values => values[one] < values[other]);
-        let least = rows.clone().reduce(|least, row| if is_less(row, least) { row } else { least })?;
-        let most = rows.reduce(|most, row| if is_less(most, row) { row } else { most })?;
-        Some([least, most].map(|row| self.at(row)))
+        Some(match self {
+            Self::Lengths(lengths) => ends(lengths)?.map(DeviationValue::Length),
+            Self::Angles(angles) => ends(angles)?.map(DeviationValue::Angle),
+            Self::Slopes(slopes) => ends(slopes)?.map(DeviationValue::Slope),
+        })
     }
 
     /// Appends a value; one of another dimension stays out. Whether it is in.
@@ -126,4 +126,13 @@ impl DeviationValues {
             }
         }
     }
+}
+
+/// The least and the greatest value.
+fn ends<T: PartialOrd + Copy>(values: &[T]) -> Option<[T; 2]> {
+    let first = *values.first()?;
+    let wider = |[least, most]: [T; 2], value: &T| {
+        [if *value < least { *value } else { least }, if *value > most { *value } else { most }]
+    };
+    Some(values.iter().fold([first; 2], wider))
 }
