@@ -2,36 +2,32 @@
 //! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
 //! workers share it.
 
+mod aside;
+mod contradiction;
 mod extremes;
 mod stored;
 
 pub(crate) use extremes::Extremes;
 pub(crate) use stored::stored_record;
 
-use std::borrow::Cow;
-use std::mem::discriminant;
 use std::ops::Range;
 
 use super::block::{Block, Contradiction, Span, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
-use super::column::{Column, Nominal, PlainNumbers, Problem};
+use super::column::{Column, PlainNumbers, Problem};
 use super::encoding::text;
-use super::grid::{Separator, bare_unit, only_units};
-use super::lines::{Beside, of_all_values};
-use super::names::{
-    Role, heading, is_of_parts, is_total, is_value_heading, names_value, role, says_largest, split_unit,
-};
+use super::grid::Separator;
 use super::reading::AsideReading;
 use super::rejection::{self, Rejection, STRUCK, rejection};
-use super::shape::{PartNames, Remarks, has_digit, is_numbered, stated_units};
+use super::shape::{PartNames, Remarks};
 use super::split::{Field, next_record};
-use super::strangers::Others;
 use super::understand::Understood;
 use super::unknown::speaks_of_value;
 use super::want::Want;
 use crate::deviation::DeviationValue;
-use crate::quantity::{Decimal, Unit, shown};
+use crate::quantity::{Decimal, shown};
+use aside::may_be_statistic;
 
 /// A column of which plain numbers say all.
 #[derive(Debug, Clone, Copy)]
@@ -362,42 +358,6 @@ impl Rows {
         }
     }
 
-    /// Why nothing from a record on can be trusted.
-    fn contradiction(&self, record: &Record) -> Option<Contradiction> {
-        if only_units(&record.cells).is_some() && !self.repeats_units(record) || self.states_other_unit(record) {
-            let column = self.setup.columns.first().map(|column| &column.title);
-            let message = format!("the units change: {}", record.in_words());
-            return Some(contradiction(record, column, message, "write every table with one unit by itself"));
-        }
-        let is_value = |place: &&usize| {
-            let is_nameless = self.setup.titles.get(**place).is_some_and(String::is_empty);
-            let is_value = |cell: &Cell| cell.is_number() || is_nameless && speaks_of_value(&cell.text());
-            record.cells.get(**place).is_some_and(is_value)
-        };
-        if let Some(watched) = self.setup.watched.iter().find(is_value) {
-            let message = "it holds a number here, and nothing tells what it measures".to_owned();
-            let help = "say in the spec what it is, under [batch.columns], or leave it out with --ignore";
-            return Some(contradiction(record, self.setup.titles.get(*watched), message, help));
-        }
-        self.other_header(record)
-            .or_else(|| self.other_nominal(record))
-            .or_else(|| self.error_as_part(record))
-            .or_else(|| self.value_in_remark(record))
-            .or_else(|| self.said_of_all(record))
-    }
-
-    /// A line of words that says of all values that they do not count, or what else they are: `Sollwerte`.
-    fn said_of_all(&self, record: &Record) -> Option<Contradiction> {
-        let mut cells = record.cells.iter().filter(|cell| !cell.is_empty());
-        let (Some(cell), None) = (cells.next(), cells.next()) else { return None };
-        let line = AsideReading { line: record.line, text: cell.text().into_owned() };
-        of_all_values(&line, &self.setup.columns, &self.setup.want)
-            .filter(|said| !said.is_ignored(&self.setup.want))?;
-        let message = format!("it says of all values that they are none of parts: {}", shown(&line.text));
-        let help = "take the line out of the table, with the rows of which it speaks; or leave it out with --ignore";
-        Some(contradiction(record, None, message, help))
-    }
-
     /// What new remarks say against the part of a record, or its name that is struck through.
     fn rejections(&self, record: &Record) -> impl Iterator<Item = Rejection> {
         let name = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
@@ -408,25 +368,6 @@ impl Rows {
             rejection(self.setup.titles.get(remarks.place)?, [cell], remarks.are_verdicts)
         });
         said.chain(struck)
-    }
-
-    /// A remark that speaks of a value, which may correct the one that is read.
-    fn value_in_remark(&self, record: &Record) -> Option<Contradiction> {
-        let Setup { columns, titles, names, want, .. } = &self.setup;
-        let beside = Beside { columns, width: titles.len(), of_parts: Some(names), measured: None };
-        let value = |Remarks { place, has_digits, .. }: &Remarks| {
-            if *has_digits {
-                return None;
-            }
-            let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
-            let value = beside.value_in_remark(cell, &format!("column {}", place + 1), record.line)?;
-            let is_left_out = value.is_ignored(want) || Others::of(columns, want).leaves_out(&value);
-            (!is_left_out).then(|| (*place, cell.text()))
-        };
-        let (place, text) = self.setup.remarks.iter().find_map(value)?;
-        let message = format!("a remark that may be a measured value: {}", shown(&text));
-        let help = "correct the value that it speaks of, or leave the column out with --ignore";
-        Some(contradiction(record, titles.get(place), message, help))
     }
 
     /// Why the cells of a record are not those of a row.
@@ -440,175 +381,6 @@ impl Rows {
         let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { is_value(cell) };
         let is_wrong = record.cells.iter().skip(width).any(is_beyond) || is_even && record.cells.len() < width;
         is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
-    }
-
-    /// Another header among the rows: its columns are not those that are read.
-    fn other_header(&self, record: &Record) -> Option<Contradiction> {
-        let is_name = |cell: &&Cell| {
-            self.setup.titles.iter().any(|title| *title == cell.text()) || heading(&cell.text(), &[]).is_some()
-        };
-        let names_column = |cell: &Cell| {
-            self.setup.columns.iter().any(|column| column.title == cell.text()) || names_value(&cell.text(), &[])
-        };
-        let cells = || record.cells.iter().filter(|cell| !cell.is_missing());
-        // `Teil` below `Teil` begins another table, whatever stands beside it
-        let is_named_again = || {
-            let title = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
-            title.is_some_and(|(title, cell)| !cell.is_empty() && cell.text() == *title) && cells().count() > 1
-        };
-        let is_other = record.numbers() == 0
-            && (cells().any(names_column) && cells().filter(is_name).count() > 1 || is_named_again())
-            && !self.repeats_header(record);
-        let message = || format!("other names begin here: {}", record.in_words());
-        is_other.then(|| contradiction(record, None, message(), "give tables with other columns one by one"))
-    }
-
-    /// A row of nominal values that are not those of the columns.
-    fn other_nominal(&self, record: &Record) -> Option<Contradiction> {
-        let name = self.label(record)?;
-        if !may_be_statistic(name.as_bytes()) || role(&name) != Some(Role::Nominal) {
-            return None;
-        }
-        let other = self.setup.columns.iter().find(|column| {
-            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
-            cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
-        })?;
-        let message = format!("the nominal value here is not the column's: {}", record.in_words());
-        let help = "give the nominal value in the spec, or in a column beside the values";
-        Some(contradiction(record, Some(&other.title), message, help))
-    }
-
-    /// A line such as `rack_pitch;0.2` below the parts, which names no part.
-    fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
-        let id = self.setup.id?;
-        let name = record.cells.get(id)?.text();
-        let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
-        if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
-            return None;
-        }
-        let message = format!("an error stands here where parts have their names: {}", record.in_words());
-        let help = "write a table with a row per part, or one with a row per error";
-        Some(contradiction(record, self.setup.titles.get(id), message, help))
-    }
-
-    /// Whether a record is the header again.
-    fn repeats_header(&self, record: &Record) -> bool {
-        let same = |(cell, title): (&Cell, &String)| cell.text().trim() == title.trim();
-        record.cells.len() == self.setup.titles.len() && record.cells.iter().zip(&self.setup.titles).all(same)
-    }
-
-    /// Whether a row of units says of every column what is known of it.
-    fn repeats_units(&self, record: &Record) -> bool {
-        let is_that_of = |cell: &Cell, column: &Column| column.has_unit(&cell.text());
-        if record.cells.len() < self.setup.titles.len() && !self.setup.is_even {
-            // between blanks, a unit has no place but its order
-            let cells = record.cells.iter().filter(|cell| !cell.is_missing());
-            let mut columns: Vec<&Column> = self.setup.columns.iter().collect();
-            columns.sort_by_key(|column| column.place);
-            return cells.clone().count() == columns.len()
-                && cells.zip(columns).all(|(cell, column)| is_that_of(cell, column));
-        }
-        self.setup.columns.iter().all(|column| {
-            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
-            cell.is_none_or(|cell| is_that_of(cell, column))
-        })
-    }
-
-    /// Whether a line without numbers states a unit that no column has, of length or angle as some have: `Werte in mm`.
-    fn states_other_unit(&self, record: &Record) -> bool {
-        let columns = &self.setup.columns;
-        let is_below_units =
-            |column: &Column| record.cells.get(column.place).is_some_and(|cell| column.has_unit(&cell.text()));
-        if record.numbers() > 0 || self.repeats_header(record) || columns.iter().any(is_below_units) {
-            return false;
-        }
-        let is_other = |unit: Unit| {
-            let is_alike = |column: &&Column| discriminant(&column.unit) == discriminant(&unit);
-            columns.iter().any(|column| is_alike(&column)) && columns.iter().all(|column| column.unit != unit)
-        };
-        record.cells.iter().filter(|cell| !has_digit(&cell.text())).any(|cell| {
-            let text = cell.text();
-            let of_heading = split_unit(&text).1.and_then(|unit| Unit::from_symbol(&unit));
-            let alone = Unit::from_symbol(bare_unit(&text));
-            let stated = stated_units(&text).into_iter().filter(|stated| stated.is_clear).map(|stated| stated.unit);
-            of_heading.into_iter().chain(alone).chain(stated).any(is_other)
-        })
-    }
-
-    /// What a record says that it is: its name, or what stands first in it and is no value.
-    fn label<'r>(&self, record: &'r Record) -> Option<Cow<'r, str>> {
-        let is_value = |place: usize| self.setup.columns.iter().any(|column| column.place == place);
-        let own = self.setup.id.or(self.setup.index);
-        let mut places = own.into_iter().chain((0..record.cells.len()).filter(|place| !is_value(*place)));
-        places.find_map(|place| record.cells.get(place).filter(|cell| !cell.is_empty())).map(Cell::text)
-    }
-
-    /// Whether a record is the header or the units again, or a mean below the parts.
-    fn is_aside(&self, record: &Record) -> bool {
-        let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
-        let has_numbers = record.numbers() > 0;
-        let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
-        let is_part = |name: &str| is_numbered(name) || self.setup.names.may_have(name);
-        let is_counted = || {
-            self.setup
-                .id
-                .zip(self.setup.index)
-                .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
-        };
-        let is_excluded = |name: &str| {
-            may_be_statistic(name.as_bytes())
-                && (self.setup.names.exclude(name) && !self.is_measured(record)
-                    || self.setup.names.have_spread(name) && self.is_spread(record))
-        };
-        let is_of_teeth = |cell: &Cell| {
-            let text = cell.text();
-            is_called_of_parts(&text) || is_total(&text) || says_largest(&text)
-        };
-        (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
-            && is_counted().is_none()
-            || self.setup.index.and_then(|index| record.cells.get(index)).is_some_and(is_of_teeth)
-            || self.is_page(record)
-            || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
-            || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
-    }
-
-    /// Whether a record says where a page ends, and holds at most a count that is no value.
-    fn is_page(&self, record: &Record) -> bool {
-        let filled: Vec<&Cell> = record.cells.iter().filter(|cell| !cell.is_missing()).collect();
-        let is_count = |cell: &&Cell| {
-            cell.text().parse::<u64>().is_ok() && !self.setup.columns.iter().any(|column| column.may_hold(cell))
-        };
-        filled
-            .split_first()
-            .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
-    }
-
-    /// Whether a record holds a value near the nominal one, as no count or temperature is; in a row of
-    /// several errors it may have any digits.
-    fn is_measured(&self, record: &Record) -> bool {
-        let columns = &self.setup.columns;
-        let cell = |column: &Column| record.cells.get(column.place).filter(|cell| cell.is_number());
-        let is_row = columns.len() > 1 && columns.iter().all(|column| cell(column).is_some());
-        let is_near = |column: &Column| {
-            let is_value = |cell: &Cell| (is_row || cell.has_two_decimals()) && column.may_hold(cell);
-            matches!(column.nominal, Nominal::Fixed(_)) && cell(column).is_some_and(is_value)
-        };
-        columns.iter().any(is_near)
-    }
-
-    /// Whether what a record holds is by how much measured values differ, and none of them.
-    fn is_spread(&self, record: &Record) -> bool {
-        let cells = self.setup.columns.iter().filter_map(|column| Some((column, record.cells.get(column.place)?)));
-        let mut filled = cells.filter(|(_, cell)| !cell.is_missing()).peekable();
-        filled.peek().is_some() && filled.all(|(column, cell)| column.may_spread_by(cell))
-    }
-
-    /// Whether a line of words holds what may be a value.
-    fn holds_value(&self, record: &Record) -> bool {
-        let aside = AsideReading { line: record.line, text: record.in_words() };
-        let Setup { columns, titles, .. } = &self.setup;
-        let beside = Beside { columns, width: titles.len(), of_parts: None, measured: None };
-        beside.value_in(&aside, false).is_some_and(|unknown| !unknown.is_ignored(&self.setup.want))
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.
@@ -644,11 +416,6 @@ impl Rows {
         let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
         self.refuse(1, raw, block, &start, message);
     }
-}
-
-/// A record that contradicts how the table is read, in a column or as a whole.
-fn contradiction(record: &Record, column: Option<&String>, message: String, help: &'static str) -> Contradiction {
-    Contradiction { line: record.line, column: column.cloned().unwrap_or_default(), message, help }
 }
 
 /// Begins a row.
@@ -729,17 +496,4 @@ fn swallowed(record: &Record, separator: u8) -> Option<String> {
     let text = cell.text();
     let line = text.lines().skip(1).find(|line| line.contains(char::from(separator)))?;
     Some(shown(line))
-}
-
-/// Whether a row is called by what is made of the parts', or by what is wanted of them.
-fn is_called_of_parts(name: &str) -> bool {
-    may_be_statistic(name.as_bytes()) && is_of_parts(name)
-}
-
-/// A quick look: such names end in no digit, and begin with a letter or end in one that is not plain.
-#[inline]
-fn may_be_statistic(name: &[u8]) -> bool {
-    let Some((first, last)) = name.first().zip(name.last()) else { return false };
-    let is_letter = first.is_ascii_alphabetic() || *first == b' ' || !first.is_ascii() || !last.is_ascii();
-    is_letter && !last.is_ascii_digit() && (name.len() > 1 || matches!(first, b's' | b'S' | b'R' | b'n' | b'N'))
 }

@@ -5,7 +5,9 @@ use super::super::block::{Block, Contradiction};
 use super::super::cell::Record;
 use super::super::column::Extent;
 use super::super::understand::is_false_statistic;
-use super::{Rows, contradiction, is_called_of_parts};
+use super::Rows;
+use super::aside::is_called_of_parts;
+use super::contradiction::contradiction;
 use crate::deviation::DeviationValue;
 
 /// How far the values of a table reach, and the rows called by a statistic that contradict them so far.
