@@ -3,22 +3,26 @@
 //! it, the text is refused with the readings shown. The computer's locale is never asked. Called for the whole of a short
 //! text, and for the start of a long one.
 
+mod mark;
+mod refusal;
+
 use std::cmp::Ordering;
-use std::mem::discriminant;
 use std::sync::Arc;
 
-use super::cell::{Cell, Content, Record};
-use super::column::{Column, Extent, Nominal, Problem, UnitFrom, behind_name, fitting};
+use super::cell::{Cell, Record};
+use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, is_called, may_be_of_parts, names_value, part_in_title, part_said, role};
-use super::number::{DecimalMark, Marks, normalise};
+use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role};
+use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
-use super::shape::{Measurement, NoShape, Shape, has_digit, located, shape, stated_units, unknown_unit};
-use super::want::{Orientation, Want, ignore_option, mapping, quoted};
+use super::shape::{Measurement, NoShape, Shape, shape};
+use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
+use crate::quantity::{LengthUnit, shown};
+use mark::readings;
+use refusal::{numbers_teeth, other_part, other_unit, twice, two_readings};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone)]
@@ -39,12 +43,6 @@ pub(crate) struct Understood {
     doubt: Option<String>,
     /// Why its decimal mark cannot be meant: no number of a column whose value depends on the mark makes sense.
     ruled_out: Option<String>,
-}
-
-/// A decimal mark, and what speaks for it.
-struct Choice {
-    mark: DecimalMark,
-    settled_by: Option<String>,
 }
 
 /// The rank of what is wrong with a column that was found.
@@ -237,142 +235,6 @@ impl Shape {
     }
 }
 
-/// The readings of a shape: one, or one for each decimal mark.
-fn readings(
-    source: &Arc<Source>,
-    separator: Option<Separator>,
-    shape: &Arc<Shape>,
-    want: &Want,
-) -> Result<Vec<Understood>, Diagnostics> {
-    let choices = choices(source, separator, shape, want)?;
-    let several = choices.len() > 1;
-    let has_mark = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',', '．', '，']));
-    let has_decimals = shape.number_cells().any(has_mark);
-    let mut candidates = Vec::new();
-    let mut failure = None;
-    for Choice { mark, settled_by } in choices {
-        match read(source, shape, mark, want) {
-            Ok(read) => {
-                let mark = (has_decimals || want.decimal.is_some()).then_some(mark);
-                candidates.push(Understood { separator, mark, settled_by, ..read });
-            }
-            Err(problem) => failure = Some(problem),
-        }
-    }
-    if several {
-        candidates.iter_mut().for_each(Understood::examine);
-        settle_mark(&mut candidates);
-        // a line beside the table tells the mark where no value does
-        if candidates.len() > 1 && candidates.iter().any(|candidate| candidate.settled_by.is_some()) {
-            candidates.retain(|candidate| candidate.settled_by.is_some());
-        }
-    }
-    match failure {
-        Some(failure) if candidates.is_empty() => Err(failure),
-        _ => Ok(candidates),
-    }
-}
-
-/// What the numbers of a table say about their decimal mark.
-#[derive(Default)]
-struct Evidence<'s> {
-    /// The first cell that is a number with a decimal point only.
-    point: Option<&'s Cell>,
-    comma: Option<&'s Cell>,
-    /// Whether a cell is a different number with each.
-    is_open: bool,
-    /// Whether such a cell has a comma: between commas, it is in quotes.
-    has_open_comma: bool,
-}
-
-impl<'s> Evidence<'s> {
-    fn of(cells: impl Iterator<Item = &'s Cell>) -> Self {
-        let mut evidence = Self::default();
-        for cell in cells {
-            match cell.marks() {
-                Marks::None | Marks::Same => {}
-                _ if !cell.is_measure() => {}
-                Marks::Differ => {
-                    evidence.is_open = true;
-                    evidence.has_open_comma |= cell.text().contains(',');
-                }
-                Marks::Only(DecimalMark::Point) => evidence.point = evidence.point.or(Some(cell)),
-                Marks::Only(DecimalMark::Comma) => evidence.comma = evidence.comma.or(Some(cell)),
-            }
-        }
-        evidence
-    }
-}
-
-/// Of the readings with either mark, leaves those that can be meant: what rules out one mark settles the other.
-fn settle_mark(candidates: &mut Vec<Understood>) {
-    let reasons: [fn(&Understood) -> Option<&String>; 2] =
-        [|candidate| candidate.ruled_out.as_ref(), |candidate| candidate.doubt.as_ref()];
-    for why in reasons {
-        let Some(reason) = candidates.iter().find_map(why).cloned() else { continue };
-        if candidates.iter().any(|candidate| why(candidate).is_none()) {
-            candidates.retain(|candidate| why(candidate).is_none());
-            for candidate in candidates {
-                candidate.settled_by = Some(format!("otherwise {reason}"));
-            }
-            return;
-        }
-    }
-}
-
-/// The decimal marks that a table may have.
-fn choices(
-    source: &Arc<Source>,
-    separator: Option<Separator>,
-    shape: &Shape,
-    want: &Want,
-) -> Result<Vec<Choice>, Diagnostic> {
-    let mut evidence = Evidence::of(shape.number_cells());
-    if evidence.is_open && evidence.point.is_none() && evidence.comma.is_none() {
-        // what is no measurement tells the mark as well
-        let columns = shape.unknown.iter().filter(|unknown| unknown.column.is_some());
-        let others = Evidence::of(columns.flat_map(|unknown| &unknown.cells));
-        if others.point.is_none() || others.comma.is_none() {
-            (evidence.point, evidence.comma) = (others.point, others.comma);
-        }
-    }
-    let open = evidence.is_open;
-    let by = |cell: &Cell| format!("settled by `{}`", cell.text());
-    let one = |mark, settled_by| Ok(vec![Choice { mark, settled_by }]);
-    match (want.decimal, evidence.point, evidence.comma) {
-        (Some(mark), ..) => one(mark, Some("as told".to_owned())),
-        (None, Some(point), Some(comma)) => {
-            let message = format!("the table has decimal points and commas: `{}` and `{}`", point.text(), comma.text());
-            // of two values, either mark leaves one that is no number
-            let values = Evidence::of(shape.measurements.iter().flat_map(|measurement| &measurement.value.cells));
-            let help = match (values.point, values.comma) {
-                (Some(_), Some(_)) => "write every number in the same way",
-                _ => {
-                    "write every number in the same way, or say which mark counts: --decimal comma, or in the spec [batch] decimal = \"comma\""
-                }
-            };
-            let diagnostic = Diagnostic::error(Code::BadTable, message).help(help);
-            Err(located(diagnostic, source, comma.span.clone(), ""))
-        }
-        (None, Some(cell), None) => one(DecimalMark::Point, open.then(|| by(cell))),
-        (None, None, Some(cell)) => one(DecimalMark::Comma, open.then(|| by(cell))),
-        (None, None, None) if !open => one(DecimalMark::Point, None),
-        (None, None, None) if separator == Some(Separator::COMMA) && !evidence.has_open_comma => {
-            one(DecimalMark::Point, Some("commas separate".to_owned()))
-        }
-        (None, None, None) => {
-            let lines = shape.unknown.iter().filter(|unknown| unknown.column.is_none());
-            let lines = Evidence::of(lines.flat_map(|unknown| &unknown.cells).filter(|cell| cell.has_decimals()));
-            let choice = |mark, cell: Option<&Cell>, other: Option<&Cell>| Choice {
-                mark,
-                settled_by: cell.filter(|_| other.is_none()).map(by),
-            };
-            let (point, comma) = (lines.point, lines.comma);
-            Ok(vec![choice(DecimalMark::Point, point, comma), choice(DecimalMark::Comma, comma, point)])
-        }
-    }
-}
-
 /// Reads the values of a shape with a decimal mark.
 fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> Result<Understood, Diagnostics> {
     let is_teeth = want.teeth.unwrap_or_else(|| is_teeth(shape));
@@ -426,97 +288,6 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         values: Vec::new(),
         doubt: None,
         ruled_out: None,
-    })
-}
-
-/// Two columns of one error: nothing tells which of them counts.
-fn twice(columns: &[Column]) -> Option<Diagnostic> {
-    let later = |(index, column): (usize, &Column)| {
-        let kind = column.kind?;
-        let first = columns[..index].iter().find(|first| first.kind == Some(kind))?;
-        let message = format!("two columns for `{}`: `{}` and `{}`", kind.key(), first.title, column.title);
-        let help = format!(
-            "say which counts, and leave the other out: [batch.columns] {}, [batch] ignore = [{}]",
-            mapping(kind.key(), Some(kind), &first.title, None),
-            quoted(&column.title)
-        );
-        Some(Diagnostic::error(Code::BadTable, message).help(help))
-    };
-    columns.iter().enumerate().find_map(later)
-}
-
-/// The refusal of a table of parts with a column that numbers their spaces or teeth.
-fn numbers_teeth(title: &str) -> Diagnostic {
-    let message = format!("`{title}` numbers spaces or teeth: each row is a tooth or a space, and not a part");
-    Diagnostic::error(Code::BadTable, message).help(format!(
-        "put the exact mesh to work: --teeth; or leave the column out, if each row is a part: {}",
-        ignore_option(title)
-    ))
-}
-
-/// A text at a place beside the table that states another unit than the one that is assumed for a column, or than those that
-/// stand beside all of them; millimetres and degrees may be meant for others.
-fn other_unit(shape: &Shape, columns: &[Column], want: &Want, place: &str, text: &str) -> Option<Diagnostic> {
-    let stated = stated_units(text);
-    let is_common = |unit| matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree));
-    columns.iter().find_map(|column| {
-        let is_assumed = column.unit_from == UnitFrom::Key;
-        // beside a unit that the table itself tells
-        let is_of_others = |unit: Unit| {
-            column.unit_from != UnitFrom::Spec && (is_common(unit) || columns.iter().any(|column| column.unit == unit))
-        };
-        let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
-        // mm and µm
-        let has_own = !is_assumed && stated.iter().any(|stated| stated.unit == column.unit);
-        let stated = stated.iter().filter(|_| !has_own);
-        let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
-        let title = &column.title;
-        let help = match (stated.map(|stated| stated.unit).find(is_other), unknown_unit(text)) {
-            (Some(unit), _) => {
-                let measurement = shape.measurements.iter().find(|found| found.value.title == *title)?;
-                let units = [unit, column.unit].map(Unit::symbol);
-                behind_name(title, &fitting(measurement, column.kind, want, column.mark, units))
-            }
-            (None, Some(unknown)) if is_assumed => format!(
-                "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: {}",
-                ignore_option(text)
-            ),
-            (None, _) => return None,
-        };
-        let (text, read_in) = (shown(text), column.unit.symbol());
-        let message = if is_assumed {
-            format!("{place} says `{text}`, and nothing else tells the unit of `{title}`, which would be {read_in}")
-        } else {
-            format!("{place} says `{text}`, and `{title}` is in {read_in}")
-        };
-        Some(Diagnostic::error(Code::BadTable, message).help(help))
-    })
-}
-
-/// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
-/// `Teilung`; or, as a title, than all of them are, whatever their names say.
-fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
-    let last = shape.lines.iter().max().copied().unwrap_or_default();
-    // a word without a number is a title, wherever it stands
-    let is_title = |aside: &AsideReading| !has_digit(&aside.text);
-    let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
-    let above = shape.asides.iter().filter(may_say);
-    above.filter_map(|aside| Some((aside, part_in_title(&aside.text)?))).find_map(|(aside, said)| {
-        let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == said));
-        let is_other = |column: &&Column| {
-            let is_named =
-                want.is_own(&column.title) || (is_of_both || !is_title(aside)) && part_said(&column.title).is_some();
-            !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
-        };
-        let column = columns.iter().find(is_other)?;
-        let (line, text, title, key) = (aside.line, shown(&aside.text), &column.title, column.kind?.key());
-        let message = format!("line {line} says `{text}`, and `{title}` would be read as `{key}`");
-        let help = format!(
-            "name the column, if it is: [batch.columns] {}; or leave the line out: {}",
-            mapping(key, column.kind, title, None),
-            ignore_option(&aside.text)
-        );
-        Some(Diagnostic::error(Code::BadTable, message).help(help))
     })
 }
 
@@ -667,43 +438,6 @@ fn is_teeth(shape: &Shape) -> bool {
             && (shape.orientation == Orientation::Rows || shape.lines.len() > 1)
             && shape.ids.is_none()
             && !shape.measurements.iter().any(is_error))
-}
-
-/// The refusal of a text that can be read in more than one way.
-fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
-    const SHOWN: usize = 4;
-    let marks_only = candidates
-        .windows(2)
-        .all(|pair| pair[0].separator == pair[1].separator && pair[0].shape.orientation == pair[1].shape.orientation);
-    let readings: Vec<_> = candidates
-        .iter()
-        .map(|candidate| {
-            let how = match (marks_only, candidate.mark, candidate.separator) {
-                (true, Some(mark), _) => format!("decimal {}", mark.word()),
-                (_, mark, separator) => {
-                    let mark = mark.map_or_else(String::new, |mark| format!(", decimal {}", mark.word()));
-                    format!("{}{mark}", separator.map_or_else(String::new, Separator::name))
-                }
-            };
-            let values: Vec<_> = candidate.values.iter().take(SHOWN).map(String::as_str).collect();
-            let more = if candidate.values.len() > SHOWN { ", …" } else { "" };
-            format!("with {how}: {}{more}", values.join(", "))
-        })
-        .collect();
-    let is_open = |cell: &&Cell| cell.marks() == Marks::Differ;
-    let open = candidates.iter().find_map(|candidate| candidate.shape.number_cells().find(is_open));
-    let such = open.map_or_else(String::new, |cell| format!(", because of `{}`", cell.text()));
-    let ways = if candidates.len() == 2 { "two" } else { "several" };
-    let message = format!("the table can be read in {ways} ways{such}");
-    let diagnostic = Diagnostic::error(Code::AmbiguousBlock, message).help(format!(
-        "{}; say which it is: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"{}",
-        readings.join("; or "),
-        if marks_only { "" } else { ", or put semicolons between the values" }
-    ));
-    let Some(cell) = open else { return located(diagnostic, source, 0..0, "") };
-    let [point, comma] = DecimalMark::ALL.map(|mark| normalise(&cell.text(), mark).unwrap_or_default());
-    let label = if point.contains('.') { format!("{point} or {comma}?") } else { format!("{comma} or {point}?") };
-    located(diagnostic, source, cell.span.clone(), &label)
 }
 
 /// A value for people: small lengths in µm.

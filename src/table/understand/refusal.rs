@@ -1,0 +1,150 @@
+//! Why a reading is refused: two columns of one error, another unit or part beside the table, two readings.
+
+use std::mem::discriminant;
+use std::sync::Arc;
+
+use super::super::cell::Cell;
+use super::super::column::{Column, UnitFrom, behind_name, fitting};
+use super::super::grid::Separator;
+use super::super::names::{is_called, part_in_title, part_said};
+use super::super::number::{DecimalMark, Marks, normalise};
+use super::super::reading::AsideReading;
+use super::super::shape::{Shape, has_digit, located, stated_units, unknown_unit};
+use super::super::want::{Want, ignore_option, mapping, quoted};
+use super::Understood;
+use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
+
+/// Two columns of one error: nothing tells which of them counts.
+pub(super) fn twice(columns: &[Column]) -> Option<Diagnostic> {
+    let later = |(index, column): (usize, &Column)| {
+        let kind = column.kind?;
+        let first = columns[..index].iter().find(|first| first.kind == Some(kind))?;
+        let message = format!("two columns for `{}`: `{}` and `{}`", kind.key(), first.title, column.title);
+        let help = format!(
+            "say which counts, and leave the other out: [batch.columns] {}, [batch] ignore = [{}]",
+            mapping(kind.key(), Some(kind), &first.title, None),
+            quoted(&column.title)
+        );
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    };
+    columns.iter().enumerate().find_map(later)
+}
+
+/// The refusal of a table of parts with a column that numbers their spaces or teeth.
+pub(super) fn numbers_teeth(title: &str) -> Diagnostic {
+    let message = format!("`{title}` numbers spaces or teeth: each row is a tooth or a space, and not a part");
+    Diagnostic::error(Code::BadTable, message).help(format!(
+        "put the exact mesh to work: --teeth; or leave the column out, if each row is a part: {}",
+        ignore_option(title)
+    ))
+}
+
+/// A text at a place beside the table that states another unit than the one that is assumed for a column, or than those that
+/// stand beside all of them; millimetres and degrees may be meant for others.
+pub(super) fn other_unit(
+    shape: &Shape,
+    columns: &[Column],
+    want: &Want,
+    place: &str,
+    text: &str,
+) -> Option<Diagnostic> {
+    let stated = stated_units(text);
+    let is_common = |unit| matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree));
+    columns.iter().find_map(|column| {
+        let is_assumed = column.unit_from == UnitFrom::Key;
+        // beside a unit that the table itself tells
+        let is_of_others = |unit: Unit| {
+            column.unit_from != UnitFrom::Spec && (is_common(unit) || columns.iter().any(|column| column.unit == unit))
+        };
+        let is_other = |unit: &Unit| discriminant(unit) == discriminant(&column.unit) && *unit != column.unit;
+        // mm and µm
+        let has_own = !is_assumed && stated.iter().any(|stated| stated.unit == column.unit);
+        let stated = stated.iter().filter(|_| !has_own);
+        let stated = stated.filter(|stated| is_assumed || stated.is_clear && !is_of_others(stated.unit));
+        let title = &column.title;
+        let help = match (stated.map(|stated| stated.unit).find(is_other), unknown_unit(text)) {
+            (Some(unit), _) => {
+                let measurement = shape.measurements.iter().find(|found| found.value.title == *title)?;
+                let units = [unit, column.unit].map(Unit::symbol);
+                behind_name(title, &fitting(measurement, column.kind, want, column.mark, units))
+            }
+            (None, Some(unknown)) if is_assumed => format!(
+                "`{unknown}` is no unit that is known: write one behind the name, or leave the line out: {}",
+                ignore_option(text)
+            ),
+            (None, _) => return None,
+        };
+        let (text, read_in) = (shown(text), column.unit.symbol());
+        let message = if is_assumed {
+            format!("{place} says `{text}`, and nothing else tells the unit of `{title}`, which would be {read_in}")
+        } else {
+            format!("{place} says `{text}`, and `{title}` is in {read_in}")
+        };
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    })
+}
+
+/// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
+/// `Teilung`; or, as a title, than all of them are, whatever their names say.
+pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
+    let last = shape.lines.iter().max().copied().unwrap_or_default();
+    // a word without a number is a title, wherever it stands
+    let is_title = |aside: &AsideReading| !has_digit(&aside.text);
+    let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
+    let above = shape.asides.iter().filter(may_say);
+    above.filter_map(|aside| Some((aside, part_in_title(&aside.text)?))).find_map(|(aside, said)| {
+        let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == said));
+        let is_other = |column: &&Column| {
+            let is_named =
+                want.is_own(&column.title) || (is_of_both || !is_title(aside)) && part_said(&column.title).is_some();
+            !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
+        };
+        let column = columns.iter().find(is_other)?;
+        let (line, text, title, key) = (aside.line, shown(&aside.text), &column.title, column.kind?.key());
+        let message = format!("line {line} says `{text}`, and `{title}` would be read as `{key}`");
+        let help = format!(
+            "name the column, if it is: [batch.columns] {}; or leave the line out: {}",
+            mapping(key, column.kind, title, None),
+            ignore_option(&aside.text)
+        );
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    })
+}
+
+/// The refusal of a text that can be read in more than one way.
+pub(super) fn two_readings(source: &Arc<Source>, candidates: &[Understood]) -> Diagnostic {
+    const SHOWN: usize = 4;
+    let marks_only = candidates
+        .windows(2)
+        .all(|pair| pair[0].separator == pair[1].separator && pair[0].shape.orientation == pair[1].shape.orientation);
+    let readings: Vec<_> = candidates
+        .iter()
+        .map(|candidate| {
+            let how = match (marks_only, candidate.mark, candidate.separator) {
+                (true, Some(mark), _) => format!("decimal {}", mark.word()),
+                (_, mark, separator) => {
+                    let mark = mark.map_or_else(String::new, |mark| format!(", decimal {}", mark.word()));
+                    format!("{}{mark}", separator.map_or_else(String::new, Separator::name))
+                }
+            };
+            let values: Vec<_> = candidate.values.iter().take(SHOWN).map(String::as_str).collect();
+            let more = if candidate.values.len() > SHOWN { ", …" } else { "" };
+            format!("with {how}: {}{more}", values.join(", "))
+        })
+        .collect();
+    let is_open = |cell: &&Cell| cell.marks() == Marks::Differ;
+    let open = candidates.iter().find_map(|candidate| candidate.shape.number_cells().find(is_open));
+    let such = open.map_or_else(String::new, |cell| format!(", because of `{}`", cell.text()));
+    let ways = if candidates.len() == 2 { "two" } else { "several" };
+    let message = format!("the table can be read in {ways} ways{such}");
+    let diagnostic = Diagnostic::error(Code::AmbiguousBlock, message).help(format!(
+        "{}; say which it is: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"{}",
+        readings.join("; or "),
+        if marks_only { "" } else { ", or put semicolons between the values" }
+    ));
+    let Some(cell) = open else { return located(diagnostic, source, 0..0, "") };
+    let [point, comma] = DecimalMark::ALL.map(|mark| normalise(&cell.text(), mark).unwrap_or_default());
+    let label = if point.contains('.') { format!("{point} or {comma}?") } else { format!("{comma} or {point}?") };
+    located(diagnostic, source, cell.span.clone(), &label)
+}
