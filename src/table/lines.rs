@@ -59,7 +59,18 @@ impl Beside<'_> {
                 || is_signed(cell) && column.may_deviate_by(cell)
         };
         let is_value = |cell: &Cell| self.columns.iter().any(|column| is_of(column, cell));
-        let is_meant = |value: &Unknown| is_prose && !near(&value.title).is_empty() || value.cells.iter().any(is_value);
+        // Taster 3 mm
+        let is_of_probe = |cell: &Cell| {
+            unit_in(&cell.text()).is_some_and(|unit| unit == "mm")
+                && !self
+                    .columns
+                    .iter()
+                    .any(|column| matches!(column.nominal, Nominal::Fixed(_)) && column.may_hold(cell))
+        };
+        let is_probe = |value: &Unknown| WordList::Probe.has(&value.title) && value.cells.iter().all(is_of_probe);
+        let is_meant = |value: &Unknown| {
+            !is_probe(value) && (is_prose && !near(&value.title).is_empty() || value.cells.iter().any(is_value))
+        };
         let correction = || Unknown::line("", line, vec![cell.clone()]).unread();
         let value = value_in(&remark, self, false).filter(is_meant);
         let value = value.or_else(|| value_beyond(&remark, self.measured?));

@@ -88,17 +88,23 @@ impl Reading {
         self.notes.iter().cloned().chain(assumed).chain(self.missing_page()).collect()
     }
 
-    /// That lines between rows count more pages than there are: `Seite 1 von 2`, and no second one.
+    /// That lines beside the rows count more pages than there are: `Seite 1 von 2`, and no second one.
     fn missing_page(&self) -> Option<String> {
+        // a line may begin with the number of the report
         let numbers = |aside: &AsideReading| {
-            let numbers = aside.text.split(|c: char| !c.is_ascii_digit());
-            numbers.filter_map(|number| number.parse().ok()).collect::<Vec<u32>>()
+            let words: Vec<&str> = aside.text.split_whitespace().collect();
+            let page = (0..words.len()).map(|at| words[at..].join(" ")).find(|page| names_page(page))?;
+            let numbers = page.split(|c: char| !c.is_ascii_digit()).filter_map(|number| number.parse().ok());
+            <[u32; 2]>::try_from(numbers.collect::<Vec<_>>()).ok()
         };
-        let pages = self.asides.iter().filter(|aside| names_page(&aside.text)).map(numbers);
-        let last = pages.filter(|numbers| numbers.len() == 2 && self.asides.len() < ASIDES_KEPT).max()?;
-        let [page, all] = [last[0], last[1]];
-        let said = || format!("{}: it ends with page {page} of {all}: parts on other pages are not judged", self.file);
-        (page < all).then(said)
+        let pages = || self.asides.iter().filter_map(numbers).filter(|_| self.asides.len() < ASIDES_KEPT);
+        let ([first, _], [last, all]) = (pages().min()?, pages().max()?);
+        let which = match (first > 1, last < all) {
+            (_, true) => format!("ends with page {last} of {all}"),
+            (true, _) => format!("begins with page {first} of {all}"),
+            _ => return None,
+        };
+        Some(format!("{}: it {which}: parts on other pages are not judged", self.file))
     }
 
     fn sentence(&self, what: &str, each: &[String], more: &str) -> Option<String> {

@@ -22,7 +22,7 @@ use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{LengthUnit, shown};
 use mark::readings;
-use refusal::{numbers_teeth, other_part, other_unit, twice, two_readings};
+use refusal::{no_error, numbers_teeth, other_part, other_unit, twice, two_readings};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone)]
@@ -248,17 +248,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
     for measurement in &shape.measurements {
         let kind = if is_teeth { None } else { measurement.field.kind() };
         if !is_teeth && kind.is_none() {
-            problems.push(
-                Diagnostic::error(
-                    Code::BadTable,
-                    format!(
-                        "`{}` is {} of a tooth or space, and each row of this table is a part",
-                        measurement.value.title,
-                        measurement.field.key()
-                    ),
-                )
-                .help("tables with a row per tooth or space are read by `rackmesh batch --teeth` and `rackmesh paste`"),
-            );
+            problems.push(no_error(&measurement.value.title, measurement.field));
             continue;
         }
         match Column::new(measurement, kind, want, mark) {
@@ -348,8 +338,9 @@ impl Understood {
         let ids = self.shape.ids.as_ref().filter(|_| !self.is_teeth)?;
         let parts = ids.cells.iter().filter(|name| !may_be_of_parts(&name.text())).count();
         let count = |line: &AsideReading| {
-            let words: Vec<&str> = line.text.split([' ', ':', '=']).filter(|word| !word.is_empty()).collect();
-            let (number, words) = words.split_last()?;
+            let words = line.text.split([' ', ':', '=', '(', ')']).filter(|word| !word.is_empty());
+            let (numbers, words): (Vec<&str>, Vec<&str>) = words.partition(|word| word.parse::<usize>().is_ok());
+            let [number] = numbers[..] else { return None };
             number.parse::<usize>().ok().filter(|_| WordList::PartCount.has(&words.join(" ")))
         };
         let mut counts = self.shape.asides.iter().filter_map(|line| Some((line, count(line)?)));

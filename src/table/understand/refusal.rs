@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::super::cell::Cell;
 use super::super::column::{Column, UnitFrom, behind_name, fitting};
 use super::super::grid::Separator;
-use super::super::names::{is_called, part_in_title, part_said};
+use super::super::names::{Field, is_called, part_in_title, part_said};
 use super::super::number::{DecimalMark, Marks, normalise};
 use super::super::reading::AsideReading;
 use super::super::shape::{Shape, has_digit, located, stated_units, unknown_unit};
@@ -29,6 +29,17 @@ pub(super) fn twice(columns: &[Column]) -> Option<Diagnostic> {
         Some(Diagnostic::error(Code::BadTable, message).help(help))
     };
     columns.iter().enumerate().find_map(later)
+}
+
+/// The refusal of a table of parts with a column, or a row, that is none of an error.
+pub(super) fn no_error(title: &str, field: Field) -> Diagnostic {
+    if field == Field::PartId {
+        let message = format!("`{title}` names the parts again, whose names stand in the header");
+        return Diagnostic::error(Code::BadTable, message).help(format!("leave it out: {}", ignore_option(title)));
+    }
+    let message = format!("`{title}` is {} of a tooth or space, and each row of this table is a part", field.key());
+    Diagnostic::error(Code::BadTable, message)
+        .help("tables with a row per tooth or space are read by `rackmesh batch --teeth` and `rackmesh paste`")
 }
 
 /// The refusal of a table of parts with a column that numbers their spaces or teeth.
