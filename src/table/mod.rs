@@ -178,6 +178,7 @@ impl Table {
             }
         }
         if understood.is_teeth {
+            sorted.asides.extend(shape.said_in_every_row(want).filter(|said| part_in_title(&said.text).is_some_and(|of| of != part)));
             sorted.take_titles_of_other(name, part, want, &others);
         }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);

@@ -293,6 +293,17 @@ impl Shape {
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }
 
+    /// What a column that is not used says in every row, as a line.
+    pub(crate) fn said_in_every_row(&self, want: &Want) -> impl Iterator<Item = AsideReading> {
+        let columns = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
+        columns.filter_map(|unknown| {
+            let mut said = unknown.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text);
+            let text = said.next()?;
+            let is_said = said.all(|other| other == text) && !want.ignores(&text);
+            is_said.then(|| AsideReading { line: self.lines.first().copied().unwrap_or(1), text: text.into_owned() })
+        })
+    }
+
     /// The columns that are no measurements, and may have remarks.
     pub(crate) fn remarks(&self, want: &Want) -> Vec<Remarks> {
         let watched = self.watched(want);

@@ -97,18 +97,19 @@ pub(super) fn other_unit(
 }
 
 /// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
-/// `Teilung`; or, as a title, than all of them are, whatever their names say.
+/// `Teilung`; or, as a title, than all of them are, whatever their names say. So does a column that says one part in every row.
 pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
     let last = shape.lines.iter().max().copied().unwrap_or_default();
     // a word without a number is a title, wherever it stands
     let is_title = |aside: &AsideReading| !has_digit(&aside.text);
     let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
-    let above = shape.asides.iter().filter(may_say);
-    above.filter_map(|aside| Some((aside, part_in_title(&aside.text)?))).find_map(|(aside, said)| {
+    let above = shape.asides.iter().filter(may_say).cloned();
+    let titles = above.chain(shape.said_in_every_row(want));
+    titles.filter_map(|aside| Some((part_in_title(&aside.text)?, aside))).find_map(|(said, aside)| {
         let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == said));
         let is_other = |column: &&Column| {
             let is_named =
-                want.is_own(&column.title) || (is_of_both || !is_title(aside)) && part_said(&column.title).is_some();
+                want.is_own(&column.title) || (is_of_both || !is_title(&aside)) && part_said(&column.title).is_some();
             !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
         };
         let column = columns.iter().find(is_other)?;
