@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use super::cell::Cell;
 use super::column::{Column, Nominal, has_tolerance_behind};
-use super::grid::{Separator, is_date, records, unit_in};
+use super::grid::{Separator, is_date, is_unit, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
     Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, near, plain_widths, role,
@@ -21,12 +21,13 @@ use crate::quantity::Length;
 /// Whether a line says nothing but a column's nominal value, and perhaps its tolerance: `Soll: 25,000 ± 0,03`.
 pub(super) fn repeats_nominal(unknown: &Unknown, aside: &AsideReading, columns: &[Column]) -> bool {
     let has_tolerance = has_tolerance_behind(&aside.text);
+    let named = heading(&unknown.title, &[]).filter(|heading| heading.aspect == Role::Nominal);
     let is_nominal = |cell: &Cell| {
-        columns.iter().any(|column| {
+        columns.iter().filter(|column| named.as_ref().is_none_or(|named| named.fields.contains(&column.field))).any(|column| {
             matches!(column.nominal, Nominal::Fixed(nominal) if column.quantity(cell).is_ok_and(|value| value == nominal))
         })
     };
-    role(&unknown.title) == Some(Role::Nominal)
+    (named.is_some() || role(&unknown.title) == Some(Role::Nominal))
         && unknown.cells.first().is_some_and(is_nominal)
         && unknown.cells.len() <= 1 + usize::from(has_tolerance)
 }
@@ -159,6 +160,21 @@ pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column], want: &Wan
     let is_other =
         |said: &NamedSize| size_read_with(&said.name, columns, want).is_some_and(|read_with| said.size != read_with);
     named_sizes(&aside.text).find(is_other).map(|said| unread(&said.name))
+}
+
+/// The names in a line of statistics, each with what stands behind it: `Max 25,012 Min 24,998`.
+pub(super) fn statistics(text: &str, line: u64) -> Vec<Unknown> {
+    let mut found: Vec<Unknown> = Vec::new();
+    for cell in records(text, Separator::Blanks).unwrap_or_default().into_iter().flat_map(|record| record.cells) {
+        let word = cell.text().into_owned();
+        let is_behind = !is_statistic(&word) && (cell.is_number() || is_unit(&word));
+        match found.last_mut() {
+            Some(last) if is_behind => last.cells.push(cell),
+            Some(last) if last.cells.is_empty() => last.title += &format!(" {word}"),
+            _ => found.push(Unknown::line(&word, line, Vec::new())),
+        }
+    }
+    found
 }
 
 /// A size behind its name.

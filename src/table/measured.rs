@@ -56,15 +56,21 @@ impl MeasuredValues {
         let is_other = is_statistic(title) && !WordList::Mean.has(title)
             || role(title).is_some_and(Role::is_beside_value) && is_fixed();
         let is_of_rows = self.orientation == Orientation::Rows;
-        // an extreme that is another for each part is measured
+        // an extreme that is another for each part is measured; one beside the first part alone may be that of all
         let has_numbers = || unknown.cells.iter().any(Cell::is_number);
         if unknown.column.is_some() && is_of_rows && WordList::Mean.has(title) && has_numbers() && !is_fixed() {
-            return true;
+            return !self.have_statistic(&unknown.cells);
         }
         // a column beside columns of parts is a statistic of them
         unknown.column.is_some() == is_of_rows
             && !is_other
             && self.columns.iter().any(|column| column.may_be_repeated(&unknown.cells))
+    }
+
+    /// Whether a column holds one number, beside the first of several parts, that lies among the values.
+    fn have_statistic(&self, cells: &[Cell]) -> bool {
+        let is_alone = cells.len() > 1 && cells.iter().skip(1).all(Cell::is_missing);
+        is_alone && self.columns.iter().any(|column| column.encloses(&cells[0]))
     }
 
     /// Whether a number has decimals and is near a nominal value, and is none.
@@ -99,6 +105,18 @@ impl MeasuredValues {
         let encloses = |cell: &Cell| self.columns.iter().any(|column| column.encloses(cell));
         WordList::Mean.has(title) && !cells.iter().any(encloses)
             || WordList::Spread.has(title) && cells.iter().all(|cell| self.are_narrower_than(cell))
+    }
+
+    /// Whether a number of a list beside the parts is none of what it is called there: a statistic or nominal value of these values.
+    pub(crate) fn are_denied_by(&self, title: &str, number: &Cell) -> bool {
+        let is_other = |column: &ColumnValues| {
+            let is_nominal = column.column.quantity(number).is_ok_and(|value| column.nominals.contains(&value));
+            column.is_near_nominal(number) && !is_nominal
+        };
+        self.contradict(title, std::slice::from_ref(number))
+            || WordList::Mean.has(title) && self.is_beyond_all(number)
+            || WordList::Apart.has(title) && self.may_have(number)
+            || role(title) == Some(Role::Nominal) && self.columns.iter().any(is_other)
     }
 
     /// Whether a number is larger than the range of every column's values, so that it is no spread of them.

@@ -102,7 +102,7 @@ use crate::deviation::{DeviationKind, Part};
 use crate::quantity::{Unit, shown};
 use block::line_of;
 use column::UnitFrom;
-use names::Role;
+use names::{Role, part_in_title};
 use shape::Measurement;
 use strangers::Others;
 use understand::Understood;
@@ -178,7 +178,9 @@ impl Table {
             }
         }
         if understood.is_teeth {
-            sorted.asides.extend(shape.said_in_every_row(want).filter(|said| part_in_title(&said.text).is_some_and(|of| of != part)));
+            sorted.asides.extend(
+                shape.said_in_every_row(want).filter(|said| part_in_title(&said.text).is_some_and(|of| of != part)),
+            );
             sorted.take_titles_of_other(name, part, want, &others);
         }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);

@@ -1,6 +1,7 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use serde::Serialize;
@@ -10,12 +11,12 @@ use super::column::{Column, Nominal};
 use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
-    size_read_with, value_beyond, without_name, without_punctuation, without_value,
+    size_read_with, statistics, value_beyond, without_name, without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, is_again, is_called, is_context, is_other_of_flank, is_statistic, is_total, near,
-    part_in_title, part_said, role, split_unit,
+    Field, Role, WordList, is_again, is_called, is_context, is_of_parts, is_other_of_flank, is_statistic, is_total,
+    may_be_of_parts, near, part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
@@ -239,7 +240,9 @@ impl Sorter<'_> {
             .or_else(|| of_all_values(aside, self.beside.columns, self.want).filter(|_| !is_empty_statistic));
         let is_described = |unknown: &Unknown| {
             let text = without_punctuation(&aside.text);
+            let several = statistics(&text, aside.line);
             text.strip_prefix(&unknown.title).is_some_and(|behind| self.measured.are_described_by(unknown, behind))
+                || several.len() > 1 && several.iter().all(|one| !one.cells.is_empty() && self.is_described(one))
         };
         match found {
             Some(unknown) if !repeats_nominal(&unknown, aside, self.beside.columns) && !is_described(&unknown) => {
@@ -282,19 +285,27 @@ impl Sorter<'_> {
 /// A number below a name for context is none, and in a sheet that is called a repetition each is one.
 pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
     let others = &Others::of(&understood.columns, want);
+    let is_list = lists_statistics(records);
     let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
-    let mut sorted = columns.unwrap_or_default();
+    let mut sorted = columns.ok().filter(|_| !is_list).unwrap_or_default();
     if let Some(record) = records.iter().find(|record| is_again(sheet) && record.numbers() > 0) {
         let again = Unknown::line(sheet, record.line, record.cells.clone()).unread();
         sorted.take(file, &again, want, &Others::default());
     }
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
     let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
-    let heading =
-        |place: usize| records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()));
+    let false_statistic = |named: &NamedNumber<'_>| {
+        let NamedNumber { line, number, names } = named;
+        let name = names.iter().find(|name| measured.are_denied_by(name, number))?;
+        Some(Unknown::line(name, *line, vec![(*number).clone()]).unread())
+    };
+    if let Some(unknown) = named_numbers(records).filter(|_| is_list).find_map(|named| false_statistic(&named)) {
+        sorted.take(file, &unknown, want, &Others::default());
+    }
     let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
-    let is_other = |place: usize| heading(place).is_some_and(|cell| is_context(&cell.text()));
-    let is_kept = |place: usize, cell: &Cell| !cell.is_number() || !is_other(place) || measured.may_have(cell);
+    let is_other = |place: usize| heading(records, place).is_some_and(|cell| is_context(&cell.text()));
+    let is_kept =
+        |place: usize, cell: &Cell| !cell.is_number() || !is_list && (!is_other(place) || measured.may_have(cell));
     for record in records {
         if !sorted.strangers.is_empty() {
             break;
@@ -306,6 +317,36 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         }
     }
     sorted
+}
+
+/// A number of a sheet, with what its row and its column are called.
+struct NamedNumber<'a> {
+    line: u64,
+    number: &'a Cell,
+    names: Vec<Cow<'a, str>>,
+}
+
+/// The first cell of a column that is not empty.
+fn heading(records: &[Record], place: usize) -> Option<&Cell> {
+    records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()))
+}
+
+fn named_numbers(records: &[Record]) -> impl Iterator<Item = NamedNumber<'_>> {
+    records.iter().flat_map(move |record| {
+        let row = record.cells.iter().find(|cell| !cell.is_empty());
+        let numbers = record.cells.iter().enumerate().filter(|(_, cell)| cell.is_number());
+        numbers.map(move |(place, number)| {
+            let names = [row, heading(records, place)].into_iter().flatten().map(Cell::text).collect();
+            NamedNumber { line: record.line, number, names }
+        })
+    })
+}
+
+/// Whether every number of a sheet is that of a statistic, a nominal value or a limit of parts, by the name of its row or column.
+pub(crate) fn lists_statistics(records: &[Record]) -> bool {
+    let is_any = |named: NamedNumber<'_>, is_of: fn(&str) -> bool| named.names.iter().any(|name| is_of(name));
+    named_numbers(records).all(|named| is_any(named, |name| may_be_of_parts(name) || WordList::PartCount.has(name)))
+        && named_numbers(records).any(|named| is_any(named, is_of_parts))
 }
 
 impl Sorted {

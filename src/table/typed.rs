@@ -19,7 +19,7 @@ use super::rejection::rejection;
 use super::rows::stored_record;
 use super::shape::many;
 use super::stored::Stored;
-use super::strangers::{self, Others, SHEET, Stranger};
+use super::strangers::{self, Others, SHEET, Stranger, lists_statistics};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -99,8 +99,7 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
         let is_name = |cell: &&Cell| !is_context || cell.text().chars().count() > 1;
         record.cells.iter().filter(is_name).any(|cell| is_value_heading(&cell.text(), &want.own))
     };
-    let mut found: Option<Sheet> = None;
-    let (mut all, mut others) = (Vec::new(), Vec::new());
+    let (mut found, mut others): (Vec<Sheet>, Vec<Sheet>) = (Vec::new(), Vec::new());
     for name in &names {
         let head = book.head(name, want.range, HEAD)?;
         let sheet = Sheet { name: name.clone(), called: book.called(name), head };
@@ -109,21 +108,19 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
             continue;
         }
         let has_numbers = sheet.head.iter().any(|record| record.numbers() > 0);
-        match &found {
-            Some(_) if !has_numbers => others.push(sheet),
-            Some(_) => all.push(name.clone()),
-            None => {
-                all.push(name.clone());
-                found = Some(sheet);
-            }
-        }
+        if found.is_empty() || has_numbers { found.push(sheet) } else { others.push(sheet) }
     }
-    if all.len() > 1 {
+    let is_list = |sheet: &Sheet| sheet.head.len() < HEAD && lists_statistics(&sheet.head);
+    if !found.iter().all(is_list) {
+        others.extend(found.extract_if(.., |sheet| is_list(sheet)));
+    }
+    if found.len() > 1 {
+        let all: Vec<String> = found.into_iter().map(|sheet| sheet.name).collect();
         let message = format!("{} sheets have columns that are known: {}", all.len(), listed(&all));
         return Err(Diagnostic::error(Code::AmbiguousBlock, message)
             .help("say which is meant with --sheet; each is read by itself"));
     }
-    let read = found.ok_or_else(|| {
+    let read = found.pop().ok_or_else(|| {
         Diagnostic::error(Code::BadTable, "no sheet of the workbook has a column that is known")
             .help(format!("its sheets are {}; say which with --sheet, and where with --range", listed(&names)))
     })?;

@@ -108,7 +108,7 @@ pub(super) fn unit(
     if by_key {
         return Ok((default, UnitFrom::Key));
     }
-    if let Some(stated) = measurement.stated_unit {
+    if let Some(stated) = measurement.stated_unit.or_else(|| behind_nominal(measurement)) {
         return Ok((stated, UnitFrom::Table));
     }
     let message =
@@ -122,6 +122,14 @@ pub(super) fn unit(
     });
     let help = behind_name(&value.title, &units) + &in_spec.unwrap_or_default();
     Err(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// The unit behind every nominal value beside the values: `25.000 ±0.050 mm`.
+fn behind_nominal(measurement: &Measurement) -> Option<Unit> {
+    let nominals = measurement.beside.get(Role::Nominal)?.cells.iter().filter(|cell| !cell.is_missing());
+    let mut units = nominals.map(|cell| unit_of(&unit_in(&cell.text())?, measurement.field.is_angle()));
+    let unit = units.next()??;
+    units.all(|other| other == Some(unit)).then_some(unit)
 }
 
 /// Of two units, those in which the numbers of a measurement may be its values; both if there is none.

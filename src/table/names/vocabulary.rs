@@ -192,6 +192,8 @@ pub(crate) enum WordList {
     Person,
     /// Who measured, for whom, and what they say: words, and no numbers with decimals.
     Words,
+    /// Who may measure a part once more.
+    Verifier,
     /// That somebody is content with a value.
     Approval,
     /// That somebody is not.
@@ -253,6 +255,7 @@ impl WordList {
                 | Self::Serial
                 | Self::Person
                 | Self::Words
+                | Self::Verifier
                 | Self::OtherFlank
                 | Self::EvaluationLength
                 | Self::Roller

@@ -13,7 +13,8 @@ use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, split_unit,
+    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, is_statistic, names_value, role,
+    split_unit,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -166,7 +167,8 @@ fn places(roles: &[Option<Role>], of: Role) -> Vec<usize> {
     (0..roles.len()).filter(|place| roles[*place] == Some(of)).collect()
 }
 
-/// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not.
+/// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not; nor do
+/// those that go one to one with it.
 fn drop_common_names(roles: &mut [Option<Role>], rows: &[usize], records: &[Record], header: &Record) {
     let names = places(roles, Role::Part);
     if names.len() < 2 {
@@ -183,7 +185,13 @@ fn drop_common_names(roles: &mut [Option<Role>], rows: &[usize], records: &[Reco
         serial.filter(|_| names.iter().all(|place| is_common(*place)))
     };
     let Some(kept) = names.iter().find(|place| tells(place)).or_else(of_one_part) else { return };
-    for place in names.iter().filter(|place| *place != kept && is_common(**place)) {
+    // as many pairs as there are of either
+    let is_same = |place: usize| {
+        let names = |place: usize| rows.iter().map(move |row| records[*row].cells.get(place).map(Cell::text));
+        let pairs: HashSet<_> = names(*kept).zip(names(place)).collect();
+        [*kept, place].into_iter().all(|place| names(place).collect::<HashSet<_>>().len() == pairs.len())
+    };
+    for place in names.iter().filter(|place| *place != kept && (is_common(**place) || is_same(**place))) {
         roles[*place] = None;
     }
 }
@@ -458,6 +466,7 @@ impl Characteristics {
                 Some(role) => *role,
                 None if want.ignores(&header[place].text()) => continue,
                 None if self.parts.is_empty() && names_one_part(&header[place].text()) => Role::Measured,
+                None if self.may_be_second_value(records, place, want) => Role::Measured,
                 None => continue,
             };
             let first = self.place(role).unwrap_or(place);
@@ -466,6 +475,25 @@ impl Characteristics {
             }
         }
         Ok(())
+    }
+
+    /// Whether a column is called by who may have measured again, or by a word for values, and a known row has a number there; one
+    /// whole number in all rows is none of a value.
+    fn may_be_second_value(&self, records: &[Record], place: usize, want: &Want) -> bool {
+        let title = records[self.header].cells[place].text();
+        let words = || title.split(|c: char| !c.is_alphanumeric());
+        // a number of measurements is none of them
+        let is_of_values = |word: &str| role(word) == Some(Role::Measured);
+        let is_called_so = WordList::Verifier.has(&title)
+            || words().any(is_of_values) && !words().any(is_part_name) && !is_statistic(&title);
+        let rows = || self.rows.iter().map(|row| &records[*row].cells);
+        let is_value = |cells: &&Vec<Cell>| {
+            cells.get(place).is_some_and(Cell::is_measure) && names_value(&cells[self.name].text(), &want.own)
+        };
+        let texts: HashSet<_> = rows().map(|cells| cells.get(place).map(Cell::text)).collect();
+        let is_whole = |cells: &Vec<Cell>| cells.get(place).is_some_and(|cell| !cell.is_empty() && cell.is_whole());
+        let is_fixed = self.rows.len() > 1 && texts.len() == 1 && rows().all(is_whole);
+        is_called_so && !is_fixed && rows().any(|cells| is_value(&cells))
     }
 
     /// The cells of a row that may be measured: all but its name, and the part's.
