@@ -1,7 +1,6 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
-use std::borrow::Cow;
 use std::collections::HashSet;
 
 use serde::Serialize;
@@ -285,27 +284,24 @@ impl Sorter<'_> {
 /// A number below a name for context is none, and in a sheet that is called a repetition each is one.
 pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
     let others = &Others::of(&understood.columns, want);
-    let is_list = lists_statistics(records);
+    let list = listed_statistics(records);
     let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
-    let mut sorted = columns.ok().filter(|_| !is_list).unwrap_or_default();
+    let mut sorted = columns.ok().filter(|_| list.is_none()).unwrap_or_default();
     if let Some(record) = records.iter().find(|record| is_again(sheet) && record.numbers() > 0) {
         let again = Unknown::line(sheet, record.line, record.cells.clone()).unread();
         sorted.take(file, &again, want, &Others::default());
     }
     let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
     let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
-    let false_statistic = |named: &NamedNumber<'_>| {
-        let NamedNumber { line, number, names } = named;
-        let name = names.iter().find(|name| measured.are_denied_by(name, number))?;
-        Some(Unknown::line(name, *line, vec![(*number).clone()]).unread())
-    };
-    if let Some(unknown) = named_numbers(records).filter(|_| is_list).find_map(|named| false_statistic(&named)) {
-        sorted.take(file, &unknown, want, &Others::default());
+    let is_denied = |unknown: &&Unknown| measured.are_denied_by(&unknown.title, &unknown.cells[0]);
+    if let Some(unknown) = list.iter().flatten().find(is_denied) {
+        sorted.take(file, unknown, want, &Others::default());
     }
     let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
     let is_other = |place: usize| heading(records, place).is_some_and(|cell| is_context(&cell.text()));
-    let is_kept =
-        |place: usize, cell: &Cell| !cell.is_number() || !is_list && (!is_other(place) || measured.may_have(cell));
+    let is_kept = |place: usize, cell: &Cell| {
+        !cell.is_number() || list.is_none() && (!is_other(place) || measured.may_have(cell))
+    };
     for record in records {
         if !sorted.strangers.is_empty() {
             break;
@@ -319,34 +315,24 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
     sorted
 }
 
-/// A number of a sheet, with what its row and its column are called.
-struct NamedNumber<'a> {
-    line: u64,
-    number: &'a Cell,
-    names: Vec<Cow<'a, str>>,
-}
-
 /// The first cell of a column that is not empty.
 fn heading(records: &[Record], place: usize) -> Option<&Cell> {
     records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()))
 }
 
-fn named_numbers(records: &[Record]) -> impl Iterator<Item = NamedNumber<'_>> {
-    records.iter().flat_map(move |record| {
+/// The numbers of a sheet, each below the name of its row or column, if all of these are names of statistics, nominal values or limits
+/// of parts.
+pub(crate) fn listed_statistics(records: &[Record]) -> Option<Vec<Unknown>> {
+    let mut found = Vec::new();
+    for record in records {
         let row = record.cells.iter().find(|cell| !cell.is_empty());
-        let numbers = record.cells.iter().enumerate().filter(|(_, cell)| cell.is_number());
-        numbers.map(move |(place, number)| {
-            let names = [row, heading(records, place)].into_iter().flatten().map(Cell::text).collect();
-            NamedNumber { line: record.line, number, names }
-        })
-    })
-}
-
-/// Whether every number of a sheet is that of a statistic, a nominal value or a limit of parts, by the name of its row or column.
-pub(crate) fn lists_statistics(records: &[Record]) -> bool {
-    let is_any = |named: NamedNumber<'_>, is_of: fn(&str) -> bool| named.names.iter().any(|name| is_of(name));
-    named_numbers(records).all(|named| is_any(named, |name| may_be_of_parts(name) || WordList::PartCount.has(name)))
-        && named_numbers(records).any(|named| is_any(named, is_of_parts))
+        for (place, number) in record.cells.iter().enumerate().filter(|(_, cell)| cell.is_number()) {
+            let mut names = [row, heading(records, place)].into_iter().flatten().map(Cell::text);
+            let name = names.find(|name| may_be_of_parts(name) || WordList::PartCount.has(name))?;
+            found.push(Unknown::line(&name, record.line, vec![number.clone()]).unread());
+        }
+    }
+    found.iter().any(|unknown| is_of_parts(&unknown.title)).then_some(found)
 }
 
 impl Sorted {

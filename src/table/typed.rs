@@ -19,7 +19,7 @@ use super::rejection::rejection;
 use super::rows::stored_record;
 use super::shape::many;
 use super::stored::Stored;
-use super::strangers::{self, Others, SHEET, Stranger, lists_statistics};
+use super::strangers::{self, Others, SHEET, Stranger, listed_statistics};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
@@ -110,7 +110,7 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
         let has_numbers = sheet.head.iter().any(|record| record.numbers() > 0);
         if found.is_empty() || has_numbers { found.push(sheet) } else { others.push(sheet) }
     }
-    let is_list = |sheet: &Sheet| sheet.head.len() < HEAD && lists_statistics(&sheet.head);
+    let is_list = |sheet: &Sheet| sheet.head.len() < HEAD && listed_statistics(&sheet.head).is_some();
     if !found.iter().all(is_list) {
         others.extend(found.extract_if(.., |sheet| is_list(sheet)));
     }

@@ -13,8 +13,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, is_statistic, names_value, role,
-    split_unit,
+    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, split_unit,
 };
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
@@ -480,20 +479,21 @@ impl Characteristics {
     /// Whether a column is called by who may have measured again, or by a word for values, and a known row has a number there; one
     /// whole number in all rows is none of a value.
     fn may_be_second_value(&self, records: &[Record], place: usize, want: &Want) -> bool {
-        let title = records[self.header].cells[place].text();
+        let header = &records[self.header].cells;
+        let title = header[place].text();
         let words = || title.split(|c: char| !c.is_alphanumeric());
         // a number of measurements is none of them
         let is_of_values = |word: &str| role(word) == Some(Role::Measured);
         let is_called_so = WordList::Verifier.has(&title)
-            || words().any(is_of_values) && !words().any(is_part_name) && !is_statistic(&title);
-        let rows = || self.rows.iter().map(|row| &records[*row].cells);
-        let is_value = |cells: &&Vec<Cell>| {
+            || words().any(is_of_values) && !words().any(is_part_name) && !is_statistic_among(&title, header);
+        let cells = || self.rows.iter().map(|row| &records[*row].cells);
+        let is_value = |cells: &Vec<Cell>| {
             cells.get(place).is_some_and(Cell::is_measure) && names_value(&cells[self.name].text(), &want.own)
         };
-        let texts: HashSet<_> = rows().map(|cells| cells.get(place).map(Cell::text)).collect();
-        let is_whole = |cells: &Vec<Cell>| cells.get(place).is_some_and(|cell| !cell.is_empty() && cell.is_whole());
-        let is_fixed = self.rows.len() > 1 && texts.len() == 1 && rows().all(is_whole);
-        is_called_so && !is_fixed && rows().any(|cells| is_value(&cells))
+        let whole = cells().map(|cells| cells.get(place).filter(|cell| cell.is_whole()).map(Cell::text));
+        let whole: HashSet<_> = whole.collect();
+        let is_fixed = self.rows.len() > 1 && whole.len() == 1 && !whole.contains(&None);
+        is_called_so && !is_fixed && cells().any(is_value)
     }
 
     /// The cells of a row that may be measured: all but its name, and the part's.
