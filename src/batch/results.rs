@@ -250,7 +250,7 @@ impl<'a> Results<'a> {
     pub(super) fn conformance(&self, known: &RowUncertainty, on: LimitTarget, row: usize) -> Option<f64> {
         let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
-        let linear = || Some(ends(plan, &known.spreads, on, self.judged(on, row)?)?.conformance(&plan.limits[index].1));
+        let linear = || ends(plan, &known.spreads, on, self.judged(on, row)?)?.conformance(&plan.limits[index].1);
         known.inside(index).or_else(linear)
     }
 

@@ -147,6 +147,6 @@ fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) ->
             ResultCell::Number(simulated(known.simulation_of(&plan.sources, *of)?, *statistic))
         }
         Output::Validated => ResultCell::Flag(known.validated?),
-        _ => ResultCell::Flag(known.spreads.upper.folds == 0),
+        _ => ResultCell::Flag(known.spreads.upper.folds == Some(0)),
     })
 }

@@ -106,10 +106,8 @@ fn unmeasured(part: Part, mesh: &Mesh) -> Vec<String> {
     let is_eccentric = pinion.eccentricity_mm() != (0.0, 0.0);
     let has_lead = pinion.teeth().iter().any(|tooth| tooth.left.lead_rad != 0.0 || tooth.right.lead_rad != 0.0);
     let untold = match part {
-        Part::Rack => {
-            [(*rack.form() != RackForm::default(), "the tip relief and the crowning of its flanks"), (false, "")]
-        }
-        Part::Pinion => [
+        Part::Rack => vec![(*rack.form() != RackForm::default(), "the tip relief and the crowning of its flanks")],
+        Part::Pinion => vec![
             (is_eccentric, "its eccentricity, for it turns about the axis of its teeth"),
             (has_lead || *pinion.form() != PinionForm::default(), "the leads and the form of its flanks"),
         ],

@@ -120,22 +120,24 @@ pub struct Ends {
 pub struct Tail {
     /// Effective degrees of freedom of its standard uncertainty.
     pub dof: f64,
-    /// How many magnitudes so near to 0 are in it that either sign of them may count.
-    pub folds: u8,
+    /// How many magnitudes so near to 0 are in it that either sign of them may count; `None` where inputs are correlated, so that
+    /// other signs may be wider.
+    pub folds: Option<u8>,
 }
 
 impl Tail {
     /// A normal distribution.
-    pub const NORMAL: Self = Self { dof: f64::INFINITY, folds: 0 };
+    pub const NORMAL: Self = Self { dof: f64::INFINITY, folds: Some(0) };
 
     /// The probability, at most, that the end lies so many standard uncertainties beyond its value, Q: either sign of n
     /// magnitudes makes 2ⁿ normal ends, each of which is as far at most. Student's t for finite degrees of freedom.
-    fn beyond(self, distance: f64) -> f64 {
+    fn beyond(self, distance: f64) -> Option<f64> {
+        let folds = self.folds?;
         if distance.is_infinite() {
-            return if distance > 0.0 { 0.0 } else { 1.0 };
+            return Some(if distance > 0.0 { 0.0 } else { 1.0 });
         }
         let of_one = if self.dof.is_finite() { student_cdf(-distance, self.dof) } else { normal_cdf(-distance) };
-        (f64::from(1_u32 << self.folds) * of_one).min(1.0)
+        Some((f64::from(1_u32 << folds) * of_one).min(1.0))
     }
 }
 
@@ -180,26 +182,30 @@ impl Ends {
     }
 
     /// The probability that both ends lie inside `limit`, both taken as jointly normal; at least that, if they are not.
+    /// `None` where nothing is known of an end that correlated inputs have.
     #[must_use]
-    pub fn conformance(&self, limit: &Limit) -> f64 {
+    pub fn conformance(&self, limit: &Limit) -> Option<f64> {
         let (h, k) = self.distances(limit);
         if !self.is_normal() {
-            return (1.0 - self.lower_tail.beyond(h) - self.upper_tail.beyond(k)).max(0.0);
+            return Some((1.0 - self.lower_tail.beyond(h)? - self.upper_tail.beyond(k)?).max(0.0));
         }
         // the lower end must not be too low and the upper one not too high: of opposite sense
         let rho = -self.correlation;
-        if rho < -1.0 + 1e-9 { (normal_cdf(h) - normal_cdf(-k)).max(0.0) } else { bivariate_normal_cdf(h, k, rho) }
+        let is_one = rho < -1.0 + 1e-9;
+        Some(if is_one { (normal_cdf(h) - normal_cdf(-k)).max(0.0) } else { bivariate_normal_cdf(h, k, rho) })
     }
 
     /// Whether 95 % stand behind a verdict that the guard band of one limit gives: both limits may be near, the ends need not
     /// be normal.
     fn proves(&self, verdict: Verdict, limit: &Limit) -> bool {
         match verdict {
-            Verdict::Pass => self.conformance(limit) >= ISO_14253_PROBABILITY,
+            Verdict::Pass => self.conformance(limit).is_some_and(|probability| probability >= ISO_14253_PROBABILITY),
             Verdict::Fail => {
                 let (low, high) = self.distances(limit);
                 let is_beyond = |distance: f64, tail: Tail| {
-                    Tail { folds: 0, ..tail }.beyond(-distance) <= 1.0 - ISO_14253_PROBABILITY
+                    Tail { folds: Some(0), ..tail }
+                        .beyond(-distance)
+                        .is_some_and(|risk| risk <= 1.0 - ISO_14253_PROBABILITY)
                 };
                 is_beyond(low, self.lower_tail) || is_beyond(high, self.upper_tail)
             }
@@ -260,9 +266,11 @@ pub fn decide(
 ) -> Result<Decision, QuantityError> {
     let conformance = match (simulated, ends) {
         (Some(probability), _) => Some(Conformance { probability, simulated: true, is_least: false }),
-        (None, Some(ends)) => {
-            Some(Conformance { probability: ends.conformance(limit), simulated: false, is_least: !ends.is_normal() })
-        }
+        (None, Some(ends)) => ends.conformance(limit).map(|probability| Conformance {
+            probability,
+            simulated: false,
+            is_least: !ends.is_normal(),
+        }),
         (None, None) => None,
     };
     let (verdict, guard) = verdict(rule, limit, result, ends, simulated)?;
@@ -361,7 +369,9 @@ mod tests {
     #[test]
     fn probabilities_of_conformance() {
         let limit = Limit::symmetric(length("0.05"));
-        let near = |ends: Ends, expected: f64| assert!((ends.conformance(&limit) - expected).abs() < 1e-9, "{ends:?}");
+        let near = |ends: Ends, expected: f64| {
+            assert!((ends.conformance(&limit).unwrap() - expected).abs() < 1e-9, "{ends:?}");
+        };
         // on one limit, the other far away
         near(Ends::value(0.05, 0.001), 0.5);
         // 1.65 u inside
@@ -383,10 +393,10 @@ mod tests {
         for correlation in [0.8, -0.3, 1.0 - 1e-8, 1.0 - 1e-12, 1.0] {
             let ends = Ends { lower_mm: -0.05, upper_mm: 0.05, correlation, ..ends };
             let expected = 0.25 - crate::trig::asin(correlation) / std::f64::consts::TAU;
-            assert!((ends.conformance(&limit) - expected).abs() < 1e-5, "{correlation}");
+            assert!((ends.conformance(&limit).unwrap() - expected).abs() < 1e-5, "{correlation}");
         }
         let open = Limit { lower: None, upper: Some(length("0.05")) };
-        assert!((ends.conformance(&open) - normal_cdf(2.0)).abs() < 1e-12);
+        assert!((ends.conformance(&open).unwrap() - normal_cdf(2.0)).abs() < 1e-12);
     }
 
     /// What is inside by 1.65 u passes only with 95 % behind it: two limits, a magnitude near 0 and few degrees of freedom
@@ -400,12 +410,14 @@ mod tests {
             let limit = Limit { lower, upper: Some(length("0.005")) };
             let result = Interval::value(Length::from_mm(value).unwrap());
             let decision = decide(&Rule::Iso14253, &limit, result, Some(&ends), None).unwrap();
-            let probability = decision.conformance.unwrap().probability;
-            assert!(decision.verdict != Pass || probability >= ISO_14253_PROBABILITY, "{probability}");
+            let probability = decision.conformance.map(|conformance| conformance.probability);
+            assert_eq!(probability, ends.conformance(&limit));
+            assert!(decision.verdict != Pass || probability >= Some(ISO_14253_PROBABILITY), "{probability:?}");
             decision.verdict
         };
         let few = |dof: f64| Tail { dof, ..Tail::NORMAL };
-        let folded = |folds: u8| Tail { folds, ..Tail::NORMAL };
+        let folded = |folds: u8| Tail { folds: Some(folds), ..Tail::NORMAL };
+        let correlated = Tail { folds: None, ..Tail::NORMAL };
         for (value, u, lower, tail, expected) in [
             (0.0, 0.003, "", Tail::NORMAL, Pass),
             // 90.4 % between both
@@ -416,6 +428,7 @@ mod tests {
             (0.0, 0.0025, "", folded(1), Pass),
             (0.0, 0.0023, "", folded(2), Indeterminate),
             (0.0, 0.0022, "", folded(2), Pass),
+            (0.0, 0.0, "", correlated, Indeterminate),
             // Student's t with 4 degrees of freedom: 2.13 u
             (0.0, 0.0024, "", few(4.0), Indeterminate),
             (0.0, 0.0023, "", few(4.0), Pass),

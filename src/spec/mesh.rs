@@ -9,7 +9,7 @@ use super::resolve::Problems;
 use super::{Located, Spec, keys, said_of};
 use crate::deviation::plausible;
 use crate::deviation::{
-    DeviationError, DeviationKind, DeviationValue, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind,
+    DeviationError, DeviationKind, DeviationValue, Extent, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind,
     PinionFlanks, PinionToothRow, RackDeviation, RackDeviationKind, RackFlanks, RackSpaceRow, RowValue, ToothRange,
     pinion_flanks_from_rows, rack_flanks_from_spaces,
 };
@@ -179,7 +179,10 @@ impl Spec {
         let (mut origin, mut pinion_lead_mm) = (Origin::Teeth, None);
         if has_errors {
             let errors = self.part_deviations()?;
-            let is_elsewhere = |error: &&PartDeviation| error.extent() != error.kind().usual_extent();
+            let is_elsewhere = |error: &&PartDeviation| {
+                let is_said = error.is_tolerance() || said_of(&self.extents, error.kind()).is_some();
+                is_said && !PLACED.contains(&(error.kind(), error.extent()))
+            };
             let elsewhere = errors.iter().filter(is_elsewhere).map(PartDeviation::kind).collect();
             origin = Origin::Errors { elsewhere };
             (rack_deviations, pinion_deviations) = on_teeth(&errors, &pair);
@@ -446,6 +449,17 @@ fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
         })
         .collect()
 }
+
+/// The extents that [`on_teeth`] follows.
+const PLACED: [(DeviationKind, Extent); 7] = [
+    (DeviationKind::RackOverRoller, Extent::All),
+    (DeviationKind::RackPitch, Extent::One),
+    (DeviationKind::RackLead, Extent::All),
+    (DeviationKind::RackLead, Extent::Part),
+    (DeviationKind::PinionRadial, Extent::All),
+    (DeviationKind::PinionPitch, Extent::One),
+    (DeviationKind::PinionLead, Extent::All),
+];
 
 /// One value per error, put on the teeth as the formulas understand them.
 fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<PinionDeviation>) {

@@ -331,11 +331,12 @@ impl Propagator {
             }
         }
         let dof = self.dof(gradient, standard_mm);
+        let is_correlated = || (0..gradient.by_input.len()).any(|input| self.uncertainties.correlated(input));
         Spread {
             standard_mm,
             coverage_factor: self.coverage_factor(dof),
             gauge_mm2: self.variance(&gauge),
-            folds: gradient.folded.len() as u8,
+            folds: (gradient.folded.is_empty() || !is_correlated()).then_some(gradient.folded.len() as u8),
             dof: dof.map_or(f64::INFINITY, whole_dof),
         }
     }

@@ -79,8 +79,8 @@ pub struct Spread {
     pub coverage_factor: f64,
     /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
     pub gauge_mm2: f64,
-    /// How many errors are so near to zero that the result is not linear.
-    pub folds: u8,
+    /// How many errors are so near to zero that the result is not linear; `None` if some are and inputs are correlated.
+    pub folds: Option<u8>,
     /// Effective degrees of freedom; infinite where there is no formula for them.
     pub dof: f64,
 }

@@ -777,13 +777,18 @@ fn known_teeth_beside_errors_are_named() {
 /// `simulate` has one placement for each error: another extent is named as not followed.
 #[test]
 fn an_extent_that_a_simulation_does_not_follow_is_named() {
-    for (extent, is_named) in [("one", false), ("all", true)] {
+    for (error, name, extent, is_named) in [
+        ("rack_pitch", "rack pitch", "one", false),
+        ("rack_pitch", "rack pitch", "all", true),
+        ("pinion_radial", "pinion radial", "all", false),
+        ("pinion_radial", "pinion radial", "one", true),
+    ] {
         let spec = format!(
-            "{PAPER}[errors]\nrack_pitch = {{ value = \"20 um\", extent = \"{extent}\" }}\n[simulation]\nstroke = 1\n"
+            "{PAPER}[errors]\n{error} = {{ value = \"20 um\", extent = \"{extent}\" }}\n[simulation]\nstroke = 1\n"
         );
         let ended = run(&["simulate", "-", "--quasi-static", "--format", "json"], &spec);
         let notes = ended.json()["notes"].to_string();
-        assert_eq!(notes.contains("the extent of rack pitch is not followed here"), is_named, "{notes}");
+        assert_eq!(notes.contains(&format!("the extent of {name} is not followed here")), is_named, "{notes}");
     }
 }
 
@@ -855,6 +860,17 @@ fn a_bound_that_ends_within_an_uncertainty_has_none() {
     assert_eq!((ended.code, &json["verdict"]), (Some(2), &Value::Null), "{}", ended.stderr);
     assert!(json["combined"]["range_mm"]["lower"].is_number(), "{json}");
     assert!(json["notes"].to_string().contains("no bound of ΔCD is known where errors.p"), "{json}");
+}
+
+/// Two pitches near 0 that move against each other: their sum is certain, and that of their magnitudes is not.
+#[test]
+fn correlated_values_near_zero_prove_nothing() {
+    let spec = "[pair]\nnormal_pressure_angle = 20\n[errors]\nrack_pitch = { value = 0, u = \"1 um\" }\n\
+        pinion_pitch = { value = 0, u = \"1 um\" }\n[decision]\nrule = \"iso14253\"\n\
+        [limits]\ncenter_distance = { upper = 0.002 }\n[[correlation]]\n\
+        between = [\"errors.rack_pitch\", \"errors.pinion_pitch\"]\ncoefficient = -1\n";
+    let ended = eval(spec);
+    assert_eq!(ended.code, Some(3), "{}{}", ended.stdout, ended.stderr);
 }
 
 /// A roll axis without a word on whether the rack may roll about it.
