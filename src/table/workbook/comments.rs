@@ -1,4 +1,5 @@
-//! The comments on cells of a workbook and its text boxes, which may correct a value, and its texts that are struck through. Found in their XML; nothing here opens a file.
+//! The comments on cells of a workbook and its text boxes, which may correct a value, and its texts that are struck
+//! through. Found in their XML; nothing here opens a file.
 
 use std::collections::HashSet;
 
@@ -15,28 +16,41 @@ pub(crate) struct Comment {
 /// The comments of a part of a workbook, `xl/comments1.xml`, or the text boxes of `xl/drawings/drawing1.xml`.
 pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
     let mut found: Vec<Comment> = Vec::new();
-    for piece in String::from_utf8_lossy(xml).split('<').skip(1) {
-        let Some((tag, text)) = piece.split_once('>') else { continue };
-        match (name(tag), attribute(tag, "ref"), found.last_mut()) {
-            ("comment", Some(cell), _) => found.push(Comment { place: format!("comment {cell}"), text: String::new() }),
-            ("sp", ..) => found.push(Comment { place: "text box".to_owned(), text: String::new() }),
-            ("p", _, Some(shape)) => shape.text += "\n",
-            ("t", _, Some(comment)) => comment.text += &unescaped(text),
-            _ => {}
-        }
-    }
+    each_tag(xml, |tag, text| match (name(tag), attribute(tag, "ref"), found.last_mut()) {
+        ("comment", Some(cell), _) => found.push(Comment { place: format!("comment {cell}"), text: String::new() }),
+        ("sp", ..) => found.push(Comment { place: "text box".to_owned(), text: String::new() }),
+        ("p", _, Some(shape)) => shape.text += "\n",
+        ("t", _, Some(comment)) => comment.text += &unescaped(text),
+        _ => {}
+    });
     found
 }
 
 /// The texts of cells of which a run is struck through, from `xl/sharedStrings.xml`.
 pub(super) fn struck_through(xml: &[u8]) -> HashSet<String> {
+    let (mut struck, mut found, mut is_struck, mut is_spoken) = (HashSet::new(), String::new(), false, false);
+    each_tag(xml, |tag, text| match name(tag) {
+        "strike" => is_struck |= !matches!(attribute(tag, "val"), Some("0" | "false")),
+        // how a text is spoken is no part of it
+        "rPh" => is_spoken = true,
+        "r" => is_spoken = false,
+        "t" if !is_spoken => found += &unescaped(text),
+        _ if tag.strip_prefix('/').is_some_and(|tag| name(tag) == "si") => {
+            let text = std::mem::take(&mut found);
+            if std::mem::take(&mut is_struck) {
+                struck.insert(text);
+            }
+            is_spoken = false;
+        }
+        _ => {}
+    });
+    struck
+}
+
+/// Calls `take` with each tag and the text behind it.
+fn each_tag(xml: &[u8], mut take: impl FnMut(&str, &str)) {
     let xml = String::from_utf8_lossy(xml);
-    let is_struck = |string: &&str| string.contains("<strike/>") || string.contains("<strike val=\"1\"");
-    let text = |string: &str| {
-        let pieces = string.split("<t").filter_map(|piece| piece.split_once('>')?.1.split_once("</t"));
-        pieces.map(|(text, _)| unescaped(text)).collect::<String>()
-    };
-    xml.split("<si>").filter(is_struck).map(text).collect()
+    xml.split('<').skip(1).filter_map(|piece| piece.split_once('>')).for_each(|(tag, text)| take(tag, text));
 }
 
 /// A text of XML as it is meant.
@@ -57,5 +71,15 @@ mod tests {
                     <comment ref='C4'><text><t/></text></comment></commentList></comments>";
         let comment = |cell: &str, text: &str| Comment { place: format!("comment {cell}"), text: text.to_owned() };
         assert_eq!(comments(xml), [comment("B3", "Huber:\nneu < 25,061"), comment("C4", "")]);
+    }
+
+    #[test]
+    fn a_text_of_which_a_run_is_struck_through() {
+        let xml = "<x:sst><x:si><x:t>25,012</x:t></x:si><x:si><x:r><x:rPr><x:strike val='true'/></x:rPr><x:t>25,4</x:t></x:r>\
+                   <x:r><x:t>25,0</x:t></x:r><x:rPh><x:t>yomi</x:t></x:rPh></x:si>\
+                   <x:si><x:r><x:rPr><x:strike val=\"0\"/></x:rPr><x:t>A</x:t></x:r></x:si></x:sst>";
+        for xml in [xml.to_owned(), xml.replace("x:", "")] {
+            assert_eq!(struck_through(xml.as_bytes()), HashSet::from(["25,425,0".to_owned()]));
+        }
     }
 }
