@@ -338,12 +338,13 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     add(&format!("{}_upper", stack.name()), &propagation.upper);
     row.push(("linear".to_owned(), propagation.upper.folded.is_empty().to_string()));
     for check in &evaluation.limits {
-        let conformance = check.decision.as_ref().and_then(|decision| decision.conformance).expect("it is uncertain");
+        // unknown of correlated values near 0
+        let conformance = check.decision.as_ref().expect("it is uncertain").conformance;
         let name = match check.on {
             LimitTarget::CenterDistance => "conformance_probability".to_owned(),
             LimitTarget::Error(kind) => format!("delta_cd_{}_conformance_probability", kind.key()),
         };
-        row.push((name, number(conformance.probability)));
+        row.push((name, conformance.map_or_else(String::new, |conformance| number(conformance.probability))));
     }
     row.push(("verdict".to_owned(), evaluation.verdict.map_or("", Verdict::name).to_owned()));
     row
