@@ -13,6 +13,7 @@ use super::names::{
     says_deviation, says_which,
 };
 use super::reading::AsideReading;
+use super::rejection::says_rejected;
 use super::shape::{PartLine, PartNames, Shape, has_digit, is_part_name, part_line, uncounted};
 use super::unknown::{Unknown, has_unit_behind, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -220,7 +221,7 @@ pub(super) fn has_scale(text: &str) -> bool {
 fn is_rejected(text: &str) -> bool {
     let words: Vec<&str> = text.split([' ', ':', ';', ',', '(', ')']).filter(|word| !word.is_empty()).collect();
     let is_behind_part = |at: usize| at.checked_sub(1).is_some_and(|before| is_part_name(words[before]));
-    WordList::Rejected.is_in(text)
+    says_rejected(text)
         && (0..words.len())
             .all(|at| !words[at].starts_with(|c: char| c.is_ascii_digit()) || is_behind_part(at) || is_date(words[at]))
 }

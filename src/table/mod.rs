@@ -306,7 +306,7 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
             column.title
         ));
     }
-    if names::split_size(&names::split_unit(&column.title).0).is_some() {
+    if names::split_wanted(&names::split_unit(&column.title).0).is_some() {
         notes.push(format!("{name}: `{}`: the tolerance in its name is not judged", column.title));
     }
     if let Some([one, other]) = column.differing_nominals(measurement) {

@@ -34,8 +34,8 @@ pub(crate) fn rejection<'a>(
     let is_no = |text: &str| WordList::Negation.has(text);
     let is_approval = |text: &str| WordList::Approval.has(text);
     let is_said = |text: &str| {
-        WordList::Disapproval.is_in(text)
-            || WordList::Rejected.is_in(text)
+        WordList::Disapproval.is_claimed_in(text)
+            || says_rejected(text)
             || WordList::Validity.has(title) && is_no(text)
             || is_heading && !is_no(text) && !is_approval(text)
             || text.starts_with(STRUCK)
@@ -44,6 +44,11 @@ pub(crate) fn rejection<'a>(
     };
     let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
     Some(Rejection { title: title.to_owned(), said: shown(&said) })
+}
+
+/// Whether a text says that something does not count, and not that there is none, or that a paper needs a signature.
+pub(crate) fn says_rejected(text: &str) -> bool {
+    WordList::Rejected.is_claimed_in(text) && !WordList::Paper.is_in(text)
 }
 
 /// Adds what is said, if the same column or kind of line has said nothing so far.

@@ -14,8 +14,8 @@ use super::lines::{
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, is_again, is_called, is_context, is_of_parts, is_other_of_flank, is_statistic, is_total,
-    may_be_of_parts, near, part_in_title, part_said, role, split_unit,
+    Field, Role, WordList, heading, is_again, is_called, is_context, is_of_parts, is_other_of_flank, is_statistic,
+    is_total, may_be_of_parts, near, part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
@@ -23,7 +23,8 @@ use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
-use crate::deviation::{DeviationKind, Part};
+use crate::deviation::plausible::Reach;
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Length, QuantityError, shown};
 
@@ -244,7 +245,11 @@ impl Sorter<'_> {
                 || several.len() > 1 && several.iter().all(|one| !one.cells.is_empty() && self.is_described(one))
         };
         match found {
-            Some(unknown) if !repeats_nominal(&unknown, aside, self.beside.columns) && !is_described(&unknown) => {
+            Some(unknown)
+                if !repeats_nominal(&unknown, aside, self.beside.columns)
+                    && !is_described(&unknown)
+                    && !is_helix_angle(&unknown, self.want) =>
+            {
                 let before = self.sorted.strangers.len();
                 self.take(&unknown);
                 for stranger in &mut self.sorted.strangers[before..] {
@@ -298,7 +303,7 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         sorted.take(file, unknown, want, &Others::default());
     }
     let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
-    let is_other = |place: usize| heading(records, place).is_some_and(|cell| is_context(&cell.text()));
+    let is_other = |place: usize| heading_of(records, place).is_some_and(|cell| is_context(&cell.text()));
     let is_kept = |place: usize, cell: &Cell| {
         !cell.is_number() || list.is_none() && (!is_other(place) || measured.may_have(cell))
     };
@@ -316,7 +321,7 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
 }
 
 /// The first cell of a column that is not empty.
-fn heading(records: &[Record], place: usize) -> Option<&Cell> {
+fn heading_of(records: &[Record], place: usize) -> Option<&Cell> {
     records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()))
 }
 
@@ -327,7 +332,7 @@ pub(crate) fn listed_statistics(records: &[Record]) -> Option<Vec<Unknown>> {
     for record in records {
         let row = record.cells.iter().find(|cell| !cell.is_empty());
         for (place, number) in record.cells.iter().enumerate().filter(|(_, cell)| cell.is_number()) {
-            let mut names = [row, heading(records, place)].into_iter().flatten().map(Cell::text);
+            let mut names = [row, heading_of(records, place)].into_iter().flatten().map(Cell::text);
             let name = names.find(|name| may_be_of_parts(name) || WordList::PartCount.has(name))?;
             found.push(Unknown::line(&name, record.line, vec![number.clone()]).unread());
         }
@@ -370,6 +375,20 @@ impl Sorted {
             self.strangers.push(stranger(file, unknown));
         }
     }
+}
+
+/// Whether a line says how a gear is made: the helix angle, which is far from any deviation of it, where none is measured.
+fn is_helix_angle(line: &Unknown, want: &Want) -> bool {
+    let is_lead = heading(&line.title, &[])
+        .is_some_and(|heading| heading.fields == [Field::Error(DeviationKind::RackLead)] && heading.holds.is_none());
+    let has_nominal = want.given(DeviationKind::RackLead).is_some_and(|given| given.nominal.is_some());
+    let usual = Reach::usual(want.module);
+    let is_angle = |cell: &Cell| {
+        let text = cell.text().replace(',', ".");
+        let angle = text.parse().or_else(|_| format!("{text} deg").parse());
+        angle.is_ok_and(|angle| usual.is_exceeded_by(DeviationValue::Angle(angle)))
+    };
+    is_lead && !has_nominal && line.cells.iter().all(is_angle)
 }
 
 /// The sizes in a column or line.

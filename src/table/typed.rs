@@ -72,7 +72,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     let called = format!("{SHEET}{sheet}");
-    if !table.take_words(&called, &sheet, &understood, want)? {
+    if !WordList::Comparison.has(&sheet) && !table.take_words(&called, &sheet, &understood, want)? {
         table.take_of_all(&called, &sheet, &understood, want);
     }
     for comment in &records.comments {

@@ -13,7 +13,7 @@ use super::cell::{Cell, Record};
 use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role};
+use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, statistic_word};
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, shape};
@@ -402,7 +402,7 @@ pub(super) fn is_false_statistic(
     beside: Companions<&Cell>,
     others: &Extent,
 ) -> bool {
-    let side = column.beyond(cell, beside, others);
+    let (name, side) = (statistic_word(name), column.beyond(cell, beside, others));
     side.is_some_and(|side| contradicts(name, side, column.nominal))
         || name.len() > 1 && WordList::Spread.has(name) && column.is_wider(cell, others)
 }

@@ -1,7 +1,7 @@
 //! What stands beside a value: the deviation and the tolerances that it is held against, and to how many digits.
 
 use super::unit::unknown_unit;
-use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, unit_of};
+use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, is_limit, unit_of};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Decimal, LengthUnit, Unit};
@@ -20,6 +20,7 @@ impl Column {
         role: Role,
     ) -> Result<Option<DeviationValue>, Problem> {
         let cell = beside.get(role).filter(|cell| !cell.is_missing());
+        let cell = cell.filter(|cell| role != Role::Nominal || !is_limit(&cell.text()));
         cell.map(|cell| self.quantity_in(cell, self.unit_beside(role))).transpose()
     }
 

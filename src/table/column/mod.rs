@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::unit_in;
-use super::names::{Field, Role, ValueKind, is_total, says_largest, split_unit};
+use super::names::{Field, LIMIT_MARKS, Role, ValueKind, is_total, says_largest, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::Measurement;
 use super::want::{Want, quoted};
@@ -442,13 +442,23 @@ fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
 
 /// Where a tolerance or an uncertainty begins behind a number: `25 ±0,02`, `25 +0,03/-0,03`.
 fn tolerance_behind(text: &str) -> Option<usize> {
-    let of_both = || text.find(" +").filter(|at| text[*at..].contains("/-") || text[*at..].contains("/ -"));
+    let of_both = || text.find(" +").filter(|at| ["/-", "/ -", " -"].iter().any(|minus| text[*at..].contains(minus)));
     ["±", "+/-", "+-"].iter().find_map(|sign| text.find(sign)).or_else(of_both)
 }
 
 /// Whether a tolerance or an uncertainty stands behind a number.
 pub(crate) fn has_tolerance_behind(text: &str) -> bool {
     tolerance_behind(text).is_some()
+}
+
+/// Whether a text is a limit, or two of them, and no nominal value: `max. 10 µm`, `10 µm max`, `≤ 10`, `±10`, `24,95 - 25,05`.
+pub(crate) fn is_limit(text: &str) -> bool {
+    let is_number = |text: &str| Cell::of_text(text.trim(), 0..0).is_measure();
+    let text = text.trim().trim_matches(['(', ')']).to_lowercase();
+    let limit = |mark: &&str| text.strip_prefix(*mark).or_else(|| text.strip_suffix(*mark));
+    let of_two = |mark: &str| text.split_once(mark).is_some_and(|(one, other)| is_number(one) && is_number(other));
+    LIMIT_MARKS.iter().filter_map(limit).any(is_number)
+        || [" - ", " – ", " / ", " bis ", " to "].into_iter().any(of_two)
 }
 
 /// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.

@@ -7,7 +7,8 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Length, Unit};
 use crate::table::cell::Cell;
 use crate::table::companions::Companions;
-use crate::table::names::{Field, Role, ValueKind, WordList, says_deviation, split_size, split_unit};
+use crate::table::names::{Field, Role, ValueKind, WordList, says_deviation, split_unit, split_wanted};
+use crate::table::number::DecimalMark;
 use crate::table::shape::Measurement;
 use crate::table::want::{Want, ignore_option};
 
@@ -71,9 +72,14 @@ impl Column {
     /// Holds the nominal value in a column's name against its own: `Rollenmaß 25±0,03`.
     pub(super) fn has_size_of_title(&self, want: &Want) -> Result<(), Diagnostic> {
         let (name, _) = split_unit(&self.title);
-        let Some((_, size)) = split_size(&name).filter(|_| !want.is_own(&self.title)) else { return Ok(()) };
-        let said = self.quantity(&Cell::of_text(size, 0..0)).ok();
-        if said.is_some() && said == self.nominal_of_every_part() {
+        let size = split_wanted(&name).and_then(|wanted| wanted.nominal).filter(|_| !want.is_own(&self.title));
+        let Some(size) = size else { return Ok(()) };
+        // where numbers have no mark, as those of a workbook, a title has either
+        let is_own = |mark: DecimalMark| {
+            let said = self.with_mark(mark).quantity(&Cell::of_text(size, 0..0)).ok();
+            said.is_some() && said == self.nominal_of_every_part()
+        };
+        if DecimalMark::ALL.into_iter().any(is_own) {
             return Ok(());
         }
         let message = format!("`{}` says that the nominal value is {size}, and nothing else says so", self.title);

@@ -18,8 +18,9 @@ pub(crate) use near::{
 };
 pub(crate) use role::{
     is_again, is_known_word, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value, role, says_which,
+    statistic_word,
 };
-pub(crate) use unit::{split_size, split_unit};
+pub(crate) use unit::{LIMIT_MARKS, split_unit, split_wanted};
 
 use crate::deviation::{DeviationKind, Part};
 use vocabulary::{Entry, Sense};
@@ -166,13 +167,13 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
     if let Some(beside) = beside_own(&name, unit.as_ref(), own) {
         return Some(beside);
     }
-    let name = split_size(&name).map_or(name.as_str(), |(name, _)| name);
+    let name = split_wanted(&name).map_or(name.as_str(), |wanted| wanted.name);
     let whole = without_roller(without_temperature(without_ordinal(name)));
     let name = without_count(whole);
     // a bound is no value, nor is a mean
     if has_total_pitch(name)
         || text.contains('\u{304}')
-        || plain_widths(text).contains(['<', '>', '|'])
+        || plain_widths(name).contains(['<', '>', '|'])
         || is_signed(text)
     {
         return None;

@@ -2,6 +2,7 @@
 
 use super::letters::joined;
 use super::role::{is_statistic, role};
+use super::unit::{split_unit, split_wanted};
 use super::vocabulary::{Entry, Role, Sense, VOCABULARY, WordList, is_japanese};
 use super::words::Words;
 use super::{Field, has_total_pitch, heading, name_of, needs_part, of_pinion, of_rack};
@@ -64,8 +65,10 @@ pub(crate) fn says_deviation(text: &str) -> bool {
     says(text, Sense::Deviation)
 }
 
-/// Whether a name is that of the largest of several values: `fp max`.
+/// Whether a name is that of the largest of several values, and none with a limit behind it: `fp max`.
 pub(crate) fn says_largest(text: &str) -> bool {
+    let (text, _) = split_unit(text);
+    let text = split_wanted(&text).map_or(text.as_str(), |wanted| wanted.name);
     says(text, Sense::Greatest) || says(text, Sense::Largest)
 }
 

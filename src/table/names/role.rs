@@ -91,12 +91,33 @@ impl WordList {
 
     /// Whether some words of a text are in the list; Japanese has no blanks between them.
     pub(crate) fn is_in(self, text: &str) -> bool {
+        self.is_in_where(text, |_, _| true)
+    }
+
+    /// Whether a text says what is in the list, and not that there is none of it: `kein Ausschuss`, `Ausschuss: 0`.
+    pub(crate) fn is_claimed_in(self, text: &str) -> bool {
+        let is_none = |word: Option<&str>| word.is_some_and(|word| Self::NoneOfIt.has(word));
+        self.is_in_where(text, |before, behind| {
+            // `25,012 0 NOK` is a row
+            let is_count = before.len() > 1 && before.ends_with('0');
+            (is_count || !is_none(before.split(' ').next_back())) && !is_none(behind.split(' ').next())
+        })
+    }
+
+    /// Whether some words of a text are in the list, and what stands before and behind them is as wanted.
+    fn is_in_where(self, text: &str, is_wanted: impl Fn(&str, &str) -> bool) -> bool {
         let is_mark = |c: char| c.is_whitespace() || ",;:=()!".contains(c);
         let words: Vec<_> = text.split(is_mark).map(plain).filter(|word| !word.is_empty()).collect();
-        let text = format!(" {} ", words.join(" "));
-        let is_said = |words: &String| {
+        let text = words.join(" ");
+        let is_edge = |(before, behind): (&str, &str), words: &str| {
             let is_apart = words.starts_with(|c: char| c.is_ascii());
-            text.contains(words) && (!is_apart || text.contains(&format!(" {words} ")))
+            !is_apart || (before.is_empty() || before.ends_with(' ')) && (behind.is_empty() || behind.starts_with(' '))
+        };
+        let is_said = |words: &String| {
+            text.match_indices(words.as_str()).any(|(at, found)| {
+                let (before, behind) = (&text[..at], &text[at + found.len()..]);
+                is_edge((before, behind), words) && is_wanted(before.trim_end(), behind.trim_start())
+            })
         };
         VOCABULARY.list(self).iter().any(is_said)
     }
@@ -105,6 +126,13 @@ impl WordList {
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
     [WordList::Statistic, WordList::Apart, WordList::Spread, WordList::Mean].into_iter().any(|list| list.has(name))
+}
+
+/// The name of a row, without what stands behind the word for a statistic: `Mittelwert (n=3)`, `Mittelwert aller Teile`.
+pub(crate) fn statistic_word(name: &str) -> &str {
+    const SHORTEST: usize = 5;
+    let first = name.split([' ', '(']).next().filter(|first| first.chars().count() >= SHORTEST);
+    first.filter(|first| WordList::Mean.has(first) || WordList::Spread.has(first)).unwrap_or(name)
 }
 
 /// Whether it is that of a statistic, a nominal value or a limit; one letter may be a part's.

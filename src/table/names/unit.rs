@@ -17,23 +17,56 @@ pub(crate) fn split_unit(text: &str) -> (String, Option<String>) {
         .or_else(|| bracketed(&text, &[('(', ')')], is_unit_in_round))
         .or_else(|| behind(&text))
         .or_else(|| attached(&text))
+        .or_else(|| behind_limit(&text))
         .unwrap_or((text, None))
 }
 
-/// A name and the nominal value that stands behind it with a tolerance: `Rollenmaß 25±0,03`, `Rollenmaß 25 +0,03/-0,02`.
-pub(crate) fn split_size(name: &str) -> Option<(&str, &str)> {
-    let is_number = |text: &str| {
-        text.starts_with(|c: char| c.is_ascii_digit())
-            && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))
-    };
+/// What is wanted of values, behind their name.
+pub(crate) struct Wanted<'t> {
+    pub(crate) name: &'t str,
+    /// The nominal value, if it is no limit alone.
+    pub(crate) nominal: Option<&'t str>,
+}
+
+/// A name and the nominal value with a tolerance, or the limit, that stands behind it: `Rollenmaß 25±0,03`,
+/// `Rollenmaß 25 +0,03/-0,02`, `Teilung max. 10`.
+pub(crate) fn split_wanted(name: &str) -> Option<Wanted<'_>> {
+    let (name, nominal) = split_size(name).or_else(|| Some((split_limit(name)?, None)))?;
+    name.contains(char::is_alphabetic).then(|| Wanted { name: name.trim_end_matches([' ', '(']), nominal })
+}
+
+fn split_size(name: &str) -> Option<(&str, Option<&str>)> {
     let (sized, tolerance) = name.split_at(name.find(['±', '+'])?);
     let (name, size) = sized.trim_end_matches([' ', '(']).rsplit_once([' ', '('])?;
     let mut allowances = tolerance.split(['±', '+', '-', '−', '/', ' ', ')']).filter(|text| !text.is_empty());
-    let is_size = is_number(size)
-        && allowances.next().is_some_and(is_number)
-        && allowances.all(is_number)
-        && name.contains(char::is_alphabetic);
-    is_size.then(|| (name.trim_end(), size))
+    let is_size =
+        is_plain_number(size) && allowances.next().is_some_and(is_plain_number) && allowances.all(is_plain_number);
+    is_size.then_some((name, Some(size)))
+}
+
+/// A name without the limit behind it: `fp ≤ 10`, `Rollenmaß ±0,05`, `Teilung (max. 10`.
+fn split_limit(name: &str) -> Option<&str> {
+    let name = name.trim_end_matches([' ', ')']);
+    let before = name.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | ','));
+    is_plain_number(&name[before.len()..]).then(|| without_limit_mark(before.trim_end())).flatten()
+}
+
+/// A text without the mark of a limit at its end.
+fn without_limit_mark(text: &str) -> Option<&str> {
+    let before = |mark: &&str| {
+        let at = text.len().checked_sub(mark.len())?;
+        let is_mark = text.get(at..)?.eq_ignore_ascii_case(mark);
+        let is_apart = !mark.starts_with(char::is_alphabetic) || !text[..at].ends_with(char::is_alphanumeric);
+        (is_mark && is_apart).then(|| &text[..at])
+    };
+    LIMIT_MARKS.iter().find_map(before)
+}
+
+/// What stands before a limit.
+pub(crate) const LIMIT_MARKS: [&str; 9] = ["max.", "max", "maximum", "maximal", "≤", "<=", "<", "±", "+/-"];
+
+fn is_plain_number(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))
 }
 
 /// The last bracket whose inside is a unit, as told by `accept` of what stands before it and in it.
@@ -81,6 +114,12 @@ fn is_known(unit: &str) -> bool {
             || (capitals && Unit::from_symbol(&unit.to_lowercase()).is_some())
     };
     simple(unit) || unit.split_once('/').is_some_and(|(above, below)| simple(above) && simple(below))
+}
+
+/// The unit of a size or a limit in round brackets: `Teilung (max. 10 µm)`.
+fn behind_limit(text: &str) -> Option<(String, Option<String>)> {
+    let found = behind(text.trim_end().strip_suffix(')').filter(|text| text.contains('('))?)?;
+    split_wanted(&found.0).is_some().then_some(found)
 }
 
 /// A unit after a blank, a slash, `in`, `_` or `-`.
@@ -136,6 +175,9 @@ mod tests {
         for (text, name, unit) in [
             ("Teilung [µm]", "Teilung", Some("µm")),
             ("Teilung (µm)", "Teilung", Some("µm")),
+            ("Teilung max. 10 µm", "Teilung max. 10", Some("µm")),
+            ("Teilung (max. 10 µm)", "Teilung (max. 10", Some("µm")),
+            ("Rollenmaß (Rolle 4 mm)", "Rollenmaß (Rolle 4 mm)", None),
             ("Teilung（µm）", "Teilung", Some("µm")),
             ("ピッチ誤差［µm］", "ピッチ誤差", Some("µm")),
             ("ﾋﾟｯﾁ誤差 µm", "ピッチ誤差", Some("µm")),
@@ -197,6 +239,25 @@ mod tests {
             ("", "", None),
         ] {
             assert_eq!(split_unit(text), (name.to_owned(), unit.map(str::to_owned)), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wanted_stands_behind_the_name() {
+        for (text, name, nominal) in [
+            ("Rollenmaß 25±0,03", "Rollenmaß", Some("25")),
+            ("Rollenmaß (25 +0,03/-0,02)", "Rollenmaß", Some("25")),
+            ("Teilung max. 10", "Teilung", None),
+            ("Teilung (max. 10", "Teilung", None),
+            ("fp ≤ 10", "fp", None),
+            ("fp ≤10", "fp", None),
+            ("Rollenmaß ±0,05", "Rollenmaß", None),
+        ] {
+            let wanted = split_wanted(text).map(|wanted| (wanted.name, wanted.nominal));
+            assert_eq!(wanted, Some((name, nominal)), "{text}");
+        }
+        for text in ["fp max", "Teil 10", "max 10", "Climax 10", "fp 1.5", "M 25+"] {
+            assert!(split_wanted(text).is_none(), "{text}");
         }
     }
 }

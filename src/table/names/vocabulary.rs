@@ -201,6 +201,10 @@ pub(crate) enum WordList {
     /// Whether a value counts or a part is good, and that it is not.
     Validity,
     Negation,
+    /// That there is none of something, beside its name.
+    NoneOfIt,
+    /// That a paper counts for nothing unless somebody signed it.
+    Paper,
     /// The diameter of the roller over which a rack is measured.
     Roller,
     /// The face width.
@@ -225,6 +229,8 @@ pub(crate) enum WordList {
     Rows,
     /// That values are no lengths or angles as they stand: by a factor, in parts of a tolerance, with the other sign.
     Scale,
+    /// What a sheet is called that holds values beside nominal ones.
+    Comparison,
     /// What says that values or a part do not count.
     Rejected,
     /// What says of values by how much they are off.

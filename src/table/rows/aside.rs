@@ -6,7 +6,7 @@ use super::super::cell::{Cell, Record};
 use super::super::column::{Column, Nominal};
 use super::super::grid::only_units;
 use super::super::lines::Beside;
-use super::super::names::{is_of_parts, is_total, says_largest};
+use super::super::names::{is_of_parts, is_total, says_largest, statistic_word};
 use super::super::reading::AsideReading;
 use super::super::shape::is_numbered;
 use super::{Rows, Setup};
@@ -114,13 +114,18 @@ impl Rows {
 
 /// Whether a row is called by what is made of the parts', or by what is wanted of them.
 pub(super) fn is_called_of_parts(name: &str) -> bool {
-    may_be_statistic(name.as_bytes()) && is_of_parts(name)
+    may_be_statistic(name.as_bytes()) && is_of_parts(statistic_word(name))
 }
 
-/// A quick look: such names end in no digit, and begin with a letter or end in one that is not plain.
+/// A quick look: such names end in no digit, and begin with a letter or a sign, or end in one that is not plain; or they are `6s`
+/// and the like.
 #[inline]
 pub(super) fn may_be_statistic(name: &[u8]) -> bool {
     let Some((first, last)) = name.first().zip(name.last()) else { return false };
-    let is_letter = first.is_ascii_alphabetic() || *first == b' ' || !first.is_ascii() || !last.is_ascii();
-    is_letter && !last.is_ascii_digit() && (name.len() > 1 || matches!(first, b's' | b'S' | b'R' | b'n' | b'N'))
+    let is_letter =
+        first.is_ascii_alphabetic() || matches!(first, b' ' | b'+' | b'-') || !first.is_ascii() || !last.is_ascii();
+    let is_spread = || first.is_ascii_digit() && (name.len() == 2 && *last == b's' || name.ends_with(b"igma"));
+    (is_letter || is_spread())
+        && !last.is_ascii_digit()
+        && (name.len() > 1 || matches!(first, b's' | b'S' | b'R' | b'n' | b'N'))
 }

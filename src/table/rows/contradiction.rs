@@ -4,7 +4,7 @@ use std::mem::discriminant;
 
 use super::super::block::Contradiction;
 use super::super::cell::{Cell, Record};
-use super::super::column::Column;
+use super::super::column::{Column, is_limit};
 use super::super::grid::{bare_unit, only_units};
 use super::super::lines::{Beside, of_all_values};
 use super::super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
@@ -100,7 +100,7 @@ impl Rows {
             return None;
         }
         let other = self.setup.columns.iter().find(|column| {
-            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
+            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing() && !is_limit(&cell.text()));
             cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
         })?;
         let message = format!("the nominal value here is not the column's: {}", record.in_words());

@@ -10,6 +10,7 @@ use super::headings::{Named, PartNames, headings, is_extreme, is_part_name, is_s
 use super::rows::is_shifted;
 use super::{Measurement, NoShape, Series, Shape, aside, has_digit};
 use crate::table::cell::{Cell, Record};
+use crate::table::column::is_limit;
 use crate::table::companions::Companions;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
 use crate::table::names::{
@@ -650,6 +651,12 @@ impl<'a> Reading<'a> {
         let headed = |series: Series| Series { title: self.titles[series.place].clone(), ..series };
         for role in [Role::Nominal, Role::Upper, Role::Lower, Role::Uncertainty] {
             beside.set(role, of_role(role)?.map(headed));
+        }
+        // what is wanted of a deviation is a limit: `max. 10 µm`
+        let are_limits = |wanted: &Series| wanted.cells.iter().all(|cell| cell.is_missing() || is_limit(&cell.text()));
+        if let Some(limit) = beside.get(Role::Nominal).filter(|wanted| are_limits(wanted)).cloned() {
+            beside.set(Role::Nominal, None);
+            beside.set(Role::Upper, Some(limit));
         }
         // the value and its nominal, or else the deviation
         let in_spec =

@@ -14,6 +14,7 @@ mod blocks;
 mod characteristics;
 mod dimensions;
 mod headings;
+mod items;
 mod labels;
 mod merged;
 mod pages;
@@ -45,6 +46,7 @@ use blocks::with_parts_side_by_side;
 use characteristics::{by_characteristic, find_characteristics};
 use dimensions::with_dimension_names;
 use headings::{Named, known};
+use items::without_item_numbers;
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
 use merged::{with_names_above, with_part_in_each_row};
 use pages::with_part_of_page;
@@ -383,7 +385,8 @@ impl Measurement {
 
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
-    let records = with_parts_side_by_side(records, want);
+    let records = without_item_numbers(records);
+    let records = with_parts_side_by_side(&records, want);
     let records = with_names_above(&records);
     let records = with_part_in_each_row(&records, want);
     let records = with_part_of_page(&records);
