@@ -103,6 +103,7 @@ use crate::quantity::{Unit, shown};
 use block::line_of;
 use column::UnitFrom;
 use names::{Role, part_in_title};
+use rejection::rejection;
 use shape::Measurement;
 use strangers::Others;
 use understand::Understood;
@@ -178,13 +179,16 @@ impl Table {
             }
         }
         if understood.is_teeth {
-            sorted.asides.extend(
-                shape.said_in_every_row(want).filter(|said| part_in_title(&said.text).is_some_and(|of| of != part)),
-            );
+            let is_other = |said: &AsideReading| part_in_title(&said.text).is_some_and(|of| of != part);
+            sorted.asides.extend(shape.said_beside_values(want).into_iter().filter(is_other));
             sorted.take_titles_of_other(name, part, want, &others);
         }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);
         reading.notes.extend(sorted.notes);
+        // T2 NOK
+        let names = shape.ids.iter().flat_map(|ids| &ids.cells).filter(|cell| cell.text().contains(' '));
+        let id = shape.ids.as_ref().map_or("", |ids| &ids.title);
+        reading.notes.extend(rejection(id, names, false).map(|rejection| rejection.in_words(name)));
         if understood.is_teeth {
             reading.unit_counted = if part == Part::Rack { "space" } else { "tooth" };
         }

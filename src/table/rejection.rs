@@ -40,10 +40,18 @@ pub(crate) fn rejection<'a>(
             || is_heading && !is_no(text) && !is_approval(text)
             || text.starts_with(STRUCK)
             || verdicts && !is_approval(text)
-            || text == "R" && role(title) == Some(Role::Status)
+            || matches!(text, "R" | "OUT" | "***" | "!" | "a.T.") && role(title) == Some(Role::Status)
+            || denies_validity(text)
     };
     let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
     Some(Rejection { title: title.to_owned(), said: shown(&said) })
+}
+
+/// Whether a line says of a release or the like that there is none: `Freigabe: nein`.
+fn denies_validity(text: &str) -> bool {
+    let mut words = text.split([' ', ':', ';']).filter(|word| !word.is_empty());
+    let is_no = |word: &str| word.len() > 1 && WordList::Negation.has(word);
+    words.next().is_some_and(|first| WordList::Validity.has(first)) && words.any(is_no)
 }
 
 /// Whether a text says that something does not count, and not that there is none, or that a paper needs a signature.

@@ -49,6 +49,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     let Sheets { read: Sheet { name: sheet, head, .. }, others } = sheets(&mut book, want)?;
     let records = book.records(&sheet, want.range);
     let name = records.name.clone();
+    let want = &*want.of_part(std::iter::once(sheet.clone()));
     let mut rest = records.records;
     let mut all: Vec<Record> = rest.by_ref().take(head.len()).collect::<Result<_, _>>()?;
     let mut understood = understand_records(&name, &all, want)?;
@@ -72,11 +73,14 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     let called = format!("{SHEET}{sheet}");
+    if let Some(refused) = understood.of_other_part(&name, &sheet, &called, want) {
+        return Err(refused.into());
+    }
     if !WordList::Comparison.has(&sheet) && !table.take_words(&called, &sheet, &understood, want)? {
         table.take_of_all(&called, &sheet, &understood, want);
     }
     for comment in &records.comments {
-        table.take_remark(&comment.place, &comment.text, &understood, want)?;
+        table.take_comment(&comment.place, &comment.text, &understood, want)?;
     }
     for other in &others {
         table.take_other(other, &understood, want)?;
@@ -137,6 +141,30 @@ impl Table {
             self.reading.not_used.push(NotUsed { title: title.to_owned(), why: "no measurement" });
         }
         Ok(())
+    }
+
+    /// A comment on a cell is a remark on its value; a number alone may be another value of it, and one on a heading speaks of its column.
+    ///
+    /// # Errors
+    /// One that states another unit than that of the values.
+    fn take_comment(
+        &mut self,
+        title: &str,
+        text: &str,
+        understood: &Understood,
+        want: &Want,
+    ) -> Result<(), Diagnostic> {
+        let numbers = text.lines().map(|line| Cell::of_text(line.trim(), 0..0)).filter(Cell::is_number);
+        let mut values = numbers.filter(|cell| understood.columns.iter().any(|column| column.may_hold(cell)));
+        if let Some(value) = values.next() {
+            self.take_value(title, Unknown::line("", 0, vec![value]), want);
+            return Ok(());
+        }
+        let row = title.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().ok();
+        if row.is_some() && row == understood.shape.header_line {
+            text.lines().for_each(|line| self.take_of_all(title, line, understood, want));
+        }
+        self.take_remark(title, text, understood, want)
     }
 
     /// What words say of all values is a stranger.
@@ -201,7 +229,9 @@ impl Table {
             };
             let mut lines = sheet.head.iter().filter(is_line);
             let stated = |line: &Record| {
-                understood.contradicted_by(&format!("{}, row {}", sheet.called, line.line), &line.in_words(), want)
+                let (place, text) = (format!("{}, row {}", sheet.called, line.line), line.in_words());
+                let unit = understood.contradicted_by(&place, &text, want);
+                unit.or_else(|| understood.of_other_part(&place, &text, &title, want))
             };
             if let Some(refused) = lines.find_map(stated) {
                 return Err(refused);
@@ -259,6 +289,7 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
     let (left_out, remarks, parts) = (qdas.left_out.clone(), qdas.remarks.clone(), qdas.parts.clone());
     let want = &with_nominals(&qdas, want)?;
+    let want = &*want.of_part(parts.iter().map(|part| part.name.clone()));
     let table = qdas.table(&want.own);
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");

@@ -98,7 +98,9 @@ impl Unknown {
         let is_other = is_gear_size(title)
             || WordList::EvaluationLength.has(title)
             || unit.is_some_and(is_foreign_unit)
-            || is_rate(&title.replacen("_min", "/min", 1)) && near(title).is_empty();
+            || is_rate(&title.replacen("_min", "/min", 1)) && near(title).is_empty()
+            // of a torque, newton metres
+            || unit == Some("nm") && is_context(title);
         // without values, nothing was measured
         if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;
@@ -118,7 +120,7 @@ impl Unknown {
             || is_in_unit
             || title.contains('[') && unit.is_some()
             || !near(title).is_empty()
-            || self.column.is_some_and(|place| title.is_empty() && !self.counts_rows(place))
+            || self.column.is_some_and(|place| is_no_name(title) && !self.counts_rows(place))
             || self.column.is_some() && repeats_value(title) && !is_statistic(title) && !self.counts_or_flags()
             || self.column.is_none()
                 && (is_again(title) && !values.iter().all(|text| text.contains(':'))
@@ -192,6 +194,13 @@ impl Unknown {
     fn counts_rows(&self, place: usize) -> bool {
         place == 0 && self.cells.iter().all(Cell::is_whole)
     }
+}
+
+/// Whether a column has no name, or one that a program has given to it: `Unnamed: 3`, `Spalte4`, `...4`.
+fn is_no_name(title: &str) -> bool {
+    let word = title.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches([' ', ':', '_']).to_lowercase();
+    title.is_empty()
+        || word.len() < title.len() && matches!(word.as_str(), "unnamed" | "column" | "spalte" | "colonne" | "...")
 }
 
 /// Whether a remark speaks of a value: `corrected: 25,060 mm`, `dp = 80`.

@@ -1,11 +1,13 @@
 //! What is known about a table before it is read: what the spec says of its columns, and what the user says of the file.
 //! Filled by the spec and the command line; asked by every step of the reading.
 
+use std::borrow::Cow;
+
 use super::encoding::Encoding;
-use super::names::{Field, ValueKind, is_called, is_total, says_deviation};
+use super::names::{Field, ValueKind, is_called, is_total, part_in_title, says_deviation};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::Diagnostics;
 use crate::quantity::{Length, Unit};
 
@@ -90,11 +92,24 @@ pub struct Want {
     pub range: CellRange,
     /// Whether nothing is judged, so that a nominal value need not be known.
     pub only_shown: bool,
+    /// Of which part the values are, as a title or the name of a sheet says.
+    pub part: Option<Part>,
     /// Whether each row is a tooth or a space; found from the names unless given.
     pub teeth: Option<bool>,
 }
 
 impl Want {
+    /// The same of a table with these titles, if they say that all is of one part.
+    pub(crate) fn of_part(&self, titles: impl Iterator<Item = String>) -> Cow<'_, Self> {
+        let said = titles.filter(|title| !self.ignores(title)).filter_map(|title| part_in_title(&title));
+        let said: Vec<Part> = said.chain(self.part).collect();
+        let is_one = said.iter().all(|part| *part == said[0]);
+        match said.first().filter(|_| is_one).copied() {
+            part if part == self.part => Cow::Borrowed(self),
+            part => Cow::Owned(Self { part, ..self.clone() }),
+        }
+    }
+
     /// What the spec says of the column of an error.
     pub(crate) fn given(&self, kind: DeviationKind) -> Option<&GivenColumn> {
         self.given.iter().find(|given| given.kind == kind)

@@ -356,12 +356,9 @@ fn fields(senses: &[Sense]) -> Option<Vec<Field>> {
         let pitch = fields.contains(&Field::Error(DeviationKind::PinionPitch)) && left != right && !has(Sense::Rack);
         return pitch.then(|| vec![if left { Field::LeftPitch } else { Field::RightPitch }]);
     }
-    // f_p without a word for the part is the pinion's
-    let is_single =
-        senses.iter().any(|sense| matches!(sense, Sense::Error([.., Field::Error(DeviationKind::PinionPitch)])));
     let fits = |field: &Field| {
         let of_said = (!has(Sense::Pinion) || !of_rack(*field)) && (!has(Sense::Rack) || !of_pinion(*field));
-        let is_open = has(Sense::Pinion) || !(needs_part(*field) || is_single && of_rack(*field));
+        let is_open = has(Sense::Pinion) || !needs_part(*field);
         of_said && (is_open || has(Sense::Rack) && of_rack(*field))
     };
     let fields: Vec<Field> = fields.into_iter().filter(fits).collect();

@@ -80,12 +80,16 @@ pub(crate) fn is_tolerance(text: &str) -> bool {
 /// The part that a title says that all is of, and says nothing else but numbers: `Messprotokoll Ritzel 4711`.
 pub(crate) fn part_in_title(text: &str) -> Option<Part> {
     let is_plain = |word: &Entry| {
-        let is_part = |sense: &Sense| matches!(sense, Sense::Rack | Sense::Pinion | Sense::Filling | Sense::Measured);
+        let is_part = |sense: &Sense| {
+            let is_of_one = matches!(sense, Sense::Alone([Field::PartId]) | Sense::Ordinal);
+            is_of_one || matches!(sense, Sense::Rack | Sense::Pinion | Sense::Filling | Sense::Measured)
+        };
         word.senses.iter().any(is_part)
     };
     let says_nothing_else = |word: &str| {
         let known = || Words::of(word).known().is_some_and(|known| known.iter().all(|word| is_plain(word)));
-        word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
+        let is_letter = word.chars().count() < 2;
+        is_letter || word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
     };
     let mut words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     words.all(says_nothing_else).then(|| part_said(text)).flatten()

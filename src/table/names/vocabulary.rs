@@ -186,6 +186,8 @@ pub(crate) enum WordList {
     Requirement,
     /// What names a part for good, whatever other number it has.
     Serial,
+    /// What counts rows, and names a part where nothing else does.
+    RowNumber,
     /// What a title calls a report of measurements.
     Report,
     /// Who measured.

@@ -1,10 +1,11 @@
 //! What the headings of a table mean: which of two meanings counts, which of two names of a part.
 
 use super::{NoShape, Series, has_digit, twice};
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, Part};
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_statistic, names_page, role, says_which,
+    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_of_parts, is_statistic, names_page, part_said,
+    role, says_which,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -49,12 +50,25 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
     let numbers = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
     let of_parts =
         want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(numbers);
+    // one pitch is not the other's, and in a table of one part it is that part's, as a title or a column `Ritzel Nr.` says
+    let is_value = |heading: &&Heading| heading.aspect == Role::Measured && heading.fields.len() == 1;
+    let has_own: Vec<Field> = found.iter().flatten().filter(is_value).map(|heading| heading.fields[0]).collect();
+    let of_ids = cells.iter().map(Cell::text).filter(|text| is_part_name(text)).find_map(|text| part_said(&text));
+    let is_all = |part: &Part| has_own.iter().filter_map(|field| field.kind()).all(|kind| kind.part() == *part);
+    let part = want.part.or(of_ids).filter(is_all);
+    let may_be = |field: &Field| {
+        let is_of_part = |kind: DeviationKind| part.is_none_or(|part| kind.part() == part);
+        !has_own.contains(field) && field.kind().is_none_or(is_of_part)
+    };
     let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
     for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
         let Some(mut heading) = heading else {
             named.push(None);
             continue;
         };
+        if heading.fields.len() > 1 && heading.fields.iter().any(may_be) {
+            heading.fields.retain(may_be);
+        }
         if heading.fields.len() > 1 && rack != pinion && want.expected.is_empty() {
             let wanted = if rack { DeviationKind::RackPitch } else { DeviationKind::PinionPitch };
             heading.fields.retain(|field| *field == Field::Error(wanted));
@@ -83,7 +97,7 @@ pub(super) fn one_meaning(found: &[Field], want: &Want, title: &Cell) -> Result<
 }
 
 /// Of several columns that may name the part, the one that the spec names, the one that is called so, the serial number, or
-/// else the first; a second one is no error.
+/// else the first that does more than count rows; a second one is no error.
 fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<(), NoShape> {
     let is_id = |found: &&mut Option<Named>| found.as_ref().is_some_and(|found| found.field == Field::PartId);
     let title = |found: &Option<Named>| found.as_ref().map_or_else(String::new, |found| found.series.title.clone());
@@ -91,6 +105,7 @@ fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<()
         own if want.is_own(&own) => 0,
         key if key.eq_ignore_ascii_case(Field::PartId.key()) => 1,
         serial if WordList::Serial.has(&serial) => 2,
+        count if WordList::RowNumber.has(&count) => 4,
         _ => 3,
     };
     let mut ids: Vec<_> = named.iter_mut().filter(is_id).collect();
@@ -140,7 +155,7 @@ pub(super) fn is_extreme(title: &str) -> bool {
 pub(crate) struct PartNames {
     /// Letters of the longest one with digits, and of the longest without.
     longest: [usize; 2],
-    /// Whether a mean or an extreme of the parts stands among them.
+    /// Whether a mean or an extreme of the parts stands among them, or what is wanted of them.
     has_mean: bool,
     /// Whether one of them is called like a page: `Blatt 2`.
     has_page: bool,
@@ -150,7 +165,7 @@ impl PartNames {
     pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
         let mut names = Self::default();
         for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text) {
-            names.has_mean |= WordList::Mean.has(&name);
+            names.has_mean |= WordList::Mean.has(&name) || is_of_parts(&name);
             names.has_page |= has_digit(&name) && names_page(&name);
             if is_statistic(&name) || is_plain_context(&name) || is_spread(&name) {
                 continue;

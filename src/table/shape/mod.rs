@@ -31,15 +31,16 @@ pub(crate) use refusal::{NoShape, located, many};
 pub(crate) use stated::{stated_units, unknown_unit};
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, WordList, is_statistic, role, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_statistic, part_in_title, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
+use crate::deviation::Part;
 use crate::quantity::Unit;
 use bare::{name_with_size, without_names};
 use blocks::with_parts_side_by_side;
@@ -295,15 +296,25 @@ impl Shape {
         self.unknown.iter().filter(would_be).filter_map(|unknown| unknown.column).collect()
     }
 
-    /// What a column that is not used says in every row, as a line.
-    pub(crate) fn said_in_every_row(&self, want: &Want) -> impl Iterator<Item = AsideReading> {
+    /// What the names of parts and columns that are not used say of which part rows are, each as a line. Where rows speak of both
+    /// parts, they are pairs, and the columns say nothing.
+    pub(crate) fn said_beside_values(&self, want: &Want) -> Vec<AsideReading> {
         let columns = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
-        columns.filter_map(|unknown| {
-            let mut said = unknown.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text);
-            let text = said.next()?;
-            let is_said = said.all(|other| other == text) && !want.ignores(&text);
-            is_said.then(|| AsideReading { line: self.lines.first().copied().unwrap_or(1), text: text.into_owned() })
-        })
+        let columns = columns.map(|unknown| &unknown.cells).chain(self.ids.iter().map(|ids| &ids.cells));
+        let mut rows: HashMap<usize, Vec<Part>> = HashMap::new();
+        let mut said: Vec<AsideReading> = Vec::new();
+        for (row, cell) in columns.flat_map(|cells| cells.iter().enumerate()) {
+            let text = cell.text();
+            let part = if cell.is_number() || want.ignores(&text) { None } else { part_in_title(&text) };
+            let Some(part) = part else { continue };
+            rows.entry(row).or_default().push(part);
+            if said.iter().all(|other| other.text != text) {
+                let line = self.lines.get(row).or(self.header_line.as_ref()).copied().unwrap_or(1);
+                said.push(AsideReading { line, text: text.into_owned() });
+            }
+        }
+        let is_of_pair = |parts: &Vec<Part>| parts.iter().any(|part| *part != parts[0]);
+        if rows.values().any(is_of_pair) { Vec::new() } else { said }
     }
 
     /// The columns that are no measurements, and may have remarks.
@@ -385,6 +396,7 @@ impl Measurement {
 
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
+    let want = &want.of_part(records.iter().filter(|record| record.numbers() == 0).map(Record::in_words));
     let records = without_item_numbers(records);
     let records = with_parts_side_by_side(&records, want);
     let records = with_names_above(&records);

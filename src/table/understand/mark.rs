@@ -7,6 +7,7 @@ use super::super::cell::{Cell, Content};
 use super::super::grid::Separator;
 use super::super::number::{DecimalMark, Marks};
 use super::super::shape::{Shape, located};
+use super::super::unknown::Unknown;
 use super::super::want::Want;
 use super::{Understood, read};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -101,21 +102,13 @@ fn settle_mark(candidates: &mut Vec<Understood>) {
 }
 
 /// The decimal marks that a table may have.
-fn choices(
+fn choices<'s>(
     source: &Arc<Source>,
     separator: Option<Separator>,
-    shape: &Shape,
+    shape: &'s Shape,
     want: &Want,
 ) -> Result<Vec<Choice>, Diagnostic> {
-    let mut evidence = Evidence::of(shape.number_cells());
-    if evidence.is_open && evidence.point.is_none() && evidence.comma.is_none() {
-        // what is no measurement tells the mark as well
-        let columns = shape.unknown.iter().filter(|unknown| unknown.column.is_some());
-        let others = Evidence::of(columns.flat_map(|unknown| &unknown.cells));
-        if others.point.is_none() || others.comma.is_none() {
-            (evidence.point, evidence.comma) = (others.point, others.comma);
-        }
-    }
+    let evidence = Evidence::of(shape.number_cells());
     let open = evidence.is_open;
     let by = |cell: &Cell| format!("settled by `{}`", cell.text());
     let one = |mark, settled_by| Ok(vec![Choice { mark, settled_by }]);
@@ -141,13 +134,17 @@ fn choices(
             one(DecimalMark::Point, Some("commas separate".to_owned()))
         }
         (None, None, None) => {
-            let lines = shape.unknown.iter().filter(|unknown| unknown.column.is_none());
-            let lines = Evidence::of(lines.flat_map(|unknown| &unknown.cells).filter(|cell| cell.has_decimals()));
+            // what is no measurement tells the mark where no nominal value does
+            let cells = |unknown: &'s Unknown| {
+                let is_line = unknown.column.is_none();
+                unknown.cells.iter().filter(move |cell| !is_line || cell.has_decimals())
+            };
+            let others = Evidence::of(shape.unknown.iter().flat_map(cells));
             let choice = |mark, cell: Option<&Cell>, other: Option<&Cell>| Choice {
                 mark,
                 settled_by: cell.filter(|_| other.is_none()).map(by),
             };
-            let (point, comma) = (lines.point, lines.comma);
+            let (point, comma) = (others.point, others.comma);
             Ok(vec![choice(DecimalMark::Point, point, comma), choice(DecimalMark::Comma, comma, point)])
         }
     }

@@ -12,6 +12,7 @@ use super::super::reading::AsideReading;
 use super::super::shape::{Shape, has_digit, located, stated_units, unknown_unit};
 use super::super::want::{Want, ignore_option, mapping, quoted};
 use super::Understood;
+use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
 
@@ -96,32 +97,63 @@ pub(super) fn other_unit(
     })
 }
 
-/// A line above values that speaks of the other part than a column is of, whose name does not say it: `Ritzel` above
-/// `Teilung`; or, as a title, than all of them are, whatever their names say. So does a column that says one part in every row.
+/// What may say of which part values are.
+pub(super) struct Saying {
+    /// `line 3`.
+    pub(super) place: String,
+    pub(super) text: String,
+    /// What leaves it out, as `--ignore` takes it.
+    pub(super) pattern: String,
+    pub(super) said: Part,
+    /// Whether it speaks of all values, whatever the names of their columns say: a title without a number.
+    pub(super) is_of_all: bool,
+}
+
+/// A line above values, a column beside them or the names of the parts that speak of the other part than a column is of, whose
+/// name does not say it: `Ritzel` above `Teilung`; or, as a title, than all of them are, whatever their names say.
 pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Option<Diagnostic> {
     let last = shape.lines.iter().max().copied().unwrap_or_default();
     // a word without a number is a title, wherever it stands
     let is_title = |aside: &AsideReading| !has_digit(&aside.text);
     let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
-    let above = shape.asides.iter().filter(may_say).cloned();
-    let titles = above.chain(shape.said_in_every_row(want));
-    titles.filter_map(|aside| Some((part_in_title(&aside.text)?, aside))).find_map(|(said, aside)| {
-        let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == said));
-        let is_other = |column: &&Column| {
-            let is_named =
-                want.is_own(&column.title) || (is_of_both || !is_title(&aside)) && part_said(&column.title).is_some();
-            !is_named && column.kind.is_some_and(|kind| kind.part() != said && !is_called(&column.title, kind.key()))
-        };
-        let column = columns.iter().find(is_other)?;
-        let (line, text, title, key) = (aside.line, shown(&aside.text), &column.title, column.kind?.key());
-        let message = format!("line {line} says `{text}`, and `{title}` would be read as `{key}`");
-        let help = format!(
-            "name the column, if it is: [batch.columns] {}; or leave the line out: {}",
-            mapping(key, column.kind, title, None),
-            ignore_option(&aside.text)
-        );
-        Some(Diagnostic::error(Code::BadTable, message).help(help))
-    })
+    let saying = |aside: &AsideReading| {
+        let (text, said) = (aside.text.clone(), part_in_title(&aside.text)?);
+        let pattern = text.clone();
+        Some(Saying { place: format!("line {}", aside.line), text, pattern, said, is_of_all: is_title(aside) })
+    };
+    let lines = shape.asides.iter().filter(may_say).filter_map(saying);
+    let beside = shape.said_beside_values(want);
+    let beside = beside.iter().filter_map(saying);
+    let line = shape.header_line.unwrap_or(1);
+    let heading = shape.ids.iter().map(|ids| AsideReading { line, text: ids.title.clone() });
+    let heading = heading.filter_map(|heading| Some((part_said(&heading.text)?, heading)));
+    let heading = heading.map(|(said, AsideReading { line, text })| Saying {
+        place: format!("line {line}"),
+        pattern: text.clone(),
+        text,
+        said,
+        is_of_all: false,
+    });
+    lines.chain(beside).chain(heading).find_map(|saying| of_other(&saying, columns, want))
+}
+
+/// The refusal of a column of the other part than is said.
+pub(super) fn of_other(saying: &Saying, columns: &[Column], want: &Want) -> Option<Diagnostic> {
+    let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == saying.said));
+    let is_other = |column: &&Column| {
+        let is_named =
+            want.is_own(&column.title) || (is_of_both || !saying.is_of_all) && part_said(&column.title).is_some();
+        !is_named && column.kind.is_some_and(|kind| kind.part() != saying.said && !is_called(&column.title, kind.key()))
+    };
+    let column = columns.iter().find(is_other)?;
+    let (place, text, title, key) = (&saying.place, shown(&saying.text), &column.title, column.kind?.key());
+    let message = format!("{place} says `{text}`, and `{title}` would be read as `{key}`");
+    let help = format!(
+        "name the column, if it is: [batch.columns] {}; or leave out what says so: {}",
+        mapping(key, column.kind, title, None),
+        ignore_option(&saying.pattern)
+    );
+    Some(Diagnostic::error(Code::BadTable, message).help(help))
 }
 
 /// The refusal of a text that can be read in more than one way.
