@@ -181,6 +181,22 @@ impl Record {
         Self { cells, line, start: 0 }
     }
 
+    /// The cell at a place; an empty one where it has none.
+    pub(crate) fn cell(&self, place: usize) -> &Cell {
+        static EMPTY: Cell = Cell { content: Content::Empty, span: 0..0 };
+        self.cells.get(place).unwrap_or(&EMPTY)
+    }
+
+    /// The same, or an empty one where it says that there is no value.
+    pub(crate) fn value(&self, place: usize) -> Cell {
+        Some(self.cell(place)).filter(|cell| !cell.is_missing()).cloned().unwrap_or_default()
+    }
+
+    /// The same line with other cells.
+    pub(crate) fn with_cells(&self, cells: impl IntoIterator<Item = Cell>) -> Self {
+        Self { cells: cells.into_iter().collect(), ..*self }
+    }
+
     /// How many of its cells are numbers.
     pub(crate) fn numbers(&self) -> usize {
         self.cells.iter().filter(|cell| cell.is_number()).count()

@@ -27,7 +27,7 @@ pub(crate) fn gathered(understood: &Understood) -> Block {
             put(&mut block, number, column, &cell, value);
         }
         if let Some(index) = &shape.index {
-            take_index(&mut block, index.cells.get(row));
+            take_index(&mut block, &index.cells.get(row).cloned().unwrap_or_default());
         }
     }
     block

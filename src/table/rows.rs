@@ -339,22 +339,20 @@ impl Rows {
     fn values_of(&self, record: &Record, raw: Span, block: &mut Block) {
         start(record.line, raw, block);
         rejection::add(&mut block.rejections, self.rejections(record));
-        let text_of = |place: usize| record.cells.get(place).map(Cell::text).unwrap_or_default();
         if let Some(place) = self.setup.id {
-            let name = block.append(text_of(place).as_bytes());
+            let name = block.append(record.cell(place).text().as_bytes());
             block.names.push(name);
         }
         for place in &self.wanted.copied {
-            let copied = block.append(text_of(*place).as_bytes());
+            let copied = block.append(record.cell(*place).text().as_bytes());
             block.copied.push(copied);
         }
         for (number, column) in self.needed() {
-            let cell = record.cells.get(column.place).cloned().unwrap_or_default();
-            let value = column.read(&cell, column.beside.map(|companion| record.cells.get(companion.place)));
-            put(block, number, column, &cell, value);
+            let cell = record.cell(column.place);
+            put(block, number, column, cell, column.read(cell, column.beside_in(record)));
         }
         if let Some(index) = self.setup.index {
-            take_index(block, record.cells.get(index));
+            take_index(block, record.cell(index));
         }
     }
 
@@ -439,16 +437,7 @@ pub(crate) fn put(
         Ok(Some(value)) => format!("{value} is of another dimension than the values of the column"),
         Ok(None) => missing(column, cell),
         Err(problem) => {
-            let help = match problem {
-                Problem::OtherMark(_) => Some(
-                    "write every number with the same decimal mark; if all have this one, say so: --decimal comma or --decimal point",
-                ),
-                Problem::OpenMark(_) => Some(
-                    "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"",
-                ),
-                _ => None,
-            };
-            if let Some(help) = help {
+            if let Problem::Mark { help, .. } = problem {
                 block.contradiction.get_or_insert_with(|| Contradiction {
                     line: block.lines.last().copied().unwrap_or(0),
                     column: column.title.clone(),
@@ -471,16 +460,15 @@ fn missing(column: &Column, cell: &Cell) -> String {
 }
 
 /// The number of a space or tooth in the last row.
-pub(crate) fn take_index(block: &mut Block, cell: Option<&Cell>) {
-    let text = cell.map(Cell::text).unwrap_or_default();
+pub(crate) fn take_index(block: &mut Block, cell: &Cell) {
+    let text = cell.text();
     // spreadsheets and programs write 4 as 4,0
     let whole = text.trim().trim_end_matches('0').strip_suffix(['.', ',']).unwrap_or(text.trim());
     let number = whole.parse().ok();
     block.index.push(number);
     if number.is_none() {
-        let message =
-            if text.is_empty() { "the cell is empty".to_owned() } else { "it is not a whole number".to_owned() };
-        block.fault(None, false, &shown(&text), message);
+        let message = if text.is_empty() { "the cell is empty" } else { "it is not a whole number" };
+        block.fault(None, false, &shown(&text), message.to_owned());
     }
 }
 

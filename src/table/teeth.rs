@@ -276,32 +276,21 @@ impl Gatherer {
         if let Some(part) = self.named_once.filter(|_| name.is_empty()) {
             return part;
         }
-        let is_new = !name.is_empty() && !self.known.contains_key(name);
-        let part = self.part(name, line, record);
-        self.named_once = is_new.then_some(part);
-        part
-    }
-
-    fn part(&mut self, name: &str, line: u64, record: u64) -> usize {
-        self.known.get(name).copied().unwrap_or_else(|| {
+        let known = self.known.get(name).copied();
+        let part = known.unwrap_or_else(|| {
+            let table = self.name.to_string();
             let teeth = if self.is_rack {
-                Teeth::Rack(RackSpaces { name: self.name.to_string(), rows: Vec::new() })
+                Teeth::Rack(RackSpaces { name: table, rows: Vec::new() })
             } else {
-                Teeth::Pinion(PinionTeeth { name: self.name.to_string(), rows: Vec::new() })
+                Teeth::Pinion(PinionTeeth { name: table, rows: Vec::new() })
             };
-            let name = name.to_owned();
+            let (name, raw, numbers) = (name.to_owned(), Vec::new(), BTreeSet::new());
             self.known.insert(name.clone(), self.parts.len());
-            self.parts.push(ToothedPart {
-                name,
-                line,
-                record,
-                teeth,
-                raw: Vec::new(),
-                fault: None,
-                numbers: BTreeSet::new(),
-            });
+            self.parts.push(ToothedPart { name, line, record, teeth, raw, fault: None, numbers });
             self.parts.len() - 1
-        })
+        });
+        self.named_once = Some(part).filter(|_| known.is_none() && !name.is_empty());
+        part
     }
 
     fn refuse(&mut self, part: usize, line: u64, fault: &Fault) {
@@ -395,80 +384,65 @@ fn find(columns: &[Column], fields: &[Field]) -> Option<usize> {
 /// Refuses columns that are not those of a rack or a pinion, or leave open which they are.
 fn check_columns(table: &Table) -> Result<(), Diagnostic> {
     let columns = &table.columns;
-    columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
-    refuse_one_flank(&table.name, columns)?;
-    for fields in [OVER_PIN, RADIAL, LEAD] {
-        refuse_two(&table.name, columns, fields)?;
-    }
-    let mixes = !is_rack(columns, table.index_field)
-        && (find(columns, OVER_PIN).is_some() || table.index_field == Some(Field::Space));
-    if mixes {
-        let message = format!("{} mixes spaces of a rack with teeth of a pinion", table.name);
-        return Err(Diagnostic::error(Code::BadTable, message).help("give them one after the other"));
-    }
+    let refused = |what: &str, help: &str| {
+        Err(Diagnostic::error(Code::BadTable, format!("{}{what}", table.name)).help(help.to_owned()))
+    };
     if columns.is_empty() {
-        let message = format!("{} has no column of a rack's spaces or a pinion's teeth", table.name);
-        return Err(Diagnostic::error(Code::BadTable, message).help(
-            "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
-             tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation",
-        ));
+        let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+                    tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
+        return refused(" has no column of a rack's spaces or a pinion's teeth", help);
+    }
+    columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
+    let title = |fields: &[Field]| find(columns, fields).map(|column| &columns[column].title);
+    let flanks = [Field::LeftPitch, Field::RightPitch];
+    if let [Some(title), None] | [None, Some(title)] = flanks.map(|flank| title(&[flank])) {
+        let other = if find(columns, &flanks[..1]).is_some() { flanks[1] } else { flanks[0] }.key();
+        let what = format!(": `{title}` is of one flank side, and of the other nothing is said");
+        return refused(&what, &format!("add a column {other}; 0 says that these flanks stand where they should"));
+    }
+    for fields in [OVER_PIN, RADIAL, LEAD] {
+        let mut same = columns.iter().filter(|column| fields.contains(&column.field)).map(|column| &column.title);
+        if let (Some(one), Some(other)) = (same.next(), same.next()) {
+            let what = format!(": `{one}` and `{other}` are the same quantity of a space or tooth");
+            return refused(&what, "leave one of them out with --ignore");
+        }
+    }
+    let is_of_rack = find(columns, OVER_PIN).is_some() || table.index_field == Some(Field::Space);
+    if is_of_rack && !is_rack(columns, table.index_field) {
+        return refused(" mixes spaces of a rack with teeth of a pinion", "give them one after the other");
     }
     let radial = find(columns, RADIAL).map(|radial| &columns[radial]);
     if let Some(radial) = radial.filter(|radial| radial.holds == Some(ValueKind::Measured)) {
-        let message = format!("{}: `{}` holds measured radii; their deviations are needed", table.name, radial.title);
-        return Err(Diagnostic::error(Code::BadTable, message).help("give the column of radial deviations"));
+        let what = format!(": `{}` holds measured radii; their deviations are needed", radial.title);
+        return refused(&what, "give the column of radial deviations");
     }
     Ok(())
 }
 
 /// Refuses a column that says nothing of a space or tooth, or whose companions could not be used.
 fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
-    let title = &column.title;
-    let refused = |code: Code, what: &str, help: &str| {
-        Err(Diagnostic::error(code, format!("{name}: `{title}` {what}")).help(help.to_owned()))
-    };
-    match column.field {
-        Field::Error(DeviationKind::PinionPitch) => refused(
+    let (code, what, help) = match column.field {
+        Field::Error(DeviationKind::PinionPitch) => (
             Code::AmbiguousBlock,
             "of a tooth could be that of its left or its right flank",
             "name it left_pitch or right_pitch",
         ),
-        Field::Error(DeviationKind::RackPitch) => refused(
+        Field::Error(DeviationKind::RackPitch) => (
             Code::BadTable,
             "is a pitch, and spaces of a rack have positions",
             "write columns space and position_deviation, which is the sum of the pitch errors up to that space",
         ),
         Field::Error(DeviationKind::PinionLead) => {
-            refused(Code::BadTable, "is the lead of a whole pinion", "name that of a tooth lead_deviation")
+            (Code::BadTable, "is the lead of a whole pinion", "name that of a tooth lead_deviation")
         }
-        Field::Position if column.nominal != Nominal::None => refused(
+        Field::Position if column.nominal != Nominal::None => (
             Code::BadTable,
             "has nominal positions beside it, and space j stands nominally at (j + 1/2) p_x",
             "give position_deviation, or leave the nominal positions out with --ignore",
         ),
-        _ => Ok(()),
-    }
-}
-
-/// Refuses pitch deviations of one flank side, beside which nothing is known of the other.
-fn refuse_one_flank(name: &str, columns: &[Column]) -> Result<(), Diagnostic> {
-    let of = |field: Field| find(columns, &[field]).map(|column| &columns[column].title);
-    let (title, other) = match (of(Field::LeftPitch), of(Field::RightPitch)) {
-        (Some(left), None) => (left, Field::RightPitch.key()),
-        (None, Some(right)) => (right, Field::LeftPitch.key()),
         _ => return Ok(()),
     };
-    let message = format!("{name}: `{title}` is of one flank side, and of the other nothing is said");
-    Err(Diagnostic::error(Code::BadTable, message)
-        .help(format!("add a column {other}; 0 says that these flanks stand where they should")))
-}
-
-/// Refuses two columns of the same quantity.
-fn refuse_two(name: &str, columns: &[Column], fields: &[Field]) -> Result<(), Diagnostic> {
-    let mut same = columns.iter().filter(|column| fields.contains(&column.field)).map(|column| &column.title);
-    let (Some(one), Some(other)) = (same.next(), same.next()) else { return Ok(()) };
-    let message = format!("{name}: `{one}` and `{other}` are the same quantity of a space or tooth");
-    Err(Diagnostic::error(Code::BadTable, message).help("leave one of them out with --ignore"))
+    Err(Diagnostic::error(code, format!("{name}: `{}` {what}", column.title)).help(help))
 }
 
 /// The teeth or spaces of one part, and how their table was read.

@@ -6,7 +6,7 @@
 mod mark;
 mod refusal;
 
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
 use std::sync::Arc;
 
 use super::cell::{Cell, Record};
@@ -25,7 +25,7 @@ use mark::readings;
 use refusal::{Saying, no_error, numbers_teeth, of_other, other_part, other_unit, twice, two_readings};
 
 /// A table whose columns are found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Understood {
     /// What stands between cells; `None` where the file has cells of its own.
     pub(crate) separator: Option<Separator>,
@@ -45,6 +45,12 @@ pub(crate) struct Understood {
     ruled_out: Option<String>,
 }
 
+/// What is wrong with a reading, and how far it came.
+struct Failure {
+    rank: u8,
+    problem: Diagnostics,
+}
+
 /// The rank of what is wrong with a column that was found.
 const COLUMN_FOUND: u8 = 3;
 
@@ -52,19 +58,11 @@ const COLUMN_FOUND: u8 = 3;
 pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood, Diagnostics> {
     let text = source.text.as_str();
     let mut candidates: Vec<Understood> = Vec::new();
-    // the reading that came furthest says best what is wrong
-    let mut failure: Option<(u8, Diagnostics)> = None;
-    let mut fail = |rank: u8, problem: Diagnostics| {
-        if failure.as_ref().is_none_or(|(known, _)| *known < rank) {
-            failure = Some((rank, problem));
-        }
-    };
+    let mut failures: Vec<Failure> = Vec::new();
     let told = want.separator.map(|byte| vec![Separator::Character(byte)]);
     let mut possible = told.unwrap_or_else(|| separators(text));
-    if possible.contains(&Separator::COMMA)
-        && possible.contains(&Separator::AlignedBlanks)
-        && stands_aligned(text, want)
-    {
+    let has_both = [Separator::COMMA, Separator::AlignedBlanks].iter().all(|either| possible.contains(either));
+    if has_both && stands_aligned(text, want) {
         possible.retain(|separator| *separator != Separator::COMMA);
     }
     for separator in possible {
@@ -82,7 +80,7 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
                 match readings(source, Some(separator), &Arc::new(shape), want) {
                     Ok(read) => candidates.extend(read),
                     Err(problem) if sure => return Err(problem),
-                    Err(problem) => fail(COLUMN_FOUND, problem),
+                    Err(problem) => failures.push(Failure { rank: COLUMN_FOUND, problem }),
                 }
                 // no other separator can do better
                 if sure {
@@ -102,15 +100,17 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
                 if rank > 0 && is_sure {
                     return Err(diagnostic.into());
                 }
-                fail(rank, diagnostic.into());
+                failures.push(Failure { rank, problem: diagnostic.into() });
             }
         }
     }
     // a reading that finds no column says less than one that finds a column and what is wrong with it
-    if failure.as_ref().is_some_and(|(rank, _)| *rank == COLUMN_FOUND) {
+    if failures.iter().any(|failure| failure.rank == COLUMN_FOUND) {
         candidates.retain(|candidate| !candidate.columns.is_empty());
     }
-    let failed = || failure.map_or_else(|| NoShape::NoNumbers.explain(source, want).into(), |(_, problem)| problem);
+    // the reading that came furthest says best what is wrong
+    let failure = failures.into_iter().min_by_key(|failure| Reverse(failure.rank));
+    let failed = || failure.map_or_else(|| NoShape::NoNumbers.explain(source, want).into(), |failure| failure.problem);
     choose_sentences(&mut candidates);
     settle(source, candidates).unwrap_or_else(|| Err(failed()))
 }
@@ -257,28 +257,16 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
         }
     }
     problems.extend(twice(&columns));
-    let statements: Vec<_> = shape.statements(want).collect();
-    let said = |statement: &AsideReading| {
-        other_unit(shape, &columns, want, &format!("line {}", statement.line), &statement.text)
-    };
-    problems.extend(statements.iter().find_map(said));
+    let other = |said: AsideReading| other_unit(shape, &columns, want, &format!("line {}", said.line), &said.text);
+    problems.extend(shape.statements(want).find_map(other));
     problems.extend(other_part(shape, &columns, want));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
         return Err(Diagnostics(problems.into_iter().map(in_file).collect()));
     }
-    Ok(Understood {
-        separator: None,
-        shape: Arc::clone(shape),
-        mark: Some(mark),
-        settled_by: None,
-        columns,
-        is_teeth,
-        values: Vec::new(),
-        doubt: None,
-        ruled_out: None,
-    })
+    let shape = Arc::clone(shape);
+    Ok(Understood { shape, mark: Some(mark), columns, is_teeth, ..Understood::default() })
 }
 
 impl Understood {
@@ -374,9 +362,7 @@ impl Understood {
                     Ok(Some(value)) => in_words(value),
                     // how large a deviation may be settles nothing
                     Err(Problem::TooLarge(_)) => "too large".to_owned(),
-                    Err(
-                        Problem::Bad(what) | Problem::Far(what) | Problem::OtherMark(what) | Problem::OpenMark(what),
-                    ) => {
+                    Err(Problem::Bad(what) | Problem::Far(what) | Problem::Mark { what, .. }) => {
                         if impossible.is_none() && is_open() {
                             impossible = Some(what.clone());
                         }
@@ -410,19 +396,17 @@ pub(super) fn is_false_statistic(
     others: &Extent,
 ) -> bool {
     let (name, side) = (statistic_word(name), column.beyond(cell, beside, others));
-    side.is_some_and(|side| contradicts(name, side, column.nominal))
-        || name.len() > 1 && WordList::Spread.has(name) && column.is_wider(cell, others)
-}
-
-/// Whether a row of this name cannot lie beyond this end of the others: a mean or an extreme of them, a limit on the other side,
-/// and a spread, a sum or an index near their nominal value.
-fn contradicts(name: &str, side: Ordering, nominal: Nominal) -> bool {
-    let is_limit = match side {
-        Ordering::Less => role(name) == Some(Role::Upper),
-        _ => role(name) == Some(Role::Lower),
-    };
-    let is_apart = WordList::Apart.has(name) || WordList::Spread.has(name);
-    is_limit || WordList::Mean.has(name) || is_apart && nominal != Nominal::None
+    // no upper limit lies below the others, and no lower one above
+    let is_false_limit = matches!(
+        (role(name), side),
+        (Some(Role::Upper), Some(Ordering::Less)) | (Some(Role::Lower), Some(Ordering::Greater))
+    );
+    let is_spread = WordList::Spread.has(name);
+    // a spread, a sum or an index is far from a nominal value
+    let is_apart = (is_spread || WordList::Apart.has(name)) && column.nominal != Nominal::None;
+    is_false_limit
+        || side.is_some() && (WordList::Mean.has(name) || is_apart)
+        || name.len() > 1 && is_spread && column.is_wider(cell, others)
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

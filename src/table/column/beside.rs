@@ -5,7 +5,7 @@ use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, is_limit, unit_
 use crate::deviation::DeviationValue;
 use crate::diagnostic::Diagnostic;
 use crate::quantity::{Decimal, LengthUnit, Unit};
-use crate::table::cell::{Cell, Content};
+use crate::table::cell::{Cell, Content, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::unit_in;
 use crate::table::names::Role;
@@ -13,6 +13,11 @@ use crate::table::number::{normalise, quantity};
 use crate::table::shape::Measurement;
 
 impl Column {
+    /// What stands beside its value in a record.
+    pub(crate) fn beside_in<'r>(&self, record: &'r Record) -> Companions<&'r Cell> {
+        self.beside.map(|companion| record.cells.get(companion.place))
+    }
+
     /// The quantity in a companion's cell; `None` if there is none.
     pub(super) fn quantity_beside(
         &self,

@@ -148,11 +148,6 @@ impl Extent {
     pub(crate) fn encloses(&self, value: f64) -> bool {
         (self.least - self.digit..=self.most + self.digit).contains(&value)
     }
-
-    /// Whether a number is no larger than they are apart, but for their last digit.
-    pub(crate) fn is_spread_by(&self, value: f64) -> bool {
-        value.abs() <= self.most - self.least + self.digit
-    }
 }
 
 /// Why a cell has no value.
@@ -164,17 +159,15 @@ pub(crate) enum Problem {
     Far(String),
     /// It is larger than any deviation.
     TooLarge(String),
-    /// It has the other decimal mark than the cells before it.
-    OtherMark(String),
-    /// It is another number with each decimal mark, and nothing before it tells which counts.
-    OpenMark(String),
+    /// It has another decimal mark than the cells before it, or nothing tells which counts; and what to do.
+    Mark { what: String, help: &'static str },
 }
 
 impl Problem {
     /// What is wrong, and what to do.
     pub(crate) fn message(&self) -> String {
         match self {
-            Self::Bad(what) | Self::OtherMark(what) | Self::OpenMark(what) => what.clone(),
+            Self::Bad(what) | Self::Mark { what, .. } => what.clone(),
             Self::Far(what) => format!("{what}: check the unit and the decimal mark, or whether it is a deviation"),
             Self::TooLarge(what) => format!("{what}: check the unit, or give the nominal value if it is a measure"),
         }
@@ -321,7 +314,8 @@ impl Column {
 
     /// Whether a number is larger than values are apart.
     pub(crate) fn is_wider(&self, cell: &Cell, values: &Extent) -> bool {
-        cell.is_number() && !self.quantity(cell).is_ok_and(|value| values.is_spread_by(value.base()))
+        let widest = values.most - values.least + values.digit;
+        cell.is_number() && !self.quantity(cell).is_ok_and(|value| value.base().abs() <= widest)
     }
 
     /// The value, unless it is what no deviation can be.
@@ -358,22 +352,17 @@ impl Column {
         };
         // `12. Mai` is no number with a decimal point
         if is_measure && reading == Marks::Only(other) {
-            let message = format!(
-                "`{}` has a decimal {}, and the table's numbers have a decimal {}",
-                shown(text),
-                other.word(),
-                self.mark.word()
-            );
-            return Err(Problem::OtherMark(message));
+            let help = "write every number with the same decimal mark; if all have this one, say so: --decimal comma or --decimal point";
+            let (text, other, mark) = (shown(text), other.word(), self.mark.word());
+            let what = format!("`{text}` has a decimal {other}, and the table's numbers have a decimal {mark}");
+            return Err(Problem::Mark { what, help });
         }
         if self.mark_is_open && reading == Marks::Differ {
-            let message = format!(
-                "`{}` could be {} or {}, and nothing before it tells which",
-                shown(text),
-                text.replace(',', "."),
-                text.replace([',', '.'], "")
-            );
-            return Err(Problem::OpenMark(message));
+            let help =
+                "say which mark counts: --decimal comma or --decimal point, or in the spec [batch] decimal = \"comma\"";
+            let [point, comma] = [text.replace(',', "."), text.replace([',', '.'], "")];
+            let what = format!("`{}` could be {point} or {comma}, and nothing before it tells which", shown(text));
+            return Err(Problem::Mark { what, help });
         }
         let whole = text;
         let text = measured(text, unit);

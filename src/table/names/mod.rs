@@ -156,6 +156,13 @@ pub(crate) struct Heading {
     pub(crate) unit: Option<String>,
 }
 
+impl Heading {
+    /// Whether it names parts, spaces or teeth, and no value of them.
+    pub(crate) fn is_index(&self) -> bool {
+        self.fields.iter().all(|field| field.is_index())
+    }
+}
+
 /// Understands a heading or label; `None` if it names nothing that is known. `own` are names that the spec gives to its
 /// columns, which mean what it says whatever else they could mean.
 pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
@@ -187,10 +194,9 @@ pub(crate) fn heading(text: &str, own: &[(String, Field)]) -> Option<Heading> {
         return None;
     }
     let said = senses.iter().any(|sense| matches!(sense, Sense::Deviation | Sense::Measured));
-    if fields.iter().all(|field| field.is_index()) && (said || aspect != Role::Measured) {
-        return None;
-    }
-    Some(Heading { fields, aspect, holds: holds(&senses), unit })
+    let heading = Heading { fields, aspect, holds: holds(&senses), unit };
+    let is_value = said || aspect != Role::Measured;
+    Some(heading).filter(|heading| !(heading.is_index() && is_value))
 }
 
 /// Whether a sign stands before a name, so that its values are the other way round: `-ΔM`, `(-) ΔM`.
@@ -387,7 +393,7 @@ fn needs_part(field: Field) -> bool {
 
 /// Whether a heading names a value or what belongs to one, and not only a part. `own` are names that the spec gives.
 pub(crate) fn names_value(text: &str, own: &[(String, Field)]) -> bool {
-    heading(text, own).is_some_and(|heading| heading.fields.iter().any(|field| !field.is_index()))
+    heading(text, own).is_some_and(|heading| !heading.is_index())
 }
 
 /// Whether a heading names measured values, and not only places. `own` are names that the spec gives to its columns.

@@ -22,28 +22,21 @@ impl Rows {
 
     /// Whether a record is the header or the units again, or a mean below the parts.
     pub(super) fn is_aside(&self, record: &Record) -> bool {
-        let name = self.setup.id.or(self.setup.index).and_then(|place| record.cells.get(place)).map(Cell::text);
+        let Setup { id, index, titles, names, is_even, .. } = &self.setup;
+        let name = id.or(*index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
-        let is_words = !self.setup.is_even && !has_numbers && record.cells.len() != self.setup.titles.len();
-        let is_part = |name: &str| is_numbered(name) || self.setup.names.may_have(name);
-        let is_counted = || {
-            self.setup
-                .id
-                .zip(self.setup.index)
-                .and_then(|(_, index)| record.cells.get(index)?.text().parse::<i64>().ok())
-        };
+        let is_words = !is_even && !has_numbers && record.cells.len() != titles.len();
+        let is_part = |name: &str| is_numbered(name) || names.may_have(name);
+        let is_counted = || id.is_some() && index.is_some_and(|index| record.cell(index).text().parse::<i64>().is_ok());
         let is_excluded = |name: &str| {
             may_be_statistic(name.as_bytes())
-                && (self.setup.names.exclude(name) && !self.is_measured(record)
-                    || self.setup.names.have_spread(name) && self.is_spread(record))
+                && (names.exclude(name) && !self.is_measured(record)
+                    || names.have_spread(name) && self.is_spread(record))
         };
-        let is_of_teeth = |cell: &Cell| {
-            let text = cell.text();
-            is_called_of_parts(&text) || is_total(&text) || says_largest(&text)
-        };
+        let is_of_teeth = |text: &str| is_called_of_parts(text) || is_total(text) || says_largest(text);
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
-            && is_counted().is_none()
-            || self.setup.index.and_then(|index| record.cells.get(index)).is_some_and(is_of_teeth)
+            && !is_counted()
+            || index.is_some_and(|index| is_of_teeth(&record.cell(index).text()))
             || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
@@ -51,33 +44,31 @@ impl Rows {
 
     /// Whether a record says where a page ends, and holds at most a count that is no value.
     pub(super) fn is_page(&self, record: &Record) -> bool {
-        let filled: Vec<&Cell> = record.cells.iter().filter(|cell| !cell.is_missing()).collect();
-        let is_count = |cell: &&Cell| {
+        let mut filled = record.cells.iter().filter(|cell| !cell.is_missing());
+        let is_count = |cell: &Cell| {
             cell.text().parse::<u64>().is_ok() && !self.setup.columns.iter().any(|column| column.may_hold(cell))
         };
-        filled
-            .split_first()
-            .is_some_and(|(first, others)| others.iter().all(is_count) && self.setup.names.have_no(&first.text()))
+        filled.next().is_some_and(|first| self.setup.names.have_no(&first.text())) && filled.all(is_count)
     }
 
     /// Whether a record holds a value near the nominal one, as no count or temperature is; in a row of
     /// several errors it may have any digits.
     pub(super) fn is_measured(&self, record: &Record) -> bool {
         let columns = &self.setup.columns;
-        let cell = |column: &Column| record.cells.get(column.place).filter(|cell| cell.is_number());
-        let is_row = columns.len() > 1 && columns.iter().all(|column| cell(column).is_some());
+        let is_row = columns.len() > 1 && columns.iter().all(|column| record.cell(column.place).is_number());
         let is_near = |column: &Column| {
-            let is_value = |cell: &Cell| (is_row || cell.has_two_decimals()) && column.may_hold(cell);
-            matches!(column.nominal, Nominal::Fixed(_)) && cell(column).is_some_and(is_value)
+            let cell = record.cell(column.place);
+            let is_value = || cell.is_number() && (is_row || cell.has_two_decimals()) && column.may_hold(cell);
+            matches!(column.nominal, Nominal::Fixed(_)) && is_value()
         };
         columns.iter().any(is_near)
     }
 
     /// Whether what a record holds is by how much measured values differ, and none of them.
     pub(super) fn is_spread(&self, record: &Record) -> bool {
-        let cells = self.setup.columns.iter().filter_map(|column| Some((column, record.cells.get(column.place)?)));
-        let mut filled = cells.filter(|(_, cell)| !cell.is_missing()).peekable();
-        filled.peek().is_some() && filled.all(|(column, cell)| column.may_spread_by(cell))
+        let is_filled = |column: &&Column| !record.cell(column.place).is_missing();
+        let mut filled = self.setup.columns.iter().filter(is_filled).peekable();
+        filled.peek().is_some() && filled.all(|column| column.may_spread_by(record.cell(column.place)))
     }
 
     /// Whether a line of words holds what may be a value.
@@ -96,7 +87,7 @@ impl Rows {
 
     /// Whether a row of units says of every column what is known of it.
     pub(super) fn repeats_units(&self, record: &Record) -> bool {
-        let is_that_of = |cell: &Cell, column: &Column| column.has_unit(&cell.text());
+        let is_that_of = |cell: &Cell, column: &Column| cell.is_missing() || column.has_unit(&cell.text());
         if record.cells.len() < self.setup.titles.len() && !self.setup.is_even {
             // between blanks, a unit has no place but its order
             let cells = record.cells.iter().filter(|cell| !cell.is_missing());
@@ -105,10 +96,7 @@ impl Rows {
             return cells.clone().count() == columns.len()
                 && cells.zip(columns).all(|(cell, column)| is_that_of(cell, column));
         }
-        self.setup.columns.iter().all(|column| {
-            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing());
-            cell.is_none_or(|cell| is_that_of(cell, column))
-        })
+        self.setup.columns.iter().all(|column| is_that_of(record.cell(column.place), column))
     }
 }
 

@@ -26,8 +26,8 @@ impl Rows {
         }
         let is_value = |place: &&usize| {
             let is_nameless = self.setup.titles.get(**place).is_some_and(String::is_empty);
-            let is_value = |cell: &Cell| cell.is_number() || is_nameless && speaks_of_value(&cell.text());
-            record.cells.get(**place).is_some_and(is_value)
+            let cell = record.cell(**place);
+            cell.is_number() || is_nameless && speaks_of_value(&cell.text())
         };
         if let Some(watched) = self.setup.watched.iter().find(is_value) {
             let message = "it holds a number here, and nothing tells what it measures".to_owned();
@@ -61,7 +61,7 @@ impl Rows {
             if *has_digits {
                 return None;
             }
-            let cell = record.cells.get(*place).filter(|cell| has_digit(&cell.text()))?;
+            let cell = Some(record.cell(*place)).filter(|cell| has_digit(&cell.text()))?;
             let value = beside.value_in_remark(cell, &format!("column {}", place + 1), record.line)?;
             let is_left_out = value.is_ignored(want) || Others::of(columns, want).leaves_out(&value);
             (!is_left_out).then(|| (*place, cell.text()))
@@ -100,8 +100,9 @@ impl Rows {
             return None;
         }
         let other = self.setup.columns.iter().find(|column| {
-            let cell = record.cells.get(column.place).filter(|cell| !cell.is_missing() && !is_limit(&cell.text()));
-            cell.is_some_and(|cell| column.quantity(cell).ok() != column.nominal_of_every_part())
+            let cell = record.cell(column.place);
+            let is_said = !cell.is_missing() && !is_limit(&cell.text());
+            is_said && column.quantity(cell).ok() != column.nominal_of_every_part()
         })?;
         let message = format!("the nominal value here is not the column's: {}", record.in_words());
         let help = "give the nominal value in the spec, or in a column beside the values";
@@ -111,7 +112,7 @@ impl Rows {
     /// A line such as `rack_pitch;0.2` below the parts, which names no part.
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
         let id = self.setup.id?;
-        let name = record.cells.get(id)?.text();
+        let name = record.cell(id).text();
         let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
         if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
             return None;
@@ -124,8 +125,7 @@ impl Rows {
     /// Whether a line without numbers states a unit that no column has, of length or angle as some have: `Werte in mm`.
     fn states_other_unit(&self, record: &Record) -> bool {
         let columns = &self.setup.columns;
-        let is_below_units =
-            |column: &Column| record.cells.get(column.place).is_some_and(|cell| column.has_unit(&cell.text()));
+        let is_below_units = |column: &Column| column.has_unit(&record.cell(column.place).text());
         if record.numbers() > 0 || self.repeats_header(record) || columns.iter().any(is_below_units) {
             return false;
         }

@@ -41,19 +41,17 @@ impl Extremes {
 impl Rows {
     /// What a record is called that is made of the others: by its name, or in place of the number of a tooth.
     pub(super) fn statistic<'r>(&self, record: &'r Record) -> Option<std::borrow::Cow<'r, str>> {
-        let index = self.setup.index.and_then(|index| record.cells.get(index)).map(|cell| cell.text());
+        let index = self.setup.index.map(|index| record.cell(index).text());
         self.label(record).into_iter().chain(index).find(|name| is_called_of_parts(name))
     }
 
     /// Why a record cannot be the statistic that it is called.
     fn false_statistic(&self, record: &Record, ends: &[Option<[DeviationValue; 2]>]) -> Option<Contradiction> {
         let name = self.statistic(record)?;
-        let other = self.setup.columns.iter().zip(ends).find(|(column, ends)| {
-            let (Some(ends), Some(cell)) = (ends, record.cells.get(column.place)) else { return false };
-            let beside = column.beside.map(|companion| record.cells.get(companion.place));
-            is_false_statistic(&name, column, cell, beside, &Extent::between(*ends))
-        });
-        let (column, _) = other?;
+        let (column, _) = self.setup.columns.iter().zip(ends).find(|(column, ends)| {
+            let (Some(ends), cell) = (ends, record.cell(column.place)) else { return false };
+            is_false_statistic(&name, column, cell, column.beside_in(record), &Extent::between(*ends))
+        })?;
         let message = format!("the values of the other rows contradict this: {}", record.in_words());
         let help = "give the row the name of its part, or take it out of the table";
         Some(contradiction(record, Some(&column.title), message, help))

@@ -14,16 +14,10 @@ impl Rows {
 
     /// The fields that are looked at, of so many.
     pub(crate) fn places(&self, fields: usize) -> Vec<bool> {
-        match self.plain_columns() {
-            Some(columns) => (0..fields)
-                .map(|place| {
-                    let is_read =
-                        self.setup.id == Some(place) || self.setup.remarks.iter().any(|remarks| remarks.place == place);
-                    is_read || columns.iter().any(|column| column.place == place)
-                })
-                .collect(),
-            None => vec![true; fields],
-        }
+        let Some(columns) = self.plain_columns() else { return vec![true; fields] };
+        let places = columns.iter().map(|column| column.place).chain(self.setup.id);
+        let read: Vec<usize> = places.chain(self.setup.remarks.iter().map(|remarks| remarks.place)).collect();
+        (0..fields).map(|place| read.contains(&place)).collect()
     }
 
     /// The rows of stored columns, by field; of those that are not looked at there is nothing. `before` rows of the table

@@ -29,10 +29,8 @@ pub(super) fn with_parts_side_by_side<'r>(records: &'r [Record], want: &Want) ->
     let is_twice = |block: &&[Record]| (1..block.len()).any(|at| find(&block[..at], &name(&block[at])).is_some());
     // numbers without a name say not beside which others they stand
     let is_nameless = |record: &Record| !record.filled().is_empty() && record.filled().iter().all(Cell::is_number);
-    if records[first..].iter().any(is_nameless) {
-        return records.into();
-    }
-    if blocks.len() < 2 || !blocks.iter().all(starts_alike) || blocks.iter().any(is_twice) {
+    let has_nameless = records[first..].iter().any(is_nameless);
+    if has_nameless || blocks.len() < 2 || !blocks.iter().all(starts_alike) || blocks.iter().any(is_twice) {
         return records.into();
     }
     let mut merged = records[..first].to_vec();
@@ -44,15 +42,14 @@ pub(super) fn with_parts_side_by_side<'r>(records: &'r [Record], want: &Want) ->
             merged.push(record.clone());
         } else if find(&merged[first..], &name).is_none() {
             let values = in_blocks.iter().map(|found| found.map_or_else(Cell::default, value));
-            let cells = record.cells.first().cloned().into_iter().chain(values).collect();
-            merged.push(Record { cells, ..record.clone() });
+            merged.push(record.with_cells(record.cells.first().cloned().into_iter().chain(values)));
         }
     }
     merged.into()
 }
 
 fn name(record: &Record) -> Cow<'_, str> {
-    record.cells.first().map(Cell::text).unwrap_or_default()
+    record.cell(0).text()
 }
 
 /// The record of that name.

@@ -57,12 +57,12 @@ fn dimension(record: &Record) -> Option<String> {
 fn units(record: &Record) -> Option<Record> {
     let line = record.in_words();
     let text = &line[line.find("UNITS")?..];
-    Some(Record { cells: vec![Cell::of_text(text, record.span())], ..record.clone() })
+    Some(record.with_cells([Cell::of_text(text, record.span())]))
 }
 
 /// Whether a record is the header of axes.
 fn is_header(record: &Record) -> bool {
-    record.cells.first().is_some_and(|cell| is_axis(&cell.text())) && record.numbers() == 0
+    is_axis(&record.cell(0).text()) && record.numbers() == 0
 }
 
 /// A record with another text in its first cell.

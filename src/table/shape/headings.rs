@@ -4,8 +4,8 @@ use super::{NoShape, Series, has_digit, twice};
 use crate::deviation::{DeviationKind, Part};
 use crate::table::cell::Cell;
 use crate::table::names::{
-    Field, Heading, Role, ValueKind, WordList, heading, is_context, is_of_parts, is_statistic, names_page, part_said,
-    role, says_which,
+    Field, Heading, Role, ValueKind, WordList, heading, is_again, is_context, is_of_parts, is_statistic, names_page,
+    part_said, role, says_which,
 };
 use crate::table::number::is_missing;
 use crate::table::want::Want;
@@ -32,24 +32,21 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
     };
     let is_other = |cell: &Cell, heading: &Heading| {
         heading.aspect == Role::Measured
-            && matches!(heading.fields.as_slice(), [field @ Field::Error(_)] if is_own(*field))
+            && matches!(heading.fields[..], [field @ Field::Error(_)] if is_own(field))
             && !want.is_own(&cell.text())
     };
-    let counts = |cell: &Cell| understood(cell).filter(|heading| !is_other(cell, heading));
-    let found: Vec<_> = cells.iter().map(counts).collect();
+    let found = cells.iter().map(|cell| understood(cell).filter(|heading| !is_other(cell, heading)));
+    let found: Vec<_> = found.collect();
     // in a table of a pinion's teeth, or in one that has values of one part only, `pitch` is that part's
-    let of = |kinds: &[DeviationKind]| {
-        let is_so =
-            |heading: &Heading| matches!(heading.fields.as_slice(), [Field::Error(kind)] if kinds.contains(kind));
-        found.iter().flatten().any(is_so)
+    let of = |kinds: [DeviationKind; 2]| {
+        found.iter().flatten().any(|heading| kinds.iter().any(|kind| heading.fields == [Field::Error(*kind)]))
     };
-    let rack = of(&[DeviationKind::RackOverRoller, DeviationKind::RackLead]);
-    let pinion = of(&[DeviationKind::PinionRadial, DeviationKind::PinionLead]);
+    let rack = of([DeviationKind::RackOverRoller, DeviationKind::RackLead]);
+    let pinion = of([DeviationKind::PinionRadial, DeviationKind::PinionLead]);
     // beside errors of parts, `x` and `position` are where something was measured
-    let is_error = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Error(_)));
-    let numbers = |heading: &Heading| heading.fields.iter().any(|field| matches!(field, Field::Space | Field::Tooth));
-    let of_parts =
-        want.teeth != Some(true) && found.iter().flatten().any(is_error) && !found.iter().flatten().any(numbers);
+    let fields = || found.iter().flatten().flat_map(|heading| &heading.fields);
+    let has_numbers = fields().any(|field| matches!(field, Field::Space | Field::Tooth));
+    let of_parts = want.teeth != Some(true) && fields().any(|field| matches!(field, Field::Error(_))) && !has_numbers;
     // one pitch is not the other's, and in a table of one part it is that part's, as a title or a column `Ritzel Nr.` says
     let is_value = |heading: &&Heading| heading.aspect == Role::Measured && heading.fields.len() == 1;
     let has_own: Vec<Field> = found.iter().flatten().filter(is_value).map(|heading| heading.fields[0]).collect();
@@ -60,12 +57,8 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
         let is_of_part = |kind: DeviationKind| part.is_none_or(|part| kind.part() == part);
         !has_own.contains(field) && field.kind().is_none_or(is_of_part)
     };
-    let mut named: Vec<Option<Named>> = Vec::with_capacity(cells.len());
-    for (place, (cell, heading)) in cells.iter().zip(found).enumerate() {
-        let Some(mut heading) = heading else {
-            named.push(None);
-            continue;
-        };
+    let one = |(place, (cell, heading)): (usize, (&Cell, Option<Heading>))| {
+        let Some(mut heading) = heading else { return Ok(None) };
         if heading.fields.len() > 1 && heading.fields.iter().any(may_be) {
             heading.fields.retain(may_be);
         }
@@ -74,13 +67,11 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
             heading.fields.retain(|field| *field == Field::Error(wanted));
         }
         let field = one_meaning(&heading.fields, want, cell)?;
-        if of_parts && field == Field::Position {
-            named.push(None);
-            continue;
-        }
         let series = Series { title: cell.text().into_owned(), place, unit: heading.unit, cells: Vec::new() };
-        named.push(Some(Named { field, aspect: heading.aspect, holds: heading.holds, series }));
-    }
+        let named = Named { field, aspect: heading.aspect, holds: heading.holds, series };
+        Ok(Some(named).filter(|_| !(of_parts && field == Field::Position)))
+    };
+    let mut named: Vec<_> = cells.iter().zip(found).enumerate().map(one).collect::<Result<_, _>>()?;
     drop_second_part_names(&mut named, want)?;
     Ok(named)
 }
@@ -121,12 +112,8 @@ fn drop_second_part_names(named: &mut [Option<Named>], want: &Want) -> Result<()
 }
 
 pub(super) fn known(cells: &[Cell], want: &Want) -> usize {
-    cells.iter().filter(|cell| is_known(cell, want)).count()
-}
-
-fn is_known(cell: &Cell, want: &Want) -> bool {
-    let text = cell.text();
-    heading(&text, &want.own).is_some() || WordList::EvaluationLength.has(&text)
+    let is_known = |text: &str| heading(text, &want.own).is_some() || WordList::EvaluationLength.has(text);
+    cells.iter().filter(|cell| is_known(&cell.text())).count()
 }
 
 /// Whether a column is called nominal, a tolerance or a deviation, of whatever part, or a flank or a tooth: `P1 Soll`, `links`.
@@ -143,6 +130,11 @@ pub(super) fn says_no_part(text: &str) -> bool {
         || has_digit(text) && is_index(text.trim_end_matches(|c: char| c.is_ascii_digit()))
         || text.split_whitespace().any(is_none)
         || heading(text, &[]).is_none() && text.split(['-', '/', '|', '[']).filter(is_word).any(is_none)
+}
+
+/// Whether a column holds what is wanted of parts, made of them, measured once more or known beside them, and is none of a part.
+pub(super) fn is_of_no_part(title: &str) -> bool {
+    says_no_part(title) || is_again(title) || is_statistic(title) || is_plain_context(title)
 }
 
 /// Whether a heading is that of the largest or the smallest value, or of a limit.
@@ -223,7 +215,7 @@ pub(crate) fn is_spread(name: &str) -> bool {
 }
 
 /// Whether a text says what is known about a table, and names no part: `Temperatur`.
-pub(super) fn is_plain_context(text: &str) -> bool {
+fn is_plain_context(text: &str) -> bool {
     !has_digit(text) && is_context(text) && !is_part_name(text)
 }
 

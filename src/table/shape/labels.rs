@@ -1,13 +1,11 @@
 //! Tables with a name in front of each line, and a value per part behind it.
 
-use super::headings::{Named, headings, is_part_name, one_meaning, says_no_part};
+use super::headings::{Named, headings, is_of_no_part, is_part_name, one_meaning, says_no_part};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
-use crate::table::names::{
-    Field, Role, WordList, heading, is_again, is_context, is_statistic, is_tolerance, names_value, repeats_value, role,
-};
+use crate::table::names::{Field, Role, WordList, heading, is_tolerance, names_value, repeats_value, role};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -27,18 +25,13 @@ pub(super) fn columns_of_no_part(records: &[Record], labels: &[usize]) -> Option
     let above = &records[..*labels.first()?];
     let says_all = |cell: &&Cell| says_no_part(&cell.text()) && !cell.text().trim().contains(' ');
     let names_columns = |record: &&Record| !states_tolerance(record);
-    let says_it = |cell: &&Cell| says_no_part(&cell.text());
     // a line of names has as many cells as the lines below it
     let names = above.last().filter(|record| record.cells.len() == records[labels[0]].cells.len());
-    let is_of_names = |names: &&Record| names.cells.first().is_some_and(|cell| role(&cell.text()) == Some(Role::Name));
-    let is_other = |cell: &&Cell| {
-        let title = cell.text();
-        is_statistic(&title) || is_again(&title) || is_context(&title) && !is_part_name(&title) && !has_digit(&title)
-    };
-    let of_characteristics = names.filter(is_of_names).and_then(|names| names.cells.iter().skip(1).find(is_other));
-    let heading = names
-        .and_then(|names| names.cells.iter().skip(1).find(says_it))
-        .or(of_characteristics)
+    let titles = || names.into_iter().flat_map(|names| names.cells.iter().skip(1));
+    let is_of_names = names.is_some_and(|names| role(&names.cell(0).text()) == Some(Role::Name));
+    let heading = titles()
+        .find(|cell| says_no_part(&cell.text()))
+        .or_else(|| titles().find(|cell| is_of_names && is_of_no_part(&cell.text())))
         .or_else(|| above.iter().filter(names_columns).flat_map(|record| &record.cells).find(says_all))
         .or_else(|| {
             let has_several = records[labels[0]].numbers() > 1;
@@ -63,21 +56,19 @@ fn names_part_and_other(record: &Record) -> bool {
 
 /// Whether a line says a tolerance and nothing else: `Toleranz: ±0,03 mm`.
 fn states_tolerance(record: &Record) -> bool {
-    let Some((title, values)) = record.filled().split_first() else { return false };
+    let values = record.filled().get(1..).unwrap_or_default();
     let is_value = |cell: &Cell| {
         let number = Cell::of_text(cell.text().trim_start_matches('±'), 0..0);
         is_unit(&cell.text()) || number.has_decimals() || number.is_measure() && unit_in(&number.text()).is_some()
     };
-    is_tolerance(&title.text()) && !values.is_empty() && values.iter().all(is_value)
+    is_tolerance(&record.cell(0).text()) && !values.is_empty() && values.iter().all(is_value)
 }
 
 /// Whether its first cell counts lines: `003`, `10.`, `1/2`.
 pub(super) fn is_counted(record: &Record) -> bool {
-    let counts = |text: &str| {
-        let digits = text.trim_end_matches(['.', ')', ':']);
-        text.starts_with(|c: char| c.is_ascii_digit()) && digits.chars().all(|c| c.is_ascii_digit() || c == '/')
-    };
-    record.cells.first().is_some_and(|cell| counts(&cell.text()))
+    let text = record.cell(0).text();
+    let digits = text.trim_end_matches(['.', ')', ':']);
+    text.starts_with(|c: char| c.is_ascii_digit()) && digits.chars().all(|c| c.is_ascii_digit() || c == '/')
 }
 
 /// A line `003 Pitch error 0.21` with its number in the name; any other record as it is.
@@ -90,8 +81,7 @@ pub(crate) fn uncounted(record: &Record) -> Record {
     }
     let texts: Vec<_> = record.cells[..=words].iter().map(Cell::text).collect();
     let name = Cell::of_text(&texts.join(" "), record.cells[0].span.start..record.cells[words].span.end);
-    let cells = std::iter::once(name).chain(record.cells[words + 1..].iter().cloned());
-    Record { cells: cells.collect(), ..record.clone() }
+    record.with_cells(std::iter::once(name).chain(record.cells[words + 1..].iter().cloned()))
 }
 
 /// One line per name, with a value per part behind it.
@@ -149,10 +139,8 @@ pub(super) fn by_label(
 
 /// How many parts a line above the labels names.
 fn parts_above(above: &[Record], has_units: bool, want: &Want) -> usize {
-    let names_parts = |record: &&Record| {
-        let title = record.cells.first().map(Cell::text).unwrap_or_default();
-        heading(&title, &want.own).is_some_and(|heading| heading.fields.first().is_some_and(|field| field.is_index()))
-    };
+    let names_parts =
+        |record: &&Record| heading(&record.cell(0).text(), &want.own).is_some_and(|heading| heading.is_index());
     above.iter().filter(names_parts).map(|record| behind_label(record, has_units).len()).max().unwrap_or(0)
 }
 
@@ -190,9 +178,8 @@ impl Lines<'_> {
             return shape.take(named);
         }
         let cells = behind_label(record, self.has_units);
-        let names_parts = heading(&title, &self.want.own).filter(|heading| {
-            cells.len() == self.count && heading.fields.first().is_some_and(|field| field.is_index())
-        });
+        let names_parts =
+            heading(&title, &self.want.own).filter(|heading| cells.len() == self.count && heading.is_index());
         let of_parts = names_parts.map(|heading| heading.fields[0]).or_else(|| {
             let stands_above = title.is_empty() && index + 1 == self.first && cells.len() == self.count;
             (stands_above && shape.ids.is_none()).then_some(Field::PartId)
@@ -223,7 +210,7 @@ impl Lines<'_> {
 /// Whether a number behind a title is a value, and not that of a tooth or space: `rechts 95`, `Zahn 7: 95`.
 pub(super) fn says_value(title: &str, behind: &[Cell]) -> bool {
     let last = title.split_whitespace().next_back().unwrap_or_default();
-    let counts = heading(last, &[]).is_some_and(|heading| heading.fields.iter().all(|field| field.is_index()));
+    let counts = heading(last, &[]).is_some_and(|heading| heading.is_index());
     let numbers = behind.iter().filter(|cell| cell.is_number()).count();
     numbers > usize::from(counts) && (counts || repeats_value(title))
 }

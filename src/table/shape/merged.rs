@@ -8,9 +8,9 @@
 
 use std::borrow::Cow;
 
-use super::headings::{is_part_name, is_plain_context, says_no_part};
+use super::headings::{is_of_no_part, is_part_name};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Role, is_again, is_statistic, names_value, role};
+use crate::table::names::{Role, names_value, role};
 use crate::table::want::Want;
 
 /// The columns of parts.
@@ -30,16 +30,15 @@ pub(super) fn with_part_in_each_row<'r>(records: &'r [Record], want: &Want) -> C
     };
     let (names, header) = (&records[groups.names], &records[groups.names + 1]);
     let lead = groups.starts[0];
-    let row_of = |record: &Record, start: usize, part: Cell| {
-        let cells = record.cells[..lead].iter().chain(&record.cells[start..start + groups.width]);
-        Record { cells: cells.cloned().chain([part]).collect(), ..record.clone() }
+    let row_of = |record: &Record, start: usize, part: &Cell| {
+        row_of_part(record, lead, &record.cells[start..start + groups.width], part)
     };
     let mut rows = records[..groups.names].to_vec();
-    rows.push(row_of(header, lead, Cell::of_text("part", 0..0)));
+    rows.push(row_of(header, lead, &Cell::of_text("part", 0..0)));
     for record in &records[groups.names + 2..] {
         let is_whole = record.cells.len() == header.cells.len();
         if is_whole && !record.cells[lead..].iter().all(Cell::is_empty) {
-            rows.extend(groups.starts.iter().map(|start| row_of(record, *start, names.cells[*start].clone())));
+            rows.extend(groups.starts.iter().map(|start| row_of(record, *start, &names.cells[*start])));
         } else if !is_whole && record.numbers() > 0 {
             // nothing tells of which part its values are
             return records.into();
@@ -48,6 +47,11 @@ pub(super) fn with_part_in_each_row<'r>(records: &'r [Record], want: &Want) -> C
         }
     }
     rows.into()
+}
+
+/// A characteristic with the values of one part, and its name behind them.
+fn row_of_part(record: &Record, lead: usize, values: &[Cell], part: &Cell) -> Record {
+    record.with_cells(record.cells[..lead].iter().chain(values).chain([part]).cloned())
 }
 
 /// The records with the names of parts in their header, where a line above has them: `No.;1;2` above `Design value;;`.
@@ -78,8 +82,7 @@ pub(super) fn with_names_above(records: &[Record]) -> Cow<'_, [Record]> {
 /// The columns of parts of a header below their names: as many for each part, with the same titles.
 fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
     let (above, titles) = (&records[header - 1].cells, &records[header].cells);
-    let is_named = |place: &usize| *place > 0 && !above[*place].is_empty();
-    let starts: Vec<usize> = (0..above.len()).filter(is_named).collect();
+    let starts: Vec<usize> = (1..above.len()).filter(|place| !above[*place].is_empty()).collect();
     let [first, second, ..] = starts[..] else { return None };
     let width = second - first;
     let is_even = starts.windows(2).all(|pair| pair[1] - pair[0] == width);
@@ -87,16 +90,15 @@ fn groups(records: &[Record], header: usize, want: &Want) -> Option<Groups> {
     if width < 2 || !is_even || !is_whole {
         return None;
     }
-    let titles_of =
-        |start: usize| titles.get(start..start + width).map(|titles| titles.iter().map(Cell::text).collect::<Vec<_>>());
-    let group = titles_of(first)?;
+    let (lead, titles) = titles.split_at(first);
+    let mut groups = titles.chunks(width).map(|group| group.iter().map(Cell::text).collect::<Vec<_>>());
+    let group = groups.next()?;
     let values = group.iter().filter(|title| role(title) == Some(Role::Measured)).count();
-    let is_part = |start: &usize| {
-        let name = above[*start].text();
-        !names_value(&name, &want.own) && role(&name).is_none() && titles_of(*start).as_ref() == Some(&group)
-    };
-    let has_no_part = titles[..first].iter().all(|title| role(&title.text()) != Some(Role::Part));
-    let is_table = values == 1 && has_no_part && starts.iter().all(is_part);
+    let is_part = |name: &str| !names_value(name, &want.own) && role(name).is_none();
+    let is_table = values == 1
+        && lead.iter().all(|title| role(&title.text()) != Some(Role::Part))
+        && groups.all(|other| other == group)
+        && starts.iter().all(|start| is_part(&above[*start].text()));
     is_table.then_some(Groups { names: header - 1, starts, width })
 }
 
@@ -113,8 +115,7 @@ fn with_parts_of_blocks(records: &[Record], want: &Want) -> Option<Vec<Record>> 
     let lead = first.cells.iter().take_while(|cell| role(&cell.text()).is_some()).count();
     let texts = |cells: &[Cell]| cells.iter().map(|cell| cell.text().into_owned()).collect::<Vec<_>>();
     let is_part = |title: &String| {
-        let is_other = says_no_part(title) || is_again(title) || is_statistic(title) || is_plain_context(title);
-        !is_other && !names_value(title, &want.own) && role(title).is_none() && !title.is_empty()
+        !is_of_no_part(title) && !names_value(title, &want.own) && role(title).is_none() && !title.is_empty()
     };
     let of_value = [Some(Role::Measured), Some(Role::Deviation), Some(Role::Part)];
     let leads = texts(&first.cells[..lead]);
@@ -128,25 +129,22 @@ fn with_parts_of_blocks(records: &[Record], want: &Want) -> Option<Vec<Record>> 
     if !is_plain || parts.len() < count || !headers.iter().all(is_block) {
         return None;
     }
-    let row_of = |record: &Record, value: Cell, part: Cell| {
-        let cells = record.cells[..lead].iter().cloned().chain([value, part]);
-        Record { cells: cells.collect(), ..record.clone() }
-    };
     let (start, last) = (records.iter().position(is_header)?, headers[headers.len() - 1].line);
     let says_value = |record: &Record| {
         let has_value = record.cells.iter().skip(lead).any(|cell| !cell.is_empty());
         has_value || names_value(&record.cells[0].text(), &want.own)
     };
     let mut rows = records[..start].to_vec();
-    rows.push(row_of(first, Cell::of_text("value", 0..0), Cell::of_text("part", 0..0)));
+    let [value, part] = ["value", "part"].map(|title| Cell::of_text(title, 0..0));
+    rows.push(row_of_part(first, lead, &[value], &part));
     let mut parts = &first.filled()[lead..];
     for record in &records[start..] {
         let width = lead + parts.len();
         if is_header(record) {
             parts = &record.filled()[lead..];
         } else if record.cells.len() >= width && record.filled().len() <= width && says_value(record) {
-            let values = record.cells[lead..width].iter().zip(parts);
-            rows.extend(values.map(|(value, part)| row_of(record, value.clone(), part.clone())));
+            let values = record.cells[lead..width].chunks(1).zip(parts);
+            rows.extend(values.map(|(value, part)| row_of_part(record, lead, value, part)));
         } else if record.numbers() > 0 || record.line < last && !record.says_nothing() {
             // nothing tells of which part its values are, or of what the next block is
             return None;

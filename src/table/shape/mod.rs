@@ -113,42 +113,39 @@ impl Shape {
 
     /// Takes a column with a known name.
     pub(crate) fn take(&mut self, named: Named) -> Result<(), NoShape> {
-        let Named { field, aspect, holds, series } = named;
-        if matches!(field, Field::PartId | Field::Space | Field::Tooth) {
-            let slot = if field == Field::PartId { &mut self.ids } else { &mut self.index };
-            if slot.is_some() {
-                return Err(twice(&series, field));
+        let slot = match named.field {
+            Field::PartId => &mut self.ids,
+            Field::Space | Field::Tooth => {
+                self.index_field.get_or_insert(named.field);
+                &mut self.index
             }
-            *slot = Some(series);
-            if field != Field::PartId {
-                self.index_field = Some(field);
+            field => {
+                let known = self.measurements.iter().position(|measurement| measurement.field == field);
+                let at = known.unwrap_or_else(|| {
+                    self.measurements.push(Measurement::of(field));
+                    self.measurements.len() - 1
+                });
+                return self.measurements[at].take(named);
             }
-            return Ok(());
+        };
+        if slot.is_some() {
+            return Err(twice(&named.series, named.field));
         }
-        if let Some(measurement) = self.measurements.iter_mut().find(|measurement| measurement.field == field) {
-            return measurement.take(aspect, holds, series);
-        }
-        let mut measurement = Measurement::of(field);
-        measurement.take(aspect, holds, series)?;
-        self.measurements.push(measurement);
+        *slot = Some(named.series);
         Ok(())
     }
 
     /// Takes a column that says of no field that it is nominal, a tolerance or a deviation: it belongs to the value before
     /// it. Whether it was taken.
-    fn take_beside(&mut self, title: &str, place: usize, cells: &dyn Fn(usize) -> Vec<Cell>) -> bool {
-        let Some(measurement) = self.measurements.last_mut().filter(|found| !found.value.title.is_empty()) else {
-            return false;
-        };
-        let Some(slot) = role(title).and_then(|role| measurement.beside.slot(role)) else { return false };
-        let (name, unit) = split_unit(title);
-        let cells = cells(place);
+    fn take_beside(&mut self, series: &Series) -> bool {
         // a largest value that changes from part to part is measured, and no tolerance
-        let changes = || cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
-        if slot.is_some() || is_statistic(&name) && changes() {
-            return false;
+        let changes = || series.cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
+        let is_measured = || is_statistic(&split_unit(&series.title).0) && changes();
+        let value = self.measurements.last_mut().filter(|found| !found.value.title.is_empty());
+        match value.zip(role(&series.title)).and_then(|(value, role)| value.beside.slot(role)) {
+            Some(slot @ None) if !is_measured() => *slot = Some(series.clone()),
+            _ => return false,
         }
-        *slot = Some(Series { title: title.to_owned(), place, unit, cells });
         true
     }
 
@@ -165,42 +162,34 @@ impl Shape {
     /// Takes a row of nominal values among those of the parts, which is called so.
     fn take_nominal_row(&mut self, rows: &[&Record], name: usize) {
         let is_nominal = |row: &&&Record| {
-            let title = row.cells.get(name).map(Cell::text).unwrap_or_default();
+            let title = row.cell(name).text();
             role(&title) == Some(Role::Nominal) && !WordList::Requirement.has(&title)
         };
         let Some(row) = rows.iter().find(is_nominal) else { return };
         for measurement in &mut self.measurements {
-            measurement.nominal_in_row =
-                row.cells.get(measurement.value.place).filter(|cell| cell.is_number()).cloned();
+            let cell = row.cell(measurement.value.place);
+            measurement.nominal_in_row = Some(cell).filter(|cell| cell.is_number()).cloned();
         }
     }
 
     /// Leaves out what has companions but no value: its nominal value says nothing of a part.
     pub(crate) fn drop_valueless(&mut self) {
-        let (kept, dropped) = std::mem::take(&mut self.measurements)
-            .into_iter()
-            .partition(|measurement| !measurement.value.title.is_empty() || !measurement.value.cells.is_empty());
-        self.measurements = kept;
-        for measurement in dropped {
-            for series in measurement.beside.iter() {
-                self.unknown.push(Unknown::column(&series.title, series.place, series.cells.clone()));
-            }
+        let has_none = |found: &mut Measurement| found.value.title.is_empty() && found.value.cells.is_empty();
+        for measurement in self.measurements.extract_if(.., has_none) {
+            let unknown = |series: &Series| Unknown::column(&series.title, series.place, series.cells.clone());
+            self.unknown.extend(measurement.beside.iter().map(unknown));
         }
     }
 
     /// Leaves out limits that change from part to part without a nominal value that does: they are measured.
     pub(crate) fn drop_changing_limits(&mut self) {
-        let of_one_size = |measurement: &&mut Measurement| measurement.beside.get(Role::Nominal).is_none();
-        for measurement in self.measurements.iter_mut().filter(of_one_size) {
+        for Measurement { beside, .. } in &mut self.measurements {
+            let changes = |series: &&Series| distinct(series.cells.iter().filter(|cell| !cell.is_missing())) > 1;
+            let is_of_one_size = beside.get(Role::Nominal).is_none();
             for role in [Role::Upper, Role::Lower] {
-                let changes = |series: &&Series| {
-                    let texts: HashSet<_> =
-                        series.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text).collect();
-                    texts.len() > 1
-                };
-                if let Some(series) = measurement.beside.get(role).filter(changes).cloned() {
+                if let Some(series) = beside.get(role).filter(|series| is_of_one_size && changes(series)).cloned() {
                     self.unknown.push(Unknown::column(&series.title, series.place, series.cells).measured(true));
-                    measurement.beside.set(role, None);
+                    beside.set(role, None);
                 }
             }
         }
@@ -231,21 +220,22 @@ impl Shape {
     fn share_units(&mut self) {
         let units = || self.measurements.iter().filter_map(|measurement| measurement.beside.get(Role::Unit));
         let (Some(shared), None) = (units().next().cloned(), units().nth(1)) else { return };
-        for measurement in self.measurements.iter_mut().filter(|measurement| measurement.value.unit.is_none()) {
-            if let Some(slot) = measurement.beside.slot(Role::Unit) {
-                slot.get_or_insert_with(|| shared.clone());
-            }
+        let is_open = |found: &&mut Measurement| found.value.unit.is_none() && found.beside.get(Role::Unit).is_none();
+        for measurement in self.measurements.iter_mut().filter(is_open) {
+            measurement.beside.set(Role::Unit, Some(shared.clone()));
         }
     }
 
     /// Takes a first column without a name, or one of words, as the names of the parts, if each is another.
     fn take_nameless(&mut self, want: &Want) {
         let is_name = |unknown: &Unknown| {
-            let names: HashSet<_> = unknown.cells.iter().map(Cell::text).collect();
             let says_nothing = unknown.cells.iter().any(Cell::is_missing);
             let is_words = || !want.ignores(&unknown.title) && !unknown.cells.iter().any(Cell::is_number);
             let may_name = unknown.title.is_empty() || is_words() && !unknown.could_be_measured();
-            unknown.column == Some(0) && may_name && !says_nothing && names.len() == unknown.cells.len()
+            unknown.column == Some(0)
+                && may_name
+                && !says_nothing
+                && distinct(unknown.cells.iter()) == unknown.cells.len()
         };
         if self.ids.is_none()
             && self.index.is_none()
@@ -353,7 +343,7 @@ impl Remarks {
 }
 
 fn twice(series: &Series, field: Field) -> NoShape {
-    NoShape::Twice { heading: Cell::of_text(&series.title, 0..0), field, may_tell: Vec::new() }
+    NoShape::twice(&Cell::of_text(&series.title, 0..0), field)
 }
 
 impl Measurement {
@@ -369,7 +359,7 @@ impl Measurement {
     }
 
     /// Takes one of the columns that belong to the field.
-    fn take(&mut self, aspect: Role, holds: Option<ValueKind>, series: Series) -> Result<(), NoShape> {
+    fn take(&mut self, Named { aspect, holds, series, .. }: Named) -> Result<(), NoShape> {
         let has_value = !self.value.title.is_empty();
         let slot = match aspect {
             Role::Measured if !has_value => {
@@ -392,6 +382,11 @@ impl Measurement {
         *slot = Some(series);
         Ok(())
     }
+}
+
+/// How many different texts cells have.
+fn distinct<'c>(cells: impl Iterator<Item = &'c Cell>) -> usize {
+    cells.map(Cell::text).collect::<HashSet<_>>().len()
 }
 
 /// Reads records as a table.
@@ -432,7 +427,7 @@ fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Sha
     let labels = find_labels(&inner, want);
     let named = header.as_ref().map_or(0, |header| header.known);
     if let Some(found) = characteristics.filter(|found| found.known >= named) {
-        return by_characteristic(records, &found, separator, want);
+        return by_characteristic(found, separator, want);
     }
     // the name of a part stands in front of each of its teeth, a label in front of one line
     let texts: BTreeSet<_> = labels.iter().map(|index| inner[*index].cells[0].text()).collect();
@@ -462,7 +457,7 @@ fn without_margin(records: &[Record], separator: Separator) -> Cow<'_, [Record]>
     }
     let inner = |record: &Record| {
         let cells = record.cells.get(margin..).filter(|cells| !cells.is_empty()).unwrap_or(&record.cells);
-        Record { cells: cells.to_vec(), ..record.clone() }
+        record.with_cells(cells.iter().cloned())
     };
     records.iter().map(inner).collect()
 }
@@ -478,16 +473,15 @@ pub(crate) fn aside(record: &Record) -> AsideReading {
 
 /// A line with a name and numbers that is not known.
 pub(crate) fn unknown_line(record: &Record, is_measurement: bool) -> Unknown {
-    let title = record.cells.first().map(|cell| cell.text().into_owned()).unwrap_or_default();
     // a unit stands before the values, or behind the first one
-    let before = record.cells.get(1).map(|cell| bare_unit(&cell.text()).to_owned()).filter(|unit| is_unit(unit));
+    let before = Some(bare_unit(&record.cell(1).text()).to_owned()).filter(|unit| is_unit(unit));
     let behind = || {
         let pair = record.cells.windows(2).find(|pair| pair[0].is_number())?;
         Some(pair[1].text().trim().to_owned()).filter(|unit| is_unit(unit) || is_foreign_unit(unit))
     };
     let unit = before.or_else(behind);
     // a value may stand where others have their names
-    let is_value = record.cells.first().is_some_and(Cell::is_measure);
+    let is_value = record.cell(0).is_measure();
     let cells = record.cells.iter().skip(usize::from(!is_value)).cloned().collect();
-    Unknown { unit, ..Unknown::line(&title, record.line, cells).measured(is_measurement) }
+    Unknown { unit, ..Unknown::line(&record.cell(0).text(), record.line, cells).measured(is_measurement) }
 }

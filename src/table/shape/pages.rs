@@ -45,11 +45,14 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     rows.push(with_cell(header, "part"));
     for page in records[start..].chunk_by(|_, next| !is_start(next)) {
         let part = named(&page[0], &word).unwrap_or_default();
-        let is_same = |row: &Record| row.cells.len() > header.cells.len() && is_of(row, &part);
+        let is_same = |row: &Record| {
+            row.cells.len() > header.cells.len() && row.cells.last().is_some_and(|cell| cell.text() == part)
+        };
         if !page.iter().any(is_row) && !rows.iter().any(is_same) {
             rows.push(with_cell(&without_value(first, header, &page[0]), &part));
         }
         let head = page.iter().position(is_again).unwrap_or(1);
+        let in_one_cell = |record: &Record| record.with_cells([Cell::of_text(&record.in_words(), record.span())]);
         rows.extend(page[..head].iter().map(in_one_cell));
         let below = page[head..].iter().filter(|record| !is_again(record));
         rows.extend(below.map(|record| if is_row(record) { with_cell(record, &part) } else { record.clone() }));
@@ -57,20 +60,11 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     rows.into()
 }
 
-fn is_of(row: &Record, part: &str) -> bool {
-    row.cells.last().is_some_and(|cell| cell.text() == part)
-}
-
 /// A characteristic without its value, which stands for all of a page.
 fn without_value(characteristic: &Record, header: &Record, page: &Record) -> Record {
     let is_kept = |heading: &Cell| matches!(role(&heading.text()), Some(Role::Name | Role::Unit));
     let cells = characteristic.cells.iter().zip(&header.cells);
-    let cells = cells.map(|(cell, heading)| if is_kept(heading) { cell.clone() } else { Cell::default() });
-    Record { cells: cells.collect(), ..page.clone() }
-}
-
-fn in_one_cell(record: &Record) -> Record {
-    Record { cells: vec![Cell::of_text(&record.in_words(), record.span())], ..record.clone() }
+    page.with_cells(cells.map(|(cell, heading)| if is_kept(heading) { cell.clone() } else { Cell::default() }))
 }
 
 /// Whether the lines with a word for parts name several, one behind the other; the number of a drawing is that of all.
@@ -116,6 +110,5 @@ fn named_by(word: &str, name: &str) -> Option<PartLine> {
 }
 
 fn with_cell(record: &Record, text: &str) -> Record {
-    let cells = record.cells.iter().cloned().chain([Cell::of_text(text, 0..0)]);
-    Record { cells: cells.collect(), ..record.clone() }
+    record.with_cells(record.cells.iter().cloned().chain([Cell::of_text(text, 0..0)]))
 }

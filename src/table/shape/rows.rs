@@ -55,8 +55,9 @@ pub(super) fn find_header(records: &[Record], separator: Separator, want: &Want)
                 let start = record.start..record.start;
                 Some(std::iter::once(Cell::of_text("", start)).chain(record.cells.iter().cloned()).collect())
             }
-            _ => alone(record)
-                .and_then(|heading| above_names(vec![heading], &records[index + 1..]))
+            _ => Some(record.filled().to_vec())
+                .filter(|cells| cells.len() == 1)
+                .and_then(|heading| above_names(heading, &records[index + 1..]))
                 .or_else(|| Some(record.cells.clone())),
         };
         let Some(cells) = cells else { continue };
@@ -137,12 +138,6 @@ fn stands_behind_count(records: &[Record], names: usize) -> bool {
     below.first().is_some_and(|first| is_whole(&first))
         && !above.last().is_some_and(is_unit_row)
         && below.iter().filter(is_whole).enumerate().all(is_row)
-}
-
-/// The first cell of a line that has no other.
-fn alone(record: &Record) -> Option<Cell> {
-    let (first, others) = record.cells.split_first()?;
-    others.iter().all(Cell::is_empty).then(|| first.clone())
 }
 
 /// A heading alone above lines of a name and a value: `Rollenmaß in mm:` above `A: 25,011`.
@@ -231,14 +226,13 @@ fn rows_of<'r>(
         let numbers = records[first..].iter().find(|record| record.numbers() > 0);
         return Err(numbers.map_or_else(|| NoShape::NoRows { names: names.in_words() }, ragged));
     }
-    let name = |row: &Record| row.cells.get(id.unwrap_or(0)).map(Cell::text).unwrap_or_default().into_owned();
-    if rows.iter().all(|row| is_statistic(&name(row))) {
+    if rows.iter().all(|row| is_statistic(&row.cell(id.unwrap_or(0)).text())) {
         return Err(NoShape::NoRows { names: names.in_words() });
     }
     if let Some(id) = id {
         let measured = rows.iter().filter(|row| row.numbers() > 0);
         let parts = PartNames::of(measured.filter_map(|row| row.cells.get(id)));
-        rows.retain(|row| !parts.exclude(&name(row)));
+        rows.retain(|row| !parts.exclude(&row.cell(id).text()));
     }
     match rows.iter().find(|row| is_shifted(names.start, &header.cells, row, separator)) {
         Some(shifted) => Err(ragged(shifted)),
@@ -278,7 +272,11 @@ pub(super) fn by_header(
     shape.data = first..end;
     let (mut lengths, mut columns_of_units) = (None, Vec::new());
     let has_lead = named.iter().flatten().any(|named| named.field.is_angle());
-    let column = |place: usize| rows.iter().map(|row| row.cells.get(place).cloned().unwrap_or_default()).collect();
+    let column = |place: usize| rows.iter().map(|row| row.cell(place).clone()).collect();
+    let series = |place: usize| {
+        let title = header.cells[place].text().into_owned();
+        Series { unit: split_unit(&title).1, title, place, cells: column(place) }
+    };
     let unit_of = |place: usize| {
         let unit = unit_below(&records[header.record], &records[units?], place)?;
         Some(bare_unit(&unit.text()).to_owned())
@@ -293,12 +291,10 @@ pub(super) fn by_header(
             named.series.cells = column(place);
             shape.take(named)?;
         } else if has_lead && WordList::EvaluationLength.has(&cell.text()) && !want.ignores(&cell.text()) {
-            let (_, unit) = split_unit(&cell.text());
-            lengths = Some(Series { title: cell.text().into_owned(), place, unit, cells: column(place) });
+            lengths = Some(series(place));
         } else if role(&cell.text()) == Some(Role::Unit) {
-            let title = cell.text().into_owned();
-            columns_of_units.push(Series { title, place, unit: None, cells: column(place) });
-        } else if want.ignores(&cell.text()) || !shape.take_beside(&cell.text(), place, &column) {
+            columns_of_units.push(series(place));
+        } else if want.ignores(&cell.text()) || !shape.take_beside(&series(place)) {
             // a nominal value or tolerance in front of every value is that of one of them
             let is_of_value = shape.measurements.is_empty() && role(&cell.text()).is_some_and(Role::is_beside_value);
             let unknown = Unknown::column(&cell.text(), place, column(place));
@@ -311,7 +307,10 @@ pub(super) fn by_header(
     }
     shape.take_nominal_row(&rows, id.unwrap_or(0));
     let beside = width..rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
-    shape.unknown.extend(beside.filter_map(|place| remarks(place, column(place))));
+    // without a heading beside the table, only remarks are left out: a row with a value there is rejected
+    let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
+    let remarks = beside.map(|place| Unknown::column("", place, column(place)));
+    shape.unknown.extend(remarks.filter(|unknown| !unknown.cells.iter().any(is_value)));
     for measurement in shape.measurements.iter_mut().filter(|measurement| measurement.field.is_angle()) {
         measurement.beside.set(Role::Length, lengths.clone());
     }
@@ -322,7 +321,7 @@ pub(super) fn by_header(
     shape.lines = rows.iter().map(|row| row.line).collect();
     let has_other_unit = |record: &&Record| {
         shape.measurements.iter().map(|measurement| &measurement.value).any(|value| {
-            let unit = record.cells.get(value.place).map(Cell::text).filter(|text| is_unit(text));
+            let unit = Some(record.cell(value.place).text()).filter(|text| is_unit(text));
             differ(value.unit.as_deref(), unit.as_deref())
         })
     };
@@ -349,12 +348,6 @@ fn group_of_no_value<'r>(record: &'r Record, named: &[Option<Named>]) -> Option<
         let end = behind.map_or(named.len(), |behind| place + 1 + behind);
         named.get(place..end)?.iter().any(is_value).then_some(cell)
     })
-}
-
-/// A column without a heading beside the table, if there are only remarks in it: a row with a value there is rejected.
-fn remarks(place: usize, cells: Vec<Cell>) -> Option<Unknown> {
-    let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
-    (!cells.iter().any(is_value)).then(|| Unknown::column("", place, cells))
 }
 
 /// Whether a row between blanks lacks a cell in front of one that it has: that one stands below another heading than its

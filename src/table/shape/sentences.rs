@@ -152,15 +152,13 @@ pub(super) fn by_sentence(records: &[Record], want: &Want) -> Result<Shape, NoSh
     let header = titles.map(|title| Cell::of_text(title, 0..0)).collect();
     let mut table = vec![Record { cells: header, ..first }];
     table.extend(rows.into_iter().map(|row| with_one_unit(row, want)).chain(without));
-    let is_used = |place: usize| has_parts || place != PART;
+    let first_used = if has_parts { PART } else { NAME };
     for record in &mut table {
-        let cells = std::mem::take(&mut record.cells).into_iter().enumerate();
-        record.cells = cells.filter(|(place, _)| is_used(*place)).map(|(_, cell)| cell).collect();
+        record.cells.drain(..first_used);
     }
-    let roles = (0..COLUMNS.len()).filter(|place| is_used(*place)).map(|place| Some(COLUMNS[place].0)).collect();
-    let found = Characteristics::below_header(roles, table.len());
-    table.extend(others);
-    let mut shape = by_characteristic(&table, &found, Separator::Sentences, want)?;
+    let roles = COLUMNS[first_used..].iter().map(|(role, _)| Some(*role)).collect();
+    let found = Characteristics::below_header(&table, roles, &others);
+    let mut shape = by_characteristic(found, Separator::Sentences, want)?;
     shape.header_line = None;
     let asides = std::mem::take(&mut shape.asides);
     for aside in asides {
@@ -426,9 +424,9 @@ impl LineReader<'_> {
             [Token::Mark('('), Token::Word(word), Token::Mark(')'), ..] if WordList::Approval.has(word) => 3,
             _ => 0,
         };
-        let is_approval = length > 0 && self.is_behind_value();
-        self.rest = &self.rest[if is_approval { length } else { 0 }..];
-        is_approval
+        let length = if self.is_behind_value() { length } else { 0 };
+        self.rest = &self.rest[length..];
+        length > 0
     }
 
     /// What is wanted of the value before it, or by how much it deviates: `(nominal 25 mm, dev. +0.012 mm)`.
@@ -505,7 +503,7 @@ fn label_of(words: &[&str], want: &Want) -> Option<Label> {
     }
     let named = |text: &str| {
         let heading = heading(text, &want.own)?;
-        let is_value = heading.aspect == Role::Measured && !heading.fields.iter().any(|field| field.is_index());
+        let is_value = heading.aspect == Role::Measured && !heading.is_index();
         is_value.then_some(Name { fields: heading.fields, holds: heading.holds })
     };
     let is_said = |word: &&str| role(word).is_some_and(may_stand_alone);
@@ -514,16 +512,13 @@ fn label_of(words: &[&str], want: &Want) -> Option<Label> {
     let title = words[first..=last].join(" ");
     let said = [&words[..first], &words[last + 1..]].concat().join(" ");
     let is_same = |name: &Name| heading(&whole, &want.own).is_none_or(|heading| heading.fields == name.fields);
-    match (named(&title).filter(is_same), role(&said)) {
-        (name @ Some(_), None) if said.is_empty() => Some(Label { name, title, role: Role::Measured, said }),
-        (name @ Some(_), Some(role)) if may_stand_alone(role) => Some(Label { name, title, role, said }),
-        _ => named(&whole).map(|name| Label {
-            name: Some(name),
-            title: whole,
-            role: Role::Measured,
-            said: String::new(),
-        }),
+    let said_role =
+        if said.is_empty() { Some(Role::Measured) } else { role(&said).filter(|role| may_stand_alone(*role)) };
+    if let (name @ Some(_), Some(role)) = (named(&title).filter(is_same), said_role) {
+        return Some(Label { name, title, role, said });
     }
+    let name = Some(named(&whole)?);
+    Some(Label { name, title: whole, role: Role::Measured, said: String::new() })
 }
 
 /// Whether a number of that role may stand outside brackets.

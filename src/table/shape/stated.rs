@@ -1,10 +1,7 @@
 //! Units that a line beside a table states for all of it: `Alle Maße in µm`, `Units: mm`.
 
-use std::borrow::Cow;
-
 use super::{Shape, has_digit};
 use crate::quantity::{LengthUnit, Unit};
-use crate::table::cell::Cell;
 use crate::table::grid::{bare_unit, is_unit, without_end};
 use crate::table::names::{Role, WordList, role};
 use crate::table::reading::AsideReading;
@@ -92,25 +89,25 @@ pub(crate) fn unknown_unit(text: &str) -> Option<&str> {
     (is_word && (is_of_units || is_of_values) && stated_units(text).is_empty()).then_some(*last)
 }
 
+/// Whether a text is a unit, or states one.
+fn speaks_of_units(text: &str) -> bool {
+    is_unit(text) || stated_units(text).iter().any(|stated| stated.is_clear) || unknown_unit(text).is_some()
+}
+
 impl Shape {
     /// What lines beside the table, and headings that are those of no value, state of units.
     pub(crate) fn statements<'s>(&'s self, want: &'s Want) -> impl Iterator<Item = AsideReading> {
         let asides = self.asides.iter().filter(|aside| !want.ignores(&aside.text)).cloned();
         let is_value = |text: &str| self.measurements.iter().any(|measurement| measurement.value.title == text);
-        let line = self.header_line.unwrap_or_default();
-        let headings = self.header.iter().map(Cell::text).filter(move |text| !is_value(text) && !want.ignores(text));
-        let speaks_of_units = |text: &Cow<'_, str>| {
-            is_unit(text) || stated_units(text).iter().any(|stated| stated.is_clear) || unknown_unit(text).is_some()
-        };
-        let remarks = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
-        let remarks = remarks.flat_map(|unknown| unknown.cells.iter().enumerate());
+        let titles = self.header.iter().filter(move |cell| !is_value(&cell.text()) && !want.ignores(&cell.text()));
+        let header = self.header_line.unwrap_or_default();
+        let titles = titles.map(move |cell| (header, cell));
+        let columns = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
+        let remarks = columns.flat_map(|unknown| unknown.cells.iter().enumerate());
         let remarks = remarks.filter(|(_, cell)| !cell.is_number() && cell.text().contains(' '));
-        let remarks = remarks.filter(move |(_, cell)| speaks_of_units(&cell.text())).map(move |(row, cell)| {
-            let line = self.lines.get(row).copied().unwrap_or(line);
-            AsideReading { line, text: cell.text().into_owned() }
-        });
-        let headings = headings.filter(speaks_of_units);
-        asides.chain(headings.map(move |text| AsideReading { line, text: text.into_owned() })).chain(remarks)
+        let remarks = remarks.map(move |(row, cell)| (self.lines.get(row).copied().unwrap_or(header), cell));
+        let said = titles.chain(remarks).filter(|(_, cell)| speaks_of_units(&cell.text()));
+        asides.chain(said.map(|(line, cell)| AsideReading { line, text: cell.text().into_owned() }))
     }
 
     /// Gives values of which nothing else tells the unit the one that a line beside the table states, if no line states
