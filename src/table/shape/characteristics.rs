@@ -7,7 +7,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
 use super::headings::{Named, PartNames, headings, is_extreme, is_part_name, is_statistic_among, says_no_part};
-use super::rows::is_shifted;
+use super::rows::{are_verdicts, is_shifted};
 use super::{Measurement, NoShape, Series, Shape, aside, distinct, has_digit};
 use crate::table::cell::{Cell, Record};
 use crate::table::column::is_limit;
@@ -143,15 +143,22 @@ fn places(roles: &[Option<Role>], of: Role) -> Vec<usize> {
     (0..roles.len()).filter(|place| roles[*place] == Some(of)).collect()
 }
 
-/// Words beside the values of several parts are no part's: `Part 1 | Part 2 | Result`.
+/// Words beside the values of several parts are no part's: `Part 1 | Part 2 | Result`; beside columns that are only called alike,
+/// approvals.
 fn take_verdicts(roles: &mut [Option<Role>], header: &Record, below: &[Record]) {
-    let is_part = |place: &usize| {
-        let title = &header.cells[*place];
-        roles[*place].is_none() && (names_one_part(&title.text()) || title.is_whole() && !title.is_empty())
+    let is_numbered = |place: usize| {
+        let title = &header.cells[place];
+        names_one_part(&title.text()) || title.is_whole() && !title.is_empty()
     };
-    if (0..roles.len()).filter(is_part).count() > 1
-        && let Some(place) = places(roles, Role::Measured).into_iter().find(|place| has_words(below, *place))
-    {
+    let is_alike = |place: usize| is_called_like_another(&header.cells, place);
+    let open = (0..roles.len()).filter(|place| roles[*place].is_none());
+    let (numbered, alike) = (open.clone().filter(|place| is_numbered(*place)), open.filter(|place| is_alike(*place)));
+    let (has_parts, has_alike) = (numbered.count() > 1, alike.count() > 1);
+    let cells = |place: usize| below.iter().map(move |row| row.cell(place));
+    let is_verdict = |place: &usize| {
+        has_parts && has_words(below, *place) || has_alike && are_verdicts(cells(*place), &[WordList::Approval])
+    };
+    if let Some(place) = places(roles, Role::Measured).into_iter().find(is_verdict) {
         roles[place] = Some(Role::Status);
     }
 }

@@ -147,7 +147,7 @@ pub(super) fn is_extreme(title: &str) -> bool {
 pub(crate) struct PartNames {
     /// Letters of the longest one with digits, and of the longest without.
     longest: [usize; 2],
-    /// Whether a mean or an extreme of the parts stands among them, or what is wanted of them.
+    /// Whether a mean or an extreme of the parts stands among them.
     has_mean: bool,
     /// Whether one of them is called like a page: `Blatt 2`.
     has_page: bool,
@@ -157,9 +157,9 @@ impl PartNames {
     pub(crate) fn of<'c>(cells: impl Iterator<Item = &'c Cell>) -> Self {
         let mut names = Self::default();
         for name in cells.filter(|cell| !cell.is_missing()).map(Cell::text) {
-            names.has_mean |= WordList::Mean.has(&name) || is_of_parts(&name);
+            names.has_mean |= WordList::Mean.has(&name);
             names.has_page |= has_digit(&name) && names_page(&name);
-            if is_statistic(&name) || is_plain_context(&name) || is_spread(&name) {
+            if is_of_parts(&name) || is_plain_context(&name) || is_spread(&name) {
                 continue;
             }
             let longest = &mut names.longest[usize::from(has_digit(&name))];

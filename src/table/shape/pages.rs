@@ -14,9 +14,10 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 
 use super::characteristics::is_axis;
+use super::has_digit;
 use super::headings::is_part_name;
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Role, role};
+use crate::table::names::{Role, part_said, role};
 
 /// A word for parts, and the name behind it.
 pub(crate) struct PartLine {
@@ -96,17 +97,22 @@ fn part_lines(record: &Record) -> Vec<PartLine> {
     record.cells.iter().filter_map(within).chain(record.cells.windows(2).filter_map(beside)).collect()
 }
 
-/// What a text says of a part: `Teil 421`.
+/// What a text says of a part: `Teil 421`, `Teil 421   Seite 1`.
 pub(crate) fn part_line(text: &str) -> Option<PartLine> {
+    const MOST_WORDS: usize = 3;
     let (word, name) = text.split_once([':', '=']).or_else(|| text.trim().rsplit_once(' '))?;
-    named_by(word, name)
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let first = |count: usize| named_by(&words[..count].join(" "), words[count]).filter(|line| has_digit(&line.name));
+    named_by(word, name).or_else(|| (1..words.len().min(MOST_WORDS + 1)).find_map(first))
 }
 
 fn named_by(word: &str, name: &str) -> Option<PartLine> {
     // what else the line says stands behind the name
-    let name = name.split([',', ';']).next().unwrap_or_default().trim();
+    let name = name.trim().split([',', ';']).flat_map(|name| name.split("  ")).next().unwrap_or_default().trim();
     let word = word.trim();
-    (is_part_name(word) && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
+    // Rack 421
+    let is_part = is_part_name(word) || !word.contains(' ') && part_said(word).is_some();
+    (is_part && !name.is_empty()).then(|| PartLine { word: word.to_owned(), name: name.to_owned() })
 }
 
 fn with_cell(record: &Record, text: &str) -> Record {

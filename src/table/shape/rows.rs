@@ -211,6 +211,12 @@ fn has_value_above(record: &Record, named: &[Option<Named>]) -> bool {
         && role(&title).is_none()
 }
 
+/// Whether each of some cells has a word of one of these lists.
+pub(super) fn are_verdicts<'c>(cells: impl Iterator<Item = &'c Cell>, lists: &[WordList]) -> bool {
+    let mut said = cells.filter(|cell| !cell.is_missing()).map(Cell::text).peekable();
+    said.peek().is_some() && said.all(|text| lists.iter().any(|list| list.has(&text)))
+}
+
 /// The rows in a range of records: at least one, and none with a cell less than it seems.
 fn rows_of<'r>(
     records: &'r [Record],
@@ -282,7 +288,12 @@ pub(super) fn by_header(
         Some(bare_unit(&unit.text()).to_owned())
     };
     for (place, (cell, named)) in header.cells.iter().zip(named).enumerate() {
-        if let Some(mut named) = named.filter(|_| !has_minus(&cell.text())) {
+        // Over roller Result
+        let is_verdict = |named: &Named| {
+            shape.measurements.iter().any(|measurement| measurement.field == named.field)
+                && are_verdicts(rows.iter().map(|row| row.cell(place)), &[WordList::Approval, WordList::Disapproval])
+        };
+        if let Some(mut named) = named.filter(|named| !has_minus(&cell.text()) && !is_verdict(named)) {
             let below = unit_of(place);
             if let Some(record) = units.filter(|_| differ(named.series.unit.as_deref(), below.as_deref())) {
                 return Err(NoShape::Units { record: records[record].clone() });
