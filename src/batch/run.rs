@@ -17,7 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
-use crate::table::{Block, Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
+use crate::table::{Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -83,7 +83,6 @@ impl<'a> Batch<'a> {
             place,
             asides: Vec::new(),
             rejections: Vec::new(),
-            contradiction: None,
             extremes: Extremes::default(),
             doubted: Default::default(),
             request: &plan.request,
@@ -224,10 +223,7 @@ impl SharedRun<'_, '_> {
     fn work(&self, evaluator: &mut Evaluator<'_>) {
         let mut piece = Piece::default();
         while let Some(number) = self.take(&mut piece) {
-            let read = piece.read(self.rows);
-            if read.is_err() {
-                piece.block = Block::default();
-            }
+            piece.read(self.rows);
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
             let rows = self.rows_packing.pack(&evaluator.written.out);
             let rejects = self.encoding.original(&evaluator.rejects);
@@ -240,17 +236,14 @@ impl SharedRun<'_, '_> {
             let is_counted = !self.ended.load(Ordering::Relaxed);
             if is_counted {
                 let order = &mut *order;
-                if let Some(rows) = self.rows {
-                    order.total.extremes.add(rows, &piece.block, order.total.lines);
-                }
-                order.total.add(&mut evaluator.tally);
+                order.total.add(self.rows, &mut piece.block, &mut evaluator.tally);
                 let written = match order.sinks.rows.as_mut() {
                     Some(RowSink::Text(sink)) => write_to(Some(sink), rows),
                     Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.written.columns)),
                     None => Ok(()),
                 };
                 let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
-                self.settle(order, read, written);
+                self.settle(order, piece.block.contradiction.take(), written);
             }
             drop(order);
             self.turn.notify_all();
@@ -261,10 +254,8 @@ impl SharedRun<'_, '_> {
     }
 
     /// What follows from a piece for those after it.
-    fn settle(&self, order: &mut WriteOrder<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
-        let contradiction =
-            order.total.contradiction.take().map_or(Ok(()), |found| Err(RunError::Contradiction(found)));
-        let failure = written.map_err(RunError::Write).and(contradiction).and(read.map_err(RunError::Read)).err();
+    fn settle(&self, order: &mut WriteOrder<'_, '_>, found: Option<Contradiction>, written: io::Result<()>) {
+        let failure = written.err().map(RunError::Write).or(found.map(RunError::Contradiction));
         let outcome = &order.total.outcome;
         let is_over = failure.is_some() || (self.plan.request.strict && outcome.counts.rejected > 0);
         self.ended.fetch_or(is_over, Ordering::Relaxed);

@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use super::Table;
 use super::encoding::{decode, peek, unpacked};
-use super::parquet::{ParquetTable, SharedFile};
+use super::parquet::ParquetTable;
 use super::qdas::Qdas;
 use super::text::Text;
 use super::typed::{parquet_table, qdas_table, workbook_table};
@@ -66,7 +66,6 @@ impl Container {
         let failed = |error: &io::Error| Diagnostic::unreadable(name, error);
         let source = match source {
             Source::File(file) if is_parquet(&file).map_err(|error| failed(&error))? => {
-                let file = SharedFile::new(file).map_err(|error| failed(&error))?;
                 return Ok(Self::Parquet(ParquetTable::open(name, file)?));
             }
             source => source,

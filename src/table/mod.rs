@@ -249,9 +249,7 @@ impl Table {
             }
             Err(error) => Some(Err(error)),
             Ok(true) => {
-                if let Err(error) = piece.read(rows.as_ref()) {
-                    return Some(Err(error));
-                }
+                piece.read(rows.as_ref());
                 let mut block = std::mem::take(&mut piece.block);
                 if let Some(rows) = &rows {
                     extremes.add(rows, &block, if queue.is_relative() { lines } else { 0 });

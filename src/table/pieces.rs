@@ -9,7 +9,7 @@ use super::block::Block;
 use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
 use super::gathered::gathered;
-use super::parquet::{OpenGroup, ParquetTable, RowRange};
+use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows};
 use super::rows::{Extremes, Rows, Setup, Wanted};
 use super::split::next_record;
 use super::understand::Understood;
@@ -50,13 +50,11 @@ pub(crate) struct Pieces {
     queue: Queue,
 }
 
-/// What a worker takes: bytes or rows of a file to be read, or a block.
+/// What a worker takes: bytes or stored columns to be read, or a block.
 #[derive(Default)]
 pub(crate) struct Piece {
     bytes: Vec<u8>,
     holds: Holds,
-    /// The group of rows that the worker has open.
-    open: Option<OpenGroup>,
     pub(crate) block: Block,
     /// Records before it.
     pub(crate) records_before: u64,
@@ -70,8 +68,8 @@ enum Holds {
     Block,
     /// Its bytes.
     Bytes(ChunkContent),
-    /// Rows of a Parquet file.
-    Rows(Arc<ParquetTable>, RowRange),
+    /// Stored columns.
+    Stored(StoredRows),
 }
 
 /// Pieces one after the other.
@@ -91,8 +89,8 @@ enum Source {
     Chunks(Chunker),
     /// Records, and the text that they stand in, if they do.
     Records(Peekable<Records>, Option<Arc<Text>>),
-    /// The rows of a Parquet file, which workers read side by side.
-    Parquet(Arc<ParquetTable>, std::vec::IntoIter<RowRange>),
+    /// The rows of a Parquet file.
+    Parquet(ParquetTable),
     /// Rows that are there.
     Block(Option<Box<Block>>),
 }
@@ -138,8 +136,7 @@ impl Pieces {
 
     /// Gives the rows of a Parquet file.
     pub(crate) fn give_file(&mut self, file: ParquetTable) {
-        let ranges = file.ranges().into_iter();
-        self.give(Source::Parquet(Arc::new(file), ranges));
+        self.give(Source::Parquet(file));
     }
 
     /// The reader of rows that workers share, and what they take.
@@ -153,7 +150,7 @@ impl Queue {
     pub(crate) fn bytes_read(&self) -> u64 {
         match &self.source {
             Source::Chunks(chunks) => chunks.bytes_read(),
-            Source::Records(..) | Source::Parquet(..) | Source::Block(_) => 0,
+            Source::Records(..) | Source::Parquet(_) | Source::Block(_) => 0,
         }
     }
 
@@ -186,16 +183,18 @@ impl Queue {
                 self.records += piece.block.record_count;
                 return Ok(piece.block.record_count > 0);
             }
-            (Source::Parquet(file, ranges), _) => {
-                let Some(range) = ranges.next() else { return Ok(false) };
-                piece.records_before = range.before;
-                piece.holds = Holds::Rows(Arc::clone(file), range);
+            (Source::Parquet(file), Some(rows)) => {
+                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
+                let stored = file.next(&places, ROWS_TOGETHER).map_err(|problem| as_io(&problem))?;
+                let Some(stored) = stored else { return Ok(false) };
+                piece.records_before = stored.before;
+                piece.holds = Holds::Stored(stored);
             }
             (Source::Block(block), _) => {
                 let Some(block) = block.take() else { return Ok(false) };
                 piece.block = *block;
             }
-            (Source::Records(..), None) => return Ok(false),
+            (Source::Records(..) | Source::Parquet(_), None) => return Ok(false),
         }
         Ok(true)
     }
@@ -203,22 +202,17 @@ impl Queue {
 
 impl Piece {
     /// Reads the piece, if that is not done yet.
-    pub(crate) fn read(&mut self, rows: Option<&Rows>) -> io::Result<()> {
+    pub(crate) fn read(&mut self, rows: Option<&Rows>) {
         match (&self.holds, rows) {
             (Holds::Bytes(holds), Some(rows)) => rows.chunk(&mut self.bytes, *holds, &mut self.block),
-            (Holds::Rows(file, range), Some(rows)) => {
-                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
-                let fields = file.read(&mut self.open, *range, &places).map_err(|problem| as_io(&problem))?;
-                rows.stored(&fields, range.before, &mut self.block);
-            }
+            (Holds::Stored(stored), Some(rows)) => rows.stored(&stored.columns, stored.before, &mut self.block),
             _ => {}
         }
-        let Some(rows) = rows else { return Ok(()) };
+        let Some(rows) = rows else { return };
         self.block.ends = self.block.values.iter().map(DeviationValues::ends).collect();
         let mut extremes = Extremes::default();
         extremes.add(rows, &self.block, 0);
         self.block.statistics = extremes.doubted;
-        Ok(())
     }
 }
 

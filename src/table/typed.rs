@@ -11,7 +11,7 @@ use super::names::{
     Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_said, role, says_more,
 };
 use super::number::quantity;
-use super::parquet::{ParquetTable, Unread};
+use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use super::pieces::Place;
 use super::qdas::{Characteristic, LeftOut, Mixed, PartDefinition, Qdas};
 use super::reading::{AsideReading, NotUsed};
@@ -386,16 +386,14 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
     quantity(number, unit?).ok()
 }
 
-pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
     let not_used = not_read(&file, want)?;
     let read = file.columns().iter().filter(|column| column.is_read());
     let titles: Vec<_> = read.map(|column| column.name.clone()).collect();
     let all = vec![true; titles.len()];
     file.check()?;
-    let head = match file.ranges().first() {
-        Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
-        None => Vec::new(),
-    };
+    let head = file.next(&all, HEAD)?.map_or_else(Vec::new, |head| head.columns);
+    file.rewind();
     let mut table = stored_table(name, "Parquet", &titles, &head, want)?;
     if file.has_units_of_fields() {
         let said = format!("{name}: its schema has units of fields, which are not read");
@@ -409,7 +407,7 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
     if table.pieces.are_rows() {
         table.pieces.give_file(file);
     } else {
-        let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
+        let understood = understand_records(name, &whole(name, &mut file, &titles)?, want)?;
         table = Table::new(name, "Parquet", &understood, want);
         table.place = Place::Record;
     }
@@ -440,15 +438,13 @@ fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic
 }
 
 /// All records of a file whose parts are not in rows, the header first.
-fn whole(name: &str, file: &ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
+fn whole(name: &str, file: &mut ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
     const MOST_ROWS: usize = 200_000;
     let mut records = vec![header(titles)];
     let all = vec![true; titles.len()];
-    let mut open = None;
-    for range in file.ranges() {
-        let columns = file.read(&mut open, range, &all)?;
+    while let Some(StoredRows { columns, before }) = file.next(&all, ROWS_TOGETHER)? {
         let rows = columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
-        records.extend((0..rows).map(|row| stored_record(&columns, row, range.before)));
+        records.extend((0..rows).map(|row| stored_record(&columns, row, before)));
         if records.len() > MOST_ROWS {
             let message = format!("{name} has more than {MOST_ROWS} rows, and its parts are not in rows");
             return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));
