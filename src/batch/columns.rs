@@ -84,6 +84,28 @@ impl ResultColumns {
         }
         self.rows += 1;
     }
+
+    /// Appends rows of the same columns, or of any if there are none yet.
+    pub(super) fn append(&mut self, more: Self) {
+        if self.rows == 0 {
+            *self = more;
+            return;
+        }
+        self.rows += more.rows;
+        for (column, mut more) in self.columns.iter_mut().zip(more.columns) {
+            column.has_value.append(&mut more.has_value);
+            match (&mut column.values, more.values) {
+                (ResultValues::Numbers(all), ResultValues::Numbers(mut more)) => all.append(&mut more),
+                (ResultValues::Flags(all), ResultValues::Flags(mut more)) => all.append(&mut more),
+                (ResultValues::Texts { bytes, ends }, ResultValues::Texts { bytes: mut more, ends: more_ends }) => {
+                    let start = bytes.len();
+                    bytes.append(&mut more);
+                    ends.extend(more_ends.into_iter().skip(1).map(|end| start + end));
+                }
+                _ => {}
+            }
+        }
+    }
 }
 
 impl ResultColumn {

@@ -288,9 +288,7 @@ impl Tally {
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
     pub(super) followed: &'a [(usize, Output)],
-    /// Lines before the next piece; 0 where lines count from the start of the file.
-    pub(super) lines: u64,
-    pub(super) is_relative: bool,
+    /// Records before the next piece.
     pub(super) records: u64,
     pub(super) place: Place,
     /// Records that are no parts.
@@ -305,15 +303,12 @@ pub(super) struct Total<'a> {
 }
 
 impl Total<'_> {
-    /// Takes the block that follows all that it has, and what it came to; line and record numbers of the block become those
-    /// of the table.
-    pub(super) fn add(&mut self, rows: Option<&Rows>, block: &mut Block, tally: &mut Tally) {
-        let (lines, records, request) = (self.lines, self.records, self.request);
-        if let Some(rows) = rows {
-            self.extremes.add(rows, block, lines);
-        }
+    /// Takes the block that follows all that it has, and what it came to; record numbers of the block become those of the
+    /// table.
+    pub(super) fn add(&mut self, rows: &Rows, block: &mut Block, tally: &mut Tally) {
+        let (records, request) = (self.records, self.request);
+        self.extremes.add(rows, block);
         let settle = |place: &mut RowPlace| {
-            place.line += lines;
             place.record += records;
             place.in_words = self.place.in_words(place.line);
         };
@@ -336,21 +331,13 @@ impl Total<'_> {
         for ((index, _), next) in self.followed.iter().zip(&tally.moving) {
             self.outcome.quantities[*index].statistics.moving.join(next);
         }
-        for mut aside in block.asides.drain(..) {
-            if self.asides.len() < ASIDES_KEPT {
-                aside.line += lines;
-                self.asides.push(aside);
-            }
-        }
+        let room = ASIDES_KEPT - self.asides.len();
+        self.asides.extend(block.asides.drain(..).take(room));
         add_rejections(&mut self.rejections, block.rejections.drain(..));
-        if let Some(contradiction) = &mut block.contradiction {
-            contradiction.line += lines;
-        }
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }
         self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
-        self.lines += if self.is_relative { block.line_count } else { 0 };
         self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);
     }

@@ -11,7 +11,7 @@ use ::parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use ::parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::WriterProperties;
-use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{ColumnPath, Type};
 
 use super::columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
@@ -24,7 +24,7 @@ const GROUP: usize = 1 << 14;
 pub struct ParquetRows {
     writer: SerializedFileWriter<Box<dyn Write + Send>>,
     /// The rows of the group to be written.
-    group: Vec<ResultColumns>,
+    group: ResultColumns,
 }
 
 impl ParquetRows {
@@ -55,7 +55,7 @@ impl ParquetRows {
         }
         let schema = Type::group_type_builder("parts").with_fields(fields).build().map_err(failed)?;
         let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build())).map_err(failed)?;
-        Ok(Self { group: Vec::new(), writer })
+        Ok(Self { group: ResultColumns::default(), writer })
     }
 
     /// Writes what is left, and the file's end.
@@ -68,49 +68,41 @@ impl ParquetRows {
     }
 
     fn write_group(&mut self) -> io::Result<()> {
-        if self.rows() == 0 {
+        if self.group.rows == 0 {
             return Ok(());
         }
-        let mut pieces: Vec<_> = self.group.drain(..).map(|piece| piece.columns.into_iter()).collect();
         let mut group = self.writer.next_row_group().map_err(failed)?;
-        while let Some(mut open) = group.next_column().map_err(failed)? {
-            for column in pieces.iter_mut().filter_map(Iterator::next) {
-                write(&mut open, column).map_err(failed)?;
-            }
+        for ResultColumn { has_value, values } in std::mem::take(&mut self.group).columns {
+            let Some(mut open) = group.next_column().map_err(failed)? else { break };
+            let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
+            let levels = Some(levels.as_slice());
+            let written = match values {
+                ResultValues::Texts { bytes, ends } => {
+                    let bytes = Bytes::from(bytes);
+                    let text = |row: usize| ByteArray::from(bytes.slice(ends[row]..ends[row + 1]));
+                    let rows = (0..has_value.len()).filter(|row| has_value[*row]);
+                    let texts: Vec<_> = rows.map(text).collect();
+                    open.typed::<ByteArrayType>().write_batch(&texts, levels, None)
+                }
+                ResultValues::Numbers(numbers) => {
+                    open.typed::<DoubleType>().write_batch(&present(&numbers, &has_value), levels, None)
+                }
+                ResultValues::Flags(flags) => {
+                    open.typed::<BoolType>().write_batch(&present(&flags, &has_value), levels, None)
+                }
+            };
+            written.map_err(failed)?;
             open.close().map_err(failed)?;
         }
         group.close().map_err(failed)?;
         Ok(())
     }
-
-    fn rows(&self) -> usize {
-        self.group.iter().map(|piece| piece.rows).sum()
-    }
-}
-
-/// Writes more rows of a column.
-fn write(open: &mut SerializedColumnWriter<'_>, column: ResultColumn) -> Result<usize, ParquetError> {
-    let ResultColumn { has_value, values } = column;
-    let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
-    let levels = Some(levels.as_slice());
-    match values {
-        ResultValues::Texts { bytes, ends } => {
-            let bytes = Bytes::from(bytes);
-            let text = |row: usize| ByteArray::from(bytes.slice(ends[row]..ends[row + 1]));
-            let texts: Vec<_> = (0..has_value.len()).filter(|row| has_value[*row]).map(text).collect();
-            open.typed::<ByteArrayType>().write_batch(&texts, levels, None)
-        }
-        ResultValues::Numbers(numbers) => {
-            open.typed::<DoubleType>().write_batch(&present(&numbers, &has_value), levels, None)
-        }
-        ResultValues::Flags(flags) => open.typed::<BoolType>().write_batch(&present(&flags, &has_value), levels, None),
-    }
 }
 
 impl ColumnSink for ParquetRows {
     fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
-        self.group.push(rows);
-        if self.rows() >= GROUP { self.write_group() } else { Ok(()) }
+        self.group.append(rows);
+        if self.group.rows >= GROUP { self.write_group() } else { Ok(()) }
     }
 }
 

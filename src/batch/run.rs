@@ -77,8 +77,6 @@ impl<'a> Batch<'a> {
         let total = Total {
             outcome,
             followed: &plan.followed,
-            lines: queue.lines,
-            is_relative: queue.is_relative(),
             records: 0,
             place,
             asides: Vec::new(),
@@ -89,7 +87,7 @@ impl<'a> Batch<'a> {
         };
         let shared = SharedRun {
             plan,
-            rows: rows.as_ref(),
+            rows: &rows,
             encoding,
             rows_packing: match &sinks.rows {
                 Some(RowSink::Text(sink)) => sink.packing,
@@ -126,7 +124,7 @@ impl<'a> Batch<'a> {
         let Total { asides, rejections, doubted, extremes, .. } = order.total;
         // rows that are still to come may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
-        let last = rows.as_ref().filter(|_| is_whole).and_then(|rows| extremes.contradiction(rows));
+        let last = extremes.contradiction(&rows).filter(|_| is_whole);
         let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
@@ -197,7 +195,7 @@ struct WriteOrder<'a, 'b> {
 
 struct SharedRun<'a, 'b> {
     plan: &'a Plan,
-    rows: Option<&'a Rows>,
+    rows: &'a Rows,
     encoding: Encoding,
     rows_packing: Packing,
     rejects_packing: Packing,
@@ -269,18 +267,12 @@ impl SharedRun<'_, '_> {
         if waiting.ended || self.stop.load(Ordering::Relaxed) || self.ended.load(Ordering::Relaxed) {
             return None;
         }
-        match waiting.queue.next(self.rows, piece) {
-            // a reader that was told to stop says that it has ended: then its last row may not be whole
-            Ok(true) if !self.stop.load(Ordering::Relaxed) => {}
-            Ok(_) => {
-                waiting.ended = true;
-                return None;
-            }
-            Err(error) => {
-                waiting.ended = true;
-                waiting.error = Some(error);
-                return None;
-            }
+        let next = waiting.queue.next(self.rows, piece);
+        // a reader that was told to stop says that it has ended: then its last row may not be whole
+        waiting.ended = !matches!(next, Ok(true)) || self.stop.load(Ordering::Relaxed);
+        if waiting.ended {
+            waiting.error = next.err();
+            return None;
         }
         self.bytes.store(waiting.queue.bytes_read(), Ordering::Relaxed);
         let number = waiting.next;

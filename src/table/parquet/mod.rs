@@ -33,7 +33,8 @@ pub struct ParquetTable {
     /// Bytes of the file.
     length: u64,
     reader: Box<dyn FileReader>,
-    columns: Vec<StoredColumn>,
+    /// Its columns, in their order.
+    pub(crate) columns: Vec<StoredColumn>,
     /// The group of rows that is read next.
     group: usize,
     /// The columns of the group that is being read, by place; `None` of one that is not looked at.
@@ -71,11 +72,6 @@ impl ParquetTable {
         }
         let (reader, open) = (Box::new(reader), Vec::new());
         Ok(Self { name: name.to_owned(), length, reader, columns, group: 0, open, left: 0, before: 0 })
-    }
-
-    /// Its columns, in their order.
-    pub(crate) fn columns(&self) -> &[StoredColumn] {
-        &self.columns
     }
 
     /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
@@ -204,10 +200,6 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
     }
 }
 
-fn ended_early(rows: usize) -> ParquetError {
-    ParquetError::EOF(format!("a column ends {rows} rows before the others"))
-}
-
 /// Values of a column in the next rows.
 fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stored<'static>, ParquetError> {
     match (reader, values) {
@@ -263,7 +255,7 @@ fn read<T: DataType>(
     let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows));
     let (found, ..) = reader.read_records(rows, Some(&mut levels), None, &mut values)?;
     if found != rows {
-        return Err(ended_early(rows - found));
+        return Err(ParquetError::EOF(format!("a column ends {} rows before the others", rows - found)));
     }
     // a column that has a value in each row has no levels
     if levels.iter().all(|level| *level > 0) {

@@ -89,7 +89,7 @@ fn opened(bytes: &[u8]) -> Result<ParquetTable, Diagnostic> {
 /// The cells of each column that can be read.
 fn read_all(bytes: &[u8]) -> Result<Vec<Vec<Content>>, String> {
     let mut table = opened(bytes).map_err(|error| error.to_string())?;
-    let mut all = vec![Vec::new(); table.columns().iter().filter(|column| column.is_read()).count()];
+    let mut all = vec![Vec::new(); table.columns.iter().filter(|column| column.is_read()).count()];
     let places = vec![true; all.len()];
     table.check().map_err(|error| error.to_string())?;
     while let Some(StoredRows { columns, .. }) =
@@ -188,7 +188,7 @@ fn texts_dates_and_what_is_no_measurement() {
 
     let table = opened(&bytes).unwrap();
     let not_read: Vec<_> =
-        table.columns().iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
+        table.columns.iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
     assert_eq!(not_read, ["list", "several"]);
     let other = |text: &str| vec![Content::Other(text.to_owned())];
     let text = |text: &str| vec![Content::Text(text.to_owned())];
