@@ -85,8 +85,12 @@ impl ResultColumns {
         self.rows += 1;
     }
 
-    /// Appends rows of the same columns.
+    /// Appends rows of the same columns, or of any if there are none yet.
     pub(super) fn append(&mut self, more: Self) {
+        if self.rows == 0 {
+            *self = more;
+            return;
+        }
         self.rows += more.rows;
         for (column, mut more) in self.columns.iter_mut().zip(more.columns) {
             column.has_value.append(&mut more.has_value);

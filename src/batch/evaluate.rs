@@ -62,12 +62,7 @@ impl<'a> Evaluator<'a> {
         self.rejects.clear();
         self.results = None;
         self.tally.clear(self.plan.followed.len());
-        self.tally.lines = block.line_count;
-        self.tally.records = block.record_count;
         self.tally.counts.blank_lines = block.blank_lines;
-        self.tally.asides.clone_from(&block.asides);
-        self.tally.rejections.clone_from(&block.rejections);
-        self.tally.contradiction.clone_from(&block.contradiction);
         if block.is_rest {
             self.keep_raw(block, 0);
         }

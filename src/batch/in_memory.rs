@@ -101,9 +101,8 @@ impl ColumnEvaluator {
         let table = self.understood(piece)?;
         let (plan, layout) = self.planned(&table)?;
         let mut block = Block::default();
-        if let (Some(rows), _) = table.pieces.open(layout.wanted(false)) {
-            rows.stored(piece.columns, 0, &mut block);
-        }
+        let (rows, _) = table.pieces.open(layout.wanted(false));
+        rows.stored(piece.columns, 0, &mut block);
         let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false);
         evaluator.block(&block, 0, false);
         if let Some(contradiction) = &block.contradiction {
@@ -122,7 +121,7 @@ impl ColumnEvaluator {
         let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };
         let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
-        if !found.pieces.are_rows() {
+        if !found.pieces.are_rows {
             let message =
                 format!("{} has a row per characteristic, and columns in memory have a row per part", piece.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each characteristic").into());

@@ -36,11 +36,7 @@ pub trait ColumnSink: Send {
 impl Sinks<'_> {
     /// Writes what waits in the writers.
     pub(super) fn flush(self) -> io::Result<()> {
-        let rows = match self.rows {
-            Some(RowSink::Text(sink)) => Some(sink),
-            Some(RowSink::Columns(_)) | None => None,
-        };
-        let rows = rows.map_or(Ok(()), |sink| sink.writer.flush());
+        let rows = if let Some(RowSink::Text(sink)) = self.rows { sink.writer.flush() } else { Ok(()) };
         let rejects = self.rejects.map_or(Ok(()), |sink| sink.writer.flush());
         rows.and(rejects)
     }

@@ -14,7 +14,7 @@ use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{
-    ASIDES_KEPT, AsideReading, Contradiction, Extremes, Place, Reading, Rejection, add_rejections, cell_text,
+    ASIDES_KEPT, AsideReading, Block, Extremes, Place, Reading, Rejection, Rows, add_rejections, cell_text,
 };
 
 /// How many rows there were, and what became of them.
@@ -266,17 +266,9 @@ impl Duplicates {
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: Counts,
-    pub(super) lines: u64,
-    pub(super) records: u64,
     pub(super) problems: Vec<Problem>,
     pub(super) failures: Vec<Part>,
     pub(super) worst: Vec<Part>,
-    /// Records that are no parts.
-    pub(super) asides: Vec<AsideReading>,
-    /// What is said against parts, the first of each column.
-    pub(super) rejections: Vec<Rejection>,
-    /// A cell that contradicts how the table is read.
-    pub(super) contradiction: Option<Contradiction>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
     /// The names of the parts, while they are looked at.
@@ -296,16 +288,13 @@ impl Tally {
 pub(super) struct Total<'a> {
     pub(super) outcome: &'a mut Outcome,
     pub(super) followed: &'a [(usize, Output)],
-    /// Lines before the next piece; 0 where lines count from the start of the file.
-    pub(super) lines: u64,
-    pub(super) is_relative: bool,
+    /// Records before the next piece.
     pub(super) records: u64,
     pub(super) place: Place,
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
     /// What is said against parts, the first of each column.
     pub(super) rejections: Vec<Rejection>,
-    pub(super) contradiction: Option<Contradiction>,
     /// What rows called by a statistic are held against.
     pub(super) extremes: Extremes,
     /// How many values of each source are suspicious.
@@ -314,23 +303,23 @@ pub(super) struct Total<'a> {
 }
 
 impl Total<'_> {
-    /// Takes the chunk that follows all that it has; line and record numbers of the chunk become those of
-    /// the table.
-    pub(super) fn add(&mut self, tally: &mut Tally) {
-        let (lines, records) = (self.lines, self.records);
+    /// Takes the block that follows all that it has, and what it came to; record numbers of the block become those of the
+    /// table.
+    pub(super) fn add(&mut self, rows: &Rows, block: &mut Block, tally: &mut Tally) {
+        let (records, request) = (self.records, self.request);
+        self.extremes.add(rows, block);
         let settle = |place: &mut RowPlace| {
-            place.line += lines;
             place.record += records;
             place.in_words = self.place.in_words(place.line);
         };
         for mut problem in tally.problems.drain(..) {
-            if self.outcome.problems.len() < self.request.problems_kept {
+            if self.outcome.problems.len() < request.problems_kept {
                 settle(&mut problem.place);
                 self.outcome.problems.push(problem);
             }
         }
         for mut part in tally.failures.drain(..) {
-            if self.outcome.failures.len() < self.request.failures_kept {
+            if self.outcome.failures.len() < request.failures_kept {
                 settle(&mut part.place);
                 self.outcome.failures.push(part);
             }
@@ -342,23 +331,14 @@ impl Total<'_> {
         for ((index, _), next) in self.followed.iter().zip(&tally.moving) {
             self.outcome.quantities[*index].statistics.moving.join(next);
         }
-        for mut aside in tally.asides.drain(..) {
-            if self.asides.len() < ASIDES_KEPT {
-                aside.line += lines;
-                self.asides.push(aside);
-            }
-        }
-        add_rejections(&mut self.rejections, tally.rejections.drain(..));
-        if let Some(mut contradiction) = tally.contradiction.take() {
-            contradiction.line += lines;
-            self.contradiction.get_or_insert(contradiction);
-        }
+        let room = ASIDES_KEPT - self.asides.len();
+        self.asides.extend(block.asides.drain(..).take(room));
+        add_rejections(&mut self.rejections, block.rejections.drain(..));
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }
         self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
-        self.lines += if self.is_relative { tally.lines } else { 0 };
-        self.records += tally.records;
+        self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);
     }
 }

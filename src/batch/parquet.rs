@@ -22,7 +22,6 @@ const GROUP: usize = 1 << 14;
 
 /// Where the rows of a batch become a Parquet file.
 pub struct ParquetRows {
-    kinds: Vec<ColumnKind>,
     writer: SerializedFileWriter<Box<dyn Write + Send>>,
     /// The rows of the group to be written.
     group: ResultColumns,
@@ -56,8 +55,7 @@ impl ParquetRows {
         }
         let schema = Type::group_type_builder("parts").with_fields(fields).build().map_err(failed)?;
         let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build())).map_err(failed)?;
-        let kinds: Vec<_> = columns.iter().map(|(_, kind)| *kind).collect();
-        Ok(Self { group: ResultColumns::new(kinds.iter().copied()), kinds, writer })
+        Ok(Self { group: ResultColumns::default(), writer })
     }
 
     /// Writes what is left, and the file's end.
@@ -73,9 +71,8 @@ impl ParquetRows {
         if self.group.rows == 0 {
             return Ok(());
         }
-        let columns = std::mem::replace(&mut self.group, ResultColumns::new(self.kinds.iter().copied())).columns;
         let mut group = self.writer.next_row_group().map_err(failed)?;
-        for ResultColumn { has_value, values } in columns {
+        for ResultColumn { has_value, values } in std::mem::take(&mut self.group).columns {
             let Some(mut open) = group.next_column().map_err(failed)? else { break };
             let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
             let levels = Some(levels.as_slice());

@@ -42,7 +42,7 @@ impl<'a> Row<'a> {
         self.block.records[self.index]
     }
 
-    /// Where it is, from the start of the block.
+    /// Where it is; its record counts from the start of the block.
     pub(super) fn place(self, file: &Arc<str>) -> RowPlace {
         RowPlace { file: Arc::clone(file), line: self.block.lines[self.index], record: self.record(), in_words: None }
     }

@@ -17,7 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
-use crate::table::{Block, Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
+use crate::table::{Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -77,20 +77,17 @@ impl<'a> Batch<'a> {
         let total = Total {
             outcome,
             followed: &plan.followed,
-            lines: queue.lines,
-            is_relative: queue.is_relative(),
             records: 0,
             place,
             asides: Vec::new(),
             rejections: Vec::new(),
-            contradiction: None,
             extremes: Extremes::default(),
             doubted: Default::default(),
             request: &plan.request,
         };
         let shared = SharedRun {
             plan,
-            rows: rows.as_ref(),
+            rows: &rows,
             encoding,
             rows_packing: match &sinks.rows {
                 Some(RowSink::Text(sink)) => sink.packing,
@@ -127,7 +124,7 @@ impl<'a> Batch<'a> {
         let Total { asides, rejections, doubted, extremes, .. } = order.total;
         // rows that are still to come may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
-        let last = rows.as_ref().filter(|_| is_whole).and_then(|rows| extremes.contradiction(rows));
+        let last = extremes.contradiction(&rows).filter(|_| is_whole);
         let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
@@ -198,7 +195,7 @@ struct WriteOrder<'a, 'b> {
 
 struct SharedRun<'a, 'b> {
     plan: &'a Plan,
-    rows: Option<&'a Rows>,
+    rows: &'a Rows,
     encoding: Encoding,
     rows_packing: Packing,
     rejects_packing: Packing,
@@ -224,10 +221,7 @@ impl SharedRun<'_, '_> {
     fn work(&self, evaluator: &mut Evaluator<'_>) {
         let mut piece = Piece::default();
         while let Some(number) = self.take(&mut piece) {
-            let read = piece.read(self.rows);
-            if read.is_err() {
-                piece.block = Block::default();
-            }
+            piece.read(self.rows);
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
             let rows = self.rows_packing.pack(&evaluator.written.out);
             let rejects = self.encoding.original(&evaluator.rejects);
@@ -240,17 +234,14 @@ impl SharedRun<'_, '_> {
             let is_counted = !self.ended.load(Ordering::Relaxed);
             if is_counted {
                 let order = &mut *order;
-                if let Some(rows) = self.rows {
-                    order.total.extremes.add(rows, &piece.block, order.total.lines);
-                }
-                order.total.add(&mut evaluator.tally);
+                order.total.add(self.rows, &mut piece.block, &mut evaluator.tally);
                 let written = match order.sinks.rows.as_mut() {
                     Some(RowSink::Text(sink)) => write_to(Some(sink), rows),
                     Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.written.columns)),
                     None => Ok(()),
                 };
                 let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
-                self.settle(order, read, written);
+                self.settle(order, piece.block.contradiction.take(), written);
             }
             drop(order);
             self.turn.notify_all();
@@ -261,10 +252,8 @@ impl SharedRun<'_, '_> {
     }
 
     /// What follows from a piece for those after it.
-    fn settle(&self, order: &mut WriteOrder<'_, '_>, read: io::Result<()>, written: io::Result<()>) {
-        let contradiction =
-            order.total.contradiction.take().map_or(Ok(()), |found| Err(RunError::Contradiction(found)));
-        let failure = written.map_err(RunError::Write).and(contradiction).and(read.map_err(RunError::Read)).err();
+    fn settle(&self, order: &mut WriteOrder<'_, '_>, found: Option<Contradiction>, written: io::Result<()>) {
+        let failure = written.err().map(RunError::Write).or(found.map(RunError::Contradiction));
         let outcome = &order.total.outcome;
         let is_over = failure.is_some() || (self.plan.request.strict && outcome.counts.rejected > 0);
         self.ended.fetch_or(is_over, Ordering::Relaxed);
@@ -278,18 +267,12 @@ impl SharedRun<'_, '_> {
         if waiting.ended || self.stop.load(Ordering::Relaxed) || self.ended.load(Ordering::Relaxed) {
             return None;
         }
-        match waiting.queue.next(self.rows, piece) {
-            // a reader that was told to stop says that it has ended: then its last row may not be whole
-            Ok(true) if !self.stop.load(Ordering::Relaxed) => {}
-            Ok(_) => {
-                waiting.ended = true;
-                return None;
-            }
-            Err(error) => {
-                waiting.ended = true;
-                waiting.error = Some(error);
-                return None;
-            }
+        let next = waiting.queue.next(self.rows, piece);
+        // a reader that was told to stop says that it has ended: then its last row may not be whole
+        waiting.ended = !matches!(next, Ok(true)) || self.stop.load(Ordering::Relaxed);
+        if waiting.ended {
+            waiting.error = next.err();
+            return None;
         }
         self.bytes.store(waiting.queue.bytes_read(), Ordering::Relaxed);
         let number = waiting.next;

@@ -67,7 +67,7 @@ impl Spec {
                 taken.difference(&alone.of_values(kind))
             });
             if let Some(difference) = difference {
-                let message = format!("{} says different things of {kind}: {difference}", qdas.name());
+                let message = format!("{} says different things of {kind}: {difference}", qdas.name);
                 return Err(Diagnostic::error(Code::BadTable, message).help(APART));
             }
         }

@@ -34,7 +34,7 @@ pub struct Fault {
 /// A cell that contradicts how the table is read, so that nothing after it can be trusted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contradiction {
-    /// The line, counted from the start of the block.
+    /// The line.
     pub line: u64,
     /// The column.
     pub column: String,
@@ -62,7 +62,7 @@ pub struct Block {
     pub(crate) raw: Vec<Span>,
     /// The cells that are copied, row by row.
     pub(crate) copied: Vec<Span>,
-    /// The line of each row from the start of the block, from 1.
+    /// The line of each row, from 1.
     pub(crate) lines: Vec<u64>,
     /// The record of each row from the start of the block, from 1.
     pub(crate) records: Vec<u64>,
@@ -76,7 +76,7 @@ pub struct Block {
     pub(crate) rejections: Vec<Rejection>,
     /// Records in all.
     pub(crate) record_count: u64,
-    /// Lines in all.
+    /// Lines of the table up to the block's end.
     pub(crate) line_count: u64,
     pub(crate) blank_lines: u64,
     pub(crate) contradiction: Option<Contradiction>,

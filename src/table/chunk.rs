@@ -30,8 +30,10 @@ pub(crate) struct Chunker {
     ended: bool,
     /// Within a record that is too long, where.
     overlong: Option<Overlong>,
-    bytes_read: u64,
-    separator: u8,
+    /// Bytes read so far, after unpacking.
+    pub(crate) bytes_read: u64,
+    /// What stands between fields.
+    pub(crate) separator: u8,
 }
 
 /// Where in a record that is too long its bytes have got to.
@@ -48,16 +50,6 @@ enum Overlong {
 impl Chunker {
     pub(crate) fn new(reader: Box<dyn Read + Send>) -> Self {
         Self { reader, pending: Vec::new(), ended: false, overlong: None, bytes_read: 0, separator: b',' }
-    }
-
-    /// Bytes read so far, after unpacking.
-    pub(crate) fn bytes_read(&self) -> u64 {
-        self.bytes_read
-    }
-
-    /// The separator of fields.
-    pub(crate) fn set_separator(&mut self, separator: u8) {
-        self.separator = separator;
     }
 
     /// The first bytes, without handing them on.

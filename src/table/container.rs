@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use super::Table;
 use super::encoding::{decode, peek, unpacked};
-use super::parquet::{ParquetTable, SharedFile};
+use super::parquet::ParquetTable;
 use super::qdas::Qdas;
 use super::text::Text;
 use super::typed::{parquet_table, qdas_table, workbook_table};
@@ -63,16 +63,14 @@ impl Container {
     /// # Errors
     /// If it cannot be read, or is a file that holds no table.
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
-        let failed = |error: &io::Error| Diagnostic::unreadable(name, error);
+        let failed = |error: io::Error| Diagnostic::unreadable(name, &error);
         let source = match source {
-            Source::File(file) if is_parquet(&file).map_err(|error| failed(&error))? => {
-                let file = SharedFile::new(file).map_err(|error| failed(&error))?;
+            Source::File(file) if is_parquet(&file).map_err(failed)? => {
                 return Ok(Self::Parquet(ParquetTable::open(name, file)?));
             }
             source => source,
         };
-        let peeked =
-            peek(unpacked(source.reader()).map_err(|error| failed(&error))?, 512).map_err(|error| failed(&error))?;
+        let peeked = unpacked(source.reader()).and_then(|bytes| peek(bytes, 512)).map_err(failed)?;
         match peeked.start.as_slice() {
             [b'P', b'K', 3, 4, ..] => Ok(Self::Workbook(Box::new(Workbook::open(name, whole(name, peeked.bytes)?)?))),
             [b'P', b'A', b'R', b'1', ..] => {

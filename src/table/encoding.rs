@@ -4,9 +4,10 @@
 //! share the characters of which tables are made, and a cell is recoded when somebody looks at it.
 
 use std::borrow::Cow;
-use std::io::{self, Read};
+use std::io::{self, BufRead as _, BufReader, Read};
 
 use encoding_rs::{Encoding as Code, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
 /// The code of a file's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,42 +129,36 @@ pub(crate) fn unpacked(bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Read +
     let Peeked { start, bytes } = peek(bytes, 4)?;
     Ok(match start.as_slice() {
         [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(bytes)),
-        [0x28, 0xb5, 0x2f, 0xfd] => Box::new(ZstdFrames::Between(bytes)),
+        [0x28, 0xb5, 0x2f, 0xfd] => Box::new(ZstdFrames::new(BufReader::new(bytes))?),
         _ => bytes,
     })
 }
 
-/// Frame after frame of zstd.
-enum ZstdFrames {
-    Between(Box<dyn Read + Send>),
-    In(Box<ruzstd::decoding::StreamingDecoder<Box<dyn Read + Send>, ruzstd::decoding::FrameDecoder>>),
-    Done,
+/// A frame of zstd; a window of 8 MiB is what the format asks every decoder for.
+type ZstdFrame = StreamingDecoder<BufReader<Box<dyn Read + Send>>, FrameDecoder>;
+
+/// Frame after frame of zstd; none behind the last.
+struct ZstdFrames(Option<Box<ZstdFrame>>);
+
+impl ZstdFrames {
+    fn new(mut bytes: BufReader<Box<dyn Read + Send>>) -> io::Result<Self> {
+        let is_over = bytes.fill_buf()?.is_empty();
+        let frame = (!is_over).then(|| StreamingDecoder::new(bytes).map(Box::new)).transpose();
+        frame.map(Self).map_err(io::Error::other)
+    }
 }
 
 impl Read for ZstdFrames {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        loop {
-            match std::mem::replace(self, Self::Done) {
-                Self::Done => return Ok(0),
-                Self::Between(bytes) => {
-                    let Peeked { start, bytes } = peek(bytes, 4)?;
-                    if start.is_empty() {
-                        return Ok(0);
-                    }
-                    // a window of 8 MiB is what the format asks every decoder for
-                    let decoder = ruzstd::decoding::StreamingDecoder::new(bytes);
-                    *self = Self::In(Box::new(decoder.map_err(io::Error::other)?));
-                }
-                Self::In(mut decoder) => {
-                    let count = decoder.read(out)?;
-                    if count > 0 {
-                        *self = Self::In(decoder);
-                        return Ok(count);
-                    }
-                    *self = Self::Between(decoder.into_inner());
-                }
+        while let Some(mut frame) = self.0.take() {
+            let count = frame.read(out)?;
+            if count > 0 {
+                self.0 = Some(frame);
+                return Ok(count);
             }
+            *self = Self::new(frame.into_inner())?;
         }
+        Ok(0)
     }
 }
 

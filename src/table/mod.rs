@@ -211,7 +211,7 @@ impl Table {
             columns: understood.columns.clone(),
             index_field: shape.index_field,
             pinion_teeth: want.pinion_teeth,
-            header_raw: if pieces.are_rows() { line_of(titles.iter()) } else { Vec::new() },
+            header_raw: if pieces.are_rows { line_of(titles.iter()) } else { Vec::new() },
             encoding: Encoding::PLAIN,
             place: Place::Line,
             titles,
@@ -240,31 +240,21 @@ impl Table {
         self.columns.iter().filter_map(line).collect()
     }
 
-    /// All of its rows, in its order; lines count from the start of the file.
+    /// All of its rows, in its order.
     pub(crate) fn rows(self, wanted: Wanted) -> impl Iterator<Item = std::io::Result<Block>> {
         let (rows, mut queue) = self.pieces.open(wanted);
         let mut piece = Piece::default();
-        let mut lines = queue.lines;
         let mut extremes = Extremes::default();
-        std::iter::from_fn(move || match queue.next(rows.as_ref(), &mut piece) {
+        std::iter::from_fn(move || match queue.next(&rows, &mut piece) {
             Ok(false) => {
-                let contradiction = rows.as_ref().and_then(|rows| std::mem::take(&mut extremes).contradiction(rows));
-                contradiction.map(|found| Ok(Block { contradiction: Some(found), ..Block::default() }))
+                let found = std::mem::take(&mut extremes).contradiction(&rows);
+                found.is_some().then(|| Ok(Block { contradiction: found, ..Block::default() }))
             }
             Err(error) => Some(Err(error)),
             Ok(true) => {
-                if let Err(error) = piece.read(rows.as_ref()) {
-                    return Some(Err(error));
-                }
-                let mut block = std::mem::take(&mut piece.block);
-                if let Some(rows) = &rows {
-                    extremes.add(rows, &block, if queue.is_relative() { lines } else { 0 });
-                }
-                if queue.is_relative() {
-                    block.lines.iter_mut().for_each(|line| *line += lines);
-                    lines += block.line_count;
-                }
-                Some(Ok(block))
+                piece.read(&rows);
+                extremes.add(&rows, &piece.block);
+                Some(Ok(std::mem::take(&mut piece.block)))
             }
         })
     }

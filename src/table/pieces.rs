@@ -9,9 +9,9 @@ use super::block::Block;
 use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
 use super::gathered::gathered;
-use super::parquet::{OpenGroup, ParquetTable, RowRange};
+use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows};
 use super::rows::{Extremes, Rows, Setup, Wanted};
-use super::split::next_record;
+use super::split::{count_line_ends, next_record};
 use super::understand::Understood;
 use super::want::Want;
 use crate::deviation::DeviationValues;
@@ -45,21 +45,23 @@ impl Place {
 
 /// The rows of a table, not yet read.
 pub(crate) struct Pieces {
-    /// How they are read; `None` of rows that are there.
-    setup: Option<Setup>,
+    /// How they are read.
+    setup: Setup,
+    /// Whether rows are parts, spaces or teeth.
+    pub(crate) are_rows: bool,
     queue: Queue,
 }
 
-/// What a worker takes: bytes or rows of a file to be read, or a block.
+/// What a worker takes: bytes or stored columns to be read, or a block.
 #[derive(Default)]
 pub(crate) struct Piece {
     bytes: Vec<u8>,
     holds: Holds,
-    /// The group of rows that the worker has open.
-    open: Option<OpenGroup>,
     pub(crate) block: Block,
     /// Records before it.
     pub(crate) records_before: u64,
+    /// Lines before its bytes.
+    lines_before: u64,
 }
 
 /// What of a piece is to be read.
@@ -70,8 +72,8 @@ enum Holds {
     Block,
     /// Its bytes.
     Bytes(ChunkContent),
-    /// Rows of a Parquet file.
-    Rows(Arc<ParquetTable>, RowRange),
+    /// Stored columns.
+    Stored(StoredRows),
 }
 
 /// Pieces one after the other.
@@ -79,8 +81,8 @@ pub(crate) struct Queue {
     source: Source,
     /// Records so far; of text, counted where parts have no name.
     records: u64,
-    /// Lines before the first row.
-    pub(crate) lines: u64,
+    /// Lines of text before the next piece.
+    lines: u64,
 }
 
 /// Records of a file.
@@ -91,8 +93,8 @@ enum Source {
     Chunks(Chunker),
     /// Records, and the text that they stand in, if they do.
     Records(Peekable<Records>, Option<Arc<Text>>),
-    /// The rows of a Parquet file, which workers read side by side.
-    Parquet(Arc<ParquetTable>, std::vec::IntoIter<RowRange>),
+    /// The rows of a Parquet file.
+    Parquet(ParquetTable),
     /// Rows that are there.
     Block(Option<Box<Block>>),
 }
@@ -100,28 +102,22 @@ enum Source {
 impl Pieces {
     /// Those of a table whose rows are still to be given; where parts are no rows, they are there.
     pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
-        let setup = understood.has_row_per_part().then(|| Setup::of(understood, want));
-        let block = if setup.is_some() { Block::default() } else { gathered(understood) };
-        Self { setup, queue: Queue { source: Source::Block(Some(Box::new(block))), records: 0, lines: 0 } }
-    }
-
-    /// Whether rows are parts, spaces or teeth.
-    pub(crate) fn are_rows(&self) -> bool {
-        self.setup.is_some()
+        let are_rows = understood.has_row_per_part();
+        let block = (!are_rows).then(|| Box::new(gathered(understood)));
+        let queue = Queue { source: Source::Block(block), records: 0, lines: 0 };
+        Self { setup: Setup::of(understood, want), are_rows, queue }
     }
 
     fn give(&mut self, source: Source) {
-        if self.are_rows() {
+        if self.are_rows {
             self.queue.source = source;
         }
     }
 
     /// Gives the rows as text behind so many lines, in chunks.
     pub(crate) fn give_chunks(&mut self, mut chunks: Chunker, lines: u64) {
-        if let Some(setup) = &mut self.setup {
-            chunks.set_separator(setup.separator);
-            setup.is_even = true;
-        }
+        chunks.separator = self.setup.separator;
+        self.setup.is_even = true;
         self.queue.lines = lines;
         self.give(Source::Chunks(chunks));
     }
@@ -138,43 +134,38 @@ impl Pieces {
 
     /// Gives the rows of a Parquet file.
     pub(crate) fn give_file(&mut self, file: ParquetTable) {
-        let ranges = file.ranges().into_iter();
-        self.give(Source::Parquet(Arc::new(file), ranges));
+        self.give(Source::Parquet(file));
     }
 
     /// The reader of rows that workers share, and what they take.
-    pub(crate) fn open(self, wanted: Wanted) -> (Option<Rows>, Queue) {
-        (self.setup.map(|setup| Rows::new(setup, wanted)), self.queue)
+    pub(crate) fn open(self, wanted: Wanted) -> (Rows, Queue) {
+        (Rows::new(self.setup, wanted), self.queue)
     }
 }
 
 impl Queue {
     /// Bytes read so far, after unpacking.
     pub(crate) fn bytes_read(&self) -> u64 {
-        match &self.source {
-            Source::Chunks(chunks) => chunks.bytes_read(),
-            Source::Records(..) | Source::Parquet(..) | Source::Block(_) => 0,
-        }
-    }
-
-    /// Whether lines count from the start of a piece, and not of the file.
-    pub(crate) fn is_relative(&self) -> bool {
-        matches!(self.source, Source::Chunks(_))
+        if let Source::Chunks(chunks) = &self.source { chunks.bytes_read } else { 0 }
     }
 
     /// The next piece; `false` at the end.
-    pub(crate) fn next(&mut self, rows: Option<&Rows>, piece: &mut Piece) -> io::Result<bool> {
+    pub(crate) fn next(&mut self, rows: &Rows, piece: &mut Piece) -> io::Result<bool> {
         piece.records_before = self.records;
         piece.holds = Holds::Block;
-        match (&mut self.source, rows) {
-            (Source::Chunks(chunks), rows) => {
+        match &mut self.source {
+            Source::Chunks(chunks) => {
                 let Some(holds) = chunks.next(&mut piece.bytes)? else { return Ok(false) };
-                piece.holds = Holds::Bytes(holds);
-                if let Some(rows) = rows.filter(|rows| !rows.has_id()) {
+                (piece.holds, piece.lines_before) = (Holds::Bytes(holds), self.lines);
+                self.lines += match holds {
+                    ChunkContent::Records => count_line_ends(&piece.bytes),
+                    ChunkContent::Piece { .. } => memchr::memchr_iter(b'\n', &piece.bytes).count() as u64,
+                };
+                if !rows.has_id() {
                     self.records += records_in(&piece.bytes, holds, rows.separator());
                 }
             }
-            (Source::Records(records, text), Some(rows)) => {
+            Source::Records(records, text) => {
                 if let Some(Err(problem)) = records.next_if(Result::is_err) {
                     return Err(as_io(&problem));
                 }
@@ -186,16 +177,17 @@ impl Queue {
                 self.records += piece.block.record_count;
                 return Ok(piece.block.record_count > 0);
             }
-            (Source::Parquet(file, ranges), _) => {
-                let Some(range) = ranges.next() else { return Ok(false) };
-                piece.records_before = range.before;
-                piece.holds = Holds::Rows(Arc::clone(file), range);
+            Source::Parquet(file) => {
+                let places = rows.places(file.columns.iter().filter(|column| column.is_read()).count());
+                let stored = file.next(&places, ROWS_TOGETHER).map_err(|problem| as_io(&problem))?;
+                let Some(stored) = stored else { return Ok(false) };
+                piece.records_before = stored.before;
+                piece.holds = Holds::Stored(stored);
             }
-            (Source::Block(block), _) => {
+            Source::Block(block) => {
                 let Some(block) = block.take() else { return Ok(false) };
                 piece.block = *block;
             }
-            (Source::Records(..), None) => return Ok(false),
         }
         Ok(true)
     }
@@ -203,22 +195,16 @@ impl Queue {
 
 impl Piece {
     /// Reads the piece, if that is not done yet.
-    pub(crate) fn read(&mut self, rows: Option<&Rows>) -> io::Result<()> {
-        match (&self.holds, rows) {
-            (Holds::Bytes(holds), Some(rows)) => rows.chunk(&mut self.bytes, *holds, &mut self.block),
-            (Holds::Rows(file, range), Some(rows)) => {
-                let places = rows.places(file.columns().iter().filter(|column| column.is_read()).count());
-                let fields = file.read(&mut self.open, *range, &places).map_err(|problem| as_io(&problem))?;
-                rows.stored(&fields, range.before, &mut self.block);
-            }
-            _ => {}
+    pub(crate) fn read(&mut self, rows: &Rows) {
+        match &self.holds {
+            Holds::Bytes(holds) => rows.chunk(&mut self.bytes, *holds, self.lines_before, &mut self.block),
+            Holds::Stored(stored) => rows.stored(&stored.columns, stored.before, &mut self.block),
+            Holds::Block => {}
         }
-        let Some(rows) = rows else { return Ok(()) };
         self.block.ends = self.block.values.iter().map(DeviationValues::ends).collect();
         let mut extremes = Extremes::default();
-        extremes.add(rows, &self.block, 0);
+        extremes.add(rows, &self.block);
         self.block.statistics = extremes.doubted;
-        Ok(())
     }
 }
 

@@ -165,9 +165,10 @@ impl Rows {
         self.setup.separator
     }
 
-    /// The rows of a chunk of text; the chunk's bytes become the block's text.
-    pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: ChunkContent, block: &mut Block) {
+    /// The rows of a chunk of text behind so many lines; the chunk's bytes become the block's text.
+    pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: ChunkContent, lines: u64, block: &mut Block) {
         block.clear(self.setup.columns.iter().map(Column::nothing));
+        block.line_count = lines;
         std::mem::swap(&mut block.text, chunk);
         match holds {
             ChunkContent::Records => self.records(block),
@@ -400,7 +401,6 @@ impl Rows {
     /// A piece of a record that is too long: one refused row, however many pieces.
     fn piece(&self, first: bool, last: bool, block: &mut Block) {
         let raw = Span { start: 0, end: span_end(block.text.len()) };
-        block.line_count = memchr::memchr_iter(b'\n', &block.text).count() as u64;
         (block.is_rest, block.goes_on) = (!first, !last);
         if !first {
             if self.wanted.keeps_raw {
@@ -412,7 +412,7 @@ impl Rows {
         let start = text(&block.text[..block.text.len().min(200)]).into_owned();
         let limit = LONGEST_RECORD >> 10;
         let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
-        self.refuse(1, raw, block, &start, message);
+        self.refuse(block.line_count + 1, raw, block, &start, message);
     }
 }
 

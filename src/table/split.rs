@@ -128,7 +128,10 @@ fn line_end(bytes: &[u8], at: usize) -> Option<usize> {
 }
 
 /// Lines that end within some bytes.
-fn count_line_ends(bytes: &[u8]) -> u64 {
+pub(crate) fn count_line_ends(bytes: &[u8]) -> u64 {
+    if memchr::memchr(b'\r', bytes).is_none() {
+        return memchr::memchr_iter(b'\n', bytes).count() as u64;
+    }
     let mut count = 0;
     for at in memchr::memchr2_iter(b'\n', b'\r', bytes) {
         // the line feed of a pair was counted with its carriage return

@@ -246,7 +246,7 @@ impl Gatherer {
         self.is_rack
     }
 
-    /// Takes the rows of a block, whose lines count from the start of the table.
+    /// Takes the rows of a block.
     pub(crate) fn take(&mut self, block: &Block, keeps_raw: bool) {
         let mut faults = block.faults.iter().peekable();
         for row in 0..block.rows() {

@@ -11,19 +11,18 @@ use super::names::{
     Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_said, role, says_more,
 };
 use super::number::quantity;
-use super::parquet::{ParquetTable, Unread};
+use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use super::pieces::Place;
-use super::qdas::{Characteristic, LeftOut, Mixed, PartDefinition, Qdas};
+use super::qdas::{Characteristic, LeftOut, PartDefinition, Qdas};
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
 use super::rows::stored_record;
-use super::shape::many;
 use super::stored::Stored;
 use super::strangers::{self, Others, SHEET, Stranger, listed_statistics};
 use super::understand::{Understood, in_words, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
-use super::workbook::{Shown, Workbook, listed};
+use super::workbook::{Comment, Shown, Workbook, listed};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit, shown};
@@ -76,21 +75,16 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     if let Some(refused) = understood.of_other_part(&name, &sheet, &called, want) {
         return Err(refused.into());
     }
-    if !WordList::Comparison.has(&sheet) && !table.take_words(&called, &sheet, &understood, want)? {
-        table.take_of_all(&called, &sheet, &understood, want);
+    if !WordList::Comparison.has(&sheet) {
+        table.take_words(&called, &sheet, true, &understood, want)?;
     }
     for comment in &records.comments {
-        table.take_comment(&comment.place, &comment.text, &understood, want)?;
+        table.take_comment(comment, &understood, want)?;
     }
     for other in &others {
         table.take_other(other, &understood, want)?;
     }
-    if let Some(hidden) = records.hidden.filter(|hidden| hidden.rows + hidden.columns > 0) {
-        let counts = [(hidden.rows, "hidden row"), (hidden.columns, "hidden column")].into_iter();
-        let counts = counts.filter(|(count, _)| *count > 0).map(|(count, what)| many(count, what));
-        let counts = counts.collect::<Vec<_>>().join(" and ");
-        table.reading.notes.push(format!("{name}: read like the others: {counts}"));
-    }
+    table.reading.notes.extend(records.hidden.map(|hidden| format!("{name}: read like the others: {hidden}")));
     Ok(table)
 }
 
@@ -132,54 +126,57 @@ fn sheets(book: &mut Workbook, want: &Want) -> Result<Sheets, Diagnostic> {
 }
 
 impl Table {
-    /// A remark on a value is not used; one that speaks of a value is a stranger.
+    /// A remark is not used; one that speaks of a value, or of all of them, is a stranger.
     ///
     /// # Errors
     /// One that states another unit than that of the values.
-    fn take_remark(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) -> Result<(), Diagnostic> {
-        if !self.take_words(title, text, understood, want)? {
+    fn take_remark(
+        &mut self,
+        title: &str,
+        text: &str,
+        is_of_all: bool,
+        understood: &Understood,
+        want: &Want,
+    ) -> Result<(), Diagnostic> {
+        if !self.take_words(title, text, is_of_all, understood, want)? {
             self.reading.not_used.push(NotUsed { title: title.to_owned(), why: "no measurement" });
         }
         Ok(())
     }
 
-    /// A comment on a cell is a remark on its value; a number alone may be another value of it, and one on a heading speaks of its column.
+    /// A comment on a cell is a remark on its value; a number alone may be another value of it, and one on a heading speaks of its
+    /// column.
     ///
     /// # Errors
     /// One that states another unit than that of the values.
-    fn take_comment(
-        &mut self,
-        title: &str,
-        text: &str,
-        understood: &Understood,
-        want: &Want,
-    ) -> Result<(), Diagnostic> {
+    fn take_comment(&mut self, comment: &Comment, understood: &Understood, want: &Want) -> Result<(), Diagnostic> {
+        let Comment { place, text } = comment;
         let numbers = text.lines().map(|line| Cell::of_text(line.trim(), 0..0)).filter(Cell::is_number);
         let mut values = numbers.filter(|cell| understood.columns.iter().any(|column| column.may_hold(cell)));
         if let Some(value) = values.next() {
-            self.take_value(title, Unknown::line("", 0, vec![value]), want);
+            self.take_value(place, Unknown::line("", 0, vec![value]), want);
             return Ok(());
         }
-        let row = title.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().ok();
-        if row.is_some() && row == understood.shape.header_line {
-            text.lines().for_each(|line| self.take_of_all(title, line, understood, want));
-        }
-        self.take_remark(title, text, understood, want)
+        let row = place.trim_start_matches(|c: char| !c.is_ascii_digit()).parse().ok();
+        let is_on_heading = row.is_some() && row == understood.shape.header_line;
+        self.take_remark(place, text, is_on_heading, understood, want)
     }
 
-    /// What words say of all values is a stranger.
-    fn take_of_all(&mut self, title: &str, text: &str, understood: &Understood, want: &Want) {
-        let line = AsideReading { line: 0, text: text.to_owned() };
-        if let Some(value) = of_all_values(&line, &understood.columns, want) {
-            self.take_value(title, value, want);
-        }
+    /// What may be a value is a stranger, whatever the letters of its place say.
+    fn take_value(&mut self, title: &str, value: Unknown, want: &Want) {
+        let mut sorted = strangers::Sorted::default();
+        let value = Unknown { title: title.to_owned(), place: title.to_owned(), ..value }.unread();
+        sorted.take(&self.name, &value, want, &Others::default());
+        self.strangers.extend(sorted.strangers);
+        self.reading.not_used.extend(sorted.not_used);
     }
 
-    /// What words say of values; whether that is a value, or ignored.
+    /// What words say of values, or of all of them, is a stranger; whether they do, or are ignored.
     fn take_words(
         &mut self,
         title: &str,
         text: &str,
+        is_of_all: bool,
         understood: &Understood,
         want: &Want,
     ) -> Result<bool, Diagnostic> {
@@ -195,20 +192,11 @@ impl Table {
         let said = rejection(title, &lines, false).filter(|_| !want.ignores(title));
         self.reading.notes.extend(said.map(|said| said.in_words(&self.name)));
         let value = lines.iter().find_map(|line| beside.value_in_remark(line, title, 0));
-        let is_value = value.is_some();
-        if let Some(value) = value {
-            self.take_value(title, value, want);
-        }
-        Ok(is_value)
-    }
-
-    /// A value in words is a stranger, whatever the letters of its place say.
-    fn take_value(&mut self, title: &str, value: Unknown, want: &Want) {
-        let mut sorted = strangers::Sorted::default();
-        let value = Unknown { title: title.to_owned(), place: title.to_owned(), ..value }.unread();
-        sorted.take(&self.name, &value, want, &Others::default());
-        self.strangers.extend(sorted.strangers);
-        self.reading.not_used.extend(sorted.not_used);
+        let line = AsideReading { line: 0, text: text.to_owned() };
+        let of_all = || of_all_values(&line, &understood.columns, want).filter(|_| is_of_all);
+        let Some(value) = value.or_else(of_all) else { return Ok(false) };
+        self.take_value(title, value, want);
+        Ok(true)
     }
 
     /// What another sheet of the workbook holds is not used; what of it may be measured is a stranger.
@@ -295,12 +283,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
         Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
     })?;
-    if let Some(Mixed { line, names: [one, other] }) = table.mixed() {
-        let message =
-            format!("{name}, line {line}: this value is of `{other}` (K0014), and others measured with it of `{one}`");
-        let help =
-            "write the values of each part in one line, or those of every characteristic in the same order of parts";
-        return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+    if let Some(refused) = table.mixed(name) {
+        return Err(refused.into());
     }
     let is_of_other = |part: &PartDefinition, columns: &[Column]| {
         let of = |gear: Part| !columns.iter().filter_map(|column| column.kind).any(|kind| kind.part() == gear);
@@ -327,11 +311,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     }
     for remark in remarks {
         let place = format!("K{:04} in line {}", remark.key, remark.line);
-        found.take_remark(&place, &remark.text, &understood, want)?;
-        // others speak of single values
-        if remark.key >= 1000 {
-            found.take_of_all(&place, &remark.text, &understood, want);
-        }
+        // those of smaller keys speak of single values
+        found.take_remark(&place, &remark.text, remark.key >= 1000, &understood, want)?;
     }
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
@@ -417,16 +398,14 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
     quantity(number, unit?).ok()
 }
 
-pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
     let not_used = not_read(&file, want)?;
-    let read = file.columns().iter().filter(|column| column.is_read());
+    let read = file.columns.iter().filter(|column| column.is_read());
     let titles: Vec<_> = read.map(|column| column.name.clone()).collect();
     let all = vec![true; titles.len()];
     file.check()?;
-    let head = match file.ranges().first() {
-        Some(range) => file.read(&mut None, range.first(HEAD), &all)?,
-        None => Vec::new(),
-    };
+    let head = file.next(&all, HEAD)?.map_or_else(Vec::new, |head| head.columns);
+    file.rewind();
     let mut table = stored_table(name, "Parquet", &titles, &head, want)?;
     if file.has_units_of_fields() {
         let said = format!("{name}: its schema has units of fields, which are not read");
@@ -437,10 +416,10 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
         }
         table.reading.notes.push(said);
     }
-    if table.pieces.are_rows() {
+    if table.pieces.are_rows {
         table.pieces.give_file(file);
     } else {
-        let understood = understand_records(name, &whole(name, &file, &titles)?, want)?;
+        let understood = understand_records(name, &whole(name, &mut file, &titles)?, want)?;
         table = Table::new(name, "Parquet", &understood, want);
         table.place = Place::Record;
     }
@@ -454,7 +433,7 @@ pub(crate) fn parquet_table(name: &str, file: ParquetTable, want: &Want) -> Resu
 /// The first that may be a measurement, or say something of one.
 fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic> {
     let mut not_used = Vec::new();
-    for (place, column) in file.columns().iter().enumerate() {
+    for (place, column) in file.columns.iter().enumerate() {
         let Err(why) = &column.leaf else { continue };
         let title = column.name.clone();
         let is_known = heading(&title, &want.own).is_some() || role(&title).is_some();
@@ -471,15 +450,13 @@ fn not_read(file: &ParquetTable, want: &Want) -> Result<Vec<NotUsed>, Diagnostic
 }
 
 /// All records of a file whose parts are not in rows, the header first.
-fn whole(name: &str, file: &ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
+fn whole(name: &str, file: &mut ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
     const MOST_ROWS: usize = 200_000;
     let mut records = vec![header(titles)];
     let all = vec![true; titles.len()];
-    let mut open = None;
-    for range in file.ranges() {
-        let columns = file.read(&mut open, range, &all)?;
+    while let Some(StoredRows { columns, before }) = file.next(&all, ROWS_TOGETHER)? {
         let rows = columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
-        records.extend((0..rows).map(|row| stored_record(&columns, row, range.before)));
+        records.extend((0..rows).map(|row| stored_record(&columns, row, before)));
         if records.len() > MOST_ROWS {
             let message = format!("{name} has more than {MOST_ROWS} rows, and its parts are not in rows");
             return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use super::super::plan::refuse_without_uncertainty;
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};
@@ -53,11 +54,8 @@ impl TeethJudge {
             DeviationKind::ALL.into_iter().partition(|kind| kind.part() == part);
         let given: Vec<_> = spec.errors.iter().map(|(kind, _)| *kind).filter(|kind| of_other.contains(kind)).collect();
         spec.refuse_both_ways(&given)?;
-        if rule.needs_uncertainty() && spec.uncertainties.is_empty() {
-            let message = format!("the rule {rule} needs an uncertainty above 0, and the spec gives none");
-            return Err(Diagnostic::error(Code::BadRule, message)
-                .help("give what was measured one, such as [errors] rack_pitch = { u = \"0.8 um\" }; or the guard band: --rule guard=VALUE")
-                .into());
+        if spec.uncertainties.is_empty() {
+            refuse_without_uncertainty(&rule, false)?;
         }
         let measured_only = spec.measured_only(part);
         Ok(Self {

@@ -1,19 +1,13 @@
 //! Parquet files as stored columns.
 //!
-//! A file is opened with [`ParquetTable::open`]; [`ranges`](ParquetTable::ranges) are its rows, some at a time, which
-//! workers [`read`](ParquetTable::read) side by side, each with the columns that are looked at. Nothing becomes text on the
-//! way: a double is its shortest decimal, a `DECIMAL` and an integer are what they are. Nothing here knows what a column
-//! means.
+//! A file is opened with [`ParquetTable::open`], and [`next`](ParquetTable::next) reads its rows, some at a time, of the
+//! columns that are looked at. Nothing becomes text on the way: a double is its shortest decimal, a `DECIMAL` and an integer
+//! are what they are. Nothing here knows what a column means.
 
 mod column;
 mod pages;
-mod shared;
 
 pub(crate) use column::Unread;
-pub(crate) use shared::SharedFile;
-
-use std::ops::Range;
-use std::sync::Arc;
 
 use ::parquet::basic::{Compression, Encoding};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
@@ -27,19 +21,36 @@ use super::stored::{Stored, number};
 use super::want::ignore_option;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
-use column::{StoredColumn, Values};
+use column::{Leaf, StoredColumn, Values};
 use pages::CheckedPages;
 
 /// Rows that are read together: their columns stay near at hand.
-const RANGE_ROWS: usize = 1 << 11;
+pub(crate) const ROWS_TOGETHER: usize = 1 << 11;
 
 /// A Parquet file that was opened.
 pub struct ParquetTable {
     name: String,
     /// Bytes of the file.
     length: u64,
-    reader: Arc<dyn FileReader>,
-    columns: Vec<StoredColumn>,
+    reader: Box<dyn FileReader>,
+    /// Its columns, in their order.
+    pub(crate) columns: Vec<StoredColumn>,
+    /// The group of rows that is read next.
+    group: usize,
+    /// The columns of the group that is being read, by place; `None` of one that is not looked at.
+    open: Vec<Option<(ColumnReader, Values)>>,
+    /// How many rows of that group are still to be read.
+    left: usize,
+    /// How many rows of the file were read.
+    before: u64,
+}
+
+/// Some rows of a file.
+pub(crate) struct StoredRows {
+    /// By place; `None` of a column that is not looked at.
+    pub(crate) columns: Vec<Option<Stored<'static>>>,
+    /// Rows of the file before them.
+    pub(crate) before: u64,
 }
 
 impl ParquetTable {
@@ -59,12 +70,8 @@ impl ParquetTable {
                 column.leaf = Err(Unread::Packing(packing));
             }
         }
-        Ok(Self { name: name.to_owned(), length, reader: Arc::new(reader), columns })
-    }
-
-    /// Its columns, in their order.
-    pub(crate) fn columns(&self) -> &[StoredColumn] {
-        &self.columns
+        let (reader, open) = (Box::new(reader), Vec::new());
+        Ok(Self { name: name.to_owned(), length, reader, columns, group: 0, open, left: 0, before: 0 })
     }
 
     /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
@@ -98,57 +105,51 @@ impl ParquetTable {
         Ok(())
     }
 
-    /// All of its rows, some at a time.
-    pub(crate) fn ranges(&self) -> Vec<RowRange> {
-        let mut ranges = Vec::new();
-        let mut before = 0;
-        for (group, metadata) in self.reader.metadata().row_groups().iter().enumerate() {
-            let rows = usize::try_from(metadata.num_rows()).unwrap_or(0);
-            for start in (0..rows).step_by(RANGE_ROWS) {
-                ranges.push(RowRange { group, start, rows: RANGE_ROWS.min(rows - start), before });
-                before += RANGE_ROWS.min(rows - start) as u64;
-            }
-        }
-        ranges
-    }
-
-    /// Some rows of the columns at these places, of those that can be read at all.
+    /// The next rows, so many at most, of the columns at these places, of those that can be read at all; `None` at the end.
     ///
     /// # Errors
     /// If they cannot be read.
-    pub(crate) fn read(
-        &self,
-        open: &mut Option<OpenGroup>,
-        range: RowRange,
-        places: &[bool],
-    ) -> Result<Vec<Option<Stored<'static>>>, Diagnostic> {
-        let unreadable = |error: ParquetError| Diagnostic::unreadable(&self.name, &error);
-        let group = match open {
-            Some(group) if group.number == range.group && group.next <= range.start => group,
-            _ => open.insert(self.open_group(range.group, places).map_err(unreadable)?),
-        };
-        let rows = range.start - group.next..range.start - group.next + range.rows;
-        group.next = range.start + range.rows;
-        let column = |column: &mut Option<(ColumnReader, Values)>| {
-            let Some((reader, values)) = column else { return Ok(None) };
-            stored(reader, *values, rows.clone()).map(Some)
-        };
-        group.columns.iter_mut().map(column).collect::<Result<_, _>>().map_err(unreadable)
+    pub(crate) fn next(&mut self, places: &[bool], most: usize) -> Result<Option<StoredRows>, Diagnostic> {
+        let rows = self.next_rows(places, most);
+        rows.map_err(|error| Diagnostic::unreadable(&self.name, &error))
     }
 
-    fn open_group(&self, number: usize, places: &[bool]) -> Result<OpenGroup, ParquetError> {
-        let group = self.reader.get_row_group(number)?;
-        let mut columns = Vec::new();
-        for (leaf, is_wanted) in self.columns.iter().filter_map(|column| column.leaf.as_ref().ok()).zip(places) {
-            if !is_wanted {
-                columns.push(None);
-                continue;
+    fn next_rows(&mut self, places: &[bool], most: usize) -> Result<Option<StoredRows>, ParquetError> {
+        while self.left == 0 {
+            if self.group == self.reader.num_row_groups() {
+                return Ok(None);
             }
-            let column = group.metadata().column(leaf.index).column_descr_ptr();
-            let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column);
-            columns.push(Some((get_column_reader(column, Box::new(pages)), leaf.values)));
+            self.open_group(places)?;
         }
-        Ok(OpenGroup { number, columns, next: 0 })
+        let (rows, before) = (self.left.min(most), self.before);
+        (self.left, self.before) = (self.left - rows, before + rows as u64);
+        let column = |column: &mut Option<(ColumnReader, Values)>| {
+            column.as_mut().map(|(reader, values)| stored(reader, *values, rows)).transpose()
+        };
+        let columns = self.open.iter_mut().map(column).collect::<Result<_, _>>()?;
+        Ok(Some(StoredRows { columns, before }))
+    }
+
+    fn open_group(&mut self, places: &[bool]) -> Result<(), ParquetError> {
+        let group = self.reader.get_row_group(self.group)?;
+        let leaves = self.columns.iter().filter_map(|column| column.leaf.as_ref().ok());
+        let column = |(leaf, is_wanted): (&Leaf, &bool)| {
+            let open = || {
+                let column = group.metadata().column(leaf.index).column_descr_ptr();
+                let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column);
+                Ok((get_column_reader(column, Box::new(pages)), leaf.values))
+            };
+            is_wanted.then(open).transpose()
+        };
+        self.open = leaves.zip(places).map(column).collect::<Result<_, ParquetError>>()?;
+        self.left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        self.group += 1;
+        Ok(())
+    }
+
+    /// Begins with the first row again.
+    pub(crate) fn rewind(&mut self) {
+        (self.group, self.left, self.before) = (0, 0, 0);
     }
 
     /// The refusal of a column that is not read.
@@ -199,39 +200,8 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
     }
 }
 
-/// Some rows of a group.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RowRange {
-    group: usize,
-    /// The first row, from the start of the group.
-    start: usize,
-    rows: usize,
-    /// Rows of the file before them.
-    pub(crate) before: u64,
-}
-
-impl RowRange {
-    /// Its first rows.
-    pub(crate) fn first(self, rows: usize) -> Self {
-        Self { rows: self.rows.min(rows), ..self }
-    }
-}
-
-/// A group of rows that is being read.
-pub(crate) struct OpenGroup {
-    number: usize,
-    /// By place; `None` of a column that is not wanted.
-    columns: Vec<Option<(ColumnReader, Values)>>,
-    /// The next row.
-    next: usize,
-}
-
-fn ended_early(rows: usize) -> ParquetError {
-    ParquetError::EOF(format!("a column ends {rows} rows before the others"))
-}
-
-/// Values of a column in some of the next rows.
-fn stored(reader: &mut ColumnReader, values: Values, rows: Range<usize>) -> Result<Stored<'static>, ParquetError> {
+/// Values of a column in the next rows.
+fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stored<'static>, ParquetError> {
     match (reader, values) {
         (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
         (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
@@ -270,23 +240,22 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: Range<usize>) -> Resu
 /// The same, each by itself.
 fn read_each<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: Range<usize>,
+    rows: usize,
     content: impl Fn(&T::T) -> Content,
 ) -> Result<Stored<'static>, ParquetError> {
     read(reader, rows, |values| Stored::contents(values.iter().map(content).collect()))
 }
 
-/// The same of one type; pages of the rows before them are not unpacked.
+/// The same of one type.
 fn read<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: Range<usize>,
+    rows: usize,
     stored: impl FnOnce(Vec<T::T>) -> Stored<'static>,
 ) -> Result<Stored<'static>, ParquetError> {
-    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows.len()));
-    let skipped = reader.skip_records(rows.start)?;
-    let (found, ..) = reader.read_records(rows.len(), Some(&mut levels), None, &mut values)?;
-    if skipped + found != rows.end {
-        return Err(ended_early(rows.end - skipped - found));
+    let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows));
+    let (found, ..) = reader.read_records(rows, Some(&mut levels), None, &mut values)?;
+    if found != rows {
+        return Err(ParquetError::EOF(format!("a column ends {} rows before the others", rows - found)));
     }
     // a column that has a value in each row has no levels
     if levels.iter().all(|level| *level > 0) {

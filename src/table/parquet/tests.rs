@@ -7,6 +7,8 @@ use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
 use ::parquet::schema::types::Type;
 
+use std::sync::Arc;
+
 use super::*;
 
 /// The values of a column in a group, and where they stand: 1 for a value, 0 for none; nothing if each row has one.
@@ -86,13 +88,13 @@ fn opened(bytes: &[u8]) -> Result<ParquetTable, Diagnostic> {
 
 /// The cells of each column that can be read.
 fn read_all(bytes: &[u8]) -> Result<Vec<Vec<Content>>, String> {
-    let table = opened(bytes).map_err(|error| error.to_string())?;
-    let mut all = vec![Vec::new(); table.columns().iter().filter(|column| column.is_read()).count()];
+    let mut table = opened(bytes).map_err(|error| error.to_string())?;
+    let mut all = vec![Vec::new(); table.columns.iter().filter(|column| column.is_read()).count()];
     let places = vec![true; all.len()];
     table.check().map_err(|error| error.to_string())?;
-    let mut open = None;
-    for range in table.ranges() {
-        let columns = table.read(&mut open, range, &places).map_err(|error| error.to_string())?;
+    while let Some(StoredRows { columns, .. }) =
+        table.next(&places, ROWS_TOGETHER).map_err(|error| error.to_string())?
+    {
         for (all, stored) in all.iter_mut().zip(columns.into_iter().flatten()) {
             all.extend((0..stored.rows()).map(|row| stored.cell(row).content));
         }
@@ -186,7 +188,7 @@ fn texts_dates_and_what_is_no_measurement() {
 
     let table = opened(&bytes).unwrap();
     let not_read: Vec<_> =
-        table.columns().iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
+        table.columns.iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
     assert_eq!(not_read, ["list", "several"]);
     let other = |text: &str| vec![Content::Other(text.to_owned())];
     let text = |text: &str| vec![Content::Text(text.to_owned())];
@@ -204,11 +206,11 @@ fn texts_dates_and_what_is_no_measurement() {
 }
 
 #[test]
-fn rows_come_in_ranges_whatever_their_groups() {
+fn rows_come_in_pieces_whatever_their_groups() {
     let schema =
         message("message parts { required binary id (STRING); required int32 skipped; optional double value; }");
-    let counts = [1, RANGE_ROWS, 0, 2 * RANGE_ROWS + 5];
-    let values: Vec<f64> = (0..3 * RANGE_ROWS + 6).map(|row| f64::from(u32::try_from(row).unwrap()) / 8.0).collect();
+    let counts = [1, ROWS_TOGETHER, 0, 2 * ROWS_TOGETHER + 5];
+    let values: Vec<f64> = (0..3 * ROWS_TOGETHER + 6).map(|row| f64::from(u32::try_from(row).unwrap()) / 8.0).collect();
     let ids = ["a", "b", "c"];
     for compression in [
         Compression::UNCOMPRESSED,
@@ -231,25 +233,24 @@ fn rows_come_in_ranges_whatever_their_groups() {
             start += count;
         }
         let bytes = file(schema.clone(), compression, &groups);
-        let table = opened(&bytes).unwrap();
-        let sizes: Vec<_> = table.ranges().iter().map(|range| (range.before, range.rows)).collect();
-        let full = RANGE_ROWS as u64;
-        let expected = [(0, 1), (1, RANGE_ROWS), (full + 1, RANGE_ROWS), (2 * full + 1, RANGE_ROWS), (3 * full + 1, 5)];
-        assert_eq!(sizes, expected);
         let numbers: Vec<_> = values.iter().map(|value| Content::of_f64(*value)).collect();
         let texts: Vec<_> = texts.iter().map(|text| Content::of_text(text)).collect();
         let ints = vec![decimal("7"); numbers.len()];
-        // two readers that take turns, each with what the other left out
-        let (mut one, mut other) = (None, None);
-        for (index, range) in table.ranges().into_iter().enumerate() {
-            let open = if index % 2 == 0 { &mut one } else { &mut other };
-            let columns = table.read(open, range, &[true, false, true]).unwrap();
-            let at = usize::try_from(range.before).unwrap();
+        let mut table = opened(&bytes).unwrap();
+        let mut sizes = Vec::new();
+        while let Some(StoredRows { columns, before }) = table.next(&[true, false, true], ROWS_TOGETHER).unwrap() {
+            let rows = columns[0].as_ref().unwrap().rows();
+            sizes.push((before, rows));
+            let last = usize::try_from(before).unwrap() + rows - 1;
             for (column, all) in columns.iter().zip([Some(&texts), None, Some(&numbers)]) {
-                let found = column.as_ref().map(|column| column.cell(range.rows - 1).content);
-                assert_eq!(found.as_ref(), all.map(|all| &all[at + range.rows - 1]));
+                let found = column.as_ref().map(|column| column.cell(rows - 1).content);
+                assert_eq!(found.as_ref(), all.map(|all| &all[last]));
             }
         }
+        let full = ROWS_TOGETHER as u64;
+        let starts = [0, 1, full + 1, 2 * full + 1, 3 * full + 1];
+        let counts = [1, ROWS_TOGETHER, ROWS_TOGETHER, ROWS_TOGETHER, 5];
+        assert!(starts.into_iter().zip(counts).eq(sizes));
         assert_eq!(read_all(&bytes).unwrap(), [texts, ints, numbers], "{compression}");
     }
 }
@@ -272,9 +273,8 @@ fn a_file_on_disk_is_read_like_one_in_memory() {
     let bytes = file(schema, Compression::SNAPPY, &[group]);
     let path = std::env::temp_dir().join(format!("rackmesh-table-{}.parquet", std::process::id()));
     std::fs::write(&path, &bytes).unwrap();
-    let file = SharedFile::new(std::fs::File::open(&path).unwrap()).unwrap();
-    let table = ParquetTable::open("lot.parquet", file).unwrap();
-    let columns = table.read(&mut None, table.ranges()[0], &[true, true]).unwrap();
+    let mut table = ParquetTable::open("lot.parquet", std::fs::File::open(&path).unwrap()).unwrap();
+    let StoredRows { columns, .. } = table.next(&[true, true], ROWS_TOGETHER).unwrap().unwrap();
     std::fs::remove_file(&path).unwrap();
     let cells = columns.iter().flatten().map(|column| [0, 1].map(|row| column.cell(row).content));
     assert_eq!(cells.collect::<Vec<_>>(), [["1", "2"].map(decimal), ["3", "4"].map(decimal)]);

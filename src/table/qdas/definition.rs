@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::Characteristic;
+use super::{Characteristic, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Length, parse_f64};
 
@@ -30,25 +30,29 @@ impl Said {
     }
 }
 
-/// What is said of a characteristic so far.
+/// A characteristic of the header that is being read.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Definition {
+pub(super) struct Draft {
     said: BTreeMap<u16, Said>,
+    /// The part of the first line that speaks of it.
+    pub(super) part: Option<usize>,
+    /// Its values so far.
+    pub(super) values: Vec<Value>,
 }
 
-impl Definition {
+impl Draft {
     /// Takes what a key says; keys that are not read say nothing.
     ///
     /// # Errors
     /// If the header says something else already, or there are values that would be read otherwise.
-    pub(super) fn say(&mut self, key: u16, said: Said, has_values: bool) -> Result<(), Diagnostic> {
+    pub(super) fn say(&mut self, key: u16, said: Said) -> Result<(), Diagnostic> {
         if !KEYS.contains(&key) || said.text.is_empty() {
             return Ok(());
         }
         let known = self.said.get(&key);
         let problem = match known {
             Some(known) if known.text == said.text => return Ok(()),
-            _ if has_values => {
+            _ if !self.values.is_empty() => {
                 let before = known.map_or_else(|| "nothing".to_owned(), |known| format!("`{}`", known.text));
                 format!("K{key:04} says `{}` behind values for which it said {before}", said.text)
             }
@@ -69,11 +73,11 @@ impl Definition {
         self.said.get(&key).map(|said| said.text.clone())
     }
 
-    /// The characteristic, without values.
+    /// The characteristic, once the header and its values are complete.
     ///
     /// # Errors
     /// If its limits contradict each other.
-    pub(super) fn characteristic(&self, part: usize) -> Result<Characteristic, Diagnostic> {
+    pub(super) fn characteristic(self) -> Result<Characteristic, Diagnostic> {
         let lower = self.limit([2110, 2112, 2120])?;
         let upper = self.limit([2111, 2113, 2121])?;
         if let (Some(lower), Some(upper)) = (&lower, &upper)
@@ -91,9 +95,9 @@ impl Definition {
             upper,
             unit: self.text(2142),
             uncertainty: self.text(2106),
-            part,
+            part: self.part.unwrap_or(0),
             gear: None,
-            values: Vec::new(),
+            values: self.values,
         })
     }
 

@@ -24,7 +24,6 @@ mod table;
 mod write;
 
 pub use read::read;
-pub(crate) use table::Mixed;
 pub use write::{CharacteristicColumn, ValueRow, write};
 
 use super::names::{Field, heading};
@@ -122,7 +121,8 @@ pub struct Qdas {
     pub left_out: Vec<LeftOut>,
     /// What is remarked.
     pub remarks: Vec<Remark>,
-    name: String,
+    /// What messages call the file of its values.
+    pub name: String,
     part_names: Vec<String>,
 }
 
@@ -163,12 +163,6 @@ impl LeftOut {
 }
 
 impl Qdas {
-    /// What messages call the file of its values.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Which error a characteristic is: by the name that the spec gives to it; of an error that the spec gives no name
     /// to, by the error's own name, or what its number or name says in English or German, beside that of its part.
     #[must_use]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::definition::{Definition, NUMBERS, Said};
+use super::definition::{Draft, NUMBERS, Said};
 use super::{Characteristic, LeftOut, PartDefinition, Qdas, Remark, Value};
 use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
@@ -24,15 +24,6 @@ const EVENT: u16 = 5;
 const MOST_VALUES: usize = 8_000_000;
 /// What keys with `/0` may say in all, one for each characteristic.
 const MOST_WORK: usize = 100_000_000;
-
-/// A characteristic of the header that is being read, and its values so far.
-#[derive(Debug, Clone, Default)]
-struct Draft {
-    definition: Definition,
-    /// The part of the first line that speaks of it.
-    part: Option<usize>,
-    values: Vec<Value>,
-}
 
 #[derive(Default)]
 struct Reader {
@@ -228,8 +219,7 @@ impl Reader {
             return Err(self.bad(line.span(), message).help(help));
         }
         for index in indices {
-            let Draft { definition, values, .. } = self.draft(index, line)?;
-            definition.say(line.key, said.clone(), !values.is_empty())?;
+            self.draft(index, line)?.say(line.key, said.clone())?;
         }
         Ok(())
     }
@@ -351,9 +341,9 @@ impl Reader {
         if self.parts.len() == self.first_part {
             self.parts.push(PartDefinition::default());
         }
-        for Draft { definition, part, values, .. } in drafts {
-            self.samples = self.samples.max(values.last().map_or(0, |last| last.sample + 1));
-            self.characteristics.push(Characteristic { values, ..definition.characteristic(part.unwrap_or(0))? });
+        for draft in drafts {
+            self.samples = self.samples.max(draft.values.last().map_or(0, |last| last.sample + 1));
+            self.characteristics.push(draft.characteristic()?);
         }
         if self.characteristics.len() > MOST_IN_ALL {
             let message = format!("{} has more than {MOST_IN_ALL} characteristics in its headers", self.source.name);

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use super::{Characteristic, Qdas};
 use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::names::{self, Field};
@@ -69,12 +70,6 @@ pub(crate) struct QdasTable {
     pub(super) qdas: Qdas,
 }
 
-/// Values of different parts in one row.
-pub(crate) struct Mixed<'t> {
-    pub(crate) line: u32,
-    pub(crate) names: [&'t str; 2],
-}
-
 impl QdasTable {
     /// How many rows it has.
     pub(crate) fn len(&self) -> usize {
@@ -111,9 +106,9 @@ impl QdasTable {
         }
     }
 
-    /// The first row whose values have the names of different parts (K0014): they are joined by their order, and are not of one
-    /// part.
-    pub(crate) fn mixed(&self) -> Option<Mixed<'_>> {
+    /// The refusal of the first row whose values have the names of different parts (K0014): they are joined by their order, and
+    /// are not of one part.
+    pub(crate) fn mixed(&self, file: &str) -> Option<Diagnostic> {
         if self.qdas.part_names.len() < 2 {
             return None;
         }
@@ -122,8 +117,12 @@ impl QdasTable {
             let mut named = values.filter(|value| value.part_name > 0).peekable();
             let first = named.peek()?.part_name;
             let other = named.find(|value| value.part_name != first)?;
-            let name = |index: u32| self.qdas.part_names[index as usize - 1].as_str();
-            Some(Mixed { line: other.line, names: [name(first), name(other.part_name)] })
+            let [one, name] = [first, other.part_name].map(|index| &self.qdas.part_names[index as usize - 1]);
+            let line = other.line;
+            let message = format!("{file}, line {line}: this value is of `{name}` (K0014), and others measured with it of `{one}`");
+            let help =
+                "write the values of each part in one line, or those of every characteristic in the same order of parts";
+            Some(Diagnostic::error(Code::BadTable, message).help(help))
         })
     }
 

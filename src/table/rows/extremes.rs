@@ -18,16 +18,15 @@ pub(crate) struct Extremes {
 }
 
 impl Extremes {
-    /// Takes the rows of one more block, before which there are so many lines.
-    pub(crate) fn add(&mut self, rows: &Rows, block: &Block, lines: u64) {
+    /// Takes the rows of one more block.
+    pub(crate) fn add(&mut self, rows: &Rows, block: &Block) {
         self.ends.resize(block.ends.len().max(self.ends.len()), None);
         for (ends, more) in self.ends.iter_mut().zip(&block.ends) {
             let mut all: Vec<_> = ends.iter().chain(more).flatten().copied().collect();
             all.sort_by(|one, other| one.base().total_cmp(&other.base()));
             *ends = all.first().zip(all.last()).map(|(least, most)| [*least, *most]);
         }
-        let more = block.statistics.iter().map(|record| Record { line: record.line + lines, ..record.clone() });
-        self.doubted.extend(more);
+        self.doubted.extend(block.statistics.iter().cloned());
         // more values contradict less
         self.doubted.retain(|record| rows.false_statistic(record, &self.ends).is_some());
     }

@@ -22,7 +22,7 @@ fn rows(start: &str, want: &Want) -> Rows {
 /// Everything that a block says, as text.
 fn said(rows: &Rows, bytes: &[u8]) -> Vec<String> {
     let mut block = Block::default();
-    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, &mut block);
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, 0, &mut block);
     let mut said: Vec<String> = (0..block.rows())
         .map(|row| {
             let raw = String::from_utf8_lossy(block.raw(row).unwrap()).into_owned();
@@ -59,7 +59,7 @@ fn a_value_in_a_remark_ends_the_rows() {
     let rows = rows("part,rack_pitch [um],note\nP1,5,ok\nP2,6,\n", &want());
     let contradiction = |line: &str| {
         let mut block = Block::default();
-        rows.chunk(&mut line.as_bytes().to_vec(), ChunkContent::Records, &mut block);
+        rows.chunk(&mut line.as_bytes().to_vec(), ChunkContent::Records, 0, &mut block);
         block.contradiction.map(|contradiction| contradiction.column)
     };
     assert_eq!(contradiction("P3,5,corrected to 12.5 um\n"), Some("note".to_owned()));
@@ -75,7 +75,7 @@ fn copied_cells_stay_with_their_rows() {
     let rows = Rows::new(Setup { separator: b',', is_even: true, ..Setup::of(&understood, &want()) }, wanted);
     let mut block = Block::default();
     let bytes = b"P1,0.5,a\nP2,0.5,b,too,many\n\"P3\",0.5,c\nP4,x,d\nP5,0.5,\"open";
-    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, &mut block);
+    rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, 0, &mut block);
     let copied = |row: usize| [0, 1].map(|number| String::from_utf8_lossy(block.copied(row, number).unwrap()));
     let expected = [["P1", "a"], ["", ""], ["P3", "c"], ["P4", "d"], ["", ""]];
     assert_eq!((0..block.rows()).map(copied).collect::<Vec<_>>(), expected);

@@ -7,15 +7,7 @@ use std::io::{self, Write};
 use super::format::{STRUCK_RUN, Shown, Style};
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
-
-/// How many hidden rows and columns are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct HiddenCount {
-    /// Rows.
-    pub(crate) rows: usize,
-    /// Columns.
-    pub(crate) columns: usize,
-}
+use crate::table::shape::many;
 
 /// Takes the XML of a sheet, in pieces. Rows and columns count from 0 where nothing else is said.
 #[derive(Clone, Default)]
@@ -52,12 +44,13 @@ impl Write for SheetXml {
 }
 
 impl SheetXml {
-    /// How many hidden rows and columns in a range hold values.
-    pub(super) fn hidden(&self, range: CellRange) -> HiddenCount {
-        HiddenCount {
-            rows: self.rows.iter().filter(|row| range.has_row(**row)).count(),
-            columns: self.columns.iter().filter(|column| range.has_column(**column)).count(),
-        }
+    /// How many hidden rows and columns in a range hold values, in words; `None` if none does.
+    pub(super) fn hidden(&self, range: CellRange) -> Option<String> {
+        let rows = self.rows.iter().filter(|row| range.has_row(**row)).count();
+        let columns = self.columns.iter().filter(|column| range.has_column(**column)).count();
+        let counts = [(rows, "hidden row"), (columns, "hidden column")].into_iter().filter(|(count, _)| *count > 0);
+        let counts: Vec<_> = counts.map(|(count, what)| many(count, what)).collect();
+        (!counts.is_empty()).then(|| counts.join(" and "))
     }
 
     /// What its numbers in a range are shown with; columns count from the range's first.
@@ -165,8 +158,8 @@ mod tests {
                 xml.write_all(piece).unwrap();
             }
             assert_eq!((xml.rows.clone(), xml.columns.clone()), ([3, 6].into(), [1].into()), "in pieces of {length}");
-            assert_eq!(xml.hidden(range("")), HiddenCount { rows: 2, columns: 1 });
-            assert_eq!(xml.hidden(range("A1:A4")), HiddenCount { rows: 1, columns: 0 });
+            assert_eq!(xml.hidden(range("")).unwrap(), "2 hidden rows and 1 hidden column");
+            assert_eq!(xml.hidden(range("A1:A4")).unwrap(), "1 hidden row");
         }
     }
 

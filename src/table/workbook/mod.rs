@@ -26,8 +26,8 @@ use super::cell::{Cell, Content, Record};
 use super::rejection::STRUCK;
 use crate::diagnostic::{Code, Diagnostic};
 use comments::{comments, struck_through};
-use format::{Style, shown_by_style};
-use hidden::{HiddenCount, SheetXml, sheet_parts};
+use format::shown_by_style;
+use hidden::{SheetXml, sheet_parts};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -47,8 +47,8 @@ pub struct Workbook {
 pub(crate) struct SheetRecords {
     /// File and sheet, for messages.
     pub(crate) name: String,
-    /// What is hidden in the range and holds values all the same; `None` if that cannot be known.
-    pub(crate) hidden: Option<HiddenCount>,
+    /// What is hidden in the range and holds values all the same, in words; `None` if nothing is, as far as is known.
+    pub(crate) hidden: Option<String>,
     /// What numbers of the range are shown with.
     pub(crate) shown: Vec<Shown>,
     /// The comments on cells of the workbook.
@@ -118,8 +118,11 @@ impl Workbook {
         let name = named(&self.name, sheet);
         let index = self.sheets().iter().position(|name| name == sheet);
         let xml = index.and_then(|index| self.checked.sheets.get(index)?.as_ref());
-        let shown = xml.map_or_else(Vec::new, |xml| xml.shown(&self.checked.styles, range));
-        let hidden = xml.map(|xml| xml.hidden(range));
+        // whoever reads the cells says what is wrong with the sheet
+        let styles = self.book.worksheet_cells_reader(sheet).map(|cells| shown_by_style(cells.styles()));
+        let styles = styles.unwrap_or_default();
+        let shown = xml.map_or_else(Vec::new, |xml| xml.shown(&styles, range));
+        let hidden = xml.and_then(|xml| xml.hidden(range));
         let comments = std::mem::take(&mut self.checked.comments);
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
@@ -232,8 +235,6 @@ fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
 struct Checked {
     /// What the XML of each sheet says, in their order; none where that cannot be known.
     sheets: Vec<Option<SheetXml>>,
-    /// How styles show numbers.
-    styles: HashMap<u32, Style>,
     /// The comments on cells of any sheet.
     comments: Vec<Comment>,
     /// The texts of cells of which a run is struck through.
@@ -244,7 +245,7 @@ struct Checked {
 fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
-    let (mut workbook, mut relations, mut styles, mut texts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut workbook, mut relations, mut texts) = (Vec::new(), Vec::new(), Vec::new());
     let mut sheets: HashMap<String, SheetXml> = HashMap::new();
     let (mut other, mut found) = (0, Vec::new());
     for index in 0..archive.len() {
@@ -260,7 +261,6 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         let into: &mut dyn io::Write = match part.as_str() {
             "xl/workbook.xml" => &mut workbook,
             "xl/_rels/workbook.xml.rels" => &mut relations,
-            "xl/styles.xml" => &mut styles,
             "xl/sharedstrings.xml" => &mut texts,
             _ if is_sheet => &mut sheet,
             _ if part.starts_with("xl/comments") || part.starts_with("xl/drawings/drawing") => &mut noted,
@@ -281,7 +281,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         }
     }
     let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
-    Ok(Checked { sheets, styles: shown_by_style(&styles), comments: found, struck: struck_through(&texts) })
+    Ok(Checked { sheets, comments: found, struck: struck_through(&texts) })
 }
 
 #[cfg(test)]
