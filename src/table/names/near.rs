@@ -57,7 +57,7 @@ pub(crate) fn is_other_of_flank(text: &str) -> bool {
         words.windows(count).any(|phrase| phrase.join(" ") == *other)
             || other.chars().count() > 6 && words.iter().any(|word| word.contains(other.as_str()))
     };
-    VOCABULARY.list(WordList::OtherFlank).iter().any(is_named)
+    VOCABULARY.list(WordList::OtherFlank).any(is_named)
 }
 
 /// Whether a name says that it is a deviation.

@@ -86,7 +86,7 @@ impl WordList {
     /// Whether a name, with its unit or without, is in the list.
     pub(crate) fn has(self, name: &str) -> bool {
         let name = if self.is_folded() { joined(&name_of(name)) } else { plain(name) };
-        VOCABULARY.list(self).contains(&name)
+        VOCABULARY.has(self, &name)
     }
 
     /// Whether some words of a text are in the list; Japanese has no blanks between them.
@@ -119,7 +119,7 @@ impl WordList {
                 is_edge((before, behind), words) && is_wanted(before.trim_end(), behind.trim_start())
             })
         };
-        VOCABULARY.list(self).iter().any(is_said)
+        VOCABULARY.list(self).any(is_said)
     }
 }
 
@@ -142,6 +142,10 @@ pub(crate) fn is_of_parts(name: &str) -> bool {
 
 /// The same where one letter is none of a part, either.
 pub(crate) fn may_be_of_parts(name: &str) -> bool {
+    // a quick look: none of them ends in a digit, as most names of parts do
+    if name.ends_with(|c: char| c.is_ascii_digit()) {
+        return false;
+    }
     is_statistic(name) || matches!(role(name), Some(Role::Nominal | Role::Upper | Role::Lower))
 }
 
@@ -176,7 +180,7 @@ pub(crate) fn names_page(line: &str) -> bool {
     }
     let is_page =
         |page: &&String| line.strip_prefix(page.as_str()).is_some_and(|rest| !rest.starts_with(char::is_alphabetic));
-    let Some(page) = VOCABULARY.list(WordList::Page).iter().find(is_page) else { return false };
+    let Some(page) = VOCABULARY.list(WordList::Page).find(is_page) else { return false };
     let behind = line[page.len()..].replace('/', " / ");
     let is_count =
         |word: &str| word.len() < 4 && word.bytes().all(|byte| byte.is_ascii_digit()) || WordList::PageCount.has(word);

@@ -1,7 +1,7 @@
 //! The words of headings and labels, and what each can mean: those of `vocabulary.txt`. What words mean together is told
 //! elsewhere.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
@@ -278,7 +278,7 @@ impl WordList {
 pub(super) struct Vocabulary {
     /// By their first letter.
     words: HashMap<char, Vec<Entry>>,
-    lists: HashMap<WordList, Vec<String>>,
+    lists: HashMap<WordList, BTreeSet<String>>,
 }
 
 impl Vocabulary {
@@ -310,13 +310,18 @@ impl Vocabulary {
     }
 
     /// The words of a list.
-    pub(super) fn list(&self, list: WordList) -> &[String] {
-        self.lists.get(&list).map_or(&[], Vec::as_slice)
+    pub(super) fn list(&self, list: WordList) -> impl Iterator<Item = &String> {
+        self.lists.get(&list).into_iter().flatten()
+    }
+
+    /// Whether a list has a word.
+    pub(super) fn has(&self, list: WordList, word: &str) -> bool {
+        self.lists.get(&list).is_some_and(|words| words.contains(word))
     }
 
     /// Whether one of its lists has a word.
     pub(super) fn lists(&self, word: &str) -> bool {
-        self.lists.values().flatten().any(|listed| listed == word)
+        self.lists.values().any(|words| words.contains(word))
     }
 
     /// The words that have the first letter of a text.

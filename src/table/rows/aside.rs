@@ -109,11 +109,11 @@ pub(super) fn is_called_of_parts(name: &str) -> bool {
 /// and the like.
 #[inline]
 pub(super) fn may_be_statistic(name: &[u8]) -> bool {
-    let Some((first, last)) = name.first().zip(name.last()) else { return false };
-    let is_letter =
-        first.is_ascii_alphabetic() || matches!(first, b' ' | b'+' | b'-') || !first.is_ascii() || !last.is_ascii();
+    let Some((first, last)) = name.first().zip(name.last()).filter(|(_, last)| !last.is_ascii_digit()) else {
+        return false;
+    };
+    let is_letter = first.is_ascii_alphabetic() || matches!(first, b' ' | b'+' | b'-') || !first.is_ascii();
     let is_spread = || first.is_ascii_digit() && (name.len() == 2 && *last == b's' || name.ends_with(b"igma"));
-    (is_letter || is_spread())
-        && !last.is_ascii_digit()
+    (is_letter || !last.is_ascii() || is_spread())
         && (name.len() > 1 || matches!(first, b's' | b'S' | b'R' | b'n' | b'N'))
 }

@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
+use super::HEAD;
 use crate::table::cell::{Cell, Record};
 
 /// The records, without the numbers in a row of such headings.
 pub(super) fn without_item_numbers(records: &[Record]) -> Cow<'_, [Record]> {
-    let Some(at) = records.iter().position(has_item_numbers) else { return Cow::Borrowed(records) };
+    let Some(at) = records.iter().take(HEAD).position(has_item_numbers) else { return Cow::Borrowed(records) };
     let mut records = records.to_vec();
     for cell in &mut records[at].cells {
         let text = item(&cell.text()).map(|item| item.name.to_owned());

@@ -295,7 +295,9 @@ impl Shape {
         let mut said: Vec<AsideReading> = Vec::new();
         for (row, cell) in columns.flat_map(|cells| cells.iter().enumerate()) {
             let text = cell.text();
-            let part = if cell.is_number() || want.ignores(&text) { None } else { part_in_title(&text) };
+            // a quick look: most names of parts are numbers with a letter
+            let has_word = text.chars().filter(|c| c.is_alphabetic()).nth(1).is_some();
+            let part = Some(&text).filter(|text| has_word && !want.ignores(text)).and_then(|text| part_in_title(text));
             let Some(part) = part else { continue };
             rows.entry(row).or_default().push(part);
             if said.iter().all(|other| other.text != text) {
@@ -389,9 +391,13 @@ fn distinct<'c>(cells: impl Iterator<Item = &'c Cell>) -> usize {
     cells.map(Cell::text).collect::<HashSet<_>>().len()
 }
 
+/// Records that may be the head of a report.
+const HEAD: usize = 100;
+
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
-    let want = &want.of_part(records.iter().filter(|record| record.numbers() == 0).map(Record::in_words));
+    let head = records.iter().take(HEAD).filter(|record| record.numbers() == 0);
+    let want = &want.of_part(head.map(Record::in_words));
     let records = without_item_numbers(records);
     let records = with_parts_side_by_side(&records, want);
     let records = with_names_above(&records);
