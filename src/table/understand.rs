@@ -279,7 +279,7 @@ impl Understood {
     pub(crate) fn of_other_part(&self, place: &str, text: &str, pattern: &str, want: &Want) -> Option<Diagnostic> {
         let said = part_in_title(text).filter(|_| !want.ignores(pattern))?;
         let [place, text, pattern] = [place, text, pattern].map(str::to_owned);
-        of_other(&Saying { place, text, pattern, said, is_of_all: false }, &self.columns, want)
+        of_other(&Saying { place, text, pattern, said, is_line: false, is_of_all: false }, &self.columns, want)
     }
 
     /// A row, or a limit in a column beside those of parts, that is called by a statistic or a limit of the others, and is none by
@@ -303,14 +303,17 @@ impl Understood {
         for (measurement, column) in self.shape.measurements.iter().zip(&self.columns) {
             let rows = || measurement.value.cells.iter().enumerate();
             let others = rows().filter(|(row, _)| !(of_parts[*row] && name(*row).len() > 1));
+            // beside a cell that is no value, nobody knows how far the values reach
+            let mut is_read = true;
             let others = others.fold(Extent::NONE, |extent, (row, cell)| {
-                let value = column.read(cell, measurement.beside_row(row)).ok().flatten();
-                value.map_or(extent, |value| extent.with(value, cell, column))
+                let value = column.read(cell, measurement.beside_row(row));
+                is_read &= value.is_ok();
+                value.ok().flatten().map_or(extent, |value| extent.with(value, cell, column))
             });
             let is_false = |(row, cell): &(usize, &Cell)| {
                 of_parts[*row] && is_false_statistic(&name(*row), column, cell, measurement.beside_row(*row), &others)
             };
-            if others.least > others.most {
+            if !is_read || others.least > others.most {
                 continue;
             }
             if let Some((row, cell)) = rows().find(is_false) {

@@ -105,6 +105,8 @@ pub(super) struct Saying {
     /// What leaves it out, as `--ignore` takes it.
     pub(super) pattern: String,
     pub(super) said: Part,
+    /// Whether it is a line, and not what parts or a sheet are called.
+    pub(super) is_line: bool,
     /// Whether it speaks of all values, whatever the names of their columns say: a title without a number.
     pub(super) is_of_all: bool,
 }
@@ -116,14 +118,14 @@ pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Opti
     // a word without a number is a title, wherever it stands
     let is_title = |aside: &AsideReading| !has_digit(&aside.text);
     let may_say = |aside: &&AsideReading| (aside.line < last || is_title(aside)) && !want.ignores(&aside.text);
-    let saying = |aside: &AsideReading| {
+    let saying = |aside: &AsideReading, is_line: bool| {
         let (text, said) = (aside.text.clone(), part_in_title(&aside.text)?);
-        let pattern = text.clone();
-        Some(Saying { place: format!("line {}", aside.line), text, pattern, said, is_of_all: is_title(aside) })
+        let (place, pattern) = (format!("line {}", aside.line), text.clone());
+        Some(Saying { place, text, pattern, said, is_line, is_of_all: is_title(aside) })
     };
-    let lines = shape.asides.iter().filter(may_say).filter_map(saying);
+    let lines = shape.asides.iter().filter(may_say).filter_map(|aside| saying(aside, true));
     let beside = shape.said_beside_values(want);
-    let beside = beside.iter().filter_map(saying);
+    let beside = beside.iter().filter_map(|said| saying(said, false));
     let line = shape.header_line.unwrap_or(1);
     let heading = shape.ids.iter().map(|ids| AsideReading { line, text: ids.title.clone() });
     let heading = heading.filter_map(|heading| Some((part_said(&heading.text)?, heading)));
@@ -132,6 +134,7 @@ pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Opti
         pattern: text.clone(),
         text,
         said,
+        is_line: false,
         is_of_all: false,
     });
     lines.chain(beside).chain(heading).find_map(|saying| of_other(&saying, columns, want))
@@ -145,7 +148,8 @@ pub(super) fn of_other(saying: &Saying, columns: &[Column], want: &Want) -> Opti
             want.is_own(&column.title) || (is_of_both || !saying.is_of_all) && part_said(&column.title).is_some();
         !is_named && column.kind.is_some_and(|kind| kind.part() != saying.said && !is_called(&column.title, kind.key()))
     };
-    let column = columns.iter().find(is_other)?;
+    // beside columns of both parts, rows are pairs, whatever they are called
+    let column = columns.iter().find(is_other).filter(|_| saying.is_line || !is_of_both)?;
     let (place, text, title, key) = (&saying.place, shown(&saying.text), &column.title, column.kind?.key());
     let message = format!("{place} says `{text}`, and `{title}` would be read as `{key}`");
     let help = format!(

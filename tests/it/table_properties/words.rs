@@ -186,7 +186,7 @@ const GERMAN: [&[Title]; 6] = [
         open("Ritzelteilung"),
         deviation("Teilungsabweichung Ritzel"),
         deviation("Teilungseinzelabweichung Ritzel"),
-        deviation("Einzelteilungsabweichung fp"),
+        deviation("Einzelteilungsabweichung fp Ritzel"),
     ],
     &[deviation("fHβ Ritzel"), deviation("Flankenlinien-Winkelabweichung Ritzel")],
 ];
@@ -225,7 +225,7 @@ impl Language {
     pub fn part_names(self) -> &'static [&'static str] {
         match self {
             Self::English => &["part_id", "Part No.", "S/N", "Serial number"],
-            Self::German => &["Teil", "Teile-Nr.", "Werkstück", "Zahnstange Nr."],
+            Self::German => &["Teil", "Teile-Nr.", "Werkstück", "Prüfling Nr."],
             Self::French => &["Numéro de pièce", "N° pièce", "Pièce"],
             Self::Japanese => &["部品番号", "品番", "シリアル番号"],
         }
@@ -233,7 +233,7 @@ impl Language {
 
     pub fn part(self) -> &'static str {
         match self {
-            Self::English => "Rack",
+            Self::English => "Part",
             Self::German => "Teil",
             Self::French => "Pièce",
             Self::Japanese => "部品",
