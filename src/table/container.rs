@@ -162,6 +162,9 @@ fn refuse_foreign(name: &str, start: &[u8]) -> Result<(), Diagnostic> {
             refused("a web page, whatever its name says", save)
         }
         _ if lower.starts_with("<?xml") => refused("XML", save),
+        _ if lower.trim_start_matches('[').trim_start().starts_with('{') => {
+            refused("JSON", "save it as .csv or .parquet")
+        }
         _ => Ok(()),
     }
 }

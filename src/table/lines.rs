@@ -9,8 +9,8 @@ use super::column::{Column, Nominal, has_tolerance_behind};
 use super::grid::{Separator, is_date, is_unit, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
-    Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, near, plain_widths, role,
-    says_deviation, says_which,
+    Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, names_page, near, plain_widths,
+    role, says_deviation, says_which,
 };
 use super::reading::AsideReading;
 use super::rejection::says_rejected;
@@ -286,7 +286,8 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
         let is_plain = words[*at].bytes().all(|byte| byte.is_ascii_digit());
         has_digit(words[*at]) && ids.contains(words[*at]) && (!is_plain || before.is_some_and(is_part_name))
     };
-    let at = (0..words.len()).find(names_one)?;
+    // Teil 421   Seite 1
+    let at = (0..words.len()).find(names_one).filter(|at| !names_page(words[at + 1..].join(" ").trim()))?;
     let is_value = |word: &&&str| Cell::of_text(word, 0..0).is_measure() && !ids.contains(**word);
     let value = words[at + 1..].iter().find(is_value)?;
     Some(Unknown::line(words[at], aside.line, vec![Cell::of_text(value, 0..0)]).measured(true))

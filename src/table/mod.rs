@@ -303,6 +303,9 @@ fn doubts(name: &str, measurement: &Measurement, column: &Column) -> Vec<String>
     if names::split_wanted(&names::split_unit(&column.title).0).is_some() {
         notes.push(format!("{name}: `{}`: the tolerance in its name is not judged", column.title));
     }
+    if let Some(doubt) = column.is_too_fine(measurement) {
+        notes.push(format!("{name}: `{}`: {doubt}: check the unit", column.title));
+    }
     if let Some([one, other]) = column.differing_nominals(measurement) {
         notes.push(format!(
             "{name}: the nominal value of `{}` is {} and {}: they may be of other parts",

@@ -378,8 +378,22 @@ impl Rows {
         // beside a sheet's table, words are remarks and numbers are values
         let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
         let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { is_value(cell) };
-        let is_wrong = record.cells.iter().skip(width).any(is_beyond) || is_even && record.cells.len() < width;
+        let is_wrong = record.cells.iter().skip(width).any(is_beyond)
+            || is_even && record.cells.len() < width
+            || record.cells.len() > width && self.has_decimal_comma(record);
         is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
+    }
+
+    /// Whether commas between cells have cut a number, so that a name or a fraction stands behind a whole one: `24.998,0,412,JS`.
+    fn has_decimal_comma(&self, record: &Record) -> bool {
+        let is_value = |place: usize| self.setup.columns.iter().any(|column| column.place == place);
+        let is_whole = |cell: &Cell| !cell.is_empty() && cell.is_whole();
+        let is_cut = |column: &Column| {
+            let (cell, next) = (record.cell(column.place), record.cell(column.place + 1));
+            let is_fraction = next.text().starts_with('0') && next.text().len() > 1;
+            is_whole(cell) && is_whole(next) && (is_fraction || !is_value(column.place + 1))
+        };
+        self.setup.separator == b',' && self.setup.columns.iter().any(is_cut)
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.

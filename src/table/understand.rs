@@ -22,7 +22,7 @@ use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{LengthUnit, shown};
 use mark::readings;
-use refusal::{Saying, no_error, numbers_teeth, of_other, other_part, other_unit, twice, two_readings};
+use refusal::{Saying, no_error, numbers_teeth, of_other, other_order, other_part, other_unit, twice, two_readings};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone, Default)]
@@ -260,6 +260,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
     let other = |said: AsideReading| other_unit(shape, &columns, want, &format!("line {}", said.line), &said.text);
     problems.extend(shape.statements(want).find_map(other));
     problems.extend(other_part(shape, &columns, want));
+    problems.extend(other_order(shape, want));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };

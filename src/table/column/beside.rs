@@ -4,7 +4,7 @@ use super::unit::unknown_unit;
 use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, is_limit, unit_of};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::Diagnostic;
-use crate::quantity::{Decimal, LengthUnit, Unit};
+use crate::quantity::{Decimal, Length, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::companions::Companions;
 use crate::table::grid::unit_in;
@@ -40,6 +40,28 @@ impl Column {
         let read = rows().filter_map(|(cell, beside)| self.read(cell, beside).ok().flatten());
         let largest = read.map(|value| value.base().abs()).fold(0.0, f64::max);
         largest > 0.0 && TIMES * largest < widest
+    }
+
+    /// What tells of deviations in micrometres that some are in millimetres: all are below what anybody measures, or one has three
+    /// decimals among whole numbers.
+    pub(crate) fn is_too_fine(&self, measurement: &Measurement) -> Option<String> {
+        const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
+        if self.unit != Unit::Length(LengthUnit::Micrometre) || self.nominal != Nominal::None {
+            return None;
+        }
+        let values = measurement.value.cells.iter().filter(|cell| !cell.is_missing());
+        let read = |cell: &&Cell| Some((self.quantity(cell).ok().filter(|value| !value.is_zero())?, (*cell).clone()));
+        let values: Vec<(DeviationValue, Cell)> = values.filter_map(|cell| read(&cell)).collect();
+        let is_below =
+            |value: &DeviationValue| matches!(value, DeviationValue::Length(length) if length.abs() < LEAST_MEASURED);
+        if !values.is_empty() && values.iter().all(|(value, _)| is_below(value)) {
+            return Some("every value is below 0.1 µm".to_owned());
+        }
+        let fine: Vec<&Cell> = values.iter().map(|(_, cell)| cell).filter(|cell| cell.is_fine()).collect();
+        let whole = values.iter().filter(|(_, cell)| !cell.has_decimals()).count();
+        let [one] = fine[..] else { return None };
+        (whole > 1 && whole + 1 == values.len())
+            .then(|| format!("`{}` has three decimals among whole numbers", one.text()))
     }
 
     /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.

@@ -182,6 +182,8 @@ pub(crate) enum WordList {
     CallsValue,
     /// What may stand beside it there, and says nothing.
     BesideValue,
+    /// What a row is called that changes all values.
+    Correction,
     /// What is wanted of a value, its size or a limit, and where it stands.
     Requirement,
     /// What names a part for good, whatever other number it has.

@@ -7,7 +7,7 @@ use super::super::cell::{Cell, Record};
 use super::super::column::{Column, is_limit};
 use super::super::grid::{bare_unit, only_units};
 use super::super::lines::{Beside, of_all_values};
-use super::super::names::{Role, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
+use super::super::names::{Role, WordList, heading, is_of_parts, is_value_heading, names_value, role, split_unit};
 use super::super::reading::AsideReading;
 use super::super::shape::{Remarks, has_digit, stated_units};
 use super::super::strangers::Others;
@@ -109,15 +109,16 @@ impl Rows {
         Some(contradiction(record, Some(&other.title), message, help))
     }
 
-    /// A line such as `rack_pitch;0.2` below the parts, which names no part.
+    /// A line such as `rack_pitch;0.2` or `Korrektur;0,1` below the parts, which names no part.
     fn error_as_part(&self, record: &Record) -> Option<Contradiction> {
         let id = self.setup.id?;
         let name = record.cell(id).text();
         let is_word = name.len() > 1 && may_be_statistic(name.as_bytes()) && !is_of_parts(&name);
-        if !is_word || record.numbers() == 0 || !is_value_heading(&name, &[]) {
+        if !is_word || record.numbers() == 0 || !(is_value_heading(&name, &[]) || WordList::Correction.has(&name)) {
             return None;
         }
-        let message = format!("an error stands here where parts have their names: {}", record.in_words());
+        let message =
+            format!("an error or a correction stands here where parts have their names: {}", record.in_words());
         let help = "write a table with a row per part, or one with a row per error";
         Some(contradiction(record, self.setup.titles.get(id), message, help))
     }

@@ -1,5 +1,6 @@
 //! Why a reading is refused: two columns of one error, another unit or part beside the table, two readings.
 
+use std::collections::HashSet;
 use std::mem::discriminant;
 use std::sync::Arc;
 
@@ -9,7 +10,8 @@ use super::super::grid::Separator;
 use super::super::names::{Field, is_called, part_in_title, part_said};
 use super::super::number::{DecimalMark, Marks, normalise};
 use super::super::reading::AsideReading;
-use super::super::shape::{Shape, has_digit, located, stated_units, unknown_unit};
+use super::super::shape::{Shape, has_digit, is_part_name, located, stated_units, unknown_unit};
+use super::super::unknown::Unknown;
 use super::super::want::{Want, ignore_option, mapping, quoted};
 use super::Understood;
 use crate::deviation::Part;
@@ -138,6 +140,23 @@ pub(super) fn other_part(shape: &Shape, columns: &[Column], want: &Want) -> Opti
         is_of_all: false,
     });
     lines.chain(beside).chain(heading).find_map(|saying| of_other(&saying, columns, want))
+}
+
+/// A second column of parts' names that has those of other rows: two tables may stand side by side, each in its own order.
+pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
+    let ids = shape.ids.as_ref()?;
+    let is_second = |unknown: &&Unknown| unknown.column.is_some() && is_part_name(&unknown.title);
+    shape.unknown.iter().filter(is_second).filter(|second| !second.is_ignored(want)).find_map(|second| {
+        let is_name = |cell: &&Cell| !cell.is_missing() && !cell.is_number();
+        let names: HashSet<_> = ids.cells.iter().filter(is_name).map(Cell::text).collect();
+        let mut pairs = ids.cells.iter().zip(&second.cells).map(|(own, other)| [own.text(), other.text()]);
+        let [own, other] = pairs.find(|[own, other]| own != other && names.contains(other))?;
+        let (title, ids) = (&second.title, &ids.title);
+        let message =
+            format!("`{title}` is `{}` where `{ids}` is `{}`, and both name parts", shown(&other), shown(&own));
+        let help = format!("give tables side by side one by one; or leave a column out: {}", ignore_option(title));
+        Some(Diagnostic::error(Code::BadTable, message).help(help))
+    })
 }
 
 /// The refusal of a column of the other part than is said.
