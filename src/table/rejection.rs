@@ -30,14 +30,16 @@ pub(crate) fn rejection<'a>(
     cells: impl IntoIterator<Item = &'a Cell>,
     verdicts: bool,
 ) -> Option<Rejection> {
-    let is_heading = WordList::Disapproval.is_in(title) || WordList::Rejected.is_in(title);
+    let is_fault = WordList::Fault.has(title);
+    let is_heading = is_fault || WordList::Disapproval.is_in(title) || WordList::Rejected.is_in(title);
+    // a machine `NC 3` says nothing of parts
+    let is_place = WordList::Place.has(title) || WordList::Person.has(title);
     let is_no = |text: &str| WordList::Negation.has(text);
     let is_approval = |text: &str| WordList::Approval.has(text);
     let is_said = |text: &str| {
-        WordList::Disapproval.is_claimed_in(text)
-            || says_rejected(text)
+        !is_place && (WordList::Disapproval.is_claimed_in(text) || says_rejected(text))
             || WordList::Validity.has(title) && is_no(text)
-            || is_heading && !is_no(text) && !is_approval(text)
+            || is_heading && !is_no(text) && !is_approval(text) && !says_none(text)
             || text.starts_with(STRUCK)
             || verdicts && !is_approval(text)
             || matches!(text, "R" | "OUT" | "***" | "!" | "a.T.") && role(title) == Some(Role::Status)
@@ -47,8 +49,18 @@ pub(crate) fn rejection<'a>(
     Some(Rejection { title: title.to_owned(), said: shown(&said) })
 }
 
-/// Whether a line says of a release or the like that there is none: `Freigabe: nein`.
+/// Whether a text says that there is nothing: `keine`, `no error`, `E00`.
+fn says_none(text: &str) -> bool {
+    let first = text.split([' ', '_']).next().unwrap_or_default();
+    let is_zero = text.contains('0') && text.chars().all(|c| c == '0' || c.is_alphabetic());
+    is_zero || WordList::NoneOfIt.has(first)
+}
+
+/// Whether a line says of a release or the like that there is none: `Freigabe: nein`, and does not ask for it: `ja / nein`.
 fn denies_validity(text: &str) -> bool {
+    if text.contains('/') {
+        return false;
+    }
     let mut words = text.split([' ', ':', ';']).filter(|word| !word.is_empty());
     let is_no = |word: &str| word.len() > 1 && WordList::Negation.has(word);
     words.next().is_some_and(|first| WordList::Validity.has(first)) && words.any(is_no)

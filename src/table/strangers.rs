@@ -270,7 +270,8 @@ impl Sorter<'_> {
 
     /// A column of remarks, of which the first that holds a value counts.
     fn take_remark(&mut self, unknown: &Unknown) {
-        if unknown.column.is_none() || self.want.ignores(&unknown.title) || unknown.could_be_measured() {
+        let is_other = is_part_name(&unknown.title) || unknown.could_be_measured();
+        if unknown.column.is_none() || self.want.ignores(&unknown.title) || is_other {
             return;
         }
         let shape = self.shape;

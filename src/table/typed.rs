@@ -8,7 +8,8 @@ use super::grid::is_unit;
 use super::lines::{Beside, of_all_values};
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_said, role, says_more,
+    Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_in_title, part_said, role,
+    says_more,
 };
 use super::number::quantity;
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
@@ -216,10 +217,13 @@ impl Table {
                 record.numbers() == 0 && cells.len() <= 2 && !(cells.len() == 1 && is_unit(&cells[0].text()))
             };
             let mut lines = sheet.head.iter().filter(is_line);
+            // a sheet that names both parts says nothing of these
+            let said: Vec<Part> = lines.clone().filter_map(|line| part_in_title(&line.in_words())).collect();
+            let is_of_one = said.iter().all(|part| *part == said[0]);
             let stated = |line: &Record| {
                 let (place, text) = (format!("{}, row {}", sheet.called, line.line), line.in_words());
                 let unit = understood.contradicted_by(&place, &text, want);
-                unit.or_else(|| understood.of_other_part(&place, &text, &title, want))
+                unit.or_else(|| understood.of_other_part(&place, &text, &title, want).filter(|_| is_of_one))
             };
             if let Some(refused) = lines.find_map(stated) {
                 return Err(refused);

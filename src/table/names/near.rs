@@ -88,11 +88,25 @@ pub(crate) fn part_in_title(text: &str) -> Option<Part> {
     };
     let says_nothing_else = |word: &str| {
         let known = || Words::of(word).known().is_some_and(|known| known.iter().all(|word| is_plain(word)));
-        let is_letter = word.chars().count() < 2;
-        is_letter || word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
+        word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
     };
-    let mut words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    words.all(says_nothing_else).then(|| part_said(text)).flatten()
+    let words = |text: &'_ str| text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).count();
+    // `Ritzel-Charge: 4711` is what is known of one
+    let is_label =
+        |(label, said): (&str, &str)| words(label) > 1 && part_said(label).is_some() && part_said(said).is_none();
+    if text.split_once(':').is_some_and(is_label) {
+        return None;
+    }
+    let mut words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).peekable();
+    while let Some(word) = words.next() {
+        // Rev C
+        let is_letter = |next: &&str| WordList::Report.has(word) && next.len() == 1;
+        if !says_nothing_else(word) {
+            return None;
+        }
+        words.next_if(is_letter);
+    }
+    part_said(text)
 }
 
 /// The part that a text speaks of; `None` if it speaks of none, or of both.

@@ -48,7 +48,9 @@ fn split_size(name: &str) -> Option<(&str, Option<&str>)> {
 fn split_limit(name: &str) -> Option<&str> {
     let name = name.trim_end_matches([' ', ')']);
     let before = name.trim_end_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | ','));
-    is_plain_number(&name[before.len()..]).then(|| without_limit_mark(before.trim_end())).flatten()
+    let name = is_plain_number(&name[before.len()..]).then(|| without_limit_mark(before.trim_end())).flatten()?;
+    // Tol. ±10
+    Some(without_limit_mark(name.trim_end()).unwrap_or(name))
 }
 
 /// A text without the mark of a limit at its end.
@@ -63,7 +65,8 @@ fn without_limit_mark(text: &str) -> Option<&str> {
 }
 
 /// What stands before a limit.
-pub(crate) const LIMIT_MARKS: [&str; 9] = ["max.", "max", "maximum", "maximal", "≤", "<=", "<", "±", "+/-"];
+pub(crate) const LIMIT_MARKS: [&str; 14] =
+    ["max.", "max", "maximum", "maximal", "≤", "<=", "<", "±", "+/-", "tol.", "tol", "toleranz", "zul.", "zul"];
 
 fn is_plain_number(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))
@@ -252,6 +255,7 @@ mod tests {
             ("fp ≤ 10", "fp", None),
             ("fp ≤10", "fp", None),
             ("Rollenmaß ±0,05", "Rollenmaß", None),
+            ("Teilung Tol. ±10", "Teilung", None),
         ] {
             let wanted = split_wanted(text).map(|wanted| (wanted.name, wanted.nominal));
             assert_eq!(wanted, Some((name, nominal)), "{text}");

@@ -194,6 +194,8 @@ pub(crate) enum WordList {
     Report,
     /// Who measured.
     Person,
+    /// What may be called by letters that say something else of parts: a machine `NC 3`.
+    Place,
     /// Who measured, for whom, and what they say: words, and no numbers with decimals.
     Words,
     /// Who may measure a part once more.
@@ -202,6 +204,8 @@ pub(crate) enum WordList {
     Approval,
     /// That somebody is not.
     Disapproval,
+    /// The faults of a machine, in a column.
+    Fault,
     /// Whether a value counts or a part is good, and that it is not.
     Validity,
     Negation,

@@ -47,20 +47,24 @@ pub(crate) fn headings(cells: &[Cell], want: &Want) -> Result<Vec<Option<Named>>
     let fields = || found.iter().flatten().flat_map(|heading| &heading.fields);
     let has_numbers = fields().any(|field| matches!(field, Field::Space | Field::Tooth));
     let of_parts = want.teeth != Some(true) && fields().any(|field| matches!(field, Field::Error(_))) && !has_numbers;
-    // one pitch is not the other's, and in a table of one part it is that part's, as a title or a column `Ritzel Nr.` says
+    // in a table of one part, as a title or a column `Ritzel Nr.` says, a pitch is that part's; or else the one that the spec asks
+    // for and no other column is
     let is_value = |heading: &&Heading| heading.aspect == Role::Measured && heading.fields.len() == 1;
     let has_own: Vec<Field> = found.iter().flatten().filter(is_value).map(|heading| heading.fields[0]).collect();
-    let of_ids = cells.iter().map(Cell::text).filter(|text| is_part_name(text)).find_map(|text| part_said(&text));
+    let mut of_ids = cells.iter().map(Cell::text).filter(|text| is_part_name(text)).filter_map(|text| part_said(&text));
+    let first = of_ids.next();
+    let of_ids = first.filter(|first| of_ids.all(|other| other == *first));
     let is_all = |part: &Part| has_own.iter().filter_map(|field| field.kind()).all(|kind| kind.part() == *part);
     let part = want.part.or(of_ids).filter(is_all);
-    let may_be = |field: &Field| {
-        let is_of_part = |kind: DeviationKind| part.is_none_or(|part| kind.part() == part);
-        !has_own.contains(field) && field.kind().is_none_or(is_of_part)
-    };
+    let is_of_part = |field: &Field| field.kind().is_none_or(|kind| part.is_none_or(|part| kind.part() == part));
+    let is_lacking =
+        |field: &Field| !has_own.contains(field) && field.kind().is_some_and(|kind| want.expected.contains(&kind));
     let one = |(place, (cell, heading)): (usize, (&Cell, Option<Heading>))| {
         let Some(mut heading) = heading else { return Ok(None) };
-        if heading.fields.len() > 1 && heading.fields.iter().any(may_be) {
-            heading.fields.retain(may_be);
+        for may_be in [&is_of_part as &dyn Fn(&Field) -> bool, &is_lacking] {
+            if heading.fields.len() > 1 && heading.fields.iter().any(may_be) {
+                heading.fields.retain(may_be);
+            }
         }
         if heading.fields.len() > 1 && rack != pinion && want.expected.is_empty() {
             let wanted = if rack { DeviationKind::RackPitch } else { DeviationKind::PinionPitch };

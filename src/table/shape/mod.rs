@@ -36,7 +36,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, WordList, is_statistic, part_in_title, role, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_statistic, part_in_title, part_said, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -289,7 +289,13 @@ impl Shape {
     /// What the names of parts and columns that are not used say of which part rows are, each as a line. Where rows speak of both
     /// parts, they are pairs, and the columns say nothing.
     pub(crate) fn said_beside_values(&self, want: &Want) -> Vec<AsideReading> {
-        let columns = self.unknown.iter().filter(|unknown| unknown.column.is_some() && !want.ignores(&unknown.title));
+        // which part a row is, and not with which it is paired
+        let is_name = |unknown: &&Unknown| {
+            let title = &unknown.title;
+            unknown.column.is_some()
+                && (is_part_name(title) && part_said(title).is_none() || WordList::Report.has(title))
+        };
+        let columns = self.unknown.iter().filter(is_name).filter(|unknown| !want.ignores(&unknown.title));
         let columns = columns.map(|unknown| &unknown.cells).chain(self.ids.iter().map(|ids| &ids.cells));
         let mut rows: HashMap<usize, Vec<Part>> = HashMap::new();
         let mut said: Vec<AsideReading> = Vec::new();
