@@ -96,11 +96,11 @@ impl WordList {
 
     /// Whether a text says what is in the list, and not that there is none of it: `kein Ausschuss`, `Ausschuss: 0`.
     pub(crate) fn is_claimed_in(self, text: &str) -> bool {
-        let is_none = |word: Option<&str>| word.is_some_and(|word| Self::NoneOfIt.has(word));
+        let is_none = |word: &str| Self::NoneOfIt.has(word);
         self.is_in_where(text, |before, behind| {
-            // `25,012 0 NOK` is a row
+            // `25,012 0 NOK` is a row, and `reject No. 4` is one
             let is_count = before.len() > 1 && before.ends_with('0');
-            (is_count || !is_none(before.split(' ').next_back())) && !is_none(behind.split(' ').next())
+            (is_count || !before.split(' ').next_back().is_some_and(is_none)) && !is_none(behind)
         })
     }
 
