@@ -77,38 +77,6 @@ pub(crate) fn is_tolerance(text: &str) -> bool {
     matches!(role(text), Some(Role::Upper | Role::Lower)) && (says(text, Sense::Tolerance) || says(text, Sense::Limit))
 }
 
-/// The part that a title says that all is of, and says nothing else but numbers: `Messprotokoll Ritzel 4711`.
-pub(crate) fn part_in_title(text: &str) -> Option<Part> {
-    let is_plain = |word: &Entry| {
-        let is_part = |sense: &Sense| {
-            let is_of_one = matches!(sense, Sense::Alone([Field::PartId]) | Sense::Ordinal);
-            is_of_one || matches!(sense, Sense::Rack | Sense::Pinion | Sense::Filling | Sense::Measured)
-        };
-        word.senses.iter().any(is_part)
-    };
-    let says_nothing_else = |word: &str| {
-        let known = || Words::of(word).known().is_some_and(|known| known.iter().all(|word| is_plain(word)));
-        word.contains(|c: char| c.is_ascii_digit()) || WordList::Report.has(word) || known()
-    };
-    let words = |text: &'_ str| text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).count();
-    // `Ritzel-Charge: 4711` is what is known of one
-    let is_label =
-        |(label, said): (&str, &str)| words(label) > 1 && part_said(label).is_some() && part_said(said).is_none();
-    if text.split_once(':').is_some_and(is_label) {
-        return None;
-    }
-    let mut words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).peekable();
-    while let Some(word) = words.next() {
-        // Rev C
-        let is_letter = |next: &&str| WordList::Report.has(word) && next.len() == 1;
-        if !says_nothing_else(word) {
-            return None;
-        }
-        words.next_if(is_letter);
-    }
-    part_said(text)
-}
-
 /// The part that a text speaks of; `None` if it speaks of none, or of both.
 pub(crate) fn part_said(text: &str) -> Option<Part> {
     match (says(text, Sense::Rack), says(text, Sense::Pinion)) {

@@ -192,6 +192,12 @@ pub(crate) enum WordList {
     RowNumber,
     /// What a title calls a report of measurements.
     Report,
+    /// What a part is measured or paired with stands behind it, in a title.
+    Mate,
+    /// What a part is made for stands behind it, where another is named before.
+    ToMate,
+    /// That the part of which a line speaks is no part that was measured here.
+    Elsewhere,
     /// Who measured.
     Person,
     /// What may be called by letters that say something else of parts: a machine `NC 3`.
@@ -266,6 +272,9 @@ impl WordList {
         matches!(
             self,
             Self::Requirement
+                | Self::Mate
+                | Self::ToMate
+                | Self::Elsewhere
                 | Self::Serial
                 | Self::Person
                 | Self::Words

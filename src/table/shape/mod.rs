@@ -402,7 +402,9 @@ const HEAD: usize = 100;
 
 /// Reads records as a table.
 pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
-    let head = records.iter().take(HEAD).filter(|record| record.numbers() == 0);
+    // headings are no title
+    let is_title = |record: &&Record| record.numbers() == 0 && known(&record.cells, want) < 2;
+    let head = records.iter().take(HEAD).filter(is_title);
     let want = &want.of_part(head.map(Record::in_words));
     let records = without_item_numbers(records);
     let records = with_parts_side_by_side(&records, want);
