@@ -101,6 +101,7 @@ use std::sync::Arc;
 use crate::deviation::{DeviationKind, Part};
 use crate::quantity::{Unit, shown};
 use block::line_of;
+use cell::Cell;
 use column::UnitFrom;
 use names::{Role, part_in_title};
 use rejection::rejection;
@@ -185,10 +186,13 @@ impl Table {
         }
         (reading.not_used, reading.asides) = (sorted.not_used, sorted.asides);
         reading.notes.extend(sorted.notes);
-        // T2 NOK
-        let names = shape.ids.iter().flat_map(|ids| &ids.cells).filter(|cell| cell.text().contains(' '));
+        // T2_NOK
+        let names = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text);
+        let names =
+            names.filter(|name| name.contains([' ', '_', '-']) && !name.ends_with(|c: char| c.is_ascii_digit()));
+        let names: Vec<Cell> = names.map(|name| Cell::of_text(&name.replace(['_', '-'], " "), 0..0)).collect();
         let id = shape.ids.as_ref().map_or("", |ids| &ids.title);
-        reading.notes.extend(rejection(id, names, false).map(|rejection| rejection.in_words(name)));
+        reading.notes.extend(rejection(id, &names, false).map(|rejection| rejection.in_words(name)));
         if understood.is_teeth {
             reading.unit_counted = if part == Part::Rack { "space" } else { "tooth" };
         }

@@ -19,12 +19,13 @@ impl Rejection {
     /// As a note on a file.
     pub(crate) fn in_words(&self, file: &str) -> String {
         let Self { title, said } = self;
-        format!("{file}: `{title}` says `{said}`: that is not used, and parts are judged by their values")
+        let said = if said.is_empty() { "says nothing of a part".to_owned() } else { format!("says `{said}`") };
+        format!("{file}: `{title}` {said}: that is not used, and parts are judged by their values")
     }
 }
 
 /// What a column or a comment says against a part or its value: `NOK`, `Messwert ungültig`, a mark below `Ausschuss`, what is no
-/// approval in a column of `verdicts`, or the code of a rejection in SAP, `R`.
+/// approval in a column of `verdicts`, nothing there beside approvals, or the code of a rejection in SAP, `R`.
 pub(crate) fn rejection<'a>(
     title: &str,
     cells: impl IntoIterator<Item = &'a Cell>,
@@ -35,7 +36,8 @@ pub(crate) fn rejection<'a>(
     // a machine `NC 3` says nothing of parts
     let is_place = WordList::Place.has(title) || WordList::Person.has(title);
     let is_no = |text: &str| WordList::Negation.has(text);
-    let is_approval = |text: &str| WordList::Approval.has(text);
+    let is_approval = |text: &str| WordList::Approval.has(text) || verdicts && WordList::Yes.has(text);
+    let is_open = verdicts && is_of_validity(title);
     let is_said = |text: &str| {
         !is_place && (WordList::Disapproval.is_claimed_in(text) || says_rejected(text))
             || WordList::Validity.has(title) && is_no(text)
@@ -45,8 +47,14 @@ pub(crate) fn rejection<'a>(
             || matches!(text, "R" | "OUT" | "***" | "!" | "a.T.") && role(title) == Some(Role::Status)
             || denies_validity(text)
     };
-    let said = cells.into_iter().filter(|cell| !cell.is_missing()).map(Cell::text).find(|text| is_said(text))?;
-    Some(Rejection { title: title.to_owned(), said: shown(&said) })
+    let is_against = |cell: &&Cell| if cell.is_missing() { is_open } else { is_said(&cell.text()) };
+    let against = cells.into_iter().find(is_against)?;
+    Some(Rejection { title: title.to_owned(), said: shown(&against.text()) })
+}
+
+/// Whether a column is called by what says that a part is good: `Freigabe`, `Over roller valid`, `M_OK`.
+pub(crate) fn is_of_validity(title: &str) -> bool {
+    WordList::Validity.is_in(&title.replace('_', " "))
 }
 
 /// Whether a text says that there is nothing: `keine`, `no error`, `E00`.

@@ -127,6 +127,12 @@ pub(crate) fn sort(file: &str, shape: &Shape, understood: &Understood, want: &Wa
         let named = |size| NamedSize { name: unknown.title.clone(), size };
         let said: Vec<_> = sizes(unknown).flatten().map(named).collect();
         sorter.sorted.notes.extend(other_module(file, &said, want));
+        // Temp [°C]
+        let lines = shape.lines.iter().zip(&unknown.cells).filter(|_| unknown.title.contains("°C"));
+        let name = unknown.title.split(['[', '(']).next().unwrap_or_default().trim();
+        let mut lines =
+            lines.map(|(line, cell)| AsideReading { line: *line, text: format!("{name} {} °C", cell.text()) });
+        sorter.sorted.notes.extend(lines.find_map(|line| other_temperature(file, &line, columns)));
     }
     sorter.sorted
 }

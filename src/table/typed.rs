@@ -20,7 +20,7 @@ use super::rejection::rejection;
 use super::rows::stored_record;
 use super::stored::Stored;
 use super::strangers::{self, Others, SHEET, Stranger, listed_statistics};
-use super::understand::{Understood, in_words, understand_records};
+use super::understand::{Understood, in_words, said_of_other, understand_records};
 use super::unknown::Unknown;
 use super::want::{GivenColumn, Want};
 use super::workbook::{Comment, Shown, Workbook, listed};
@@ -73,7 +73,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     table.pieces.give_records(head.into_iter().map(Ok).chain(rest.filter(move |_| !is_all)), None);
     table.place = Place::SheetRow;
     let called = format!("{SHEET}{sheet}");
-    if let Some(refused) = understood.of_other_part(&name, &sheet, &called, want) {
+    if let Some(refused) = said_of_other(&understood.columns, &name, &sheet, &called, want) {
         return Err(refused.into());
     }
     if !WordList::Comparison.has(&sheet) {
@@ -223,14 +223,16 @@ impl Table {
             let stated = |line: &Record| {
                 let (place, text) = (format!("{}, row {}", sheet.called, line.line), line.in_words());
                 let unit = understood.contradicted_by(&place, &text, want);
-                unit.or_else(|| understood.of_other_part(&place, &text, &title, want).filter(|_| is_of_one))
+                unit.or_else(|| said_of_other(&understood.columns, &place, &text, &title, want).filter(|_| is_of_one))
             };
             if let Some(refused) = lines.find_map(stated) {
                 return Err(refused);
             }
             let said = sheet.head.iter().filter(|record| record.in_words().trim().contains(' '));
-            let cells = said.flat_map(|record| &record.cells);
-            let said = rejection(&title, cells, false);
+            // Freigabe | nein
+            let lines = said.clone().map(|record| Cell::of_text(&record.in_words(), 0..0));
+            let cells: Vec<Cell> = said.flat_map(|record| record.cells.iter().cloned()).chain(lines).collect();
+            let said = rejection(&title, &cells, false);
             self.reading.notes.extend(said.map(|said| said.in_words(&self.name)));
             let found = strangers::of_sheet(&sheet.called, &sheet.name, &sheet.head, understood, want);
             self.strangers

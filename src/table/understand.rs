@@ -13,7 +13,7 @@ use super::cell::{Cell, Record};
 use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, may_be_of_parts, names_value, part_in_title, role, statistic_word};
+use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, statistic_word};
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Shape, shape};
@@ -22,7 +22,8 @@ use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{LengthUnit, shown};
 use mark::readings;
-use refusal::{Saying, no_error, numbers_teeth, of_other, other_order, other_part, other_unit, twice, two_readings};
+pub(crate) use refusal::said_of_other;
+use refusal::{no_error, numbers_teeth, other_numbers, other_order, other_part, other_unit, twice, two_readings};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone, Default)]
@@ -261,6 +262,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
     problems.extend(shape.statements(want).find_map(other));
     problems.extend(other_part(shape, &columns, want));
     problems.extend(other_order(shape, want));
+    problems.extend(other_numbers(shape, want).filter(|_| is_teeth && shape.index.is_none()));
     if !problems.is_empty() {
         let in_file =
             |problem: Diagnostic| Diagnostic { message: format!("{}: {}", source.name, problem.message), ..problem };
@@ -274,13 +276,6 @@ impl Understood {
     /// The refusal of a text at a place beside the table that states another unit.
     pub(crate) fn contradicted_by(&self, place: &str, text: &str, want: &Want) -> Option<Diagnostic> {
         other_unit(&self.shape, &self.columns, want, place, text)
-    }
-
-    /// The refusal of values of another part than a text outside of the table says, which the user leaves out by a pattern.
-    pub(crate) fn of_other_part(&self, place: &str, text: &str, pattern: &str, want: &Want) -> Option<Diagnostic> {
-        let said = part_in_title(text).filter(|_| !want.ignores(pattern))?;
-        let [place, text, pattern] = [place, text, pattern].map(str::to_owned);
-        of_other(&Saying { place, text, pattern, said, is_line: false, is_of_all: false }, &self.columns, want)
     }
 
     /// A row, or a limit in a column beside those of parts, that is called by a statistic or a limit of the others, and is none by

@@ -1,9 +1,15 @@
 //! Columns and lines that name nothing known, and whether one could be a measurement. Found by the shape of a table;
 //! decides nothing.
 
+use std::borrow::Cow;
+
 use super::cell::Cell;
 use super::grid::{is_date, is_unit, only_units, unit_in};
-use super::names::{WordList, is_again, is_context, is_gear_size, is_statistic, near, repeats_value, split_unit};
+use super::names::{
+    WordList, is_again, is_context, is_gear_size, is_statistic, near, part_said, repeats_value, split_unit,
+};
+use super::rejection::is_of_validity;
+use super::shape::is_part_name;
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -127,11 +133,25 @@ impl Unknown {
                     || repeats_value(title) && values.len() > 1)
     }
 
-    /// Whether it is a column of verdicts: of its cells at least as many approve as say anything else.
+    /// Whether it is a column that says which part a row is, and not with which it is paired.
+    pub(crate) fn says_part(&self) -> bool {
+        let names_one = is_part_name(&self.title) && part_said(&self.title).is_none();
+        self.column.is_some() && (names_one || WordList::Report.has(&self.title))
+    }
+
+    /// Whether it is a column of verdicts: of its cells at least as many approve as say anything else. `ja` and `1` do where its name
+    /// says so, and `P` beside `F`.
     pub(crate) fn are_verdicts(&self) -> bool {
-        let said = self.cells.iter().filter(|cell| !cell.is_missing()).count();
-        let approvals = self.cells.iter().filter(|cell| WordList::Approval.has(&cell.text())).count();
-        self.column.is_some() && approvals > 0 && 2 * approvals >= said
+        const PAIRS: [[&str; 2]; 2] = [["P", "F"], ["A", "R"]];
+        let said: Vec<_> = self.cells.iter().filter(|cell| !cell.is_missing()).map(Cell::text).collect();
+        let is_pair = |pair: &[&str; 2]| {
+            said.iter().all(|text| pair.contains(&&**text))
+                && pair.iter().all(|letter| said.iter().any(|text| text == letter))
+        };
+        let may_be_yes = is_of_validity(&self.title) || PAIRS.iter().any(is_pair);
+        let approves = |text: &&Cow<'_, str>| WordList::Approval.has(text) || may_be_yes && WordList::Yes.has(text);
+        let approvals = said.iter().filter(approves).count();
+        self.column.is_some() && approvals > 0 && 2 * approvals >= said.len()
     }
 
     /// Whether it holds the signs of numbers that stand elsewhere: its name says so, or it is a column of both.

@@ -494,6 +494,20 @@ fn what_is_said_of_all_parts_is_held_against_them_however_far_down_it_stands() {
 }
 
 #[test]
+fn a_row_that_is_said_to_be_of_the_other_part_ends_the_run_however_far_down_it_stands() {
+    let folder = Folder::new("other-part");
+    let spec = spec(&folder);
+    for (last, expected) in [("Zahnstange LH", 0), ("Ritzel LH", 2)] {
+        let parts = (0..9000).map(|part| format!("P{part};Zahnstange;25.011\n")).collect::<String>();
+        let table = format!("part_id;Benennung;Rollenmaß [mm]\n{parts}P9000;{last};25.012\n");
+        let (code, said) =
+            status(&["batch", &spec, &folder.file("lot.csv", table.as_bytes()), "--summary", "--partial"], b"");
+        assert_eq!(code, Some(expected), "{last}: {said}");
+        assert!(expected == 0 || said.contains("line 9002") && said.contains("`Ritzel LH`"), "{said}");
+    }
+}
+
+#[test]
 fn what_a_workbook_strikes_through_in_part_or_says_in_a_text_box_is_seen() {
     let folder = Folder::new("struck-in-part");
     let spec = spec(&folder);

@@ -212,8 +212,9 @@ pub(crate) enum WordList {
     Disapproval,
     /// The faults of a machine, in a column.
     Fault,
-    /// Whether a value counts or a part is good, and that it is not.
+    /// Whether a value counts or a part is good, that it is, and that it is not.
     Validity,
+    Yes,
     Negation,
     /// That there is none of something, beside its name.
     NoneOfIt,

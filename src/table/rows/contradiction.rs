@@ -11,6 +11,7 @@ use super::super::names::{Role, WordList, heading, is_of_parts, is_value_heading
 use super::super::reading::AsideReading;
 use super::super::shape::{Remarks, has_digit, stated_units};
 use super::super::strangers::Others;
+use super::super::understand::said_of_other;
 use super::super::unknown::speaks_of_value;
 use super::aside::may_be_statistic;
 use super::{Rows, Setup};
@@ -38,6 +39,7 @@ impl Rows {
             .or_else(|| self.other_nominal(record))
             .or_else(|| self.error_as_part(record))
             .or_else(|| self.value_in_remark(record))
+            .or_else(|| self.other_part(record))
             .or_else(|| self.said_of_all(record))
     }
 
@@ -69,6 +71,19 @@ impl Rows {
         let (place, text) = self.setup.remarks.iter().find_map(value)?;
         let message = format!("a remark that may be a measured value: {}", shown(&text));
         let help = "correct the value that it speaks of, or leave the column out with --ignore";
+        Some(contradiction(record, titles.get(place), message, help))
+    }
+
+    /// A cell that says that a row is the other part, where none did so far.
+    fn other_part(&self, record: &Record) -> Option<Contradiction> {
+        let Setup { columns, titles, want, .. } = &self.setup;
+        let places = self.setup.remarks.iter().filter(|remarks| remarks.says_part).map(|remarks| remarks.place);
+        let mut refused = places.filter_map(|place| {
+            let text = record.cell(place).text();
+            Some((place, said_of_other(columns, titles.get(place)?, &text, &text, want)?.message))
+        });
+        let (place, message) = refused.next()?;
+        let help = "give the rows of each part by themselves, or leave the column out with --ignore";
         Some(contradiction(record, titles.get(place), message, help))
     }
 

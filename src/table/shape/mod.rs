@@ -36,7 +36,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use super::cell::{Cell, Record};
 use super::companions::Companions;
 use super::grid::{Separator, bare_unit, is_unit};
-use super::names::{Field, Role, ValueKind, WordList, is_statistic, part_in_title, part_said, role, split_unit};
+use super::names::{Field, Role, ValueKind, WordList, is_statistic, part_in_title, role, split_unit};
 use super::reading::AsideReading;
 use super::unknown::{Unknown, is_foreign_unit};
 use super::want::{Orientation, Want};
@@ -289,13 +289,7 @@ impl Shape {
     /// What the names of parts and columns that are not used say of which part rows are, each as a line. Where rows speak of both
     /// parts, they are pairs, and the columns say nothing.
     pub(crate) fn said_beside_values(&self, want: &Want) -> Vec<AsideReading> {
-        // which part a row is, and not with which it is paired
-        let is_name = |unknown: &&Unknown| {
-            let title = &unknown.title;
-            unknown.column.is_some()
-                && (is_part_name(title) && part_said(title).is_none() || WordList::Report.has(title))
-        };
-        let columns = self.unknown.iter().filter(is_name).filter(|unknown| !want.ignores(&unknown.title));
+        let columns = self.unknown.iter().filter(|unknown| unknown.says_part() && !want.ignores(&unknown.title));
         let columns = columns.map(|unknown| &unknown.cells).chain(self.ids.iter().map(|ids| &ids.cells));
         let mut rows: HashMap<usize, Vec<Part>> = HashMap::new();
         let mut said: Vec<AsideReading> = Vec::new();
@@ -325,7 +319,8 @@ impl Shape {
             // dates and numbers are no remarks
             let has_words = !has_digits || said().any(|text| !has_digit(&text));
             let known = unknown.cells.iter().map(|cell| cell.text().as_bytes().to_vec()).collect();
-            has_words.then(|| Remarks { place, known, has_digits, are_verdicts: unknown.are_verdicts() })
+            let (are_verdicts, says_part) = (unknown.are_verdicts(), unknown.says_part());
+            has_words.then_some(Remarks { place, known, has_digits, are_verdicts, says_part })
         };
         self.unknown.iter().filter_map(remarks).collect()
     }
@@ -340,6 +335,8 @@ pub(crate) struct Remarks {
     /// Whether digits are among that, so that others say nothing new.
     pub(crate) has_digits: bool,
     pub(crate) are_verdicts: bool,
+    /// Whether they say which part a row is.
+    pub(crate) says_part: bool,
 }
 
 impl Remarks {

@@ -97,13 +97,15 @@ fn part_lines(record: &Record) -> Vec<PartLine> {
     record.cells.iter().filter_map(within).chain(record.cells.windows(2).filter_map(beside)).collect()
 }
 
-/// What a text says of a part: `Teil 421`, `Teil 421   Seite 1`.
+/// What a text says of a part: `Teil 421`, `Teil 421   Seite 1`, `Messung von Teil 421`.
 pub(crate) fn part_line(text: &str) -> Option<PartLine> {
     const MOST_WORDS: usize = 3;
     let (word, name) = text.split_once([':', '=']).or_else(|| text.trim().rsplit_once(' '))?;
     let words: Vec<&str> = text.split_whitespace().collect();
     let first = |count: usize| named_by(&words[..count].join(" "), words[count]).filter(|line| has_digit(&line.name));
-    named_by(word, name).or_else(|| (1..words.len().min(MOST_WORDS + 1)).find_map(first))
+    let behind = |pair: &[&str]| named_by(pair[0], pair[1]).filter(|line| has_digit(&line.name));
+    let first = (1..words.len().min(MOST_WORDS + 1)).find_map(first);
+    named_by(word, name).or(first).or_else(|| words.windows(2).take(MOST_WORDS).find_map(behind))
 }
 
 fn named_by(word: &str, name: &str) -> Option<PartLine> {

@@ -1,6 +1,6 @@
 //! Why a reading is refused: two columns of one error, another unit or part beside the table, two readings.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
 use std::sync::Arc;
 
@@ -100,17 +100,17 @@ pub(super) fn other_unit(
 }
 
 /// What may say of which part values are.
-pub(super) struct Saying {
+struct Saying {
     /// `line 3`.
-    pub(super) place: String,
-    pub(super) text: String,
+    place: String,
+    text: String,
     /// What leaves it out, as `--ignore` takes it.
-    pub(super) pattern: String,
-    pub(super) said: Part,
+    pattern: String,
+    said: Part,
     /// Whether it is a line, and not what parts or a sheet are called.
-    pub(super) is_line: bool,
+    is_line: bool,
     /// Whether it speaks of all values, whatever the names of their columns say: a title without a number.
-    pub(super) is_of_all: bool,
+    is_of_all: bool,
 }
 
 /// A line above values, a column beside them or the names of the parts that speak of the other part than a column is of, whose
@@ -159,8 +159,44 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     })
 }
 
+/// A column that numbers rows in another order than they stand, in a table of teeth that are not numbered otherwise: as gear testers
+/// measure them.
+pub(super) fn other_numbers(shape: &Shape, want: &Want) -> Option<Diagnostic> {
+    let numbers = |unknown: &Unknown| {
+        let numbers: Option<Vec<i64>> = unknown.cells.iter().map(|cell| cell.text().parse().ok()).collect();
+        numbers.filter(|numbers| !numbers.is_empty() && unknown.column.is_some() && !unknown.is_ignored(want))
+    };
+    let unknown = shape.unknown.iter().find(|unknown| {
+        let Some(numbers) = numbers(unknown) else { return false };
+        let each: BTreeSet<i64> = numbers.iter().copied().collect();
+        let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
+        let [least, most] = [each.first(), each.last()].map(|end| end.copied().unwrap_or(first));
+        let is_next = |pair: &[i64]| pair[1] == pair[0] + 1 || pair == [most, least];
+        let is_in_order = [first, last] == [least, most] && numbers.windows(2).all(is_next);
+        usize::try_from(most - least).is_ok_and(|apart| apart > 0 && apart + 1 == each.len()) && !is_in_order
+    })?;
+    let title = &unknown.title;
+    let message =
+        format!("`{title}` numbers the rows in another order than they stand, and no column numbers the teeth");
+    let help = format!("call the column `tooth` or `space`; or leave it out: {}", ignore_option(title));
+    Some(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// The refusal of values of another part than a text beside them says, which the user leaves out by a pattern.
+pub(crate) fn said_of_other(
+    columns: &[Column],
+    place: &str,
+    text: &str,
+    pattern: &str,
+    want: &Want,
+) -> Option<Diagnostic> {
+    let said = part_in_title(text).filter(|_| !want.ignores(pattern))?;
+    let [place, text, pattern] = [place, text, pattern].map(str::to_owned);
+    of_other(&Saying { place, text, pattern, said, is_line: false, is_of_all: false }, columns, want)
+}
+
 /// The refusal of a column of the other part than is said.
-pub(super) fn of_other(saying: &Saying, columns: &[Column], want: &Want) -> Option<Diagnostic> {
+fn of_other(saying: &Saying, columns: &[Column], want: &Want) -> Option<Diagnostic> {
     let is_of_both = columns.iter().any(|column| column.kind.is_some_and(|kind| kind.part() == saying.said));
     let is_other = |column: &&Column| {
         let is_named =
