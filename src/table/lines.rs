@@ -48,7 +48,11 @@ pub(crate) struct Beside<'a> {
 impl Beside<'_> {
     /// What of a line may be a measured value. Above the names of the columns, titles stand.
     pub(super) fn value_in(&self, aside: &AsideReading, is_above: bool) -> Option<Unknown> {
-        value_in(aside, self, is_above).or_else(|| value_beyond(aside, self.measured?))
+        let correction = || Unknown::line("", aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
+        let corrects = || !is_above && self.of_parts.is_some() && says_value_alone(&aside.text, self.columns);
+        value_in(aside, self, is_above)
+            .or_else(|| value_beyond(aside, self.measured?))
+            .or_else(|| corrects().then(correction))
     }
 
     /// What of a cell of the column at a place may be a value, and corrects one.
@@ -235,18 +239,21 @@ fn speaks_of_deviation(text: &str) -> bool {
 
 /// Whether a text is a number that some column may hold and words that call it a value, and nothing else: `nochmal gemessen: 95`,
 /// `95!`, `2→95`, `0.4 over`. The number of a tooth is none, nor is a digit behind a machine: `KMG 2`.
-fn says_value_alone(text: &str, columns: &[Column]) -> bool {
+pub(super) fn says_value_alone(text: &str, columns: &[Column]) -> bool {
     let (mut has_number, mut is_said, mut is_named) = (false, false, false);
     // the digits that a number has at most which is that of the word before it
     let mut digits_of_name = 0;
     let is_mark = |c: char| "→⇒≈~>!=".contains(c);
-    let text = text.replace("->", "→").replace(": ", " = ").replace(is_mark, " = ");
+    let text = text.trim_end_matches('.').replace("->", "→").replace(": ", " = ").replace(is_mark, " = ");
     for word in text.split(|c: char| c.is_whitespace() || "(),;".contains(c)).filter(|word| !word.is_empty()) {
         let bare = word.strip_suffix("my").unwrap_or(word);
         let number = Cell::of_text(bare, 0..0);
         if number.is_measure() && !word.ends_with('.') && !word.contains([':', '/']) {
             let is_name = bare.len() <= digits_of_name;
-            has_number |= !is_name && columns.iter().any(|column| column.may_hold(&number));
+            // beside `3 µm` nobody writes the unit once more
+            let in_micrometres = Cell::of_text(&format!("{bare} µm"), 0..0);
+            let may_hold = |column: &Column| column.may_hold(&number) || column.may_hold(&in_micrometres);
+            has_number |= !is_name && columns.iter().any(may_hold);
             is_said |= bare.len() < word.len();
             is_named = is_name;
         } else if names_one(word) {
@@ -254,10 +261,12 @@ fn says_value_alone(text: &str, columns: &[Column]) -> bool {
             (is_said, is_named, digits_of_name) = (true, false, usize::MAX);
         } else if WordList::Words.has(word) {
             digits_of_name = 1;
-        } else if word == "=" || WordList::CallsValue.has(word) || WordList::Again.has(word) {
+        } else if word == "=" || WordList::CallsValue.has(word) || WordList::Again.has(word) || says_which(word) {
             is_said = true;
             // Zahn: 3
             digits_of_name = if is_named || digits_of_name == 1 { 0 } else { digits_of_name };
+        } else if WordList::Verb.has(word) {
+            digits_of_name = 0;
         } else if !WordList::BesideValue.has(word) && !WordList::Report.has(word) {
             return false;
         }

@@ -10,7 +10,7 @@ use super::column::{Column, Nominal};
 use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
-    size_read_with, statistics, value_beyond, without_name, without_punctuation, without_value,
+    says_value_alone, size_read_with, statistics, value_beyond, without_name, without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
@@ -176,7 +176,8 @@ impl Sorter<'_> {
         } else {
             let cells = unknown.cells.iter().filter(|_| unknown.column.is_none()).map(Cell::text);
             let words = cells.fold(title.clone(), |words, cell| format!("{words} {cell}"));
-            let is_unread = unknown.is_unread || has_scale(&words);
+            let is_value = || unknown.column.is_none() && says_value_alone(&words, self.beside.columns);
+            let is_unread = unknown.is_unread || has_scale(&words) || is_value();
             self.take(&Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() });
         }
     }

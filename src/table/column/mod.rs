@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::grid::unit_in;
-use super::names::{Field, LIMIT_MARKS, Role, ValueKind, is_total, says_largest, split_unit};
+use super::names::{BETWEEN_LIMITS, Field, LIMIT_MARKS, Role, ValueKind, is_total, says_largest, split_unit};
 use super::number::{DecimalMark, Marks, marks, normalise, quantity};
 use super::shape::Measurement;
 use super::want::{Want, quoted};
@@ -445,9 +445,8 @@ pub(crate) fn is_limit(text: &str) -> bool {
     let is_number = |text: &str| Cell::of_text(text.trim(), 0..0).is_measure();
     let text = text.trim().trim_matches(['(', ')']).to_lowercase();
     let limit = |mark: &&str| text.strip_prefix(*mark).or_else(|| text.strip_suffix(*mark));
-    let of_two = |mark: &str| text.split_once(mark).is_some_and(|(one, other)| is_number(one) && is_number(other));
-    LIMIT_MARKS.iter().filter_map(limit).any(is_number)
-        || [" - ", " – ", " / ", " bis ", " to "].into_iter().any(of_two)
+    let of_two = |mark: &&str| text.split_once(*mark).is_some_and(|(one, other)| is_number(one) && is_number(other));
+    LIMIT_MARKS.iter().filter_map(limit).any(is_number) || BETWEEN_LIMITS.iter().any(of_two)
 }
 
 /// The name of a column that the spec maps to an error, and by which it is a total over the teeth: which it is has to be said.

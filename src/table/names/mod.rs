@@ -21,7 +21,7 @@ pub(crate) use role::{
     statistic_word,
 };
 pub(crate) use title::part_in_title;
-pub(crate) use unit::{LIMIT_MARKS, split_unit, split_wanted};
+pub(crate) use unit::{BETWEEN_LIMITS, LIMIT_MARKS, split_unit, split_wanted};
 
 use crate::deviation::{DeviationKind, Part};
 use vocabulary::{Entry, Sense};

@@ -31,7 +31,8 @@ pub(crate) struct Wanted<'t> {
 /// A name and the nominal value with a tolerance, or the limit, that stands behind it: `Rollenmaß 25±0,03`,
 /// `Rollenmaß 25 +0,03/-0,02`, `Teilung max. 10`.
 pub(crate) fn split_wanted(name: &str) -> Option<Wanted<'_>> {
-    let (name, nominal) = split_size(name).or_else(|| Some((split_limit(name)?, None)))?;
+    let (name, nominal) =
+        split_size(name).or_else(|| Some((split_limits(name).or_else(|| split_limit(name))?, None)))?;
     name.contains(char::is_alphabetic).then(|| Wanted { name: name.trim_end_matches([' ', '(']), nominal })
 }
 
@@ -42,6 +43,16 @@ fn split_size(name: &str) -> Option<(&str, Option<&str>)> {
     let is_size =
         is_plain_number(size) && allowances.next().is_some_and(is_plain_number) && allowances.all(is_plain_number);
     is_size.then_some((name, Some(size)))
+}
+
+/// A name without the two limits behind it: `Rollenmaß 24,95 - 25,05`.
+fn split_limits(name: &str) -> Option<&str> {
+    let name = name.trim_end_matches([' ', ')']);
+    BETWEEN_LIMITS.iter().find_map(|mark| {
+        let (before, upper) = name.rsplit_once(mark)?;
+        let (name, lower) = before.rsplit_once([' ', '('])?;
+        [lower, upper].into_iter().all(|limit| is_plain_number(limit) && limit.contains(['.', ','])).then_some(name)
+    })
 }
 
 /// A name without the limit behind it: `fp ≤ 10`, `Rollenmaß ±0,05`, `Teilung (max. 10`.
@@ -63,6 +74,9 @@ fn without_limit_mark(text: &str) -> Option<&str> {
     };
     LIMIT_MARKS.iter().find_map(before)
 }
+
+/// What stands between two limits.
+pub(crate) const BETWEEN_LIMITS: [&str; 9] = [" - ", " – ", " … ", " / ", " bis ", " to ", "-", "–", "…"];
 
 /// What stands before a limit.
 pub(crate) const LIMIT_MARKS: [&str; 14] =
@@ -256,11 +270,13 @@ mod tests {
             ("fp ≤10", "fp", None),
             ("Rollenmaß ±0,05", "Rollenmaß", None),
             ("Teilung Tol. ±10", "Teilung", None),
+            ("Rollenmaß 24,95 - 25,05", "Rollenmaß", None),
+            ("Rollenmaß (24,95-25,05)", "Rollenmaß", None),
         ] {
             let wanted = split_wanted(text).map(|wanted| (wanted.name, wanted.nominal));
             assert_eq!(wanted, Some((name, nominal)), "{text}");
         }
-        for text in ["fp max", "Teil 10", "max 10", "Climax 10", "fp 1.5", "M 25+"] {
+        for text in ["fp max", "Teil 10", "max 10", "Climax 10", "fp 1.5", "M 25+", "Zahn 1-28", "fp 1 - 28"] {
             assert!(split_wanted(text).is_none(), "{text}");
         }
     }

@@ -402,7 +402,8 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
     // headings are no title
     let is_title = |record: &&Record| record.numbers() == 0 && known(&record.cells, want) < 2;
     let head = records.iter().take(HEAD).filter(is_title);
-    let want = &want.of_part(head.map(Record::in_words));
+    let names = names_of_one(records, want);
+    let want = &want.of_part(head.map(Record::in_words).chain(names));
     let records = without_item_numbers(records);
     let records = with_parts_side_by_side(&records, want);
     let records = with_names_above(&records);
@@ -411,6 +412,19 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)
+}
+
+/// What a column of parts' names or kinds says, if every cell of it says of which part its row is: `Rack 1`, or `Zahnstange`.
+fn names_of_one(records: &[Record], want: &Want) -> Vec<String> {
+    let mut rows =
+        records.iter().take(HEAD).skip_while(|record| record.numbers() > 0 || known(&record.cells, want) < 2);
+    let Some(header) = rows.next() else { return Vec::new() };
+    let rows: Vec<&Record> =
+        rows.filter(|record| record.numbers() > 0 && record.cells.len() == header.cells.len()).collect();
+    let says_part = |place: &usize| Unknown::column(&header.cells[*place].text(), *place, Vec::new()).says_part();
+    let names = |place: usize| rows.iter().map(|row| row.cell(place).text().into_owned()).collect::<Vec<_>>();
+    let is_said = |names: &Vec<String>| names.iter().all(|name| part_in_title(name).is_some());
+    (0..header.cells.len()).filter(says_part).map(names).find(is_said).unwrap_or_default()
 }
 
 fn shape_of(records: &[Record], separator: Separator, want: &Want) -> Result<Shape, NoShape> {
