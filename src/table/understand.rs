@@ -16,14 +16,16 @@ use super::grid::{Separator, records, separators};
 use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, statistic_word};
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
-use super::shape::{Measurement, NoShape, Shape, shape};
+use super::shape::{Measurement, NoShape, Series, Shape, shape};
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::quantity::{LengthUnit, shown};
+use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
 use mark::readings;
 pub(crate) use refusal::said_of_other;
-use refusal::{no_error, numbers_teeth, other_numbers, other_order, other_part, other_unit, twice, two_readings};
+use refusal::{
+    cut_by_commas, no_error, numbers_teeth, other_numbers, other_order, other_part, other_unit, twice, two_readings,
+};
 
 /// A table whose columns are found.
 #[derive(Debug, Clone, Default)]
@@ -73,6 +75,9 @@ pub(crate) fn understand(source: &Arc<Source>, want: &Want) -> Result<Understood
         match cut {
             Ok((shape, records))
                 if separator == Separator::COMMA && !is_strong && !commas_separate(&shape, &records, want) => {}
+            Ok((shape, _)) if separator == Separator::COMMA && shape.may_be_shifted() => {
+                return Err(cut_by_commas(source).into());
+            }
             Ok((shape, records)) => {
                 let named = shape.header_line.is_some() && shape.width() > 1;
                 let sure = is_strong && (shape.width() > 1 || shape.lines.len() > 1 && shape.header.is_empty())
@@ -221,6 +226,31 @@ fn commas_separate(shape: &Shape, records: &[Record], want: &Want) -> bool {
 }
 
 impl Shape {
+    /// Whether commas that cut every value in two would leave this table: whole millimetres or degrees, and nothing but digits in all
+    /// columns behind them, of which the last is none of values.
+    fn may_be_shifted(&self) -> bool {
+        let is_whole = |cell: &Cell| cell.text().bytes().all(|byte| byte.is_ascii_digit());
+        let are_whole = |cells: &Vec<Cell>| cells.iter().all(is_whole) && !cells.iter().all(Cell::is_missing);
+        let Some(last) = self.header.len().checked_sub(1) else { return false };
+        let unknown = |place: usize| {
+            self.unknown.iter().find(|unknown| unknown.column == Some(place)).map(|unknown| &unknown.cells)
+        };
+        let values = self.measurements.iter().map(|measurement| &measurement.value);
+        let cells = |place: usize| {
+            unknown(place).or_else(|| values.clone().find(|series| series.place == place).map(|series| &series.cells))
+        };
+        let is_coarse = |series: &Series| {
+            let unit = series.unit.as_deref().and_then(Unit::from_symbol);
+            unit.is_none_or(|unit| {
+                matches!(unit, Unit::Length(LengthUnit::Millimetre) | Unit::Angle(AngleUnit::Degree))
+            })
+        };
+        let is_cut = |series: &Series| {
+            is_coarse(series) && (series.place..=last).all(|place| cells(place).is_some_and(are_whole))
+        };
+        unknown(last).is_some() && values.clone().any(is_cut)
+    }
+
     /// How many columns are known.
     fn width(&self) -> usize {
         let beside = self.ids.iter().chain(&self.index).count();

@@ -261,7 +261,10 @@ impl Column {
             return self.slope(value, &beside).map(Some);
         }
         let deviation = match self.nominal {
-            Nominal::None => self.possible(value)?,
+            Nominal::None => {
+                self.holds_from_nominal(&beside)?;
+                self.possible(value)?
+            }
             Nominal::Fixed(nominal) => self.less(value, nominal)?,
             Nominal::Beside => self.less(value, self.nominal_beside(&beside)?)?,
         };

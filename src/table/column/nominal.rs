@@ -93,15 +93,17 @@ impl Column {
             self.module = want.module;
             self.farthest = Reach::possible(want.module);
         }
-        if self.holds == Some(ValueKind::Deviation) {
-            return Ok(());
-        }
         let is_over_pin = self.kind.is_none() && self.field == Field::OverPin;
         let over_pin = want.over_pin.filter(|_| is_over_pin).map(DeviationValue::Length);
         let given = self.field.kind().and_then(|kind| want.given(kind)?.nominal.clone());
         if self.beside.get(Role::Nominal).is_some() {
+            self.stated = given.clone().and_then(Result::ok).or(over_pin);
+        }
+        if self.holds == Some(ValueKind::Deviation) {
+            return Ok(());
+        }
+        if self.beside.get(Role::Nominal).is_some() {
             self.nominal = Nominal::Beside;
-            self.stated = given.and_then(Result::ok).or(over_pin);
             return Ok(());
         }
         let in_spec = match self.kind {
@@ -152,6 +154,15 @@ impl Column {
             Some(stated) => Ok(stated),
             None => Ok(nominal),
         }
+    }
+
+    /// Holds the nominal value beside a deviation against the spec's; a deviation may have that of its own, 0.
+    pub(super) fn holds_from_nominal(&self, beside: &Companions<&Cell>) -> Result<(), Problem> {
+        let is_size = |nominal: DeviationValue| !nominal.is_zero();
+        if self.stated.is_some() && self.quantity_beside(beside, Role::Nominal)?.is_some_and(is_size) {
+            self.nominal_beside(beside)?;
+        }
+        Ok(())
     }
 
     /// Whether the nominal values of the spec and of a cell are the same but for the cell's last digit.

@@ -159,6 +159,14 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     })
 }
 
+/// The refusal of a table whose commas may be decimal marks.
+pub(super) fn cut_by_commas(source: &Source) -> Diagnostic {
+    let message =
+        format!("{}: the commas may be decimal marks: as separators they leave no value a decimal", source.name);
+    let help = "put semicolons between the values, or quotes around them; if they are whole, write 25.0";
+    Diagnostic::error(Code::AmbiguousBlock, message).help(help)
+}
+
 /// A column that numbers rows in another order than they stand, in a table of teeth that are not numbered otherwise: as gear testers
 /// measure them.
 pub(super) fn other_numbers(shape: &Shape, want: &Want) -> Option<Diagnostic> {
