@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::cell::{Cell, Record};
+use super::fixed::placed;
 use super::number::{Marks, marks};
 use super::split::{Field, next_record};
 use crate::quantity::Unit;
@@ -73,6 +74,7 @@ pub(crate) fn separators(text: &str) -> Vec<Separator> {
 pub(crate) fn records(text: &str, separator: Separator) -> Result<Vec<Record>, u64> {
     match separator {
         Separator::Character(byte) => separated(text, byte),
+        Separator::AlignedBlanks => Ok(placed(by_line(text, separator))),
         separator => Ok(by_line(text, separator)),
     }
 }

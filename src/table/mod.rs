@@ -49,6 +49,7 @@ mod column;
 mod companions;
 mod container;
 mod encoding;
+mod fixed;
 mod gathered;
 mod grid;
 mod lines;

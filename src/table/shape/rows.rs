@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::headings::{Named, PartNames, headings, is_extreme, is_numbered, known};
 use super::{NoShape, Series, Shape, aside, has_digit, unknown_line};
 use crate::table::cell::{Cell, Record};
+use crate::table::fixed::extents;
 use crate::table::grid::{Separator, bare_unit, differ, is_unit};
 use crate::table::names::{
     Field, Role, WordList, heading, is_context, is_statistic, names_value, part_said, role, says_which, split_unit,
@@ -122,17 +123,15 @@ pub(super) fn header_of_strangers(records: &[Record]) -> Option<Header> {
 /// Whether each row below a line of names begins with its number in front of all names, and has a cell below each.
 fn stands_behind_count(records: &[Record], names: usize) -> bool {
     let (names, above, below) = (&records[names], &records[..names], &records[names + 1..]);
-    let place = |record: &Record, cell: &Cell| cell.span.start - record.start..cell.span.end - record.start;
-    let is_below = |row: &Record, (cell, name): (&Cell, &Cell)| {
-        let (cell, name) = (place(row, cell), place(names, name));
-        cell.start < name.end && name.start < cell.end
-    };
-    let first = names.cells.first().map_or(0, |name| place(names, name).start);
+    let is_below = |(cell, name): (&Range<usize>, &Range<usize>)| cell.start < name.end && name.start < cell.end;
+    let of_names = extents(names.start, &names.cells);
+    let first = of_names.first().map_or(0, |name| name.start);
     let is_row = |(number, row): (usize, &Record)| {
+        let cells = extents(row.start, &row.cells);
         row.cells.len() == names.cells.len() + 1
             && row.cells[0].text() == number.to_string()
-            && place(row, &row.cells[0]).end <= first
-            && row.cells[1..].iter().zip(&names.cells).all(|pair| is_below(row, pair))
+            && cells[0].end <= first
+            && cells[1..].iter().zip(&of_names).all(is_below)
     };
     let is_whole = |row: &&Record| row.cells.len() > 1;
     below.first().is_some_and(|first| is_whole(&first))
@@ -368,16 +367,13 @@ pub(super) fn is_shifted(start: usize, header: &[Cell], row: &Record, separator:
     if has_places || row.cells.len() >= header.len() || row.numbers() == 0 {
         return false;
     }
-    let away = |place: usize, cell: &Cell| {
-        let heading = &header[place].span;
-        let (from, to) = (heading.start.saturating_sub(start), heading.end.saturating_sub(start));
-        let (left, right) = (cell.span.start.saturating_sub(row.start), cell.span.end.saturating_sub(row.start));
-        left.saturating_sub(to).max(from.saturating_sub(right))
+    let headings = extents(start, header);
+    let away = |heading: &Range<usize>, cell: &Range<usize>| {
+        cell.start.saturating_sub(heading.end).max(heading.start.saturating_sub(cell.end))
     };
-    row.cells
-        .iter()
-        .enumerate()
-        .any(|(place, cell)| (0..header.len()).any(|other| away(other, cell) < away(place, cell)))
+    let cells = extents(row.start, &row.cells);
+    let mut cells = cells.iter().zip(&headings);
+    cells.any(|(cell, own)| headings.iter().any(|other| away(other, cell) < away(own, cell)))
 }
 
 /// The cell of a row of units that stands below a heading: the one in its place, or, of fewer cells between blanks, the
@@ -387,11 +383,13 @@ fn unit_below<'r>(header: &Record, units: &'r Record, place: usize) -> Option<&'
     let found = if has_places || units.cells.len() == header.cells.len() {
         units.cells.get(place)
     } else {
-        let at = |record: &Record, cell: &Cell| cell.span.start.saturating_sub(record.start);
-        let nearest = |cell: &Cell| {
-            header.cells.iter().enumerate().min_by_key(|(_, heading)| at(header, heading).abs_diff(at(units, cell)))
+        let headings = extents(header.start, &header.cells);
+        let nearest = |cell: &Range<usize>| {
+            headings.iter().enumerate().min_by_key(|(_, heading)| heading.start.abs_diff(cell.start))
         };
-        units.cells.iter().find(|cell| nearest(cell).is_some_and(|(nearest, _)| nearest == place))
+        let below = extents(units.start, &units.cells);
+        let mut below = units.cells.iter().zip(&below);
+        below.find(|(_, cell)| nearest(cell).is_some_and(|(nearest, _)| nearest == place)).map(|(cell, _)| cell)
     };
     found.filter(|cell| !cell.is_missing())
 }
@@ -435,7 +433,12 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator, id: usize) 
         // a row of a sheet ends with its last cell
         let is_sheet = record.cells.iter().all(|cell| cell.span.is_empty());
         let is_whole = record.cells.len() == width || is_sheet && record.numbers() == 0;
-        if is_part(record, &first, width, words, follows) || names.may_have(&first) && (follows || is_whole) {
+        // Rack 2   412
+        let may_lack_cells = words && follows && record.numbers() > 1;
+        if is_part(record, &first, width, words, follows)
+            || names.may_have(&first) && (follows || is_whole)
+            || may_lack_cells
+        {
             end = index + 1;
         }
     }
