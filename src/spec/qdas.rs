@@ -8,6 +8,7 @@ use crate::formula::Model;
 use crate::judge::{Limit, LimitTarget};
 use crate::quantity::{Angle, Length};
 use crate::table::qdas::{Characteristic, Qdas};
+use crate::table::unit_of;
 use crate::uncertainty::{Influence, Uncertainty};
 
 /// What to do where parts have limits or uncertainties of their own.
@@ -184,7 +185,9 @@ fn says_the_same(one: &Characteristic, other: &Characteristic) -> bool {
 }
 
 fn value(kind: DeviationKind, text: &str, found: &Characteristic) -> Option<DeviationValue> {
-    let text = format!("{text} {}", found.unit.as_deref().unwrap_or_default());
+    let is_angle = kind == DeviationKind::RackLead;
+    let unit = found.unit.as_deref().map(|unit| unit_of(unit, is_angle).map_or(unit, |unit| unit.symbol()));
+    let text = format!("{text} {}", unit.unwrap_or_default());
     match kind {
         DeviationKind::RackLead => text.parse::<Angle>().ok().map(DeviationValue::Angle),
         _ => text.parse::<Length>().ok().map(DeviationValue::Length),

@@ -159,12 +159,21 @@ pub(super) fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Colu
 /// do not count, and another size than that with which they are read.
 pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column], want: &Want) -> Option<Unknown> {
     let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
-    if has_scale(&aside.text) || is_of_parts(&aside.text) || is_rejected(&aside.text) {
+    let said = without_label(&aside.text);
+    if has_scale(&aside.text) || is_of_parts(said) || is_rejected(&aside.text) || is_rejected(said) {
         return Some(unread(&aside.text));
     }
     let is_other =
         |said: &NamedSize| size_read_with(&said.name, columns, want).is_some_and(|read_with| said.size != read_with);
     named_sizes(&aside.text).find(is_other).map(|said| unread(&said.name))
+}
+
+/// What a line says behind what it is labelled with, and between marks: `[14:05] Tom: Sollwerte`, `# Sollwerte`; the name of who
+/// measured may be a word.
+fn without_label(text: &str) -> &str {
+    let is_mark = |c: char| c.is_whitespace() || "#*-[]<>|!".contains(c);
+    let said = text.rsplit_once(": ").filter(|(label, _)| !WordList::Person.has(label) && !WordList::Place.has(label));
+    said.map_or(text, |(_, said)| said).trim_matches(is_mark)
 }
 
 /// The names in a line of statistics, each with what stands behind it: `Max 25,012 Min 24,998`.

@@ -86,7 +86,7 @@ pub use strangers::{Stranger, refusal};
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};
 pub use want::{GivenColumn, Orientation, Want};
 
-pub(crate) use column::{Column, Nominal};
+pub(crate) use column::{Column, Nominal, unit_of};
 pub(crate) use encoding::text as cell_text;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};

@@ -101,7 +101,8 @@ impl Others {
     /// The errors that something may be, and that the spec has to name before it is left out; `None` where it never is.
     fn in_the_way(&self, unknown: &Unknown) -> Option<Vec<DeviationKind>> {
         let near: Vec<_> = near(&unknown.title).into_iter().filter_map(Field::kind).collect();
-        let may_be = |kind: &DeviationKind| unknown.is_repeated || near.contains(kind);
+        let is_again = unknown.is_repeated || is_again(&unknown.title);
+        let may_be = |kind: &DeviationKind| is_again || near.contains(kind);
         let unnamed = self.unnamed.iter().copied().filter(may_be);
         self.is_asked.then(|| self.missing.iter().copied().chain(unnamed).collect())
     }
@@ -168,8 +169,9 @@ impl Sorter<'_> {
         if let Some(value) = self.value_in_heading(unknown) {
             self.take(&value);
         }
-        let is_repeated =
-            self.measured.are_repeated_by(unknown) || unknown.cells.iter().any(|cell| self.is_one_more(title, cell));
+        let is_repeated = self.measured.are_repeated_by(unknown)
+            || self.want.names_once_more(title)
+            || unknown.cells.iter().any(|cell| self.is_one_more(title, cell));
         let is_measurement = unknown.is_measurement || is_repeated;
         if self.is_title(unknown) || self.is_described(unknown) || !is_measurement && self.is_range(unknown) {
             self.sorted.not_used.push(NotUsed { title: title.clone(), why: "no measurement" });

@@ -24,7 +24,8 @@ use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
 use mark::readings;
 pub(crate) use refusal::said_of_other;
 use refusal::{
-    cut_by_commas, no_error, numbers_teeth, other_numbers, other_order, other_part, other_unit, twice, two_readings,
+    cut_by_commas, no_error, numbers_teeth, other_numbers, other_order, other_part, other_unit, several_parts, twice,
+    two_readings,
 };
 
 /// A table whose columns are found.
@@ -292,6 +293,7 @@ fn read(source: &Source, shape: &Arc<Shape>, mark: DecimalMark, want: &Want) -> 
     problems.extend(shape.statements(want).find_map(other));
     problems.extend(other_part(shape, &columns, want));
     problems.extend(other_order(shape, want));
+    problems.extend(several_parts(shape, want));
     problems.extend(other_numbers(shape, want).filter(|_| is_teeth && shape.index.is_none()));
     if !problems.is_empty() {
         let in_file =

@@ -121,6 +121,16 @@ impl Want {
         self.ignored.iter().any(|pattern| matches(pattern, title) || matches(pattern, &name))
     }
 
+    /// Whether a title is a name that the spec gives to a column, with a number or a letter behind it, as programs tell columns of one
+    /// name apart: `CHR_017.1`.
+    pub(crate) fn names_once_more(&self, title: &str) -> bool {
+        const MOST_BEHIND: usize = 3;
+        let behind = |(name, _): &(String, Field)| title.strip_prefix(name.as_str());
+        let is_mark =
+            |behind: &str| behind.starts_with(['.', '_', '-', ' ', '(']) && behind.chars().count() <= MOST_BEHIND;
+        self.own.iter().filter_map(behind).any(is_mark)
+    }
+
     /// The unit that the spec gives to a column, if this is the column that it means.
     pub(crate) fn stated_unit(&self, kind: DeviationKind, title: &str) -> Option<Unit> {
         let mut names = self.own.iter().filter(|(_, field)| field.kind() == Some(kind)).peekable();

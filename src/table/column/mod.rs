@@ -21,7 +21,8 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::lead_slope;
 use crate::quantity::{Angle, Decimal, Length, LengthUnit, Unit, shown};
 use beside::companions;
-use unit::{unit, unit_of};
+use unit::unit;
+pub(crate) use unit::unit_of;
 
 /// What a value is taken together with.
 #[derive(Debug, Clone, Copy, PartialEq)]

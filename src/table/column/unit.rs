@@ -157,7 +157,7 @@ pub(crate) fn behind_name(title: &str, units: &[&str]) -> String {
 }
 
 /// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
-pub(super) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
+pub(crate) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
     // where a unit stands, `my` is the German name of µ
     let symbol = match bare_unit(symbol) {
         "my" | "µ m" | "0,001 mm" | "0.001 mm" | "0,001mm" | "0.001mm" => "µm",

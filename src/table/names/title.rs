@@ -36,7 +36,8 @@ fn is_of_one(label: &str, said: &str) -> bool {
     let words = Words::of(label).tokens;
     let names_part = |word: &String| part_words().any(|known| known.letters == *word);
     let says_more = words.iter().any(|word| part_of(word).is_some()) && !words.iter().all(names_part);
-    let is_of_others = [WordList::Person, WordList::Place, WordList::Words].iter().any(|list| list.has(label.trim()));
+    let is_of_others = [WordList::Person, WordList::Place].iter().any(|list| list.has(label.trim()))
+        || WordList::Words.has(label.trim()) && said.split_whitespace().count() > 1;
     says_more && part_in_title(said).is_none() || is_of_others && !WordList::Report.has(label.trim())
 }
 

@@ -188,6 +188,8 @@ pub(crate) enum WordList {
     Requirement,
     /// What names a part for good, whatever other number it has.
     Serial,
+    /// What parts of one name may be told apart by.
+    Batch,
     /// What counts rows, and names a part where nothing else does.
     RowNumber,
     /// What a title calls a report of measurements.
@@ -277,6 +279,7 @@ impl WordList {
                 | Self::ToMate
                 | Self::Elsewhere
                 | Self::Serial
+                | Self::Batch
                 | Self::Person
                 | Self::Words
                 | Self::Verifier

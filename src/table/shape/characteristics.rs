@@ -256,6 +256,9 @@ pub(super) fn by_characteristic(
         }
         shape.measurements.push(measurement);
     }
+    if let Some(of_two) = found.of_two_batches(want) {
+        return Err(of_two);
+    }
     let part = found.place(Role::Part);
     if part.is_some() || !found.parts.is_empty() {
         let title = part.map_or_else(|| "part".to_owned(), |place| found.title(place));
@@ -340,6 +343,29 @@ impl<'r> Characteristics<'r> {
             is_open(place) && names.may_have(&title) && !is_statistic_among(&title, titles)
         };
         (0..titles.len()).filter(|place| found.contains(place) || is_like(place)).collect()
+    }
+
+    /// A row of a part that has another batch, nest or the like than a row before: it may be of another part with that name.
+    fn of_two_batches(&self, want: &Want) -> Option<NoShape> {
+        let part = self.place(Role::Part);
+        let is_batch = |place: &usize| {
+            let title = self.title(*place);
+            Some(*place) != part && WordList::Batch.has(&title) && !want.ignores(&title)
+        };
+        let place = (0..self.roles.len()).filter(|_| self.parts.is_empty()).find(is_batch)?;
+        let mut first: HashMap<Cow<'_, str>, &Record> = HashMap::new();
+        self.rows.iter().find_map(|row| {
+            let name = part.map(|part| row.cell(part).text()).unwrap_or_default();
+            let before = *first.entry(name).or_insert(row);
+            let [one, other] = [before, row].map(|row| row.cell(place));
+            let is_other = !one.is_missing() && !other.is_missing() && one.text() != other.text();
+            is_other.then(|| NoShape::TwoBatches {
+                title: self.title(place),
+                first: one.clone(),
+                second: other.clone(),
+                record: Record::clone(row),
+            })
+        })
     }
 
     /// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not; nor do

@@ -26,6 +26,8 @@ pub(crate) enum NoShape {
     Ragged { record: Record, expected: usize },
     /// The same name twice, and the columns that may tell of which parts they are.
     Twice { heading: Cell, field: Field, may_tell: Vec<String> },
+    /// Values of one part by its name, and of two batches.
+    TwoBatches { title: String, first: Cell, second: Cell, record: Record },
     /// Numbers without names, and a count that does not fit what is expected.
     Count { columns: usize, rows: usize, span: Range<usize> },
     /// Values that have different units in different places.
@@ -67,6 +69,14 @@ impl NoShape {
                 .help(
                     "a table has a header row and rows of numbers; a line of a mail has a name, a value and its unit, `over roller: 25.012 mm`; numbers without names take --as rack_over_roller",
                 ),
+            Self::TwoBatches { title, first, second, record } => of_line(
+                &record,
+                format!(
+                    "`{}` is `{}`, and `{}` in another row of the part: they may be two parts of one name",
+                    shown(&title), shown(&second.text()), shown(&first.text())
+                ),
+            )
+            .help(format!("give each part a name of its own; or leave the column out, if it is one: {}", ignore_option(&title))),
             Self::OpenQuote { line } => of_file(format!(
                 ", line {line}: a quote is not closed, or lines later, so rows of the table are in one cell"
             ))

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use super::super::cell::Cell;
 use super::super::column::{Column, UnitFrom, behind_name, fitting};
 use super::super::grid::Separator;
-use super::super::names::{Field, is_called, part_in_title, part_said};
+use super::super::names::{Field, is_called, names_page, part_in_title, part_said, says_which};
 use super::super::number::{DecimalMark, Marks, normalise};
 use super::super::reading::AsideReading;
 use super::super::shape::{Shape, has_digit, is_part_name, located, stated_units, unknown_unit};
 use super::super::unknown::Unknown;
-use super::super::want::{Want, ignore_option, mapping, quoted};
+use super::super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use super::Understood;
 use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
@@ -157,6 +157,40 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
         let help = format!("give tables side by side one by one; or leave a column out: {}", ignore_option(title));
         Some(Diagnostic::error(Code::BadTable, message).help(help))
     })
+}
+
+/// Two lines with values of one part between them that differ in a number or a side alone: each may name a part.
+pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
+    const MOST_WORDS: usize = 3;
+    let values = || shape.measurements.iter().map(|measurement| measurement.value.cells.len());
+    if shape.orientation == Orientation::Rows || shape.ids.is_some() || values().any(|count| count != 1) {
+        return None;
+    }
+    let without_digits = |text: &str| text.replace(|c: char| c.is_ascii_digit(), "");
+    let is_side = |aside: &AsideReading| says_which(aside.text.trim());
+    let is_name = |aside: &&AsideReading| {
+        let is_numbered = has_digit(&aside.text) && !names_page(&aside.text);
+        let is_short = aside.text.split_whitespace().count() <= MOST_WORDS;
+        is_short && (is_numbered || is_side(aside)) && !want.ignores(&aside.text)
+    };
+    let are_alike = |one: &AsideReading, other: &AsideReading| {
+        let [stem, other_stem] = [one, other].map(|aside| without_digits(&aside.text));
+        one.text != other.text && other.line > one.line + 1 && (stem == other_stem || is_side(one) && is_side(other))
+    };
+    let names: Vec<&AsideReading> = shape.asides.iter().filter(is_name).collect();
+    let [one, other] = names
+        .iter()
+        .flat_map(|one| names.iter().map(move |other| [*one, *other]))
+        .find(|[one, other]| are_alike(one, other))?;
+    let message = format!(
+        "lines {} and {} say `{}` and `{}`: each may name a part, and the values are those of one",
+        one.line,
+        other.line,
+        shown(&one.text),
+        shown(&other.text)
+    );
+    let help = format!("write `Part` in front of names of parts; or leave lines out: {}", ignore_option(&other.text));
+    Some(Diagnostic::error(Code::BadTable, message).help(help))
 }
 
 /// The refusal of a table whose commas may be decimal marks.
