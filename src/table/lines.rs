@@ -243,7 +243,10 @@ fn is_rejected(text: &str) -> bool {
 /// `worst part 109`, `right flank 109`.
 fn speaks_of_deviation(text: &str) -> bool {
     let before = text.find(|c: char| c.is_ascii_digit()).map(|number| &text[..number]);
-    before.is_some_and(|words| WordList::Mean.has(words) || says_deviation(words) || says_which(words.trim()))
+    // L1 is a line or a robot
+    let is_flank =
+        |words: &str| says_which(words.trim()) && (words.chars().count() > 1 || !words.ends_with(char::is_alphabetic));
+    before.is_some_and(|words| WordList::Mean.has(words) || says_deviation(words) || is_flank(words))
 }
 
 /// Whether a text is a number that some column may hold and words that call it a value, and nothing else: `nochmal gemessen: 95`,

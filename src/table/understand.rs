@@ -13,7 +13,7 @@ use super::cell::{Cell, Record};
 use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, statistic_word};
+use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, split_unit, statistic_word};
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
 use super::shape::{Measurement, NoShape, Series, Shape, shape};
@@ -249,7 +249,9 @@ impl Shape {
         let is_cut = |series: &Series| {
             is_coarse(series) && (series.place..=last).all(|place| cells(place).is_some_and(are_whole))
         };
-        unknown(last).is_some() && values.clone().any(is_cut)
+        // with a unit it would have decimals, too, and is none that may be left out
+        let has_unit = split_unit(&self.header[last].text()).1.is_some();
+        unknown(last).is_some() && !has_unit && values.clone().any(is_cut)
     }
 
     /// How many columns are known.

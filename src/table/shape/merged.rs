@@ -23,6 +23,40 @@ struct Groups {
     width: usize,
 }
 
+/// The records with a heading of two rows in one: `Abmaße` above `oben` and `unten`, `Messwerte` above the names of parts.
+pub(super) fn with_heading_in_one_row(records: &[Record]) -> Cow<'_, [Record]> {
+    let joined = |at: usize| Some((at, joined(&records[at], &records[at + 1])?));
+    let Some((at, heading)) = (0..records.len().saturating_sub(1)).find_map(joined) else { return records.into() };
+    let rest = records[at + 2..].iter().cloned();
+    records[..at].iter().cloned().chain([heading]).chain(rest).collect()
+}
+
+/// A heading of characteristics with what stands below it, if that goes on only where a cell is merged over several.
+fn joined(above: &Record, below: &Record) -> Option<Record> {
+    let is_name = |cell: &Cell| role(&cell.text()) == Some(Role::Name);
+    let goes_on = below.filled().len() > 1 && below.numbers() == 0 && below.cells.len() <= above.cells.len();
+    if !goes_on || above.numbers() > 0 || !above.cells.iter().any(is_name) {
+        return None;
+    }
+    let is_open = |place: usize| above.cells.get(place).is_some_and(Cell::is_empty);
+    let mut group = Cell::default();
+    let joined = above.cells.iter().enumerate().map(|(place, upper)| {
+        let lower = below.cell(place);
+        if !upper.is_empty() {
+            group = if is_open(place + 1) { upper.clone() } else { Cell::default() };
+        }
+        if lower.is_empty() {
+            return Some(upper.clone());
+        }
+        // oben, or the name of a part
+        let whole = format!("{} {}", group.text(), lower.text());
+        let is_said = role(&whole).is_some_and(Role::is_beside_value);
+        (!group.is_empty()).then(|| if is_said { Cell::of_text(&whole, lower.span.clone()) } else { lower.clone() })
+    });
+    let cells: Vec<Cell> = joined.collect::<Option<_>>()?;
+    Some(above.with_cells(cells))
+}
+
 /// The records with a row for each part of a characteristic, and its name in a column of its own; other records as they are.
 pub(super) fn with_part_in_each_row<'r>(records: &'r [Record], want: &Want) -> Cow<'r, [Record]> {
     let Some(groups) = (1..records.len()).find_map(|header| groups(records, header, want)) else {

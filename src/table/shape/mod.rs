@@ -49,8 +49,8 @@ use dimensions::with_dimension_names;
 use headings::{Named, known};
 use items::without_item_numbers;
 use labels::{by_label, columns_of_no_part, find_labels, is_counted};
-use merged::{with_names_above, with_part_in_each_row};
-use pages::with_part_of_page;
+use merged::{with_heading_in_one_row, with_names_above, with_part_in_each_row};
+use pages::{with_part_of_page, with_part_of_section};
 use rows::{by_header, find_header, header_of_strangers};
 use sentences::by_sentence;
 
@@ -405,10 +405,12 @@ pub(crate) fn shape(records: &[Record], separator: Separator, want: &Want) -> Re
     let names = names_of_one(records, want);
     let want = &want.of_part(head.map(Record::in_words).chain(names));
     let records = without_item_numbers(records);
+    let records = with_heading_in_one_row(&records);
     let records = with_parts_side_by_side(&records, want);
     let records = with_names_above(&records);
     let records = with_part_in_each_row(&records, want);
     let records = with_part_of_page(&records);
+    let records = with_part_of_section(&records);
     let mut shape = shape_of(&with_dimension_names(&records, want), separator, want)?;
     shape.take_stated_units(want);
     Ok(shape)

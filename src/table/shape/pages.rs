@@ -61,6 +61,32 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     rows.into()
 }
 
+/// The records with the name of its part behind each characteristic, where a row that has nothing else names it: `Teil 1;;`.
+pub(super) fn with_part_of_section(records: &[Record]) -> Cow<'_, [Record]> {
+    let Some(start) = records.iter().position(is_header) else { return records.into() };
+    let (header, below) = (&records[start], &records[start + 1..]);
+    let alone = |record: &Record| match record.filled() {
+        [cell] if record.cells.len() == header.cells.len() => part_line(&cell.text()),
+        _ => None,
+    };
+    let Some(PartLine { word, .. }) = below.first().and_then(alone) else { return records.into() };
+    let named = |record: &Record| alone(record).filter(|line| line.word == word).map(|line| line.name);
+    let names: Vec<String> = below.iter().filter_map(named).collect();
+    if names.len() < 2 || names.iter().collect::<HashSet<_>>().len() < names.len() {
+        return records.into();
+    }
+    let mut part = String::new();
+    let mut rows = records[..start].to_vec();
+    rows.push(with_cell(header, "part"));
+    for record in below {
+        match named(record) {
+            Some(name) => part = name,
+            None => rows.push(with_cell(record, &part)),
+        }
+    }
+    rows.into()
+}
+
 /// A characteristic without its value, which stands for all of a page.
 fn without_value(characteristic: &Record, header: &Record, page: &Record) -> Record {
     let is_kept = |heading: &Cell| matches!(role(&heading.text()), Some(Role::Name | Role::Unit));
