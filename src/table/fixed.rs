@@ -53,7 +53,9 @@ fn place(header: &Record, rows: &mut [&mut Record]) {
             && of_rows.iter().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
     let with_header = || columns(of_rows.iter().flatten().cloned().chain(extents_of(header)).collect());
-    let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(is_one_each);
+    // a whole row tells which columns there are, however the headings stand above them
+    let has_whole = rows.iter().any(|row| row.cells.len() == width);
+    let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(|_| has_whole).filter(is_one_each);
     let Some(columns) = alone.or_else(|| Some(with_header()).filter(is_one_each)) else { return };
     for (row, extents) in rows.iter_mut().zip(&of_rows) {
         let mut cells = vec![Cell::default(); width];

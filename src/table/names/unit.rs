@@ -76,11 +76,13 @@ fn without_limit_mark(text: &str) -> Option<&str> {
 }
 
 /// What stands between two limits.
-pub(crate) const BETWEEN_LIMITS: [&str; 9] = [" - ", " – ", " … ", " / ", " bis ", " to ", "-", "–", "…"];
+pub(crate) const BETWEEN_LIMITS: [&str; 11] = [" - ", " – ", " … ", " / ", " bis ", " to ", "-", "–", "…", "～", "~"];
 
 /// What stands before a limit.
-pub(crate) const LIMIT_MARKS: [&str; 14] =
-    ["max.", "max", "maximum", "maximal", "≤", "<=", "<", "±", "+/-", "tol.", "tol", "toleranz", "zul.", "zul"];
+pub(crate) const LIMIT_MARKS: [&str; 20] = [
+    "max.", "max", "maximum", "maximal", "≤", "≦", "<=", "<", "±", "+/-", "tol.", "tol", "toleranz", "zul.", "zul",
+    "within", "or less", "maxi", "以下", "以内",
+];
 
 fn is_plain_number(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_digit()) && text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | ','))

@@ -7,7 +7,9 @@ use std::sync::Arc;
 use super::super::cell::Cell;
 use super::super::column::{Column, UnitFrom, behind_name, fitting};
 use super::super::grid::Separator;
-use super::super::names::{Field, is_called, names_page, part_in_title, part_said, says_which};
+use super::super::names::{
+    Field, Role, WordList, is_called, is_context, names_page, part_in_title, part_said, role, says_which,
+};
 use super::super::number::{DecimalMark, Marks, normalise};
 use super::super::reading::AsideReading;
 use super::super::shape::{Shape, has_digit, is_part_name, located, stated_units, unknown_unit};
@@ -166,16 +168,24 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     if shape.orientation == Orientation::Rows || shape.ids.is_some() || values().any(|count| count != 1) {
         return None;
     }
-    let without_digits = |text: &str| text.replace(|c: char| c.is_ascii_digit(), "");
+    // what stands beside a number, and may count something else than parts
+    let stem = |aside: &AsideReading| {
+        let stem = aside.text.replace(|c: char| c.is_ascii_digit(), "");
+        stem.trim_matches(|c: char| !c.is_alphabetic()).to_owned()
+    };
+    let counts_others = |stem: &str| {
+        let is_number_of = role(stem) == Some(Role::Name) || WordList::RowNumber.has(stem) || names_page(stem);
+        stem.is_empty() || is_number_of || is_context(stem) && !WordList::Batch.has(stem)
+    };
     let is_side = |aside: &AsideReading| says_which(aside.text.trim());
     let is_name = |aside: &&AsideReading| {
-        let is_numbered = has_digit(&aside.text) && !names_page(&aside.text);
+        let is_numbered = has_digit(&aside.text) && !names_page(&aside.text) && !counts_others(&stem(aside));
         let is_short = aside.text.split_whitespace().count() <= MOST_WORDS;
         is_short && (is_numbered || is_side(aside)) && !want.ignores(&aside.text)
     };
     let are_alike = |one: &AsideReading, other: &AsideReading| {
-        let [stem, other_stem] = [one, other].map(|aside| without_digits(&aside.text));
-        one.text != other.text && other.line > one.line + 1 && (stem == other_stem || is_side(one) && is_side(other))
+        let is_same = stem(one) == stem(other) || is_side(one) && is_side(other);
+        one.text != other.text && other.line > one.line + 1 && is_same
     };
     let names: Vec<&AsideReading> = shape.asides.iter().filter(is_name).collect();
     let [one, other] = names
