@@ -371,28 +371,37 @@ impl<'r> Characteristics<'r> {
     /// Of several columns that may name the part, those that are the same in every row name it not, beside one that is not; nor do
     /// those that go one to one with it.
     fn drop_common_names(&mut self) {
-        let names = places(&self.roles, Role::Part);
+        let is_common = |place: usize| distinct(self.column(place).filter(|cell| !cell.is_missing())) < 2;
+        let mut names = places(&self.roles, Role::Part);
+        // Teil X, Nr. 1
+        let is_number = |place: &usize| {
+            let is_called = self.roles[*place].is_none() && WordList::RowNumber.has(&self.title(*place));
+            is_called && !is_common(*place) && !self.counts_rows(*place)
+        };
+        if names.iter().all(|place| is_common(*place)) && !names.is_empty() {
+            names.extend((0..self.roles.len()).filter(is_number));
+        }
         if names.len() < 2 {
             return;
         }
-        let is_common = |place: usize| distinct(self.column(place).filter(|cell| !cell.is_missing())) < 2;
         let is_serial = |place: usize| WordList::Serial.has(&self.title(place));
         let tells = |place: &&usize| !is_common(**place) && (is_serial(**place) || !self.counts_rows(**place));
         let of_one_part = || {
             let serial = names.iter().find(|place| is_serial(**place)).or(names.first());
             serial.filter(|_| names.iter().all(|place| is_common(*place)))
         };
-        let Some(kept) = names.iter().find(tells).or_else(of_one_part) else { return };
+        let Some(kept) = names.iter().find(tells).or_else(of_one_part).copied() else { return };
         // as many pairs as there are of either
         let is_same = |place: usize| {
             let texts = |place: usize| self.column(place).map(Cell::text);
-            let pairs: HashSet<_> = texts(*kept).zip(texts(place)).collect();
-            [*kept, place].into_iter().all(|place| distinct(self.column(place)) == pairs.len())
+            let pairs: HashSet<_> = texts(kept).zip(texts(place)).collect();
+            [kept, place].into_iter().all(|place| distinct(self.column(place)) == pairs.len())
         };
-        let dropped = |place: &&usize| *place != kept && (is_common(**place) || is_same(**place));
+        let dropped = |place: &&usize| **place != kept && (is_common(**place) || is_same(**place));
         for place in names.iter().filter(dropped).copied().collect::<Vec<_>>() {
             self.roles[place] = None;
         }
+        self.roles[kept] = Some(Role::Part);
     }
 
     /// Settles which columns are parts where a column seems to name the part as well: beside one column of values it does, and

@@ -223,9 +223,9 @@ pub(super) fn other_numbers(shape: &Shape, want: &Want) -> Option<Diagnostic> {
         let each: BTreeSet<i64> = numbers.iter().copied().collect();
         let (first, last) = (numbers[0], numbers[numbers.len() - 1]);
         let [least, most] = [each.first(), each.last()].map(|end| end.copied().unwrap_or(first));
-        let is_next = |pair: &[i64]| pair[1] == pair[0] + 1 || pair == [most, least];
+        let is_next = |pair: &[i64]| Some(pair[1]) == pair[0].checked_add(1) || pair == [most, least];
         let is_in_order = [first, last] == [least, most] && numbers.windows(2).all(is_next);
-        usize::try_from(most - least).is_ok_and(|apart| apart > 0 && apart + 1 == each.len()) && !is_in_order
+        each.len() > 1 && usize::try_from(most.abs_diff(least)) == Ok(each.len() - 1) && !is_in_order
     })?;
     let title = &unknown.title;
     let message =
