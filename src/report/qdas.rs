@@ -40,7 +40,7 @@ pub fn qdas(rows: &[Vec<String>], title: &str, limits: &Limits) -> Vec<u8> {
             }
         })
         .collect();
-    let part = PartDefinition { number: title.to_owned(), name: "rackmesh".to_owned() };
+    let part = PartDefinition { number: title.to_owned(), name: "rackmesh".to_owned(), ..PartDefinition::default() };
     // all parts of a table are judged without the same errors
     let without = rows.iter().map(|row| text(row, without)).find(|keys| !keys.is_empty());
     let remark = without.map_or_else(String::new, |keys| format!("judged without {keys} (--partial)"));

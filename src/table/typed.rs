@@ -14,7 +14,7 @@ use super::names::{
 use super::number::quantity;
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use super::pieces::Place;
-use super::qdas::{Characteristic, LeftOut, PartDefinition, Qdas};
+use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
 use super::rows::stored_record;
@@ -283,7 +283,7 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
     let (left_out, remarks, parts) = (qdas.left_out.clone(), qdas.remarks.clone(), qdas.parts.clone());
     let want = &with_nominals(&qdas, want)?;
-    let want = &*want.of_part(parts.iter().map(|part| part.name.clone()));
+    let want = &*want.of_part(parts.iter().flat_map(|part| [part.name.clone(), part.kind.clone()]));
     let table = qdas.table(&want.own);
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
@@ -292,9 +292,9 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     if let Some(refused) = table.mixed(name) {
         return Err(refused.into());
     }
-    let is_of_other = |part: &PartDefinition, columns: &[Column]| {
+    let is_of_other = |said: &str, columns: &[Column]| {
         let of = |gear: Part| !columns.iter().filter_map(|column| column.kind).any(|kind| kind.part() == gear);
-        part_said(&part.name).is_some_and(of)
+        part_said(said).is_some_and(of)
     };
     let mut head = vec![table.header(&want.own)];
     head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
@@ -308,12 +308,10 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, D
     let mut found = Table::new(name, "Q-DAS", &understood, want);
     found.pieces.give_records(records, None);
     found.reading.header_line = None;
-    if let Some(part) = parts.iter().find(|part| is_of_other(part, &understood.columns)) {
-        let title = shown(&part.name);
-        found
-            .reading
-            .notes
-            .push(format!("{name}: K1002 says `{title}`, and no value is of that: these may be other parts"));
+    let mut said = parts.iter().flat_map(|part| [("K1002", &part.name), ("K1008", &part.kind)]);
+    if let Some((key, said)) = said.find(|(_, said)| is_of_other(said, &understood.columns)) {
+        let note = format!("{name}: {key} says `{}`, and no value is of that: these may be other parts", shown(said));
+        found.reading.notes.push(note);
     }
     for remark in remarks {
         let place = format!("K{:04} in line {}", remark.key, remark.line);

@@ -101,13 +101,15 @@ struct Value {
     sample: u32,
 }
 
-/// K1001 and K1002.
+/// K1001, K1002 and K1008.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct PartDefinition {
     /// K1001
     pub number: String,
     /// K1002
     pub name: String,
+    /// K1008
+    pub kind: String,
 }
 
 /// The content of a file.

@@ -182,6 +182,7 @@ impl Reader {
         let known = match line.key {
             1001 => &mut part.number,
             1002 => &mut part.name,
+            1008 => &mut part.kind,
             _ => return Ok(()),
         };
         let text = line.text.trim();

@@ -32,7 +32,10 @@ fn values_under_keys() {
     assert_eq!(rows(&text), ["part_id|rack_over_roller [mm]|rack_pitch [µm]", "P1|25.013|12", "P2|25.02|"]);
     let qdas = read(&[("lot.dfq", &text)]).unwrap();
     let first = &qdas.characteristics[0];
-    assert_eq!(qdas.parts, [PartDefinition { number: "4711".to_owned(), name: "Zahnstange".to_owned() }]);
+    assert_eq!(
+        qdas.parts,
+        [PartDefinition { number: "4711".to_owned(), name: "Zahnstange".to_owned(), kind: String::new() }]
+    );
     let limits =
         (first.nominal.as_deref(), first.lower.as_deref(), first.upper.as_deref(), first.uncertainty.as_deref());
     assert_eq!(limits, (Some("25.000"), Some("24.98"), Some("25.03"), Some("0.002")));
@@ -100,7 +103,7 @@ fn what_is_written_is_read_again() {
             ..CharacteristicColumn::default()
         },
     ];
-    let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned() };
+    let part = PartDefinition { number: "4711".to_owned(), name: "Maß\nband".to_owned(), kind: String::new() };
     let rows = [
         ValueRow { name: "P1", values: vec![Some(0.1 + 0.2), Some(-1e-9)], remark: "" },
         ValueRow { name: "P2", values: vec![None, Some(f64::NAN)], remark: "no\nlead" },

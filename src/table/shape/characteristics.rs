@@ -359,12 +359,7 @@ impl<'r> Characteristics<'r> {
             let before = *first.entry(name).or_insert(row);
             let [one, other] = [before, row].map(|row| row.cell(place));
             let is_other = !one.is_missing() && !other.is_missing() && one.text() != other.text();
-            is_other.then(|| NoShape::TwoBatches {
-                title: self.title(place),
-                first: one.clone(),
-                second: other.clone(),
-                record: Record::clone(row),
-            })
+            is_other.then(|| NoShape::two_batches(&self.title(place), [one, other], row))
         })
     }
 

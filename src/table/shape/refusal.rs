@@ -27,7 +27,7 @@ pub(crate) enum NoShape {
     /// The same name twice, and the columns that may tell of which parts they are.
     Twice { heading: Cell, field: Field, may_tell: Vec<String> },
     /// Values of one part by its name, and of two batches.
-    TwoBatches { title: String, first: Cell, second: Cell, record: Record },
+    TwoBatches { what: String, help: String, record: Record },
     /// Numbers without names, and a count that does not fit what is expected.
     Count { columns: usize, rows: usize, span: Range<usize> },
     /// Values that have different units in different places.
@@ -54,6 +54,19 @@ impl NoShape {
         Self::Twice { heading: heading.clone(), field, may_tell: Vec::new() }
     }
 
+    /// A row of a part that says another batch than a row before it.
+    pub(super) fn two_batches(title: &str, [first, second]: [&Cell; 2], record: &Record) -> Self {
+        let [first, second, named] = [&first.text(), &second.text(), title].map(shown);
+        let what = format!(
+            "`{named}` is `{second}`, and `{first}` in another row of the part: they may be two parts of one name"
+        );
+        let help = format!(
+            "give each part a name of its own; or leave the column out, if it is one: {}",
+            ignore_option(title)
+        );
+        Self::TwoBatches { what, help, record: record.clone() }
+    }
+
     /// What is wrong, where, and what to do.
     pub(crate) fn explain(self, source: &Arc<Source>, want: &Want) -> Diagnostic {
         let at = |code: Code, span: Range<usize>, message: String| {
@@ -69,14 +82,7 @@ impl NoShape {
                 .help(
                     "a table has a header row and rows of numbers; a line of a mail has a name, a value and its unit, `over roller: 25.012 mm`; numbers without names take --as rack_over_roller",
                 ),
-            Self::TwoBatches { title, first, second, record } => of_line(
-                &record,
-                format!(
-                    "`{}` is `{}`, and `{}` in another row of the part: they may be two parts of one name",
-                    shown(&title), shown(&second.text()), shown(&first.text())
-                ),
-            )
-            .help(format!("give each part a name of its own; or leave the column out, if it is one: {}", ignore_option(&title))),
+            Self::TwoBatches { what, help, record } => of_line(&record, what).help(help),
             Self::OpenQuote { line } => of_file(format!(
                 ", line {line}: a quote is not closed, or lines later, so rows of the table are in one cell"
             ))
