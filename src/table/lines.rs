@@ -160,12 +160,24 @@ pub(super) fn without_value(aside: &AsideReading, shape: &Shape, columns: &[Colu
 pub(super) fn of_all_values(aside: &AsideReading, columns: &[Column], want: &Want) -> Option<Unknown> {
     let unread = |title: &str| Unknown::line(title, aside.line, vec![Cell::of_text(&aside.text, 0..0)]).unread();
     let said = without_label(&aside.text);
-    if has_scale(&aside.text) || is_of_parts(said) || is_rejected(&aside.text) || is_rejected(said) {
+    if has_scale(&aside.text)
+        || corrects_unit(said)
+        || is_of_parts(said)
+        || is_rejected(&aside.text)
+        || is_rejected(said)
+    {
         return Some(unread(&aside.text));
     }
     let is_other =
         |said: &NamedSize| size_read_with(&said.name, columns, want).is_some_and(|read_with| said.size != read_with);
     named_sizes(&aside.text).find(is_other).map(|said| unread(&said.name))
+}
+
+/// Whether a text says that one unit is meant and not another, and nothing else: `mm not µm`.
+fn corrects_unit(text: &str) -> bool {
+    let words = || text.split([' ', ',']).filter(|word| !word.is_empty());
+    let denies = |word: &str| WordList::Negation.has(word) || WordList::Again.has(word);
+    words().any(is_unit) && words().any(denies) && words().all(|word| is_unit(word) || denies(word) || word == "but")
 }
 
 /// What a line says behind what it is labelled with, and between marks: `[14:05] Tom: Sollwerte`, `# Sollwerte`; the name of who

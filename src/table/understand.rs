@@ -436,9 +436,11 @@ pub(super) fn is_false_statistic(
     );
     let is_spread = WordList::Spread.has(name);
     // a spread, a sum or an index is far from a nominal value
-    let is_apart = (is_spread || WordList::Apart.has(name)) && column.nominal != Nominal::None;
+    let has_nominal = column.nominal != Nominal::None;
+    let is_size = || matches!(column.read(cell, beside), Ok(Some(_)));
     is_false_limit
-        || side.is_some() && (WordList::Mean.has(name) || is_apart)
+        || side.is_some() && (WordList::Mean.has(name) || is_spread && has_nominal)
+        || has_nominal && WordList::Apart.has(name) && is_size()
         || name.len() > 1 && is_spread && column.is_wider(cell, others)
 }
 
