@@ -22,7 +22,9 @@ pub(super) fn fold(text: &str) -> String {
         }
     }
     // an umlaut may be written as two letters
-    out.replace("ae", "a").replace("oe", "o").replace("ue", "u")
+    let mut before = ' ';
+    out.retain(|c| !(matches!(std::mem::replace(&mut before, c), 'a' | 'o' | 'u') && c == 'e'));
+    out
 }
 
 /// Whether a mark says more than letters do: a question, a relation, a rejection. No word of the vocabulary has one.

@@ -48,6 +48,9 @@ fn split_size(name: &str) -> Option<(&str, Option<&str>)> {
 /// A name without the two limits behind it: `Rollenmaß 24,95 - 25,05`.
 fn split_limits(name: &str) -> Option<&str> {
     let name = name.trim_end_matches([' ', ')']);
+    if name.matches(['.', ',']).count() < 2 {
+        return None;
+    }
     BETWEEN_LIMITS.iter().find_map(|mark| {
         let (before, upper) = name.rsplit_once(mark)?;
         let (name, lower) = before.rsplit_once([' ', '('])?;
