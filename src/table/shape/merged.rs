@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use super::headings::{is_of_no_part, is_part_name};
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Role, names_value, role};
+use crate::table::names::{Role, WordList, names_value, role};
 use crate::table::want::Want;
 
 /// The columns of parts.
@@ -51,7 +51,15 @@ fn joined(above: &Record, below: &Record) -> Option<Record> {
         // oben, or the name of a part
         let whole = format!("{} {}", group.text(), lower.text());
         let is_said = role(&whole).is_some_and(Role::is_beside_value);
-        (!group.is_empty()).then(|| if is_said { Cell::of_text(&whole, lower.span.clone()) } else { lower.clone() })
+        // what stands below `Sollwerte` or `Kunde` is no value of a part
+        let group = group.text();
+        let is_of_values =
+            role(&group) == Some(Role::Measured) || WordList::UnitSubject.has(&group) || is_part_name(&group);
+        match (is_said, is_of_values) {
+            (true, _) => Some(Cell::of_text(&whole, lower.span.clone())),
+            (false, true) => Some(lower.clone()),
+            (false, false) => None,
+        }
     });
     let cells: Vec<Cell> = joined.collect::<Option<_>>()?;
     Some(above.with_cells(cells))

@@ -72,7 +72,10 @@ pub(super) fn with_part_of_section(records: &[Record]) -> Cow<'_, [Record]> {
     let Some(PartLine { word, .. }) = below.first().and_then(alone) else { return records.into() };
     let named = |record: &Record| alone(record).filter(|line| line.word == word).map(|line| line.name);
     let names: Vec<String> = below.iter().filter_map(named).collect();
-    if names.len() < 2 || names.iter().collect::<HashSet<_>>().len() < names.len() {
+    // a part of which nothing is said would be lost
+    let is_filled = |pair: &[Record]| named(&pair[0]).is_none() || named(&pair[1]).is_none();
+    let are_filled = below.windows(2).all(is_filled) && below.last().is_some_and(|last| named(last).is_none());
+    if names.len() < 2 || !are_filled || names.iter().collect::<HashSet<_>>().len() < names.len() {
         return records.into();
     }
     let mut part = String::new();
