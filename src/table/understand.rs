@@ -13,10 +13,13 @@ use super::cell::{Cell, Record};
 use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
-use super::names::{Field, Role, WordList, may_be_of_parts, names_value, role, split_unit, statistic_word};
+use super::names::{
+    Field, Role, WordList, is_statistic, may_be_of_parts, names_value, role, split_unit, statistic_word,
+};
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
-use super::shape::{Measurement, NoShape, Series, Shape, shape};
+use super::shape::{Measurement, NoShape, Series, Shape, is_spread, shape};
+use super::unknown::Unknown;
 use super::want::{Orientation, Want};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
@@ -324,6 +327,11 @@ impl Understood {
         if !of_parts.contains(&true) && !is_across {
             return None;
         }
+        let is_made = |unknown: &&Unknown| is_statistic(&unknown.title) || is_spread(&unknown.title);
+        let is_beside_statistic = |limit: &Series| {
+            let mut places = self.shape.unknown.iter().filter(is_made).filter_map(|unknown| unknown.column);
+            places.any(|place| place.abs_diff(limit.place) == 1)
+        };
         let refused = |line: u64, name: &str, value: &Cell| {
             let text = value.text();
             let message = format!("{file}, line {line}: `{name}` is {text}, which values of the others contradict");
@@ -349,13 +357,16 @@ impl Understood {
             if let Some((row, cell)) = rows().find(is_false) {
                 return refused(self.shape.lines[row], &name(row), cell);
             }
-            // a limit to one side may be a part
-            let [upper, lower] = [Role::Upper, Role::Lower].map(|role| measurement.beside.get(role));
-            let limit = upper.xor(lower).filter(|_| is_across && column.nominal != Nominal::None);
-            if let Some((limit, cell)) = limit.and_then(|limit| Some((limit, limit.cells.first()?)))
-                && is_false_statistic(&limit.title, column, cell, measurement.beside_row(0), &others)
-            {
-                return refused(self.shape.lines[0], &limit.title, cell);
+            // a limit to one side may be a part, and next to a mean or a count both are the ends of the values
+            let limits = [Role::Upper, Role::Lower].map(|role| measurement.beside.get(role));
+            let limits: Vec<&Series> = limits.into_iter().flatten().collect();
+            let are_ends = limits.len() == 1 || limits.iter().any(|limit| is_beside_statistic(limit));
+            let is_asked = is_across && column.nominal != Nominal::None && are_ends;
+            for limit in limits.into_iter().filter(|_| is_asked) {
+                let Some(cell) = limit.cells.first() else { continue };
+                if is_false_statistic(&limit.title, column, cell, measurement.beside_row(0), &others) {
+                    return refused(self.shape.lines[0], &limit.title, cell);
+                }
             }
         }
         None

@@ -136,6 +136,11 @@ impl Extent {
         Self { least: least.base(), most: most.base(), digit: 0.01 }
     }
 
+    /// As of values so many times as large.
+    pub(crate) fn times(self, count: f64) -> Self {
+        Self { least: count * self.least, most: count * self.most, ..self }
+    }
+
     /// With one more value, that a cell of a column holds.
     pub(crate) fn with(self, value: DeviationValue, cell: &Cell, column: &Column) -> Self {
         let value = value.base();

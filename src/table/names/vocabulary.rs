@@ -190,6 +190,8 @@ pub(crate) enum WordList {
     Serial,
     /// What parts of one name may be told apart by.
     Batch,
+    /// What tells one of several parts from the others in a line above its values.
+    OneOfSeveral,
     /// What counts rows, and names a part where nothing else does.
     RowNumber,
     /// What a title calls a report of measurements.
@@ -280,6 +282,7 @@ impl WordList {
                 | Self::Elsewhere
                 | Self::Serial
                 | Self::Batch
+                | Self::OneOfSeveral
                 | Self::Person
                 | Self::Words
                 | Self::Verifier

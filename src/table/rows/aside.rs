@@ -33,7 +33,6 @@ impl Rows {
                 && (names.exclude(name) && !self.is_measured(record)
                     || names.have_spread(name) && self.is_spread(record))
         };
-        let is_of_teeth = |text: &str| is_called_of_parts(text) || is_total(text) || says_largest(text);
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && !is_counted()
             || index.is_some_and(|index| is_of_teeth(&record.cell(index).text()))
@@ -103,6 +102,11 @@ impl Rows {
 /// Whether a row is called by what is made of the parts', or by what is wanted of them.
 pub(super) fn is_called_of_parts(name: &str) -> bool {
     may_be_statistic(name.as_bytes()) && is_of_parts(statistic_word(name))
+}
+
+/// The same of what stands in place of the number of a tooth, where a row may be a total or the largest of them.
+pub(super) fn is_of_teeth(name: &str) -> bool {
+    is_called_of_parts(name) || is_total(name) || says_largest(name)
 }
 
 /// A quick look: such names end in no digit, and begin with a letter or a sign, or end in one that is not plain; or they are `6s`

@@ -3,10 +3,11 @@
 
 use super::super::block::{Block, Contradiction};
 use super::super::cell::Record;
-use super::super::column::Extent;
+use super::super::column::{Column, Extent};
+use super::super::names::{is_total, names_value};
 use super::super::understand::is_false_statistic;
 use super::Rows;
-use super::aside::is_called_of_parts;
+use super::aside::{is_called_of_parts, is_of_teeth};
 use super::contradiction::contradiction;
 use crate::deviation::DeviationValue;
 
@@ -14,6 +15,7 @@ use crate::deviation::DeviationValue;
 #[derive(Debug, Default)]
 pub(crate) struct Extremes {
     ends: Vec<Option<[DeviationValue; 2]>>,
+    rows: usize,
     pub(crate) doubted: Vec<Record>,
 }
 
@@ -26,14 +28,15 @@ impl Extremes {
             all.sort_by(|one, other| one.base().total_cmp(&other.base()));
             *ends = all.first().zip(all.last()).map(|(least, most)| [*least, *most]);
         }
-        self.doubted.extend(block.statistics.iter().cloned());
+        self.rows += block.lines.len();
+        let doubted = std::mem::take(&mut self.doubted).into_iter().chain(block.statistics.iter().cloned());
         // more values contradict less
-        self.doubted.retain(|record| rows.false_statistic(record, &self.ends).is_some());
+        self.doubted = doubted.filter(|record| rows.false_statistic(record, self).is_some()).collect();
     }
 
     /// What contradicts the values of all rows.
     pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
-        self.doubted.first().and_then(|record| rows.false_statistic(record, &self.ends))
+        self.doubted.first().and_then(|record| rows.false_statistic(record, self))
     }
 }
 
@@ -41,16 +44,25 @@ impl Rows {
     /// What a record is called that is made of the others: by its name, or in place of the number of a tooth.
     pub(super) fn statistic<'r>(&self, record: &'r Record) -> Option<std::borrow::Cow<'r, str>> {
         let index = self.setup.index.map(|index| record.cell(index).text());
-        self.label(record).into_iter().chain(index).find(|name| is_called_of_parts(name))
+        let index = index.filter(|name| is_of_teeth(name));
+        self.label(record).filter(|name| is_called_of_parts(name)).or(index)
     }
 
     /// Why a record cannot be the statistic that it is called.
-    fn false_statistic(&self, record: &Record, ends: &[Option<[DeviationValue; 2]>]) -> Option<Contradiction> {
+    fn false_statistic(&self, record: &Record, extremes: &Extremes) -> Option<Contradiction> {
         let name = self.statistic(record)?;
-        let (column, _) = self.setup.columns.iter().zip(ends).find(|(column, ends)| {
+        // what adds up over the teeth is no larger than the largest of them so many times, and f_u is that of two
+        let of_one = if names_value(&name, &[]) { 1.0 } else { 2.0 };
+        let count = if is_total(&name) { extremes.rows as f64 } else { of_one };
+        let is_false = |(column, ends): &(&Column, &Option<[DeviationValue; 2]>)| {
             let (Some(ends), cell) = (ends, record.cell(column.place)) else { return false };
-            is_false_statistic(&name, column, cell, column.beside_in(record), &Extent::between(*ends))
-        })?;
+            let (others, beside) = (Extent::between(*ends), column.beside_in(record));
+            if is_called_of_parts(&name) {
+                return is_false_statistic(&name, column, cell, beside, &others);
+            }
+            column.beyond(cell, beside, &others.times(count)).is_some()
+        };
+        let (column, _) = self.setup.columns.iter().zip(&extremes.ends).find(is_false)?;
         let message = format!("the values of the other rows contradict this: {}", record.in_words());
         let help = "give the row the name of its part, or take it out of the table";
         Some(contradiction(record, Some(&column.title), message, help))

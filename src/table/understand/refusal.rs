@@ -161,37 +161,33 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     })
 }
 
-/// Two lines with values of one part between them that differ in a number or a side alone: each may name a part.
+/// Two lines of one form that differ in a number, a side or the like, and values below both that are read as one part's: each line
+/// may name a part, or its batch.
 pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
-    const MOST_WORDS: usize = 3;
+    const MOST_WORDS: usize = 4;
     let values = || shape.measurements.iter().map(|measurement| measurement.value.cells.len());
-    if shape.orientation == Orientation::Rows || shape.ids.is_some() || values().any(|count| count != 1) {
+    if shape.orientation == Orientation::Rows {
         return None;
     }
-    // what stands beside a number, and may count something else than parts
-    let stem = |aside: &AsideReading| {
-        let stem = aside.text.replace(|c: char| c.is_ascii_digit(), "");
-        stem.trim_matches(|c: char| !c.is_alphabetic()).to_owned()
+    let is_one_part = shape.ids.is_none() && !values().any(|count| count != 1);
+    // a label with a number, as `Lot: 7`
+    let labels = shape.unknown.iter().filter(|unknown| unknown.column.is_none()).filter_map(|unknown| {
+        let line = unknown.place.strip_prefix("line ")?.parse().ok()?;
+        let [cell] = &unknown.cells[..] else { return None };
+        Some(AsideReading { line, text: format!("{} {}", unknown.title, cell.text()) })
+    });
+    let is_name = |line: &AsideReading| {
+        let is_short = line.text.split_whitespace().count() <= MOST_WORDS;
+        is_short && !names_page(&line.text) && !want.ignores(&line.text)
     };
-    let counts_others = |stem: &str| {
-        let is_number_of = role(stem) == Some(Role::Name) || WordList::RowNumber.has(stem) || names_page(stem);
-        stem.is_empty() || is_number_of || is_context(stem) && !WordList::Batch.has(stem)
+    let lines = shape.asides.iter().cloned().chain(labels).filter(is_name);
+    let names: Vec<_> = lines.filter_map(|line| Some((form_of_name(&line.text)?, line))).collect();
+    let are_alike = |[(form, one), (other_form, other)]: &[&(String, AsideReading); 2]| {
+        let tells = is_one_part || WordList::Batch.has(form);
+        tells && form == other_form && one.text != other.text && other.line > one.line + 1
     };
-    let is_side = |aside: &AsideReading| says_which(aside.text.trim());
-    let is_name = |aside: &&AsideReading| {
-        let is_numbered = has_digit(&aside.text) && !names_page(&aside.text) && !counts_others(&stem(aside));
-        let is_short = aside.text.split_whitespace().count() <= MOST_WORDS;
-        is_short && (is_numbered || is_side(aside)) && !want.ignores(&aside.text)
-    };
-    let are_alike = |one: &AsideReading, other: &AsideReading| {
-        let is_same = stem(one) == stem(other) || is_side(one) && is_side(other);
-        one.text != other.text && other.line > one.line + 1 && is_same
-    };
-    let names: Vec<&AsideReading> = shape.asides.iter().filter(is_name).collect();
-    let [one, other] = names
-        .iter()
-        .flat_map(|one| names.iter().map(move |other| [*one, *other]))
-        .find(|[one, other]| are_alike(one, other))?;
+    let mut pairs = names.iter().flat_map(|one| names.iter().map(move |other| [one, other]));
+    let [(_, one), (_, other)] = pairs.find(are_alike)?;
     let message = format!(
         "lines {} and {} say `{}` and `{}`: each may name a part, and the values are those of one",
         one.line,
@@ -201,6 +197,25 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     );
     let help = format!("write `Part` in front of names of parts; or leave lines out: {}", ignore_option(&other.text));
     Some(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// A line without what tells one part from another: numbers, sides, single letters, `first`; `None` if it has none of that, or
+/// counts something else.
+fn form_of_name(line: &str) -> Option<String> {
+    let is_letter = |word: &str| word.chars().count() == 1;
+    let tells_apart = |word: &str| is_letter(word) || says_which(word) || WordList::OneOfSeveral.has(word);
+    let words: Vec<&str> = line.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    if !words.iter().any(|word| has_digit(word) || tells_apart(word)) {
+        return None;
+    }
+    let fixed = words.iter().filter(|word| !tells_apart(word));
+    let fixed: Vec<String> = fixed.map(|word| word.replace(|c: char| c.is_ascii_digit(), "")).collect();
+    let form = fixed.iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(" ");
+    let is_number = !line.contains(|c: char| c.is_alphabetic() || matches!(c, '#' | '*'));
+    let is_of_part = WordList::Batch.has(&form) || role(&form) == Some(Role::Part);
+    let is_number_of = role(&form) == Some(Role::Name) || WordList::RowNumber.has(&form);
+    let counts_others = is_number || is_number_of || is_context(&form) && !is_of_part;
+    (!counts_others).then_some(form)
 }
 
 /// The refusal of a table whose commas may be decimal marks.
