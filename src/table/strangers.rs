@@ -321,9 +321,16 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         if !sorted.strangers.is_empty() {
             break;
         }
-        let cells = record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
-        let line = aside(&Record { cells: cells.map(|(_, cell)| cell.clone()).collect(), ..record.clone() });
-        if let Some(unknown) = beside.value_in(&line, false) {
+        let cells = || record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
+        let line = |cells: Vec<Cell>| aside(&Record { cells, ..record.clone() });
+        let value = beside.value_in(&line(cells().map(|(_, cell)| cell.clone()).collect()), false);
+        // a number beside the name of a part: none in a remark, and no other name
+        let is_name = |place: usize| heading_of(records, place).is_some_and(|heading| is_part_name(&heading.text()));
+        let is_remark = |cell: &Cell| !cell.is_number() && cell.text().contains(' ');
+        let of_parts = cells().filter(|(place, cell)| !(cell.is_number() && is_name(*place) || is_remark(cell)));
+        let value =
+            value.or_else(|| of_part(&line(of_parts.map(|(_, cell)| cell.clone()).collect()), &understood.shape));
+        if let Some(unknown) = value {
             sorted.take(file, &unknown, want, &Others::default());
         }
     }

@@ -1,5 +1,6 @@
 //! Units that a line beside a table states for all of it: `Alle Maße in µm`, `Units: mm`.
 
+use super::words::speaker;
 use super::{Shape, has_digit};
 use crate::quantity::{LengthUnit, Unit};
 use crate::table::grid::{bare_unit, is_unit, without_end};
@@ -18,6 +19,7 @@ pub(crate) struct StatedUnit {
 /// The units that a line beside a table states for it: alone, behind a word for units or values, or by themselves in a
 /// line without numbers.
 pub(crate) fn stated_units(text: &str) -> Vec<StatedUnit> {
+    let text = &text[speaker(text).len()..];
     let alone = match text.rsplit_once([':', '：']) {
         Some((subject, unit)) if WordList::UnitSubject.has(subject) => unit,
         _ => text,
