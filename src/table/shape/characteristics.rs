@@ -2,22 +2,23 @@
 //! values, tolerances, deviations and units; one part, a part in each of several columns, or a column that names the part.
 //! Called by [`shape`](super::shape).
 
+mod reading;
+mod roles;
+
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap, HashSet};
-use std::ops::Range;
 
-use super::headings::{Named, PartNames, headings, is_extreme, is_part_name, is_statistic_among, says_no_part};
-use super::rows::{are_verdicts, is_shifted};
-use super::{Measurement, NoShape, Series, Shape, aside, distinct, has_digit};
+use super::headings::{PartNames, headings, is_extreme, is_part_name, is_statistic_among, says_no_part};
+use super::rows::is_shifted;
+use super::{NoShape, Series, Shape, aside, distinct, has_digit};
 use crate::table::cell::{Cell, Record};
-use crate::table::column::is_limit;
-use crate::table::companions::Companions;
-use crate::table::grid::{Separator, bare_unit, differ, is_unit, unit_in};
-use crate::table::names::{
-    Field, Role, ValueKind, WordList, heading, is_again, is_called, is_context, names_value, role, split_unit,
-};
+use crate::table::grid::{Separator, is_unit, unit_in};
+use crate::table::names::{Role, WordList, heading, is_again, is_context, names_value, role, split_unit};
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
+use reading::Reading;
+pub(super) use roles::{is_axis, is_direction};
+use roles::{is_called_like_another, names_one_part, numbers_parts, places, roles_of, take_names, take_verdicts};
 
 /// A table of characteristics, found but not read.
 pub(super) struct Characteristics<'r> {
@@ -34,18 +35,6 @@ pub(super) struct Characteristics<'r> {
     others: Vec<&'r Record>,
     /// How many of the rows have a known name.
     pub(super) known: usize,
-}
-
-/// What the cells of a row are, by the part and the field that they belong to.
-struct Reading<'a> {
-    found: &'a Characteristics<'a>,
-    want: &'a Want,
-    parts: Vec<Cell>,
-    /// The index of each part by its name, where a column names it.
-    indices: HashMap<String, usize>,
-    lines: Vec<u64>,
-    /// Whether a row has a unit beside its value.
-    has_units: bool,
 }
 
 /// A header that speaks of nominal and actual values, or of values of parts, and the records below it that start with a
@@ -99,112 +88,9 @@ fn characteristics_below<'r>(records: &'r [Record], header: usize, want: &Want) 
     ((known > 0 || is_sure && !found.rows.is_empty()) && is_read).then_some(found)
 }
 
-/// What each column of a header is.
-fn roles_of(header: &Record, want: &Want) -> Vec<Option<Role>> {
-    let names_part =
-        |cell: &Cell| want.own.iter().any(|(own, field)| *field == Field::PartId && is_called(&cell.text(), own));
-    let is_part_named = header.cells.iter().any(names_part);
-    let role_of = |(place, cell): (usize, &Cell)| {
-        let title = cell.text();
-        if is_part_named && (names_part(cell) || role(&title) == Some(Role::Part)) {
-            return names_part(cell).then_some(Role::Part);
-        }
-        // a part in a series is none that is called by its letters: K1, K2, K3
-        let is_of_series = |role: &Role| role.is_beside_value() && is_called_like_another(&header.cells, place);
-        role(&title).filter(|role| !want.ignores(&title) && !is_of_series(role))
-    };
-    header.cells.iter().enumerate().map(role_of).collect()
-}
-
-/// `Nom` is the nominal value, and in French the name: beside a column of nominal values it has names, if all its cells are words.
-/// So has any requirement in whose cells known names stand, where no column that is called by names has them.
-fn take_names(roles: &mut [Option<Role>], header: &Record, below: &[Record], want: &Want) {
-    let is_called = |place: usize| header.cells[place].text().trim().eq_ignore_ascii_case("nom");
-    let has_names = |place: usize| below.iter().any(|row| names_value(&row.cell(place).text(), &want.own));
-    let [wanted, called, measured] = [Role::Nominal, Role::Name, Role::Measured].map(|role| places(roles, role));
-    let may_be_french = wanted.len() > 1 && called.is_empty();
-    let is_named = || !measured.is_empty() && !called.iter().any(|place| has_names(*place));
-    let is_name = |place: &usize| {
-        has_words(below, *place) && (may_be_french && is_called(*place) || has_names(*place) && is_named())
-    };
-    if let Some(place) = wanted.into_iter().find(is_name) {
-        roles[place] = Some(Role::Name);
-    }
-}
-
-/// Whether a column has words, and no number.
-fn has_words(rows: &[Record], place: usize) -> bool {
-    let mut cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_missing()).peekable();
-    cells.peek().is_some() && !cells.any(Cell::is_number)
-}
-
-/// The columns of a role.
-fn places(roles: &[Option<Role>], of: Role) -> Vec<usize> {
-    (0..roles.len()).filter(|place| roles[*place] == Some(of)).collect()
-}
-
-/// Words beside the values of several parts are no part's: `Part 1 | Part 2 | Result`; beside columns that are only called alike,
-/// approvals.
-fn take_verdicts(roles: &mut [Option<Role>], header: &Record, below: &[Record]) {
-    let is_numbered = |place: usize| {
-        let title = &header.cells[place];
-        names_one_part(&title.text()) || title.is_whole() && !title.is_empty()
-    };
-    let is_alike = |place: usize| is_called_like_another(&header.cells, place);
-    let open = (0..roles.len()).filter(|place| roles[*place].is_none());
-    let (numbered, alike) = (open.clone().filter(|place| is_numbered(*place)), open.filter(|place| is_alike(*place)));
-    let (has_parts, has_alike) = (numbered.count() > 1, alike.count() > 1);
-    let cells = |place: usize| below.iter().map(move |row| row.cell(place));
-    let is_verdict = |place: &usize| {
-        has_parts && has_words(below, *place) || has_alike && are_verdicts(cells(*place), &[WordList::Approval])
-    };
-    if let Some(place) = places(roles, Role::Measured).into_iter().find(is_verdict) {
-        roles[place] = Some(Role::Status);
-    }
-}
-
 /// The number in a cell, whichever its decimal mark is.
 fn number(cell: &Cell) -> Option<f64> {
     cell.text().replace(',', ".").parse().ok()
-}
-
-/// Whether a column has the axes along which something was measured.
-pub(super) fn is_axis(title: &str) -> bool {
-    ["ax", "axis", "achse", "axe", "軸"].contains(&title.trim().to_lowercase().as_str())
-}
-
-/// Whether a cell of that column is a direction: M, R, X.
-pub(super) fn is_direction(name: &Cell) -> bool {
-    name.text().trim().chars().count() <= 2
-}
-
-/// Whether a line numbers parts behind a word for names: `Merkmal | Einheit | 417 | 418`.
-fn numbers_parts(record: &Record) -> bool {
-    let numbers = || record.cells.iter().filter(|cell| cell.is_number());
-    numbers().all(Cell::is_whole)
-        && distinct(numbers()) == numbers().count()
-        && record.cells.iter().any(|cell| role(&cell.text()) == Some(Role::Name))
-}
-
-/// Whether a heading is that of another column but for its digits: `R17` beside `R16`.
-fn is_called_like_another(header: &[Cell], place: usize) -> bool {
-    let stem = |cell: &Cell| cell.text().trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
-    let own = stem(&header[place]);
-    let is_letter = |cell: &Cell| cell.text().chars().count() == 1 && cell.text().chars().all(char::is_alphabetic);
-    // R, S, T, U
-    let is_of_letters = is_letter(&header[place]) && header.iter().filter(|cell| is_letter(cell)).count() > 2;
-    is_of_letters
-        || has_digit(&header[place].text())
-            && !own.is_empty()
-            && header
-                .iter()
-                .enumerate()
-                .any(|(other, cell)| other != place && has_digit(&cell.text()) && stem(cell) == own)
-}
-
-/// Whether a heading is the name of a part, `Teil 2`, even if nothing of it was measured.
-fn names_one_part(title: &str) -> bool {
-    has_digit(title) && is_part_name(title.trim_end_matches(|c: char| c.is_ascii_digit() || c == '-'))
 }
 
 /// Reads the characteristics.
@@ -558,160 +444,4 @@ impl<'r> Characteristics<'r> {
                 && !is_statistic_among(&title, &self.header.cells)
         }
     }
-}
-
-impl<'a> Reading<'a> {
-    fn new(found: &'a Characteristics<'a>, want: &'a Want) -> Self {
-        let has_unit = |place| found.column(place).any(|cell| is_unit(&cell.text()));
-        let has_units = found.place(Role::Unit).is_some_and(has_unit);
-        let first = found.rows.first().map_or(found.header.line, |row| row.line);
-        let (mut parts, mut indices, mut lines) = (Vec::new(), HashMap::new(), Vec::new());
-        if let Some(place) = found.place(Role::Part) {
-            for row in &found.rows {
-                indices.entry(row.cell(place).text().into_owned()).or_insert_with(|| {
-                    lines.push(row.line);
-                    parts.push(row.cell(place).clone());
-                    parts.len() - 1
-                });
-            }
-        } else if found.parts.is_empty() {
-            (parts, lines) = (vec![Cell::default()], vec![first]);
-        } else {
-            parts = found.parts.iter().map(|place| found.header.cells[*place].clone()).collect();
-            lines = vec![first; parts.len()];
-        }
-        Self { found, want, parts, indices, lines, has_units }
-    }
-
-    /// Rows of which the name is not known.
-    fn unknown(&self, name: &Cell, rows: &[&Record]) -> Unknown {
-        let is_value =
-            |place: usize| place != self.found.name && self.found.roles.get(place) != Some(&Some(Role::Part));
-        let cells = rows.iter().flat_map(|row| row.cells.iter().enumerate());
-        let mut cells: Vec<Cell> = cells.filter(|(place, _)| is_value(*place)).map(|(_, cell)| cell.clone()).collect();
-        if !cells.iter().any(Cell::is_number) {
-            // where a separator is lost, the value stands behind the name
-            cells.extend(name.text().split_whitespace().next_back().map(|last| Cell::of_text(last, 0..0)));
-        }
-        let unit = self.unit_of_rows(rows).ok().flatten();
-        // behind the name of a part stands a value of it
-        let is_unread = names_one_part(&name.text()) && cells.iter().any(Cell::is_number);
-        Unknown { unit, is_unread, ..Unknown::line(&name.text(), rows[0].line, cells).measured(true) }
-    }
-
-    /// The parts that a row has values of: its own, or all.
-    fn parts_of(&self, record: &Record) -> Range<usize> {
-        let name = self.found.place(Role::Part).map(|place| record.cell(place).text());
-        let own = name.and_then(|name| self.indices.get(name.as_ref()).copied());
-        own.map_or(0..self.parts.len(), |part| part..part + 1)
-    }
-
-    /// The cells of a role, one per part: of its column, or of the parts'; `None` if there is none.
-    fn series(&self, role: Role, rows: &[&Record], title: &Cell, field: Field) -> Result<Option<Series>, NoShape> {
-        let of_part = |part: usize| self.found.parts.get(part).copied().filter(|_| role == Role::Measured);
-        let column = self.found.place(role);
-        let mut cells = vec![None; self.parts.len()];
-        for record in rows {
-            for part in self.parts_of(record) {
-                let Some(place) = of_part(part).or(column) else { return Ok(None) };
-                if cells[part].replace(record.value(place)).is_some() {
-                    return Err(NoShape::Twice { heading: title.clone(), field, may_tell: self.may_tell(rows) });
-                }
-            }
-        }
-        let cells: Vec<Cell> = cells.into_iter().map(Option::unwrap_or_default).collect();
-        let unit = column.and_then(|place| split_unit(&self.found.title(place)).1);
-        let series = Series { title: title.text().into_owned(), place: column.unwrap_or(0), unit, cells };
-        let is_there = of_part(0).is_some() || series.cells.iter().any(|cell| !cell.is_missing());
-        Ok(is_there.then_some(series))
-    }
-
-    /// The columns without a role that may tell of which parts rows are, where none is known to: no two rows have the same there.
-    fn may_tell(&self, rows: &[&Record]) -> Vec<String> {
-        let differs = |place: &usize| {
-            let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing());
-            self.found.roles[*place].is_none() && distinct(cells) == rows.len()
-        };
-        let is_told = self.found.place(Role::Part).is_some() || !self.found.parts.is_empty();
-        let places = (0..self.found.roles.len()).filter(|place| !is_told && differs(place));
-        places.map(|place| self.found.title(place)).collect()
-    }
-
-    /// The values of one characteristic.
-    fn measurement(&self, named: &Named, rows: &[&Record], title: &Cell) -> Result<Measurement, NoShape> {
-        let unit_of_row = self.unit_of_rows(rows)?;
-        if differ(named.series.unit.as_deref(), unit_of_row.as_deref()) {
-            return Err(NoShape::Units { record: rows[0].clone() });
-        }
-        // where others have a unit beside them, none is assumed
-        let missing = || self.has_units.then(String::new);
-        let unit = named.series.unit.clone().or(unit_of_row).or_else(missing);
-        // the unit in the heading of a column is that of its numbers
-        let united = |series: Series| Series { unit: series.unit.clone().or_else(|| unit.clone()), ..series };
-        let of_role = |role: Role| Ok(self.series(role, rows, title, named.field)?.map(united));
-        let (measured, deviation) = (of_role(Role::Measured)?, of_role(Role::Deviation)?);
-        let mut beside = Companions::default();
-        let headed = |series: Series| Series { title: self.found.title(series.place), ..series };
-        for role in [Role::Nominal, Role::Upper, Role::Lower, Role::Uncertainty] {
-            beside.set(role, of_role(role)?.map(headed));
-        }
-        // what is wanted of a deviation is a limit: `max. 10 µm`
-        let are_limits = |wanted: &Series| wanted.cells.iter().all(|cell| cell.is_missing() || is_limit(&cell.text()));
-        if let Some(limit) = beside.get(Role::Nominal).filter(|wanted| are_limits(wanted)).cloned() {
-            beside.set(Role::Nominal, None);
-            beside.set(Role::Upper, Some(limit));
-        }
-        let nothing = || vec![Cell::default(); self.parts.len()];
-        // the value and its nominal, or else the deviation
-        let given = named.field.kind().and_then(|kind| self.want.given(kind));
-        let in_spec = given.is_some_and(|given| given.nominal.is_some());
-        let (value, deviation, holds) = match (measured, deviation) {
-            (Some(measured), deviation) if beside.get(Role::Nominal).is_some() || (in_spec && deviation.is_some()) => {
-                (measured, deviation, Some(ValueKind::Measured))
-            }
-            (None, Some(deviation)) if self.found.place(Role::Measured).is_some() && says_zero(&deviation) => {
-                // a report that nobody filled in
-                (Series { cells: nothing(), ..deviation }, None, Some(ValueKind::Deviation))
-            }
-            (measured, Some(deviation)) => {
-                beside.set(Role::Measured, measured.map(headed));
-                (deviation, None, Some(ValueKind::Deviation))
-            }
-            (measured, None) => {
-                // without values, any unit will do
-                let unit = unit.clone().filter(|unit| !unit.is_empty());
-                let unit = unit.or_else(|| Some(if named.field.is_angle() { "°" } else { "mm" }.to_owned()));
-                let empty = || Series { unit, cells: nothing(), ..named.series.clone() };
-                (measured.unwrap_or_else(empty), None, named.holds)
-            }
-        };
-        let has_value = value.cells.iter().any(|cell| !cell.is_missing());
-        if has_value && differ(value.unit.as_deref(), unit.as_deref()) {
-            return Err(NoShape::Units { record: rows[0].clone() });
-        }
-        if named.aspect != Role::Measured {
-            return Err(NoShape::twice(title, named.field));
-        }
-        beside.set(Role::Deviation, deviation.map(headed));
-        Ok(Measurement { holds, value, beside, ..Measurement::of(named.field) })
-    }
-
-    /// The unit in the column of units, which is the same for every row of a characteristic.
-    fn unit_of_rows(&self, rows: &[&Record]) -> Result<Option<String>, NoShape> {
-        let Some(place) = self.found.place(Role::Unit) else { return Ok(None) };
-        let unit_of = |record: &Record| {
-            let cell = Some(record.cell(place)).filter(|cell| !cell.is_missing())?;
-            Some(bare_unit(&cell.text()).to_owned())
-        };
-        let unit = unit_of(rows[0]);
-        match rows.iter().find(|record| unit_of(record) != unit) {
-            Some(record) => Err(NoShape::Units { record: (*record).clone() }),
-            None => Ok(unit),
-        }
-    }
-}
-
-/// Whether no digit of its numbers is other than 0.
-fn says_zero(series: &Series) -> bool {
-    !series.cells.iter().any(|cell| cell.text().contains(|c: char| ('1'..='9').contains(&c)))
 }

@@ -213,7 +213,8 @@ fn form_of_name(line: &str) -> Option<String> {
     let form = fixed.iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(" ");
     let is_number = !line.contains(|c: char| c.is_alphabetic() || matches!(c, '#' | '*'));
     let is_of_part = WordList::Batch.has(&form) || role(&form) == Some(Role::Part);
-    let is_number_of = role(&form) == Some(Role::Name) || WordList::RowNumber.has(&form);
+    let lists = [WordList::RowNumber, WordList::Probe];
+    let is_number_of = role(&form) == Some(Role::Name) || lists.iter().any(|list| list.has(&form));
     let counts_others = is_number || is_number_of || is_context(&form) && !is_of_part;
     (!counts_others).then_some(form)
 }
