@@ -310,6 +310,7 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     let is_time = |word: &&str| {
         word.contains(':') && word.split(':').all(|part| matches!(part.len(), 1..=2) && part.parse::<u8>().is_ok())
     };
+    let is_number = |word: &str| Cell::of_text(word, 0..0).is_number();
     let text = plain_widths(&aside.text);
     let pieces = text.split_whitespace().filter(|word| !is_time(word));
     let words: Vec<&str> = pieces.flat_map(|word| word.split([':', ';', ',', '=', '(', ')'])).collect();
@@ -319,8 +320,16 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
         let is_plain = words[*at].bytes().all(|byte| byte.is_ascii_digit());
         has_digit(words[*at]) && ids.contains(words[*at]) && (!is_plain || before.is_some_and(is_part_name))
     };
+    // one more, with as many numbers as a row has: A3 25 412
+    let said: Vec<&str> = words.iter().copied().filter(|word| !word.is_empty()).collect();
+    let is_row = || {
+        let (name, values) = said.split_first()?;
+        let are_values = values.len() == shape.measurements.len() && values.iter().all(|word| is_number(word));
+        (shape.ids.is_some() && are_values && shape.part_names().may_have(name)).then_some(0)
+    };
     // Teil 421   Seite 1
-    let at = (0..words.len()).find(names_one).filter(|at| !names_page(words[at + 1..].join(" ").trim()))?;
+    let at =
+        (0..words.len()).find(names_one).or_else(is_row).filter(|at| !names_page(words[at + 1..].join(" ").trim()))?;
     let is_value = |word: &&&str| Cell::of_text(word, 0..0).is_measure() && !ids.contains(**word);
     let value = words[at + 1..].iter().find(is_value)?;
     Some(Unknown::line(words[at], aside.line, vec![Cell::of_text(value, 0..0)]).measured(true))

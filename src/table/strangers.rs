@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::cell::{Cell, Record};
 use super::column::{Column, Nominal};
+use super::companions::Companions;
 use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
@@ -21,7 +22,7 @@ use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
 use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
 use super::understand::Understood;
-use super::unknown::{UNCERTAINTY, Unknown};
+use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
@@ -166,6 +167,12 @@ impl Sorter<'_> {
         if self.is_other_size(unknown) {
             return self.take(&unknown.clone().unread());
         }
+        if is_total(title) && self.adds_up(unknown) {
+            return self
+                .sorted
+                .not_used
+                .push(NotUsed { title: title.clone(), why: "adds up what is measured of each tooth" });
+        }
         if let Some(value) = self.value_in_heading(unknown) {
             self.take(&value);
         }
@@ -182,6 +189,30 @@ impl Sorter<'_> {
             let is_unread = unknown.is_unread || has_scale(&words) || is_value();
             self.take(&Unknown { is_measurement, is_repeated, is_unread, ..unknown.clone() });
         }
+    }
+
+    /// Whether from tooth to tooth a column changes by the deviation of one of them, as F_p does by f_p.
+    fn adds_up(&self, unknown: &Unknown) -> bool {
+        /// Of three numbers, each is rounded.
+        const ROUNDING: f64 = 1.51;
+        let part = |row: usize| self.shape.ids.as_ref().map(|ids| ids.cells[row].text());
+        let is_same_part = |row: usize| part(row - 1) == part(row);
+        let rows: Vec<usize> = (1..unknown.cells.len()).filter(|row| is_same_part(*row)).collect();
+        let measurements = self.shape.measurements.iter().zip(self.beside.columns);
+        let mut each_tooth =
+            measurements.filter(|(measurement, column)| column.kind.is_none() && !measurement.field.is_angle());
+        unknown.column.is_some()
+            && rows.len() > 1
+            && each_tooth.any(|(measurement, column)| {
+                let value = |cell: &Cell| column.quantity(cell).map_or(f64::NAN, DeviationValue::base);
+                let changes_by = |row: usize, tooth: usize| {
+                    let cell = &measurement.value.cells[tooth];
+                    let change = value(&unknown.cells[row]) - value(&unknown.cells[row - 1]);
+                    (change - value(cell)).abs() <= ROUNDING * column.digit(cell, column.unit)
+                };
+                // the sum ends with a tooth, or begins with it
+                [0, 1].iter().any(|before| rows.iter().all(|row| changes_by(*row, row - before)))
+            })
     }
 
     /// Whether it is another size than that with which values are read.
@@ -279,7 +310,8 @@ impl Sorter<'_> {
 
     /// A column of remarks, of which the first that holds a value counts.
     fn take_remark(&mut self, unknown: &Unknown) {
-        let is_other = is_part_name(&unknown.title) || unknown.could_be_measured();
+        let is_limit = matches!(role(&unknown.title), Some(Role::Upper | Role::Lower));
+        let is_other = is_part_name(&unknown.title) || is_limit || unknown.could_be_measured();
         if unknown.column.is_none() || self.want.ignores(&unknown.title) || is_other {
             return;
         }
@@ -312,11 +344,28 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
     if let Some(unknown) = list.iter().flatten().find(is_denied) {
         sorted.take(file, unknown, want, &Others::default());
     }
-    let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
+    let has_foreign_unit = |text: &str| split_unit(text).1.is_some_and(|unit| is_foreign_unit(&unit));
+    let is_context = |text: &str| {
+        let is_said = is_context(text) || is_statistic(text) || WordList::RowNumber.has(text);
+        (is_said || has_foreign_unit(text)) && !is_part_name(text)
+    };
     let is_other = |place: usize| heading_of(records, place).is_some_and(|cell| is_context(&cell.text()));
     let is_kept = |place: usize, cell: &Cell| {
         !cell.is_number() || list.is_none() && (!is_other(place) || measured.may_have(cell))
     };
+    // rows of more parts, which go on without names
+    let goes_on = |record: &&Record| {
+        let reads =
+            |column: &Column| matches!(column.read(record.cell(column.place), Companions::default()), Ok(Some(_)));
+        let name = understood.shape.ids.as_ref().map(|ids| record.cell(ids.place).text());
+        understood.has_row_per_part()
+            && name.is_some_and(|name| names.may_have(&name))
+            && understood.columns.iter().all(reads)
+    };
+    if let Some(row) = records.iter().find(goes_on).filter(|_| sorted.strangers.is_empty()) {
+        let row = Unknown::line(sheet, row.line, row.cells.clone()).unread();
+        sorted.take(file, &row, want, &Others::default());
+    }
     for record in records {
         if !sorted.strangers.is_empty() {
             break;
@@ -327,7 +376,12 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         // a number beside the name of a part: none in a remark, and no other name
         let is_name = |place: usize| heading_of(records, place).is_some_and(|heading| is_part_name(&heading.text()));
         let is_remark = |cell: &Cell| !cell.is_number() && cell.text().contains(' ');
-        let of_parts = cells().filter(|(place, cell)| !(cell.is_number() && is_name(*place) || is_remark(cell)));
+        let may_be = |cell: &Cell| {
+            understood.columns.iter().any(|column| matches!(column.read(cell, Companions::default()), Ok(Some(_))))
+        };
+        let is_value = |place: usize, cell: &Cell| !is_name(place) && may_be(cell);
+        let of_parts =
+            cells().filter(|(place, cell)| if cell.is_number() { is_value(*place, cell) } else { !is_remark(cell) });
         let value =
             value.or_else(|| of_part(&line(of_parts.map(|(_, cell)| cell.clone()).collect()), &understood.shape));
         if let Some(unknown) = value {

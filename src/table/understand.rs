@@ -349,7 +349,11 @@ impl Understood {
                 value.ok().flatten().map_or(extent, |value| extent.with(value, cell, column))
             });
             let is_false = |(row, cell): &(usize, &Cell)| {
-                of_parts[*row] && is_false_statistic(&name(*row), column, cell, measurement.beside_row(*row), &others)
+                // a part may be called by one letter
+                let may_be_part = is_spread(&name(*row));
+                of_parts[*row]
+                    && !may_be_part
+                    && is_false_statistic(&name(*row), column, cell, measurement.beside_row(*row), &others)
             };
             if !is_read || others.least > others.most {
                 continue;
@@ -380,7 +384,10 @@ impl Understood {
             let words = line.text.split([' ', ':', '=', '(', ')']).filter(|word| !word.is_empty());
             let (numbers, words): (Vec<&str>, Vec<&str>) = words.partition(|word| word.parse::<usize>().is_ok());
             let [number] = numbers[..] else { return None };
-            number.parse::<usize>().ok().filter(|_| WordList::PartCount.has(&words.join(" ")))
+            let words = words.join(" ");
+            // as a database ends its answer: `(2 rows)`
+            let counts = [WordList::PartCount, WordList::Rows].iter().any(|list| list.has(&words));
+            number.parse::<usize>().ok().filter(|_| counts)
         };
         let mut counts = self.shape.asides.iter().filter_map(|line| Some((line, count(line)?)));
         let (line, _) = counts.find(|(_, count)| *count != parts)?;
@@ -431,6 +438,11 @@ impl Measurement {
     }
 }
 
+/// Whether a row that is no part is called by how far the others are apart.
+pub(super) fn is_called_spread(name: &str) -> bool {
+    WordList::Spread.has(name) || name == "R"
+}
+
 /// Whether what a row of this name has in a column cannot be made of the others.
 pub(super) fn is_false_statistic(
     name: &str,
@@ -445,14 +457,14 @@ pub(super) fn is_false_statistic(
         (role(name), side),
         (Some(Role::Upper), Some(Ordering::Less)) | (Some(Role::Lower), Some(Ordering::Greater))
     );
-    let is_spread = WordList::Spread.has(name);
+    let is_spread = is_called_spread(name);
     // a spread, a sum or an index is far from a nominal value
     let has_nominal = column.nominal != Nominal::None;
     let is_size = || matches!(column.read(cell, beside), Ok(Some(_)));
     is_false_limit
         || side.is_some() && (WordList::Mean.has(name) || is_spread && has_nominal)
         || has_nominal && WordList::Apart.has(name) && is_size()
-        || name.len() > 1 && is_spread && column.is_wider(cell, others)
+        || is_spread && column.is_wider(cell, others)
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

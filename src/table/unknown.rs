@@ -101,7 +101,11 @@ impl Unknown {
         let unit = unit.as_deref();
         let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
-        let is_other = is_gear_size(title)
+        let differ = || self.cells.iter().any(|cell| cell.text() != self.cells[0].text());
+        let is_of_gear = is_gear_size(title)
+            && !(self.is_repeated && differ())
+            && !(WordList::ToothCount.is_in(title) && unit.is_some_and(is_unit));
+        let is_other = is_of_gear
             || WordList::EvaluationLength.has(title)
             || unit.is_some_and(is_foreign_unit)
             || is_rate(&title.replacen("_min", "/min", 1)) && near(title).is_empty()

@@ -4,7 +4,9 @@
 use std::borrow::Cow;
 
 use super::encoding::Encoding;
-use super::names::{Field, ValueKind, is_called, is_total, part_in_title, says_deviation};
+use super::names::{
+    Field, ValueKind, is_called, is_total, part_in_title, repeats_value, says_deviation, says_which, split_unit,
+};
 use super::number::DecimalMark;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
@@ -121,13 +123,18 @@ impl Want {
         self.ignored.iter().any(|pattern| matches(pattern, title) || matches(pattern, &name))
     }
 
-    /// Whether a title is a name that the spec gives to a column, with a number or a letter behind it, as programs tell columns of one
-    /// name apart: `CHR_017.1`.
+    /// Whether a title is a name that the spec gives to a column, with a number, a letter or a word behind it that tells it from that:
+    /// `CHR_017.1`, `CHR_017a`, `CHR_017_right`.
     pub(crate) fn names_once_more(&self, title: &str) -> bool {
         const MOST_BEHIND: usize = 3;
-        let behind = |(name, _): &(String, Field)| title.strip_prefix(name.as_str());
-        let is_mark =
-            |behind: &str| behind.starts_with(['.', '_', '-', ' ', '(']) && behind.chars().count() <= MOST_BEHIND;
+        let name = split_unit(title).0;
+        let behind = |(own, _): &(String, Field)| name.strip_prefix(split_unit(own).0.as_str()).map(str::to_owned);
+        let is_mark = |behind: String| {
+            let word = behind.trim_matches(|c: char| !c.is_alphanumeric());
+            let is_short =
+                word.chars().count() < MOST_BEHIND && (behind != word || word.chars().all(char::is_alphabetic));
+            !word.is_empty() && (is_short || behind != word && (says_which(word) || repeats_value(word)))
+        };
         self.own.iter().filter_map(behind).any(is_mark)
     }
 

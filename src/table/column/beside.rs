@@ -137,7 +137,7 @@ impl Column {
     }
 
     /// One of the last digit that is written, in mm or degrees.
-    pub(super) fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
+    pub(crate) fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
         const MOST: usize = 12;
         let own = unit_in(&cell.text()).and_then(|symbol| unit_of(&symbol, self.field.is_angle()));
         let exponent = match &cell.content {

@@ -240,6 +240,8 @@ pub(crate) enum WordList {
     Probe,
     /// A line between the pages of a table.
     Page,
+    /// How many teeth there are: a number without a unit.
+    ToothCount,
     /// What a line calls the number of parts.
     PartCount,
     /// What may stand between a page's number and that of all.

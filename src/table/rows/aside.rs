@@ -6,9 +6,9 @@ use super::super::cell::{Cell, Record};
 use super::super::column::{Column, Nominal};
 use super::super::grid::only_units;
 use super::super::lines::Beside;
-use super::super::names::{is_of_parts, is_total, says_largest, statistic_word};
+use super::super::names::{is_context, is_of_parts, is_total, near, says_largest, statistic_word};
 use super::super::reading::AsideReading;
-use super::super::shape::is_numbered;
+use super::super::shape::{has_digit, is_numbered};
 use super::{Rows, Setup};
 
 impl Rows {
@@ -26,6 +26,7 @@ impl Rows {
         let name = id.or(*index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !is_even && !has_numbers && record.cells.len() != titles.len();
+        let has_digits = |cell: &Cell| has_digit(&cell.text());
         let is_part = |name: &str| is_numbered(name) || names.may_have(name);
         let is_counted = || id.is_some() && index.is_some_and(|index| record.cell(index).text().parse::<i64>().is_ok());
         let is_excluded = |name: &str| {
@@ -36,6 +37,7 @@ impl Rows {
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && !is_counted()
             || index.is_some_and(|index| is_of_teeth(&record.cell(index).text()))
+            || index.is_some_and(|index| record.cell(index).is_empty()) && !record.cells.iter().any(has_digits)
             || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
@@ -104,9 +106,11 @@ pub(super) fn is_called_of_parts(name: &str) -> bool {
     may_be_statistic(name.as_bytes()) && is_of_parts(statistic_word(name))
 }
 
-/// The same of what stands in place of the number of a tooth, where a row may be a total or the largest of them.
+/// The same of what stands in place of the number of a tooth, where a row may be a total, the largest of them or their grade.
 pub(super) fn is_of_teeth(name: &str) -> bool {
-    is_called_of_parts(name) || is_total(name) || says_largest(name)
+    // fpmax
+    let is_named = || !near(name).is_empty() || is_context(name) || name.ends_with("max");
+    is_called_of_parts(name) || is_total(name) || says_largest(name) || is_named()
 }
 
 /// A quick look: such names end in no digit, and begin with a letter or a sign, or end in one that is not plain; or they are `6s`

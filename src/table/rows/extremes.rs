@@ -5,7 +5,7 @@ use super::super::block::{Block, Contradiction};
 use super::super::cell::Record;
 use super::super::column::{Column, Extent};
 use super::super::names::{is_total, names_value};
-use super::super::understand::is_false_statistic;
+use super::super::understand::{is_called_spread, is_false_statistic};
 use super::Rows;
 use super::aside::{is_called_of_parts, is_of_teeth};
 use super::contradiction::contradiction;
@@ -45,7 +45,10 @@ impl Rows {
     pub(super) fn statistic<'r>(&self, record: &'r Record) -> Option<std::borrow::Cow<'r, str>> {
         let index = self.setup.index.map(|index| record.cell(index).text());
         let index = index.filter(|name| is_of_teeth(name));
-        self.label(record).filter(|name| is_called_of_parts(name)).or(index)
+        let is_spread = |name: &str| self.setup.names.exclude(name) || self.setup.names.have_spread(name);
+        self.label(record)
+            .filter(|name| is_called_of_parts(name) || is_called_spread(name) && is_spread(name))
+            .or(index)
     }
 
     /// Why a record cannot be the statistic that it is called.
@@ -57,7 +60,7 @@ impl Rows {
         let is_false = |(column, ends): &(&Column, &Option<[DeviationValue; 2]>)| {
             let (Some(ends), cell) = (ends, record.cell(column.place)) else { return false };
             let (others, beside) = (Extent::between(*ends), column.beside_in(record));
-            if is_called_of_parts(&name) {
+            if is_called_of_parts(&name) || is_called_spread(&name) {
                 return is_false_statistic(&name, column, cell, beside, &others);
             }
             column.beyond(cell, beside, &others.times(count)).is_some()

@@ -151,7 +151,11 @@ pub(super) fn by_characteristic(
         shape.ids = Some(Series { title, cells: reading.parts.clone(), ..Series::default() });
     }
     shape.unknown.extend(found.columns_without_role());
-    shape.beside = found.rows.iter().flat_map(|row| row.cells.iter().cloned()).collect();
+    // numbers of rows have points, whatever the decimal mark is: `1.1`
+    let counts = |place: &usize| WordList::RowNumber.has(&found.title(*place));
+    let counts: HashSet<usize> = (0..header.cells.len()).filter(counts).collect();
+    let cells = found.rows.iter().flat_map(|row| row.cells.iter().enumerate());
+    shape.beside = cells.filter(|(place, _)| !counts.contains(place)).map(|(_, cell)| cell.clone()).collect();
     shape.asides = found.others.iter().filter(|record| !record.says_nothing()).map(|record| aside(record)).collect();
     shape.lines = reading.lines;
     Ok(shape)
@@ -367,7 +371,8 @@ impl<'r> Characteristics<'r> {
                 None => continue,
             };
             let first = self.place(role).unwrap_or(place);
-            if first != place && (role == Role::Unit || self.has_numbers(place)) {
+            let is_limit = matches!(role, Role::Upper | Role::Lower) && !is_extreme(&self.title(place));
+            if first != place && (role == Role::Unit || self.has_numbers(place) && !is_limit) {
                 return two(first, place);
             }
         }
@@ -398,8 +403,8 @@ impl<'r> Characteristics<'r> {
         let says_nothing = |place: usize| match self.roles[place] {
             None => true,
             Some(Role::Status) => split_unit(&self.title(place)).1.is_none(),
-            // a second one has no numbers
-            Some(role @ (Role::Measured | Role::Part)) => self.place(role) != Some(place),
+            // a second value has no numbers, and limits stand beside allowances: `OT` and `OGW`
+            Some(role @ (Role::Measured | Role::Part | Role::Upper | Role::Lower)) => self.place(role) != Some(place),
             Some(_) => false,
         };
         let is_without =
@@ -437,8 +442,11 @@ impl<'r> Characteristics<'r> {
                 number(cell).zip(largest).is_some_and(|(mean, largest)| mean.abs() > largest + last_digit)
             })
         } else {
-            // a list's numbers count its rows
-            let is_counted = (place < self.name || self.parts.is_empty()) && self.column(place).all(Cell::is_whole);
+            // a list's numbers count its rows: 1, 2, or 1.1, 1.2
+            let is_number = |cell: &Cell| cell.text().bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+            let is_called = WordList::RowNumber.has(&title);
+            let is_count = |cell: &Cell| cell.is_whole() || is_called && is_number(cell);
+            let is_counted = (place < self.name || self.parts.is_empty()) && self.column(place).all(is_count);
             !is_counted
                 && (!is_part_name(&title) || has_digit(&title))
                 && !is_statistic_among(&title, &self.header.cells)

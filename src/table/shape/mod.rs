@@ -140,7 +140,10 @@ impl Shape {
     fn take_beside(&mut self, series: &Series) -> bool {
         // a largest value that changes from part to part is measured, and no tolerance
         let changes = || series.cells.windows(2).any(|pair| pair[0].text() != pair[1].text());
-        let is_measured = || is_statistic(&split_unit(&series.title).0) && changes();
+        let name = split_unit(&series.title).0;
+        // of one part, nothing tells either
+        let may_change = || changes() || series.cells.len() == 1 && WordList::Mean.has(&name);
+        let is_measured = || is_statistic(&name) && may_change();
         let value = self.measurements.last_mut().filter(|found| !found.value.title.is_empty());
         match value.zip(role(&series.title)).and_then(|(value, role)| value.beside.slot(role)) {
             Some(slot @ None) if !is_measured() => *slot = Some(series.clone()),

@@ -266,7 +266,10 @@ pub(super) fn by_header(
             let cell = Cell::of_text(&record.in_words(), 0..0);
             shape.unknown.push(Unknown::line(&group.text(), record.line, vec![cell]).unread());
         } else if has_value_above(record, &named) {
-            shape.unknown.push(unknown_line(record, true));
+            // A is no unit above names
+            let value = unknown_line(record, true);
+            let unit = value.unit.clone().filter(|unit| is_unit(unit));
+            shape.unknown.push(Unknown { unit, ..value });
         } else if !record.says_nothing() && units != Some(line) {
             shape.asides.push(aside(record));
         }
@@ -435,7 +438,7 @@ fn end_of_rows(below: &[Record], width: usize, separator: Separator, id: usize) 
         let is_whole = record.cells.len() == width || is_sheet && record.numbers() == 0;
         // Rack 2   412
         let may_lack_cells = words && follows && record.numbers() > 1;
-        if is_part(record, &first, width, words, follows)
+        if is_part(record, &first, width, words, follows) && !names.have_no(&first)
             || names.may_have(&first) && (follows || is_whole)
             || may_lack_cells
         {
