@@ -109,7 +109,7 @@ pub(super) fn is_called_of_parts(name: &str) -> bool {
 /// The same of what stands in place of the number of a tooth, where a row may be a total, the largest of them or their grade.
 pub(super) fn is_of_teeth(name: &str) -> bool {
     // fpmax
-    let is_named = || !near(name).is_empty() || is_context(name) || name.ends_with("max");
+    let is_named = || !near(name).is_empty() || name.ends_with("max") || is_context(name) && !has_digit(name);
     is_called_of_parts(name) || is_total(name) || says_largest(name) || is_named()
 }
 

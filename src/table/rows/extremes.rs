@@ -4,7 +4,7 @@
 use super::super::block::{Block, Contradiction};
 use super::super::cell::Record;
 use super::super::column::{Column, Extent};
-use super::super::names::{is_total, names_value};
+use super::super::names::{is_context, is_total, names_value};
 use super::super::understand::{is_called_spread, is_false_statistic};
 use super::Rows;
 use super::aside::{is_called_of_parts, is_of_teeth};
@@ -44,7 +44,7 @@ impl Rows {
     /// What a record is called that is made of the others: by its name, or in place of the number of a tooth.
     pub(super) fn statistic<'r>(&self, record: &'r Record) -> Option<std::borrow::Cow<'r, str>> {
         let index = self.setup.index.map(|index| record.cell(index).text());
-        let index = index.filter(|name| is_of_teeth(name));
+        let index = index.filter(|name| is_of_teeth(name) && !is_context(name));
         let is_spread = |name: &str| self.setup.names.exclude(name) || self.setup.names.have_spread(name);
         self.label(record)
             .filter(|name| is_called_of_parts(name) || is_called_spread(name) && is_spread(name))
