@@ -347,9 +347,17 @@ pub(super) fn of_other_part(aside: &AsideReading, shape: &Shape) -> Option<Unkno
 
 /// A number alone in its line among values behind their names.
 pub(super) fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
-    let cell = Cell::of_text(aside.text.trim(), 0..0);
+    let cell = Cell::of_text(without_count(aside.text.trim()), 0..0);
     let is_among_values = shape.orientation == Orientation::Columns && shape.header.is_empty();
     (is_among_values && cell.is_number()).then(|| Unknown::line("", aside.line, vec![cell]).measured(true))
+}
+
+/// A line without the number of a section or a list in front of it: `1. Geometry`.
+fn without_count(line: &str) -> &str {
+    const MOST_DIGITS: usize = 2;
+    let is_count = |number: &str| number.len() <= MOST_DIGITS && number.bytes().all(|byte| byte.is_ascii_digit());
+    let counted = line.split_once(['.', ')']).filter(|(number, said)| is_count(number) && said.starts_with(' '));
+    counted.map_or(line, |(_, said)| said.trim())
 }
 
 /// A line of prose without what stands around its words and numbers: `A: 25,061.`, `(25,061 mm)`, `25,061/25,011`,

@@ -46,6 +46,7 @@ struct Sheets {
 }
 
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
+    let all_sheets = book.sheets();
     let Sheets { read: Sheet { name: sheet, head, .. }, others } = sheets(&mut book, want)?;
     let records = book.records(&sheet, want.range);
     let name = records.name.clone();
@@ -85,6 +86,9 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, D
     for other in &others {
         table.take_other(other, &understood, want)?;
     }
+    let left_out = all_sheets.into_iter().filter(|name| want.sheet.is_some() && *name != sheet);
+    let left_out = left_out.map(|name| NotUsed { title: format!("{SHEET}{name}"), why: "another sheet is named" });
+    table.reading.not_used.extend(left_out);
     table.reading.notes.extend(records.hidden.map(|hidden| format!("{name}: read like the others: {hidden}")));
     Ok(table)
 }
