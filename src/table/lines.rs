@@ -325,7 +325,7 @@ pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
     let is_row = || {
         let (name, values) = said.split_first()?;
         let are_values = values.len() == shape.measurements.len() && values.iter().all(|word| is_number(word));
-        (shape.ids.is_some() && are_values && shape.part_names().may_have(name)).then_some(0)
+        (shape.ids.is_some() && values.len() > 1 && are_values && shape.part_names().may_have(name)).then_some(0)
     };
     // Teil 421   Seite 1
     let at =

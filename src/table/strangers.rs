@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::cell::{Cell, Record};
 use super::column::{Column, Nominal};
-use super::companions::Companions;
 use super::grid::{Separator, unit_in};
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
@@ -15,19 +14,19 @@ use super::lines::{
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, heading, is_again, is_called, is_context, is_of_parts, is_other_of_flank, is_statistic,
-    is_total, may_be_of_parts, near, part_in_title, part_said, role, split_unit,
+    Field, Role, WordList, heading, is_again, is_called, is_called_spread, is_context, is_of_parts, is_other_of_flank,
+    is_statistic, is_total, may_be_of_parts, near, part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
-use super::shape::{PartNames, Shape, aside, is_part_name, is_spread, shape};
+use super::shape::{Measurement, PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape};
 use super::understand::Understood;
-use super::unknown::{UNCERTAINTY, Unknown, is_foreign_unit};
+use super::unknown::{UNCERTAINTY, Unknown};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Length, QuantityError, shown};
+use crate::quantity::{Length, QuantityError, Unit, shown};
 
 /// A column, line or characteristic that may be a measurement and is not understood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -167,7 +166,7 @@ impl Sorter<'_> {
         if self.is_other_size(unknown) {
             return self.take(&unknown.clone().unread());
         }
-        if is_total(title) && self.adds_up(unknown) {
+        if self.adds_up(unknown) {
             return self
                 .sorted
                 .not_used
@@ -191,28 +190,39 @@ impl Sorter<'_> {
         }
     }
 
-    /// Whether from tooth to tooth a column changes by the deviation of one of them, as F_p does by f_p.
+    /// Whether a column adds up the deviations of a pitch from tooth to tooth, as F_p does, from 0 or from the first of them.
     fn adds_up(&self, unknown: &Unknown) -> bool {
         /// Of three numbers, each is rounded.
         const ROUNDING: f64 = 1.51;
+        let unit = split_unit(&unknown.title).1.or_else(|| unknown.unit.clone());
+        let unit = unit.and_then(|symbol| Unit::from_symbol(&symbol));
         let part = |row: usize| self.shape.ids.as_ref().map(|ids| ids.cells[row].text());
-        let is_same_part = |row: usize| part(row - 1) == part(row);
-        let rows: Vec<usize> = (1..unknown.cells.len()).filter(|row| is_same_part(*row)).collect();
-        let measurements = self.shape.measurements.iter().zip(self.beside.columns);
-        let mut each_tooth =
-            measurements.filter(|(measurement, column)| column.kind.is_none() && !measurement.field.is_angle());
-        unknown.column.is_some()
-            && rows.len() > 1
-            && each_tooth.any(|(measurement, column)| {
-                let value = |cell: &Cell| column.quantity(cell).map_or(f64::NAN, DeviationValue::base);
-                let changes_by = |row: usize, tooth: usize| {
-                    let cell = &measurement.value.cells[tooth];
-                    let change = value(&unknown.cells[row]) - value(&unknown.cells[row - 1]);
-                    (change - value(cell)).abs() <= ROUNDING * column.digit(cell, column.unit)
-                };
-                // the sum ends with a tooth, or begins with it
-                [0, 1].iter().any(|before| rows.iter().all(|row| changes_by(*row, row - before)))
+        let adds_up = |(measurement, column): (&Measurement, &Column)| {
+            let value = |cell: &Cell| column.quantity(cell).map_or(f64::NAN, DeviationValue::base);
+            let (single, total) =
+                (|row: usize| value(&measurement.value.cells[row]), |row: usize| value(&unknown.cells[row]));
+            let is_near = |row: usize, sum: f64| {
+                let digit = column.digit(&unknown.cells[row], column.unit);
+                (total(row) - sum).abs() <= ROUNDING * digit
+            };
+            let is_first = |row: usize| row == 0 || part(row - 1) != part(row);
+            // the sum ends with a tooth, or begins with it
+            [0, 1].iter().any(|before| {
+                (0..unknown.cells.len()).all(|row| {
+                    if is_first(row) {
+                        return is_near(row, 0.0) || *before == 0 && is_near(row, single(row));
+                    }
+                    is_near(row, total(row - 1) + single(row - before))
+                })
             })
+        };
+        let is_pitch = |field: Field| matches!(field, Field::LeftPitch | Field::RightPitch);
+        let mut measurements = self.shape.measurements.iter().zip(self.beside.columns);
+        unknown.column.is_some()
+            && unknown.cells.len() > 2
+            && is_total(&unknown.title)
+            && !near(&unknown.title).is_empty()
+            && measurements.any(|found| is_pitch(found.0.field) && unit == Some(found.1.unit) && adds_up(found))
     }
 
     /// Whether it is another size than that with which values are read.
@@ -252,7 +262,7 @@ impl Sorter<'_> {
         let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
         (!is_said || WordList::Apart.has(title)) && self.measured.may_have(cell)
             || WordList::Mean.has(title) && self.measured.is_beyond_all(cell)
-            || (title == "R" || WordList::Spread.has(title)) && self.measured.are_narrower_than(cell)
+            || is_called_spread(title) && self.measured.are_narrower_than(cell)
     }
 
     /// A value in the heading of a column.
@@ -311,14 +321,14 @@ impl Sorter<'_> {
     /// A column of remarks, of which the first that holds a value counts.
     fn take_remark(&mut self, unknown: &Unknown) {
         let is_limit = matches!(role(&unknown.title), Some(Role::Upper | Role::Lower));
-        let is_other = is_part_name(&unknown.title) || is_limit || unknown.could_be_measured();
+        let is_other = is_part_name(&unknown.title) || unknown.could_be_measured();
         if unknown.column.is_none() || self.want.ignores(&unknown.title) || is_other {
             return;
         }
         let shape = self.shape;
         let line = |row: usize| shape.lines.get(row).or(shape.header_line.as_ref()).copied().unwrap_or_default();
         let has_words = unknown.cells.iter().any(|cell| !cell.is_measure() && !cell.is_missing());
-        let is_signed = |cell: &Cell| is_signed(cell) && (has_words || !is_context(&unknown.title));
+        let is_signed = |cell: &Cell| is_signed(cell) && !is_limit && (has_words || !is_context(&unknown.title));
         let mut cells = unknown.cells.iter().enumerate().filter(|(_, cell)| !cell.is_measure() || is_signed(cell));
         let value = cells.find_map(|(row, cell)| self.beside.value_in_remark(cell, &unknown.place, line(row)));
         if let Some(value) = value {
@@ -344,25 +354,20 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
     if let Some(unknown) = list.iter().flatten().find(is_denied) {
         sorted.take(file, unknown, want, &Others::default());
     }
-    let has_foreign_unit = |text: &str| split_unit(text).1.is_some_and(|unit| is_foreign_unit(&unit));
-    let is_context = |text: &str| {
-        let is_said = is_context(text) || is_statistic(text) || WordList::RowNumber.has(text);
-        (is_said || has_foreign_unit(text)) && !is_part_name(text)
-    };
+    let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
     let is_other = |place: usize| heading_of(records, place).is_some_and(|cell| is_context(&cell.text()));
     let is_kept = |place: usize, cell: &Cell| {
         !cell.is_number() || list.is_none() && (!is_other(place) || measured.may_have(cell))
     };
     // rows of more parts, which go on without names
     let goes_on = |record: &&Record| {
-        let reads =
-            |column: &Column| matches!(column.read(record.cell(column.place), Companions::default()), Ok(Some(_)));
+        let reads = |column: &Column| column.reads(record.cell(column.place));
         let name = understood.shape.ids.as_ref().map(|ids| record.cell(ids.place).text());
         understood.has_row_per_part()
             && name.is_some_and(|name| names.may_have(&name))
             && understood.columns.iter().all(reads)
     };
-    if let Some(row) = records.iter().find(goes_on).filter(|_| sorted.strangers.is_empty()) {
+    if let Some(row) = records.first().filter(goes_on).filter(|_| sorted.strangers.is_empty()) {
         let row = Unknown::line(sheet, row.line, row.cells.clone()).unread();
         sorted.take(file, &row, want, &Others::default());
     }
@@ -373,13 +378,13 @@ pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: 
         let cells = || record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
         let line = |cells: Vec<Cell>| aside(&Record { cells, ..record.clone() });
         let value = beside.value_in(&line(cells().map(|(_, cell)| cell.clone()).collect()), false);
-        // a number beside the name of a part: none in a remark, and no other name
-        let is_name = |place: usize| heading_of(records, place).is_some_and(|heading| is_part_name(&heading.text()));
-        let is_remark = |cell: &Cell| !cell.is_number() && cell.text().contains(' ');
-        let may_be = |cell: &Cell| {
-            understood.columns.iter().any(|column| matches!(column.read(cell, Companions::default()), Ok(Some(_))))
-        };
-        let is_value = |place: usize, cell: &Cell| !is_name(place) && may_be(cell);
+        // a number beside the name of a part, below what says nothing: z1
+        let says_nothing =
+            |heading: &Cell| heading.is_number() || heading.text().len() == 1 || has_digit(&heading.text());
+        let may_be = |place: usize| heading_of(records, place).is_none_or(says_nothing);
+        let is_value =
+            |place: usize, cell: &Cell| may_be(place) && understood.columns.iter().any(|column| column.reads(cell));
+        let is_remark = |cell: &Cell| cell.text().contains(' ');
         let of_parts =
             cells().filter(|(place, cell)| if cell.is_number() { is_value(*place, cell) } else { !is_remark(cell) });
         let value =

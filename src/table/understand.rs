@@ -14,7 +14,8 @@ use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{
-    Field, Role, WordList, is_statistic, may_be_of_parts, names_value, role, split_unit, statistic_word,
+    Field, Role, WordList, is_called_spread, is_statistic, may_be_of_parts, names_value, role, split_unit,
+    statistic_word,
 };
 use super::number::{DecimalMark, Marks};
 use super::reading::AsideReading;
@@ -364,7 +365,8 @@ impl Understood {
             // a limit to one side may be a part, and next to a mean or a count both are the ends of the values
             let limits = [Role::Upper, Role::Lower].map(|role| measurement.beside.get(role));
             let limits: Vec<&Series> = limits.into_iter().flatten().collect();
-            let are_ends = limits.len() == 1 || limits.iter().any(|limit| is_beside_statistic(limit));
+            let are_ends = limits.len() == 1
+                || limits.iter().any(|limit| is_beside_statistic(limit) && WordList::Mean.has(&limit.title));
             let is_asked = is_across && column.nominal != Nominal::None && are_ends;
             for limit in limits.into_iter().filter(|_| is_asked) {
                 let Some(cell) = limit.cells.first() else { continue };
@@ -436,11 +438,6 @@ impl Measurement {
     pub(crate) fn beside_row(&self, row: usize) -> Companions<&Cell> {
         self.beside.map(|series| series.cells.get(row))
     }
-}
-
-/// Whether a row that is no part is called by how far the others are apart.
-pub(super) fn is_called_spread(name: &str) -> bool {
-    WordList::Spread.has(name) || name == "R"
 }
 
 /// Whether what a row of this name has in a column cannot be made of the others.

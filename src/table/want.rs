@@ -128,14 +128,20 @@ impl Want {
     pub(crate) fn names_once_more(&self, title: &str) -> bool {
         const MOST_BEHIND: usize = 3;
         let name = split_unit(title).0;
-        let behind = |(own, _): &(String, Field)| name.strip_prefix(split_unit(own).0.as_str()).map(str::to_owned);
-        let is_mark = |behind: String| {
+        let is_once_more = |own: &str| {
+            let Some(behind) = name.strip_prefix(own).filter(|behind| !behind.is_empty()) else { return false };
             let word = behind.trim_matches(|c: char| !c.is_alphanumeric());
-            let is_short =
-                word.chars().count() < MOST_BEHIND && (behind != word || word.chars().all(char::is_alphabetic));
-            !word.is_empty() && (is_short || behind != word && (says_which(word) || repeats_value(word)))
+            let is_short = word.chars().count() < MOST_BEHIND;
+            let is_letter = own.ends_with(|c: char| c.is_ascii_digit()) && word.chars().all(char::is_alphabetic);
+            !word.is_empty()
+                && if behind == word {
+                    is_short && is_letter
+                } else {
+                    is_short || says_which(word) || repeats_value(word)
+                }
         };
-        self.own.iter().filter_map(behind).any(is_mark)
+        let mut own = self.own.iter().filter(|(_, field)| *field != Field::PartId);
+        own.any(|(own, _)| is_once_more(&split_unit(own).0))
     }
 
     /// The unit that the spec gives to a column, if this is the column that it means.

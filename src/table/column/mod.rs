@@ -335,6 +335,11 @@ impl Column {
         }
     }
 
+    /// Whether a cell by itself holds a value of it.
+    pub(crate) fn reads(&self, cell: &Cell) -> bool {
+        matches!(self.read(cell, Companions::default()), Ok(Some(_)))
+    }
+
     /// The quantity in a cell.
     pub(crate) fn quantity(&self, cell: &Cell) -> Result<DeviationValue, Problem> {
         self.quantity_in(cell, self.unit)

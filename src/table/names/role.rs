@@ -128,6 +128,11 @@ pub(crate) fn is_statistic(name: &str) -> bool {
     [WordList::Statistic, WordList::Apart, WordList::Spread, WordList::Mean].into_iter().any(|list| list.has(name))
 }
 
+/// Whether a row or column that is no part's is called by how far values are apart.
+pub(crate) fn is_called_spread(name: &str) -> bool {
+    WordList::Spread.has(name) || name == "R"
+}
+
 /// The name of a row, without what stands behind the word for a statistic: `Mittelwert (n=3)`, `Mittelwert aller Teile`.
 pub(crate) fn statistic_word(name: &str) -> &str {
     const SHORTEST: usize = 5;

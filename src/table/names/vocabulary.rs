@@ -190,7 +190,9 @@ pub(crate) enum WordList {
     Serial,
     /// What parts of one name may be told apart by.
     Batch,
-    /// What tells one of several parts from the others in a line above its values.
+    /// What numbers parts in a line above their values.
+    PieceNumber,
+    /// What tells one of several parts from the others there.
     OneOfSeveral,
     /// What counts rows, and names a part where nothing else does.
     RowNumber,
@@ -240,6 +242,8 @@ pub(crate) enum WordList {
     Probe,
     /// A line between the pages of a table.
     Page,
+    /// The grade of an accuracy, below the teeth.
+    Grade,
     /// How many teeth there are: a number without a unit.
     ToothCount,
     /// What a line calls the number of parts.
@@ -285,6 +289,7 @@ impl WordList {
                 | Self::Serial
                 | Self::Batch
                 | Self::OneOfSeveral
+                | Self::PieceNumber
                 | Self::Person
                 | Self::Words
                 | Self::Verifier

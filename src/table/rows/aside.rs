@@ -6,7 +6,7 @@ use super::super::cell::{Cell, Record};
 use super::super::column::{Column, Nominal};
 use super::super::grid::only_units;
 use super::super::lines::Beside;
-use super::super::names::{is_context, is_of_parts, is_total, near, says_largest, statistic_word};
+use super::super::names::{WordList, is_of_parts, is_total, near, says_largest, says_which, statistic_word};
 use super::super::reading::AsideReading;
 use super::super::shape::{has_digit, is_numbered};
 use super::{Rows, Setup};
@@ -26,7 +26,8 @@ impl Rows {
         let name = id.or(*index).and_then(|place| record.cells.get(place)).map(Cell::text);
         let has_numbers = record.numbers() > 0;
         let is_words = !is_even && !has_numbers && record.cells.len() != titles.len();
-        let has_digits = |cell: &Cell| has_digit(&cell.text());
+        // what stands above closing rows
+        let is_side = |cell: &Cell| cell.is_empty() || says_which(&cell.text());
         let is_part = |name: &str| is_numbered(name) || names.may_have(name);
         let is_counted = || id.is_some() && index.is_some_and(|index| record.cell(index).text().parse::<i64>().is_ok());
         let is_excluded = |name: &str| {
@@ -37,7 +38,8 @@ impl Rows {
         (self.label(record).is_some_and(|label| is_called_of_parts(&label)) || name.as_deref().is_some_and(is_excluded))
             && !is_counted()
             || index.is_some_and(|index| is_of_teeth(&record.cell(index).text()))
-            || index.is_some_and(|index| record.cell(index).is_empty()) && !record.cells.iter().any(has_digits)
+            || index.is_some_and(|index| has_grades(record, index))
+            || index.is_some() && record.cells.iter().all(is_side)
             || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
@@ -101,15 +103,22 @@ impl Rows {
     }
 }
 
+/// Whether a record has the grades of what is measured of each tooth: `Qualität;5;5`.
+fn has_grades(record: &Record, index: usize) -> bool {
+    const COARSEST: u8 = 12;
+    let is_grade = |cell: &Cell| cell.text().parse::<u8>().is_ok_and(|grade| grade <= COARSEST);
+    let mut numbers = record.cells.iter().filter(|cell| cell.is_number());
+    WordList::Grade.has(&record.cell(index).text()) && numbers.all(is_grade)
+}
+
 /// Whether a row is called by what is made of the parts', or by what is wanted of them.
 pub(super) fn is_called_of_parts(name: &str) -> bool {
     may_be_statistic(name.as_bytes()) && is_of_parts(statistic_word(name))
 }
 
-/// The same of what stands in place of the number of a tooth, where a row may be a total, the largest of them or their grade.
+/// The same of what stands in place of the number of a tooth, where a row may be a total or the largest of them.
 pub(super) fn is_of_teeth(name: &str) -> bool {
-    // fpmax
-    let is_named = || !near(name).is_empty() || name.ends_with("max") || is_context(name) && !has_digit(name);
+    let is_named = || !has_digit(name) && (!near(name).is_empty() || name.ends_with("max"));
     is_called_of_parts(name) || is_total(name) || says_largest(name) || is_named()
 }
 

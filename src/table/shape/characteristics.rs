@@ -371,12 +371,24 @@ impl<'r> Characteristics<'r> {
                 None => continue,
             };
             let first = self.place(role).unwrap_or(place);
-            let is_limit = matches!(role, Role::Upper | Role::Lower) && !is_extreme(&self.title(place));
-            if first != place && (role == Role::Unit || self.has_numbers(place) && !is_limit) {
+            if first != place && (role == Role::Unit || self.has_numbers(place) && !self.is_limit_of(place, first)) {
                 return two(first, place);
             }
         }
         Ok(())
+    }
+
+    /// Whether a column has the limits of size of a column of allowances, `OGW` beside `OT`, or the reverse.
+    fn is_limit_of(&self, place: usize, other: usize) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let Some(nominal) = self.place(Role::Nominal) else { return false };
+        matches!(self.roles[place], Some(Role::Upper | Role::Lower))
+            && self.rows.iter().filter(|row| row.cell(place).is_number()).all(|row| {
+                let [limit, other, nominal] =
+                    [place, other, nominal].map(|place| number(row.cell(place)).unwrap_or(f64::NAN));
+                let apart = (limit - other).abs();
+                (apart - nominal.abs()).abs() <= ROUNDING
+            })
     }
 
     /// Whether a column is called by who may have measured again, or by a word for values, and a known row has a number there; one

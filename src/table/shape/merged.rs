@@ -35,8 +35,10 @@ pub(super) fn with_heading_in_one_row(records: &[Record]) -> Cow<'_, [Record]> {
 fn joined(above: &Record, below: &Record) -> Option<Record> {
     let is_name = |cell: &Cell| role(&cell.text()) == Some(Role::Name);
     // parts that are called 1, 2, 3
-    let numbers = || below.cells.iter().filter(|cell| cell.is_number()).map(|cell| cell.text().parse::<u64>().ok());
-    let are_next = numbers().zip(numbers().skip(1)).all(|(one, other)| one.and_then(|one| one.checked_add(1)) == other);
+    let numbers = below.cells.iter().filter(|cell| cell.is_number()).map(|cell| cell.text().parse().ok());
+    let numbers: Option<Vec<u32>> = numbers.collect();
+    let are_next =
+        numbers.is_some_and(|numbers| numbers.windows(2).all(|pair| Some(pair[1]) == pair[0].checked_add(1)));
     let are_names = below.numbers() == 0 || below.cells[0].is_empty() && below.numbers() > 1 && are_next;
     let goes_on = below.filled().len() > 1 && are_names && below.cells.len() <= above.cells.len();
     if !goes_on || above.numbers() > 0 || !above.cells.iter().any(is_name) {

@@ -166,10 +166,9 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
 pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     const MOST_WORDS: usize = 4;
     let values = || shape.measurements.iter().map(|measurement| measurement.value.cells.len());
-    if shape.orientation == Orientation::Rows {
+    if shape.orientation == Orientation::Rows || shape.ids.is_some() || values().any(|count| count != 1) {
         return None;
     }
-    let is_one_part = shape.ids.is_none() && !values().any(|count| count != 1);
     // a label with a number, as `Lot: 7`
     let labels = shape.unknown.iter().filter(|unknown| unknown.column.is_none()).filter_map(|unknown| {
         let line = unknown.place.strip_prefix("line ")?.parse().ok()?;
@@ -183,8 +182,7 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     let lines = shape.asides.iter().cloned().chain(labels).filter(is_name);
     let names: Vec<_> = lines.filter_map(|line| Some((form_of_name(&line.text)?, line))).collect();
     let are_alike = |[(form, one), (other_form, other)]: &[&(String, AsideReading); 2]| {
-        let tells = is_one_part || WordList::Batch.has(form);
-        tells && form == other_form && one.text != other.text && other.line > one.line + 1
+        form == other_form && one.text != other.text && other.line > one.line + 1
     };
     let mut pairs = names.iter().flat_map(|one| names.iter().map(move |other| [one, other]));
     let [(_, one), (_, other)] = pairs.find(are_alike)?;
@@ -202,21 +200,25 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
 /// A line without what tells one part from another: numbers, sides, single letters, `first`; `None` if it has none of that, or
 /// counts something else.
 fn form_of_name(line: &str) -> Option<String> {
+    if says_which(line) {
+        return Some(String::new());
+    }
     let is_letter = |word: &str| word.chars().count() == 1;
     let tells_apart = |word: &str| is_letter(word) || says_which(word) || WordList::OneOfSeveral.has(word);
-    let words: Vec<&str> = line.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
-    if !words.iter().any(|word| has_digit(word) || tells_apart(word)) {
-        return None;
-    }
-    let fixed = words.iter().filter(|word| !tells_apart(word));
-    let fixed: Vec<String> = fixed.map(|word| word.replace(|c: char| c.is_ascii_digit(), "")).collect();
-    let form = fixed.iter().filter(|word| !word.is_empty()).cloned().collect::<Vec<_>>().join(" ");
+    let words = || line.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    let fixed = words().filter(|word| !tells_apart(word)).map(|word| word.replace(|c: char| c.is_ascii_digit(), ""));
+    let form = fixed.filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ");
+    let is_of_part = [WordList::Batch, WordList::PieceNumber].iter().any(|list| list.has(&form))
+        || role(&form) == Some(Role::Part)
+        || part_said(&form).is_some();
+    // a letter in front of a name tells no part: A. Smith
+    let tells =
+        |word: &str| has_digit(word) || tells_apart(word) && (!is_letter(word) || form.is_empty() || is_of_part);
     let is_number = !line.contains(|c: char| c.is_alphabetic() || matches!(c, '#' | '*'));
-    let is_of_part = WordList::Batch.has(&form) || role(&form) == Some(Role::Part);
     let lists = [WordList::RowNumber, WordList::Probe];
     let is_number_of = role(&form) == Some(Role::Name) || lists.iter().any(|list| list.has(&form));
     let counts_others = is_number || is_number_of || is_context(&form) && !is_of_part;
-    (!counts_others).then_some(form)
+    (words().any(tells) && !counts_others).then_some(form)
 }
 
 /// The refusal of a table whose commas may be decimal marks.
