@@ -177,6 +177,11 @@ impl Lines<'_> {
         {
             return shape.take(named);
         }
+        // no part is called `412 µm`
+        let has_unit = |cell: &Cell| {
+            let text = cell.text();
+            is_unit(&text) || unit_in(&text).is_some_and(|unit| is_unit(&unit))
+        };
         let cells = behind_label(record, self.has_units);
         let names_parts =
             heading(&title, &self.want.own).filter(|heading| cells.len() == self.count && heading.is_index());
@@ -192,7 +197,7 @@ impl Lines<'_> {
             _ if record.numbers() > 0
                 && record.filled().len() > 1
                 && !record.cells[0].is_measure()
-                && !is_part_name(&title) =>
+                && (!is_part_name(&title) || record.cells.iter().any(has_unit)) =>
             {
                 let is_value = index > self.first && says_value(&title, &record.cells[1..]);
                 shape.unknown.push(unknown_line(record, is_value || self.is_among(index, record)));
