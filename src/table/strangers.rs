@@ -219,6 +219,7 @@ impl Sorter<'_> {
         let is_pitch = |field: Field| matches!(field, Field::LeftPitch | Field::RightPitch);
         let mut measurements = self.shape.measurements.iter().zip(self.beside.columns);
         unknown.column.is_some()
+            && self.shape.orientation == Orientation::Rows
             && unknown.cells.len() > 2
             && is_total(&unknown.title)
             && !near(&unknown.title).is_empty()
