@@ -39,7 +39,7 @@ impl Rows {
             && !is_counted()
             || index.is_some_and(|index| is_of_teeth(&record.cell(index).text()))
             || index.is_some_and(|index| has_grades(record, index))
-            || index.is_some() && record.cells.iter().all(is_side)
+            || index.is_some() && id.is_none_or(|id| record.cell(id).is_empty()) && record.cells.iter().all(is_side)
             || self.is_page(record)
             || is_words && !name.as_ref().is_some_and(|name| is_part(name)) && !self.holds_value(record)
             || (!has_numbers && (self.repeats_header(record) || only_units(&record.cells).is_some()))
