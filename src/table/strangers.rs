@@ -1,25 +1,27 @@
 //! Columns, lines and characteristics that name nothing known: which of them are no measurement, and which could be one, so
 //! that nothing is judged before somebody says what they are. Called once per table.
 
+mod sheet;
+
 use std::collections::HashSet;
 
 use serde::Serialize;
 
-use super::cell::{Cell, Record};
+use super::cell::Cell;
 use super::column::{Column, Nominal};
-use super::grid::{Separator, unit_in};
+use super::grid::unit_in;
 use super::lines::{
     Beside, NamedSize, has_scale, is_signed, named_sizes, of_all_values, of_other_part, of_part, repeats_nominal,
     says_value_alone, size_read_with, statistics, value_beyond, without_name, without_punctuation, without_value,
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, heading, is_again, is_called, is_called_spread, is_context, is_of_parts, is_other_of_flank,
-    is_statistic, is_total, may_be_of_parts, near, part_in_title, part_said, role, split_unit,
+    Field, Role, WordList, heading, is_again, is_called, is_called_spread, is_context, is_other_of_flank, is_statistic,
+    is_total, near, part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
-use super::shape::{Measurement, PartNames, Shape, aside, has_digit, is_part_name, is_spread, shape};
+use super::shape::{Measurement, PartNames, Shape, is_part_name, is_spread};
 use super::understand::Understood;
 use super::unknown::{UNCERTAINTY, Unknown};
 use super::want::{Orientation, Want, ignore_option, mapping, quoted};
@@ -27,6 +29,7 @@ use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Length, QuantityError, Unit, shown};
+pub(crate) use sheet::{listed_statistics, of_sheet};
 
 /// A column, line or characteristic that may be a measurement and is not understood.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -336,85 +339,6 @@ impl Sorter<'_> {
             self.take(&value);
         }
     }
-}
-
-/// What of another sheet may be a measurement: columns, or else the first line that would be one beside the table that is read.
-/// A number below a name for context is none, and in a sheet that is called a repetition each is one.
-pub(crate) fn of_sheet(file: &str, sheet: &str, records: &[Record], understood: &Understood, want: &Want) -> Sorted {
-    let others = &Others::of(&understood.columns, want);
-    let list = listed_statistics(records);
-    let columns = shape(records, Separator::TAB, want).map(|shape| sort(file, &shape, understood, want, others));
-    let mut sorted = columns.ok().filter(|_| list.is_none()).unwrap_or_default();
-    if let Some(record) = records.iter().find(|record| is_again(sheet) && record.numbers() > 0) {
-        let again = Unknown::line(sheet, record.line, record.cells.clone()).unread();
-        sorted.take(file, &again, want, &Others::default());
-    }
-    let (names, measured) = (understood.shape.part_names(), MeasuredValues::of(understood));
-    let beside = Beside { columns: &understood.columns, width: 0, of_parts: Some(&names), measured: Some(&measured) };
-    let is_denied = |unknown: &&Unknown| measured.are_denied_by(&unknown.title, &unknown.cells[0]);
-    if let Some(unknown) = list.iter().flatten().find(is_denied) {
-        sorted.take(file, unknown, want, &Others::default());
-    }
-    let is_context = |text: &str| (is_context(text) || is_statistic(text)) && !is_part_name(text);
-    let is_other = |place: usize| heading_of(records, place).is_some_and(|cell| is_context(&cell.text()));
-    let is_kept = |place: usize, cell: &Cell| {
-        !cell.is_number() || list.is_none() && (!is_other(place) || measured.may_have(cell))
-    };
-    // rows of more parts, which go on without names
-    let goes_on = |record: &&Record| {
-        let reads = |column: &Column| column.reads(record.cell(column.place));
-        let name = understood.shape.ids.as_ref().map(|ids| record.cell(ids.place).text());
-        understood.has_row_per_part()
-            && name.is_some_and(|name| names.may_have(&name))
-            && understood.columns.iter().all(reads)
-    };
-    if let Some(row) = records.first().filter(goes_on).filter(|_| sorted.strangers.is_empty()) {
-        let row = Unknown::line(sheet, row.line, row.cells.clone()).unread();
-        sorted.take(file, &row, want, &Others::default());
-    }
-    for record in records {
-        if !sorted.strangers.is_empty() {
-            break;
-        }
-        let cells = || record.cells.iter().enumerate().filter(|(place, cell)| is_kept(*place, cell));
-        let line = |cells: Vec<Cell>| aside(&Record { cells, ..record.clone() });
-        let value = beside.value_in(&line(cells().map(|(_, cell)| cell.clone()).collect()), false);
-        // a number beside the name of a part, below what says nothing: z1
-        let says_nothing =
-            |heading: &Cell| heading.is_number() || heading.text().len() == 1 || has_digit(&heading.text());
-        let may_be = |place: usize| heading_of(records, place).is_none_or(says_nothing);
-        let is_value =
-            |place: usize, cell: &Cell| may_be(place) && understood.columns.iter().any(|column| column.reads(cell));
-        let is_remark = |cell: &Cell| cell.text().contains(' ');
-        let of_parts =
-            cells().filter(|(place, cell)| if cell.is_number() { is_value(*place, cell) } else { !is_remark(cell) });
-        let value =
-            value.or_else(|| of_part(&line(of_parts.map(|(_, cell)| cell.clone()).collect()), &understood.shape));
-        if let Some(unknown) = value {
-            sorted.take(file, &unknown, want, &Others::default());
-        }
-    }
-    sorted
-}
-
-/// The first cell of a column that is not empty.
-fn heading_of(records: &[Record], place: usize) -> Option<&Cell> {
-    records.iter().find_map(|record| record.cells.get(place).filter(|cell| !cell.is_empty()))
-}
-
-/// The numbers of a sheet, each below the name of its row or column, if all of these are names of statistics, nominal values or limits
-/// of parts.
-pub(crate) fn listed_statistics(records: &[Record]) -> Option<Vec<Unknown>> {
-    let mut found = Vec::new();
-    for record in records {
-        let row = record.cells.iter().find(|cell| !cell.is_empty());
-        for (place, number) in record.cells.iter().enumerate().filter(|(_, cell)| cell.is_number()) {
-            let mut names = [row, heading_of(records, place)].into_iter().flatten().map(Cell::text);
-            let name = names.find(|name| may_be_of_parts(name) || WordList::PartCount.has(name))?;
-            found.push(Unknown::line(&name, record.line, vec![number.clone()]).unread());
-        }
-    }
-    found.iter().any(|unknown| is_of_parts(&unknown.title)).then_some(found)
 }
 
 impl Sorted {

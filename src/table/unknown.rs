@@ -9,7 +9,7 @@ use super::names::{
     WordList, is_again, is_context, is_gear_size, is_statistic, near, part_said, repeats_value, split_unit,
 };
 use super::rejection::is_of_validity;
-use super::shape::is_part_name;
+use super::shape::{distinct, is_part_name};
 use super::want::Want;
 use crate::quantity::Unit;
 
@@ -101,9 +101,8 @@ impl Unknown {
         let unit = unit.as_deref();
         let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
-        let differ = || self.cells.iter().any(|cell| cell.text() != self.cells[0].text());
         let is_of_gear = is_gear_size(title)
-            && !(self.is_repeated && differ())
+            && !(self.is_repeated && distinct(self.cells.iter()) > 1)
             && !(WordList::ToothCount.is_in(title) && unit.is_some_and(is_unit));
         let is_other = is_of_gear
             || WordList::EvaluationLength.has(title)

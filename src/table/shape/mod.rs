@@ -393,7 +393,7 @@ impl Measurement {
 }
 
 /// How many different texts cells have.
-fn distinct<'c>(cells: impl Iterator<Item = &'c Cell>) -> usize {
+pub(crate) fn distinct<'c>(cells: impl Iterator<Item = &'c Cell>) -> usize {
     cells.map(Cell::text).collect::<HashSet<_>>().len()
 }
 
