@@ -10,8 +10,8 @@ use super::{QuantityError, grid_quantity};
 /// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
 ///
 /// Read from text: a bare number is in degrees; the units are `deg` (`°`), `arcmin` (`'`), `arcsec` (`"`), `rad`,
-/// `mrad`, `µrad`, `gon`, and degrees, minutes and seconds may follow each other: `12° 30' 15"`. Only radians are not
-/// exact: π enters them with 18 digits.
+/// `mrad`, `µrad`, `gon`, and degrees, minutes and seconds may follow each other, at most 60 of them: `12° 30' 15"`. Only
+/// radians are not exact: π enters them with 18 digits.
 ///
 /// ```
 /// use rackmesh::quantity::Angle;
@@ -136,6 +136,10 @@ impl FromStr for Angle {
             if !follows || (sum.is_some() && signed) {
                 return Err(QuantityError::no_unit_of_angle(rest.trim()));
             }
+            if previous.is_some_and(|previous| part.in_unit(previous) > 1.0) {
+                let what = "what stands behind degrees or minutes";
+                return Err(QuantityError::Overflow { what, largest: "one of them" });
+            }
             sum = Some(match sum {
                 None => {
                     negative = signed && !written.starts_with('+');
@@ -173,6 +177,11 @@ mod tests {
         for text in ["0.25", "0.25deg", "0.25°", "15'", "15 arcmin", "900\"", "900 arcsec", "0° 15'", "0°14'60\""] {
             assert_eq!(angle(text), angle("0.25"), "{text}");
         }
+        assert_eq!(angle("1° 900\""), angle("1.25"));
+        assert_eq!(
+            "0°01′75″".parse::<Angle>().unwrap_err().to_string(),
+            "what stands behind degrees or minutes is too large: its magnitude must stay within one of them"
+        );
         for text in ["0.25 Degrees", "0.25 Grad", "15 min", "15′", "900″", "900 sec", "0 deg 14 min 60 sec"] {
             assert_eq!(angle(text), angle("0.25"), "{text}");
         }

@@ -249,6 +249,12 @@ pub(crate) fn is_date(word: &str) -> bool {
     word.split('.').count() == 3 && word.split('.').all(|part| part.parse::<u16>().is_ok())
 }
 
+/// Whether a word is a time of day: `9:12`, `14:22:05`.
+pub(crate) fn is_clock(word: &str) -> bool {
+    let is_part = |part: &str| matches!(part.len(), 1..=2) && part.parse::<u8>().is_ok();
+    word.contains(':') && word.split(':').all(is_part)
+}
+
 /// Whether tokens begin with a time of day: `9:12`, `9 Uhr`.
 fn is_time(tokens: &[Cell]) -> bool {
     let is_hour = |first: &Cell| first.text().starts_with(|c: char| c.is_ascii_digit());

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use super::cell::Cell;
 use super::column::{Column, Nominal, has_tolerance_behind};
-use super::grid::{Separator, is_date, is_unit, records, unit_in};
+use super::grid::{Separator, is_clock, is_date, is_unit, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
     Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, names_page, near, plain_widths,
@@ -264,11 +264,13 @@ fn speaks_of_deviation(text: &str) -> bool {
 /// Whether a text is a number that some column may hold and words that call it a value, and nothing else: `nochmal gemessen: 95`,
 /// `95!`, `2→95`, `0.4 over`. The number of a tooth is none, nor is a digit behind a machine: `KMG 2`.
 pub(super) fn says_value_alone(text: &str, columns: &[Column]) -> bool {
-    let (mut has_number, mut is_said, mut is_named) = (false, false, false);
+    // 2. Messung: 412
+    let counted = without_count(text);
+    let (mut has_number, mut is_said, mut is_named) = (false, counted.len() < text.len(), false);
     // the digits that a number has at most which is that of the word before it
     let mut digits_of_name = 0;
     let is_mark = |c: char| "→⇒≈~>!=".contains(c);
-    let text = text.trim_end_matches('.').replace("->", "→").replace(": ", " = ").replace(is_mark, " = ");
+    let text = counted.trim_end_matches('.').replace("->", "→").replace(": ", " = ").replace(is_mark, " = ");
     for word in text.split(|c: char| c.is_whitespace() || "(),;".contains(c)).filter(|word| !word.is_empty()) {
         let bare = word.strip_suffix("my").unwrap_or(word);
         let number = Cell::of_text(bare, 0..0);
@@ -306,13 +308,9 @@ pub(super) fn is_signed(cell: &Cell) -> bool {
 /// A number in a line that names a part of the table: `P2: 95`, `Bemerkung: Teil 2 zeigte 95`. A part with a bare number for a
 /// name has a word for parts before it.
 pub(super) fn of_part(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
-    // a time of day is no number
-    let is_time = |word: &&str| {
-        word.contains(':') && word.split(':').all(|part| matches!(part.len(), 1..=2) && part.parse::<u8>().is_ok())
-    };
     let is_number = |word: &str| Cell::of_text(word, 0..0).is_number();
     let text = plain_widths(&aside.text);
-    let pieces = text.split_whitespace().filter(|word| !is_time(word));
+    let pieces = text.split_whitespace().filter(|word| !is_clock(word));
     let words: Vec<&str> = pieces.flat_map(|word| word.split([':', ';', ',', '=', '(', ')'])).collect();
     let ids: HashSet<Cow<'_, str>> = shape.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).collect();
     let names_one = |at: &usize| {

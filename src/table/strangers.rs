@@ -415,7 +415,7 @@ fn other_temperature(file: &str, line: &AsideReading, columns: &[Column]) -> Opt
     let before = line.text.split_once("°C")?.0.trim();
     let (words, number) = before.split_at(before.rfind([' ', ':', '=']).map_or(0, |at| at + 1));
     let celsius: f64 = number.replace(',', ".").parse().ok()?;
-    let is_of_parts = is_context(words) || role(words) == Some(Role::Measured);
+    let is_of_parts = is_context(words) || role(words) == Some(Role::Measured) || WordList::At.has(words.trim());
     let has_sizes = columns.iter().any(|column| column.nominal != Nominal::None);
     (is_of_parts && has_sizes && (celsius - 20.0).abs() > KELVIN_APART)
         .then(|| format!("{file}: line {} says {celsius} °C, and sizes are taken as those at 20 °C", line.line))

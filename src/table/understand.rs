@@ -449,9 +449,10 @@ pub(super) fn is_false_statistic(
     others: &Extent,
 ) -> bool {
     let (name, side) = (statistic_word(name), column.beyond(cell, beside, others));
+    let limit = role(name).or_else(|| control_limit(name));
     // no upper limit lies below the others, and no lower one above
     let is_false_limit = matches!(
-        (role(name), side),
+        (limit, side),
         (Some(Role::Upper), Some(Ordering::Less)) | (Some(Role::Lower), Some(Ordering::Greater))
     );
     let is_spread = is_called_spread(name);
@@ -461,7 +462,14 @@ pub(super) fn is_false_statistic(
     is_false_limit
         || side.is_some() && (WordList::Mean.has(name) || is_spread && has_nominal)
         || has_nominal && WordList::Apart.has(name) && is_size()
+        || !has_nominal && WordList::Sum.has(name) && column.is_no_sum(cell, beside, others)
         || is_spread && column.is_wider(cell, others)
+}
+
+/// The end of a control chart that a row is called by, which limits no part.
+fn control_limit(name: &str) -> Option<Role> {
+    let is = |word: &str| name.eq_ignore_ascii_case(word);
+    is("ucl").then_some(Role::Upper).or(is("lcl").then_some(Role::Lower))
 }
 
 /// Whether each row is a tooth or space: it has their numbers or values, or over-pin values of no named part; one value

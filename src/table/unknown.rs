@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use super::cell::Cell;
-use super::grid::{is_date, is_unit, only_units, unit_in};
+use super::grid::{is_clock, is_date, is_unit, only_units, unit_in};
 use super::names::{
     WordList, is_again, is_context, is_gear_size, is_statistic, near, part_said, repeats_value, split_unit,
 };
@@ -111,7 +111,9 @@ impl Unknown {
             // of a torque, newton metres
             || unit == Some("nm") && is_context(title);
         // without values, nothing was measured
-        if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
+        let is_foreign =
+            |text: &Cow<'_, str>| is_clock(text) || unit_in(text).is_some_and(|unit| is_foreign_unit(&unit));
+        if is_other || values.iter().all(is_foreign) {
             return false;
         }
         let is_in_unit =

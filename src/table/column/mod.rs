@@ -125,15 +125,17 @@ pub(crate) struct Extent {
     pub(crate) least: f64,
     pub(crate) most: f64,
     digit: f64,
+    /// How many values.
+    count: usize,
 }
 
 impl Extent {
     /// Of no values.
-    pub(crate) const NONE: Self = Self { least: f64::INFINITY, most: f64::NEG_INFINITY, digit: 1.0 };
+    pub(crate) const NONE: Self = Self { least: f64::INFINITY, most: f64::NEG_INFINITY, digit: 1.0, count: 0 };
 
-    /// Of values from one to another, of whose last digit nothing else is known.
-    pub(crate) fn between([least, most]: [DeviationValue; 2]) -> Self {
-        Self { least: least.base(), most: most.base(), digit: 0.01 }
+    /// Of so many values from one to another, of whose last digit nothing else is known.
+    pub(crate) fn between([least, most]: [DeviationValue; 2], count: usize) -> Self {
+        Self { least: least.base(), most: most.base(), digit: 0.01, count }
     }
 
     /// As of values so many times as large.
@@ -147,7 +149,7 @@ impl Extent {
         // of a value in a unit of its own, it is not known
         let digit = if unit_in(&cell.text()).is_none() { column.digit(cell, column.unit) } else { SMALLEST_DIGIT };
         let digit = self.digit.min(digit).max(SMALLEST_DIGIT);
-        Self { least: self.least.min(value), most: self.most.max(value), digit }
+        Self { least: self.least.min(value), most: self.most.max(value), digit, count: self.count + 1 }
     }
 
     /// Whether a value lies among them, but for their last digit.
@@ -319,6 +321,12 @@ impl Column {
         let value = self.read(cell, beside).ok()??.base();
         let digit = self.digit(cell, self.unit).max(SMALLEST_DIGIT);
         if value < least - digit { Some(Ordering::Less) } else { (value > most + digit).then_some(Ordering::Greater) }
+    }
+
+    /// Whether a number is no sum of the others, nor how many they are.
+    pub(crate) fn is_no_sum(&self, cell: &Cell, beside: Companions<&Cell>, others: &Extent) -> bool {
+        let sums = others.times(others.count as f64);
+        cell.text().parse() != Ok(others.count) && self.beyond(cell, beside, &sums).is_some()
     }
 
     /// Whether a number is larger than values are apart.

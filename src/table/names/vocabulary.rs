@@ -172,6 +172,10 @@ pub(crate) enum WordList {
     Statistic,
     /// Those of them that are no value of a part.
     Apart,
+    /// What stands between a value and the temperature at which it was measured.
+    At,
+    /// Those of them that add up the values, or count them.
+    Sum,
     /// Those of them that are no larger than values are apart.
     Spread,
     /// Those of them that lie among the values.

@@ -63,7 +63,7 @@ impl Rows {
         };
         let is_false = |(column, ends): &(&Column, &Option<[DeviationValue; 2]>)| {
             let (Some(ends), cell) = (ends, record.cell(column.place)) else { return false };
-            let (others, beside) = (Extent::between(*ends), column.beside_in(record));
+            let (others, beside) = (Extent::between(*ends, extremes.rows), column.beside_in(record));
             if is_called_of_parts(&name) || is_called_spread(&name) {
                 return is_false_statistic(&name, column, cell, beside, &others);
             }

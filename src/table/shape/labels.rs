@@ -6,6 +6,7 @@ use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::{Separator, bare_unit, is_unit, unit_in};
 use crate::table::names::{Field, Role, WordList, heading, is_tolerance, names_value, repeats_value, role};
+use crate::table::reading::AsideReading;
 use crate::table::unknown::Unknown;
 use crate::table::want::{Orientation, Want};
 
@@ -109,6 +110,9 @@ pub(super) fn by_label(
         };
         let cells = behind_label(&records[*index], has_units);
         let cells = without_approval(cells, has_places);
+        let (cells, temperature) = split_temperature(cells);
+        let line = records[*index].line;
+        shape.asides.extend(temperature.map(|text| AsideReading { line, text }));
         if !named.series.fill(cells, named.field.is_angle()) {
             return Err(NoShape::Units { record: records[*index].clone() });
         }
@@ -259,13 +263,29 @@ fn behind_label(record: &Record, has_units: bool) -> &[Cell] {
     }
 }
 
+/// The cells of one value without the temperature that stands behind it, and this: `bei 20 °C`.
+fn split_temperature(cells: &[Cell]) -> (&[Cell], Option<String>) {
+    let at = cells.iter().rposition(|cell| WordList::At.has(&cell.text())).filter(|at| *at > 0);
+    let (value, behind) = cells.split_at(at.unwrap_or(cells.len()));
+    let text = behind.iter().map(Cell::text).collect::<Vec<_>>().join(" ");
+    let number = text.trim_end_matches(['.', ',']).strip_suffix("°C").and_then(|text| text.split(' ').nth(1));
+    let is_one = number.is_some_and(|number| Cell::of_text(number, 0..0).is_number()) && behind.len() <= 3;
+    if is_one && value.iter().any(Cell::is_number) { (value, Some(text)) } else { (cells, None) }
+}
+
 /// The cells of one value without an approval, which stands behind it or its unit; where cells have places, one right behind a
 /// value may be another part's.
 fn without_approval(cells: &[Cell], has_places: bool) -> &[Cell] {
-    let Some((last, rest)) = cells.split_last() else { return cells };
-    let is_behind_unit = || rest.last().is_some_and(|cell| is_unit(&cell.text()));
+    const MOST_WORDS: usize = 3;
+    let says = |count: &usize| {
+        let behind = &cells[cells.len() - count..];
+        is_approval(&behind.iter().map(Cell::text).collect::<Vec<_>>().join(" "))
+    };
+    let Some(words) = (1..=MOST_WORDS.min(cells.len())).rfind(says) else { return cells };
+    let rest = &cells[..cells.len() - words];
+    let is_behind_unit = || rest.last().is_some_and(|cell| is_unit(cell.text().trim_end_matches([',', ';', '.'])));
     let numbers = rest.iter().filter(|cell| cell.is_number()).count();
-    let is_kept = !is_approval(&last.text()) || numbers == 0 || has_places && (numbers > 1 || !is_behind_unit());
+    let is_kept = numbers == 0 || has_places && (numbers > 1 || !is_behind_unit());
     if is_kept { cells } else { rest }
 }
 

@@ -270,6 +270,13 @@ impl Shape {
         self.orientation == Orientation::Columns && titles.any(|title| WordList::Mean.has(title))
     }
 
+    /// Whether a line repeats the names of the parts, as a heading does above more values of theirs.
+    pub(crate) fn names_parts_again(&self, aside: &AsideReading) -> bool {
+        let mut names = self.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).peekable();
+        let is_below = Some(aside.line) > self.header_line && names.peek().is_some();
+        is_below && names.all(|name| aside.text.split_whitespace().any(|word| word == name))
+    }
+
     /// What the names of its parts look like.
     pub(crate) fn part_names(&self) -> PartNames {
         let is_row = |row: usize| {

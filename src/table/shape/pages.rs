@@ -61,24 +61,30 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
     rows.into()
 }
 
-/// The records with the name of its part behind each characteristic, where a row that has nothing else names it: `Teil 1;;`.
+/// The records with the name of its part behind each characteristic, where a row that has nothing else names it: `Teil 1;;`. The
+/// first may stand above the header.
 pub(super) fn with_part_of_section(records: &[Record]) -> Cow<'_, [Record]> {
     let Some(start) = records.iter().position(is_header) else { return records.into() };
     let (header, below) = (&records[start], &records[start + 1..]);
     let alone = |record: &Record| match record.filled() {
-        [cell] if record.cells.len() == header.cells.len() => part_line(&cell.text()),
+        [cell] => part_line(&cell.text()),
+        [word, name] => named_by(word.text().trim_end_matches(':'), &name.text()),
         _ => None,
     };
-    let Some(PartLine { word, .. }) = below.first().and_then(alone) else { return records.into() };
-    let named = |record: &Record| alone(record).filter(|line| line.word == word).map(|line| line.name);
-    let names: Vec<String> = below.iter().filter_map(named).collect();
+    let above = records[..start].iter().rev().find_map(alone).filter(|line| has_digit(&line.name));
+    let right_below = below.first().and_then(alone);
+    let Some(first) = right_below.as_ref().or(above.as_ref()) else { return records.into() };
+    let named = |record: &Record| alone(record).filter(|line| line.word == first.word).map(|line| line.name);
+    let names: Vec<String> = records.iter().filter_map(named).collect();
     // a part of which nothing is said would be lost
     let is_filled = |pair: &[Record]| named(&pair[0]).is_none() || named(&pair[1]).is_none();
-    let are_filled = below.windows(2).all(is_filled) && below.last().is_some_and(|last| named(last).is_none());
+    let is_above_filled = right_below.is_none() || above.as_ref().is_none_or(|above| above.word != first.word);
+    let is_last_filled = below.last().is_some_and(|last| named(last).is_none());
+    let are_filled = is_above_filled && below.windows(2).all(is_filled) && is_last_filled;
     if names.len() < 2 || !are_filled || names.iter().collect::<HashSet<_>>().len() < names.len() {
         return records.into();
     }
-    let mut part = String::new();
+    let mut part = first.name.clone();
     let mut rows = records[..start].to_vec();
     rows.push(with_cell(header, "part"));
     for record in below {

@@ -139,6 +139,8 @@ pub(super) fn by_sentence(records: &[Record], want: &Want) -> Result<Shape, NoSh
     // a part of which nothing is said is one without values
     let with_values: HashSet<&Part> = rows.iter().flat_map(|row| &row.part).collect();
     let words: HashSet<String> = with_values.iter().map(|part| part.word.clone()).collect();
+    // of which part a pitch is, the names of the parts tell: Rack 1
+    let want = &*want.of_part(words.iter().cloned());
     let is_like_others = |part: &Part| words.contains(&part.word);
     let has_none = |part: &Part| !with_values.contains(part);
     let without = parts.iter().filter(|part| is_like_others(part) && has_none(part)).map(|part| {

@@ -165,8 +165,13 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
 /// may name a part, or its batch.
 pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     const MOST_WORDS: usize = 4;
-    let values = || shape.measurements.iter().map(|measurement| measurement.value.cells.len());
-    if shape.orientation == Orientation::Rows || shape.ids.is_some() || values().any(|count| count != 1) {
+    let is_of_one = || shape.measurements.iter().all(|measurement| measurement.value.cells.len() == 1);
+    let headings_again = || shape.asides.iter().filter(|aside| shape.names_parts_again(aside)).map(|aside| aside.line);
+    let are_of_one = match shape.ids {
+        Some(_) => headings_again().next().is_some(),
+        None => is_of_one(),
+    };
+    if shape.orientation == Orientation::Rows || !are_of_one {
         return None;
     }
     // a label with a number, as `Lot: 7`
@@ -181,8 +186,10 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     };
     let lines = shape.asides.iter().cloned().chain(labels).filter(is_name);
     let names: Vec<_> = lines.filter_map(|line| Some((form_of_name(&line.text)?, line))).collect();
+    // values of one part stand below both
+    let go_on = |line: u64| shape.ids.is_none() || headings_again().any(|heading| heading > line);
     let are_alike = |[(form, one), (other_form, other)]: &[&(String, AsideReading); 2]| {
-        form == other_form && one.text != other.text && other.line > one.line + 1
+        form == other_form && one.text != other.text && other.line > one.line + 1 && go_on(other.line)
     };
     let mut pairs = names.iter().flat_map(|one| names.iter().map(move |other| [one, other]));
     let [(_, one), (_, other)] = pairs.find(are_alike)?;
