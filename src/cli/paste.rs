@@ -95,10 +95,11 @@ impl Args {
             target::refuse_inputs(path, &self.inputs(&spec))?;
             target::known_ending(path, path, &ENDINGS)?;
         }
-        let Opened { table, spec, notes } = self.open(&spec, &interruption, output)?;
+        let opened = self.open(&spec, &interruption, output);
         if let Some(status) = interruption.status() {
             return Ok(status);
         }
+        let Opened { table, spec, notes } = opened?;
         if let Some(refused) = refusal(&table.strangers, &table.to_be_named) {
             return Err(refused.into());
         }

@@ -317,6 +317,55 @@ fn a_typed_block_and_a_piped_one() {
     assert!(text(&output.stdout).contains("0.0125"), "{}", text(&output.stdout));
 }
 
+/// What is typed once the terminal shows something.
+#[cfg(target_os = "linux")]
+struct Step {
+    shown: &'static str,
+    typed: &'static str,
+}
+
+/// What a terminal shows of a command that is given this, and of the shell that reads on behind it.
+#[cfg(target_os = "linux")]
+fn on_terminal(arguments: &str, steps: &[Step]) -> String {
+    let program = env!("CARGO_BIN_EXE_rackmesh");
+    let shell = format!(
+        "trap : INT; read go; '{program}' {arguments}; echo \"exit $?\"; while read line; do echo \"shell: $line\"; done"
+    );
+    let mut child = Command::new("script")
+        .args(["--quiet", "--command", &shell, "/dev/null"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("script is there");
+    let mut keys = child.stdin.take().expect("stdin is piped");
+    let mut screen = child.stdout.take().expect("stdout is piped");
+    let mut shown = Vec::new();
+    for Step { shown: wanted, typed } in steps {
+        while !String::from_utf8_lossy(&shown).contains(wanted) {
+            let mut byte = [0];
+            screen.read_exact(&mut byte).unwrap_or_else(|_| panic!("{wanted}: {}", String::from_utf8_lossy(&shown)));
+            shown.extend(byte);
+        }
+        keys.write_all(typed.as_bytes()).expect("the terminal takes keys");
+    }
+    screen.read_to_end(&mut shown).expect("the terminal ends");
+    assert!(child.wait().expect("the shell ends").success());
+    String::from_utf8(shown).expect("the terminal shows UTF-8")
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn ctrl_c_before_anything_is_typed_is_no_empty_block() {
+    let steps = [
+        Step { shown: "", typed: "go\n" },
+        Step { shown: "Paste the values", typed: "\x03" },
+        Step { shown: "exit ", typed: "\x04" },
+    ];
+    let shown = on_terminal("paste examples/minimal.toml", &steps);
+    assert!(shown.contains("interrupted before there was a result") && shown.contains("exit 130"), "{shown}");
+    assert!(!shown.contains("error"), "{shown}");
+}
+
 #[cfg(unix)]
 fn send(signal: &str, child: &Child) {
     let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
