@@ -89,12 +89,17 @@ struct ReadBlock {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
+        let spec = match self.spec(output) {
+            Ok(spec) => spec,
+            Err(failure) => {
+                let status = output.finish(Err(failure));
+                if self.path().is_none() {
+                    terminal::discard_block(output);
+                }
+                return Ok(status);
+            }
+        };
         let interruption = long::interrupted(output);
-        if let Some(path) = &self.output {
-            target::refuse_inputs(path, &self.inputs(&spec))?;
-            target::known_ending(path, path, &ENDINGS)?;
-        }
         let opened = self.open(&spec, &interruption, output);
         if let Some(status) = interruption.status() {
             return Ok(status);
@@ -108,9 +113,24 @@ impl Args {
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
     }
 
+    /// The spec, if it and the name of the file that is written are as they should be.
+    fn spec(&self, output: &mut Output) -> Result<Arc<Spec>, Failure> {
+        let spec = self.set.read_spec(&self.spec, output)?;
+        if let Some(path) = &self.output {
+            target::refuse_inputs(path, &self.inputs(&spec))?;
+            target::known_ending(path, path, &ENDINGS)?;
+        }
+        Ok(Arc::new(spec))
+    }
+
+    /// The file with the block; `None` where standard input has it.
+    fn path(&self) -> Option<&str> {
+        self.file.as_deref().filter(|path| *path != "-")
+    }
+
     /// What a part without a name of its own is called: the spec's title is of the pair, not of this part.
     fn block_name(&self) -> String {
-        let file = self.file.as_deref().filter(|path| *path != "-").map(Path::new).and_then(Path::file_name);
+        let file = self.path().map(Path::new).and_then(Path::file_name);
         file.map_or_else(|| "pasted part".to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
@@ -122,7 +142,7 @@ impl Args {
     fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
         let opener = opener.judged_by(&self.judge.rule(spec));
-        if let Some(path) = self.file.as_deref().filter(|path| *path != "-") {
+        if let Some(path) = self.path() {
             return interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET));
         }
         opener.block(terminal::read_block(output, interruption, LARGEST_BLOCK)?)

@@ -63,6 +63,13 @@ impl Stdin {
         });
         Self { blocks, block: Cursor::default(), stop }
     }
+
+    /// Whether something comes within this time; reading gives it.
+    pub(super) fn comes_within(&mut self, time: Duration) -> bool {
+        let Ok(Ok(block)) = self.blocks.recv_timeout(time) else { return false };
+        self.block = Cursor::new(block);
+        true
+    }
 }
 
 impl Read for Stdin {

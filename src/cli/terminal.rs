@@ -3,8 +3,9 @@
 
 use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
+use std::time::Duration;
 
-use super::long::{Interruption, NOTHING_YET};
+use super::long::{self, Interruption, NOTHING_YET};
 use super::output::{Failure, Output, is_dumb};
 use super::stream::Stdin;
 use crate::diagnostic::{Code, Diagnostic};
@@ -17,6 +18,9 @@ const PASTE_ENDS: &[u8] = b"\x1b[201~";
 /// A line of so many bytes may be the rest of a longer one: terminals cut lines.
 const CUT: usize = if cfg!(target_os = "macos") { 1023 } else { 4095 };
 
+/// What ends a block that is typed.
+const END: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
+
 /// Reads the block from standard input, of at most `largest` bytes. Where a signal comes first, it is what there was
 /// until then; callers ask `interruption` before they look at it.
 pub(super) fn read_block(output: &mut Output, interruption: &Interruption, largest: u64) -> Result<Vec<u8>, Failure> {
@@ -28,10 +32,9 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
         interruption.while_waiting(read, || output.message(NOTHING_YET)).map_err(unread)?;
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
-    let end = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
-    output.remark(&format!("Paste the values, then press {end} (on a line of its own):"));
+    output.remark(&format!("Paste the values, then press {END} (on a line of its own):"));
     let marked = MarkedPaste::ask_for();
-    let typed = Typed::read(stdin, largest, || output.remark(&format!("\n(press {end} once more to end)")));
+    let typed = Typed::read(stdin, largest, || once_more(output));
     drop(marked);
     let typed = typed.map_err(unread)?;
     match interruption.status() {
@@ -41,6 +44,26 @@ pub(super) fn read_block(output: &mut Output, interruption: &Interruption, large
         }
         None => typed.checked(largest),
     }
+}
+
+/// Reads a block that was typed ahead to its end; it is not used.
+pub(super) fn discard_block(output: &mut Output) {
+    /// What was typed ahead is there by then.
+    const AHEAD: Duration = Duration::from_millis(100);
+    if !io::stdin().is_terminal() {
+        return;
+    }
+    let interruption = long::interrupted(output);
+    let mut stdin = Stdin::new(Arc::clone(interruption.stop()));
+    if stdin.comes_within(AHEAD) {
+        output.remark(&format!("(what is typed up to {END} is not used)"));
+        // that it cannot be read to its end is no more than the failure that was told
+        let _ = Typed::read(stdin, 0, || once_more(output));
+    }
+}
+
+fn once_more(output: &mut Output) {
+    output.remark(&format!("\n(press {END} once more to end)"));
 }
 
 fn too_large(largest: u64) -> Failure {

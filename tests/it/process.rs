@@ -366,6 +366,26 @@ fn ctrl_c_before_anything_is_typed_is_no_empty_block() {
     assert!(!shown.contains("error"), "{shown}");
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn a_block_that_is_typed_ahead_is_not_left_for_the_shell() {
+    for (arguments, reason) in [
+        ("paste no-such-file.toml", "cannot read no-such-file.toml"),
+        ("paste examples/minimal.toml --set errors.x=1", "has no key `x`"),
+        ("paste examples/minimal.toml -o values.doc", "values.doc"),
+    ] {
+        let typed = "go\nover roller: 25.012 mm\n\ndp 12\n\x04after\n\x04";
+        let shown = on_terminal(arguments, &[Step { shown: "", typed }]);
+        assert!(shown.contains(reason) && shown.contains("exit 2"), "{shown}");
+        assert_eq!(shown.matches("shell: ").count(), 1, "{shown}");
+        assert!(shown.contains("shell: after"), "{shown}");
+    }
+    // who has typed nothing is not waited for
+    let steps = [Step { shown: "", typed: "go\n" }, Step { shown: "exit 2", typed: "\x04" }];
+    let shown = on_terminal("paste no-such-file.toml", &steps);
+    assert!(!shown.contains("is not used"), "{shown}");
+}
+
 #[cfg(unix)]
 fn send(signal: &str, child: &Child) {
     let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
