@@ -204,6 +204,16 @@ pub struct Outcome {
     pub bytes: u64,
 }
 
+impl Outcome {
+    /// Says that parts have one name with how the last table was read, where warnings stand; that not all names were
+    /// looked at is a note.
+    pub(crate) fn tell_duplicates(&mut self) {
+        let warned = self.readings.last_mut().filter(|_| self.duplicates.count > 0);
+        let notes = warned.map_or(&mut self.notes, |reading| &mut reading.notes);
+        notes.extend(self.duplicates.note());
+    }
+}
+
 /// Part names that appear more than once.
 #[derive(Debug, Clone, Default)]
 pub struct Duplicates {

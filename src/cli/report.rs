@@ -191,7 +191,7 @@ impl Args {
         };
         let Lot { mut outcome, basis, charts, small_charts } = done;
         outcome.notes.extend(spec.suspicions_in_words());
-        outcome.notes.extend(outcome.duplicates.note());
+        outcome.tell_duplicates();
         for problem in &outcome.problems {
             output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
         }

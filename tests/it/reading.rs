@@ -269,6 +269,11 @@ fn what_was_assumed_reaches_every_output() {
     for (what, text) in [("JSON", &summary), ("JUnit", &junit), ("page", &page)] {
         assert!(text.contains("two parts have the name"), "{what}: {text}");
     }
+    for arguments in [&["batch"][..], &["batch", "--summary"], &["report"], &["paste"]] {
+        let quiet = run(&[arguments, &[&spec, &file, "-q"]].concat(), b"");
+        let warned = String::from_utf8_lossy(&quiet.stderr);
+        assert!(warned.contains("two parts have the name"), "{arguments:?}: {warned}");
+    }
     let json: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(json["reading"][0]["columns"][1]["role"], "rack_over_roller");
 }
@@ -457,6 +462,13 @@ fn what_is_said_against_a_part_is_named_however_far_down_it_stands() {
         let quiet = run(&["batch", &spec, &file, "--partial", "-q", "--only-failures"], b"");
         let warned = String::from_utf8_lossy(&quiet.stderr);
         assert!(warned.contains(&format!("`{heading}` says `{said}`")), "{heading}: {warned}");
+    }
+    // a summary that leaves out its notes does not leave out the warning
+    let file = folder.file("few.csv", b"part_id;rack_over_roller [mm];Bemerkung\nP1;25.001;NOK\n");
+    for format in ["table", "markdown", "csv"] {
+        let quiet = run(&["batch", &spec, &file, "--partial", "-q", "--summary", "-f", format], b"");
+        let warned = String::from_utf8_lossy(&quiet.stderr);
+        assert!(warned.contains("`Bemerkung` says `NOK`"), "{format}: {warned}");
     }
     // the first of each column
     let mut table = "part_id;rack_over_roller [mm];Status;Bemerkung\n".to_owned();

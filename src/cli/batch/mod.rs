@@ -225,14 +225,19 @@ impl Args {
         let Ending { spec, targets, failed, basis, interruption, inputs } = ending;
         written?;
         outcome.notes.extend(spec.suspicions_in_words());
-        outcome.notes.extend(outcome.duplicates.note());
+        outcome.tell_duplicates();
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
         targets.finish(is_complete, spec, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
-        let holds_notes = self.summary && self.output.is_none() && format != Format::Csv;
+        let shows_notes = match format {
+            Format::Json => true,
+            Format::Csv => false,
+            Format::Table | Format::Markdown => !output.is_quiet(),
+        };
+        let holds_notes = self.summary && self.output.is_none() && shows_notes;
         if holds_notes {
             let _ = tables::say_readings(&outcome.readings, output);
         } else {
