@@ -8,6 +8,7 @@ use super::tables::{self, Opener, ReadArgs};
 use super::{long, target};
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
+use crate::quantity::shown;
 use crate::report::{Block, Format, Report, Table, reading_blocks, remarks};
 use crate::table::{Reading, Stranger, refusal};
 
@@ -53,8 +54,8 @@ impl Args {
         for path in self.files.iter().filter(|path| !is_spec(path)) {
             match interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET)) {
                 Ok(opened) => {
-                    mapping.extend(part_id(&opened.table.reading));
-                    mapping.extend(opened.table.mapping());
+                    let lines = part_id(&opened.table.reading).into_iter().chain(opened.table.mapping());
+                    lines.for_each(|line| add_line(&mut mapping, line, path));
                     strangers.extend(opened.table.strangers);
                     readings.push(opened.table.reading);
                     notes.extend(opened.notes);
@@ -62,7 +63,6 @@ impl Args {
                 Err(failure) => failed.extend(tables::diagnostics(failure)),
             }
         }
-        mapping.dedup();
         let report = ReadReport { readings, strangers, notes, mapping };
         output.report(&report, self.format)?;
         failed.extend(refusal(&report.strangers, &[]));
@@ -77,12 +77,22 @@ fn part_id(reading: &Reading) -> Option<String> {
     Some(format!("{KEY} = \"{}\"", column.title.replace('\\', "\\\\").replace('"', "\\\"")))
 }
 
+/// Adds a file's line of `[batch.columns]` if it is new; as a comment where its key has a line, for it can have one.
+fn add_line(mapping: &mut Vec<String>, line: String, file: &str) {
+    let key = |line: &str| line.split_once(" = ").map(|(key, _)| key.to_owned());
+    if mapping.iter().any(|known| known.ends_with(&line)) {
+        return;
+    }
+    let is_taken = mapping.iter().any(|known| key(known) == key(&line));
+    mapping.push(if is_taken { format!("# {}: {line}", shown(file)) } else { line });
+}
+
 /// How tables would be read.
 struct ReadReport {
     readings: Vec<Reading>,
     strangers: Vec<Stranger>,
     notes: Vec<String>,
-    /// Lines of `[batch.columns]`.
+    /// Lines of `[batch.columns]`, each key once; comments say what files call it otherwise.
     mapping: Vec<String>,
 }
 

@@ -279,6 +279,26 @@ fn what_was_assumed_reaches_every_output() {
 }
 
 #[test]
+fn the_mapping_of_several_files_can_be_pasted() {
+    let folder = Folder::new("mapping");
+    let spec = spec(&folder);
+    let table = |file: &str, roller: &str| {
+        folder.file(file, format!("Teil;{roller} [mm];Ritzelteilung [um]\n{file}1;25,001;3,5\n").as_bytes())
+    };
+    let files = [table("a.csv", "Rollenmaß"), table("b.csv", "Rollenmaß"), table("c.csv", "over roller")];
+    let read = run(&["read", &spec, &files[0], &files[1], &files[2], "--format", "json"], b"");
+    let read: serde_json::Value = serde_json::from_slice(&read.stdout).unwrap();
+    let lines: Vec<_> = read["mapping"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    let other = format!("# {}: rack_over_roller = {{ name = \"over roller\", unit = \"mm\" }}", files[2]);
+    assert!(lines.len() == 4 && lines[3] == other, "{lines:?}");
+    let text = std::fs::read_to_string(&spec).unwrap();
+    let mapped = format!("{text}\n[batch.columns]\n{}\n", lines.join("\n"));
+    let mapped = folder.file("mapped.toml", mapped.as_bytes());
+    let (code, said) = status(&["batch", &mapped, &files[0], &files[1], "--partial"], b"");
+    assert_eq!(code, Some(0), "{said}");
+}
+
+#[test]
 fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
     let folder = Folder::new("lacking");
     let text = "[errors]\nrack_over_roller = { nominal = 25 }\npinion_radial = \"4 um\"\n[limits]\ncenter_distance = { lower = -0.1, upper = 0.1 }\n";
