@@ -1,5 +1,6 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
+use std::io::Read as _;
 use std::sync::Arc;
 
 use super::decision::JudgeArgs;
@@ -8,6 +9,7 @@ use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
+use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use super::{batch, mesh, spec_files, target};
@@ -38,7 +40,7 @@ Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something co
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: String,
-    /// Tables: what `rackmesh batch` and `rackmesh paste` read.
+    /// Tables: what `rackmesh batch` and `rackmesh paste` read; `-` reads standard input.
     files: Vec<String>,
     /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
@@ -61,6 +63,7 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        spec_files::refuse_shared_input(&self.spec, &self.files())?;
         let spec = self.set.read_spec(&self.spec, output)?;
         let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
         if let Some(path) = &self.output {
@@ -69,11 +72,13 @@ impl Args {
         }
         let mut page = Page { title: spec.title.clone().unwrap_or_else(|| self.spec.clone()), ..Page::default() };
         for path in &inputs {
-            // a file's own bytes have the mark and the line ends that it may have; standard input has the spec
-            page.inputs.push(match path.as_str() {
-                "-" => InputFile::of(path, spec.source.text.as_bytes()).map_err(Failure::Write)?,
-                path => hashed(path)?,
-            });
+            // a file's own bytes have the mark and the line ends that it may have
+            match path.as_str() {
+                "-" if self.spec == "-" => page.inputs.push(InputFile::of(path, spec.source.text.as_bytes())?),
+                // a table, which is read with the others
+                "-" => {}
+                path => page.inputs.push(hashed(path)?),
+            }
         }
         let mut statuses = Vec::new();
         // of a lot, the spec may say no more than what its table's values are to be taken with
@@ -115,6 +120,24 @@ impl Args {
             output.text(&format!("{headline}\n"))?;
         }
         Ok(status)
+    }
+
+    /// The tables.
+    fn files(&self) -> Vec<&str> {
+        self.files.iter().map(String::as_str).collect()
+    }
+
+    /// What standard input holds, if it is a table.
+    fn stdin(&self, interruption: &Interruption, output: &mut Output) -> Result<Option<Arc<[u8]>>, Failure> {
+        const PATH: &str = "-";
+        if !self.files().contains(&PATH) {
+            return Ok(None);
+        }
+        let mut bytes = Vec::new();
+        let read = || Stdin::new(Arc::clone(interruption.stop())).read_to_end(&mut bytes);
+        let read = interruption.while_waiting(read, || output.message(long::NOTHING_YET));
+        read.map_err(|error| Diagnostic::unreadable(stream::name(PATH), &error))?;
+        Ok(Some(bytes.into()))
     }
 
     /// The part of `[errors]`.
@@ -171,15 +194,15 @@ impl Args {
 
     /// The parts of the tables.
     fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        if self.files.iter().any(|file| file == "-") {
-            let message = "a report names its inputs and their hashes, and standard input has no name";
-            return Err(Diagnostic::usage(message).help("give a file").into());
-        }
         let interruption = long::interrupted(output);
+        let stdin = self.stdin(&interruption, output)?;
+        if let Some(bytes) = &stdin {
+            page.inputs.push(InputFile::of(stream::name("-"), &**bytes)?);
+        }
         let spec = Arc::new(spec.clone());
-        let files: Vec<&str> = self.files.iter().map(String::as_str).collect();
+        let files = self.files();
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
-        let opener = Opener { teeth: self.teeth.then_some(true), ..opener }.judged_by(&self.judge.rule(&spec));
+        let opener = Opener { stdin, teeth: self.teeth.then_some(true), ..opener }.judged_by(&self.judge.rule(&spec));
         let mut found = interruption.while_waiting(|| opener.look(&files), || output.message(long::NOTHING_YET))?;
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
@@ -200,7 +223,7 @@ impl Args {
         let mut blocks = without_verdict(report.blocks(), page, "the batch");
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
         blocks.extend(unread);
-        let heading = format!("Batch: {}", self.files.join(", "));
+        let heading = format!("Batch: {}", self.files().into_iter().map(stream::name).collect::<Vec<_>>().join(", "));
         page.sections.push(Section { charts, small_charts, ..Section::new(heading, blocks) });
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))

@@ -35,6 +35,14 @@ pub(super) fn inputs(spec: &Spec, spec_path: &str, tables: &[impl AsRef<str>]) -
     files_read(spec, spec_path).into_iter().chain(tables).collect()
 }
 
+/// Refuses tables from standard input where the spec comes from there.
+pub(super) fn refuse_shared_input(spec_path: &str, tables: &[&str]) -> Result<(), Diagnostic> {
+    if spec_path == "-" && tables.contains(&"-") {
+        return Err(Diagnostic::usage("the spec and the table cannot both come from standard input"));
+    }
+    Ok(())
+}
+
 /// Reads the tables that a spec names, and says how.
 pub(super) fn measured_tables(spec: &Spec, spec_path: &str, output: &mut Output) -> Result<MeasuredTables, Failure> {
     let read = |file: &Located<String>| -> Result<TeethTable, Failure> {

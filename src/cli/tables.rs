@@ -2,6 +2,7 @@
 //! is not understood in any of the files ends the run before the first result.
 
 use std::collections::HashSet;
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -86,6 +87,8 @@ pub(super) struct Opener<'a> {
     /// The formulas of the measures in Q-DAS files.
     pub(super) model: Model,
     pub(super) stop: &'a Arc<AtomicBool>,
+    /// What standard input holds, where it was read before.
+    pub(super) stdin: Option<Arc<[u8]>>,
     /// Whether rows are teeth or spaces, where it is known.
     pub(super) teeth: Option<bool>,
     /// Whether tables are shown and not evaluated.
@@ -128,7 +131,8 @@ impl ReadArgs {
 impl<'a> Opener<'a> {
     /// Of tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
-        Self { how, spec: Arc::clone(spec), model, stop, teeth: None, only_shown: false, by_uncertainty: false }
+        let spec = Arc::clone(spec);
+        Self { how, spec, model, stop, stdin: None, teeth: None, only_shown: false, by_uncertainty: false }
     }
 
     /// Of tables whose parts are judged by a rule.
@@ -146,12 +150,21 @@ impl<'a> Opener<'a> {
         let name = stream::name(path);
         let container = match qdas_pair(path) {
             Some((definitions, values)) => {
-                let sources = (source(&definitions, self.stop)?, source(&values, self.stop)?);
+                let sources = (self.source(&definitions)?, self.source(&values)?);
                 Container::qdas_pair((&definitions, sources.0), (&values, sources.1))?
             }
-            None => Container::open(name, source(path, self.stop)?, &self.want(&self.spec)?)?,
+            None => Container::open(name, self.source(path)?, &self.want(&self.spec)?)?,
         };
         self.table(container, name)
+    }
+
+    /// Where the bytes of a file are.
+    fn source(&self, path: &str) -> Result<Source, Failure> {
+        Ok(match &self.stdin {
+            _ if path != "-" => Source::File(stream::file(path)?),
+            Some(bytes) => Source::Stream(Box::new(Cursor::new(Arc::clone(bytes)))),
+            None => Source::Stream(stream::open(path, self.stop)?),
+        })
     }
 
     /// What stands in a block of text.
@@ -229,11 +242,6 @@ fn alike(opened: Opened, first: Option<&Opened>) -> Result<Opened, Failure> {
         opened.spec.refuse_other(&opened.table.name, (&first.table.name, &first.spec))?;
     }
     Ok(opened)
-}
-
-/// Where the bytes of a file are.
-fn source(path: &str, stop: &Arc<AtomicBool>) -> Result<Source, Failure> {
-    Ok(if path == "-" { Source::Stream(stream::open(path, stop)?) } else { Source::File(stream::file(path)?) })
 }
 
 /// The files of definitions and of values, if the name is that of one of them.

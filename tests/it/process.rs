@@ -285,6 +285,11 @@ fn a_report_is_one_page_with_everything() {
     assert_eq!(html.matches("<table>").count(), html.matches("<caption>").count());
     // the same page again, byte for byte
     assert_eq!(with_input(&arguments, b"").stdout, html.as_bytes());
+    // standard input is a table, too, and has a hash
+    let table = std::fs::read(&lot).expect("the table is there");
+    let piped = with_input(&["report", "examples/steering.toml", "-", "--partial"], &table);
+    let named = html.replace(&lot, "&lt;stdin&gt;");
+    assert_eq!(text(&piped.stdout), named, "{}", text(&piped.stderr));
     // an error that the table lacks leaves the verdict open, and the page says so above everything else
     let open = with_input(&arguments[..3], b"");
     assert_eq!(open.status.code(), Some(2));

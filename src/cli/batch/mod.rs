@@ -138,9 +138,7 @@ impl Args {
         if files.is_empty() {
             files.push("-");
         }
-        if files.contains(&"-") && self.spec == "-" {
-            return Err(Diagnostic::usage("the spec and the table cannot both come from standard input").into());
-        }
+        spec_files::refuse_shared_input(&self.spec, &files)?;
         let (rows_format, summary_format) = self.formats()?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
