@@ -104,6 +104,8 @@ pub(super) struct Files<'a> {
     pub(super) paths: Vec<String>,
     /// The first table, and with one file the only one; `None` once it is evaluated.
     pub(super) first: Option<Opened>,
+    /// A later one from standard input, which cannot be opened again.
+    from_stdin: Option<Opened>,
     /// What is wrong with files that cannot be read; the others are evaluated all the same.
     pub(super) failed: Vec<Diagnostic>,
 }
@@ -200,7 +202,7 @@ impl<'a> Opener<'a> {
     pub(super) fn look(&self, paths: &[&str]) -> Result<Files<'a>, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
         let mut to_be_named: Vec<DeviationKind> = Vec::new();
-        let (mut first, mut failed) = (None, Vec::new());
+        let (mut first, mut from_stdin, mut failed) = (None, None, Vec::new());
         let mut kept = Vec::new();
         let mut pairs = HashSet::new();
         // both files of a pair are one table
@@ -212,6 +214,8 @@ impl<'a> Opener<'a> {
                     to_be_named.extend(&opened.table.to_be_named);
                     if kept.is_empty() {
                         first = Some(opened);
+                    } else if *path == "-" {
+                        from_stdin = Some(opened);
                     }
                     kept.push((*path).to_owned());
                 }
@@ -224,15 +228,16 @@ impl<'a> Opener<'a> {
                 Err(Diagnostics(failed).into())
             }
             (None, None) => Err(Diagnostics(failed).into()),
-            (None, Some(_)) => Ok(Files { opener: self.clone(), paths: kept, first, failed }),
+            (None, Some(_)) => Ok(Files { opener: self.clone(), paths: kept, first, from_stdin, failed }),
         }
     }
 }
 
 impl Files<'_> {
-    /// The next table: the first one was opened to look at it.
+    /// The next table: some were opened to look at them.
     pub(super) fn next(&mut self, path: &str) -> Result<Opened, Failure> {
-        self.first.take().map_or_else(|| self.opener.open(path), Ok)
+        let opened = self.first.take().or_else(|| self.from_stdin.take_if(|_| path == "-"));
+        opened.map_or_else(|| self.opener.open(path), Ok)
     }
 }
 

@@ -113,6 +113,15 @@ fn packed_files_by_name_and_by_their_first_bytes() {
 }
 
 #[test]
+fn standard_input_may_stand_behind_a_file() {
+    let table = path("before-stdin.csv");
+    std::fs::write(&table, TABLE).unwrap();
+    let output = batch(&[SPEC, &table, "-"], TABLE.as_bytes());
+    let (header, rows) = ROWS.split_once('\n').expect("rows have a header");
+    assert_eq!(text(&output.stdout), format!("{header}\n{rows}{rows}"), "{}", text(&output.stderr));
+}
+
+#[test]
 fn bad_rows_are_reported_kept_and_counted() {
     let rejects = path("rejects.csv");
     let table =
