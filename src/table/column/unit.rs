@@ -11,7 +11,7 @@ use crate::table::grid::{bare_unit, unit_in};
 use crate::table::names::{Field, Role, split_unit};
 use crate::table::number::DecimalMark;
 use crate::table::shape::{Measurement, Series};
-use crate::table::want::{Want, mapping};
+use crate::table::want::{Want, ignore_option, mapping};
 
 /// Where the unit of a column is from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -195,7 +195,7 @@ pub(super) fn unknown_unit(title: &str, symbol: &str, is_angle: bool) -> Diagnos
     let help = if symbol.contains('æ') {
         "the file is in code page 850, as DOS programs write it: save it as UTF-8".to_owned()
     } else {
-        format!("write {units}")
+        format!("write {units}; or leave it out: {}", ignore_option(title))
     };
     Diagnostic::error(Code::BadTable, message).help(help)
 }

@@ -8,7 +8,7 @@ use super::super::cell::Cell;
 use super::super::column::{Column, UnitFrom, behind_name, fitting};
 use super::super::grid::Separator;
 use super::super::names::{
-    Field, Role, WordList, is_called, is_context, names_page, part_in_title, part_said, role, says_which,
+    Field, Role, WordList, is_called, is_context, names_page, part_in_title, part_said, role, says_which, split_unit,
 };
 use super::super::number::{DecimalMark, Marks, normalise};
 use super::super::reading::AsideReading;
@@ -16,7 +16,7 @@ use super::super::shape::{Shape, has_digit, is_part_name, located, stated_units,
 use super::super::unknown::Unknown;
 use super::super::want::{Orientation, Want, ignore_option, mapping, quoted};
 use super::Understood;
-use crate::deviation::Part;
+use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{AngleUnit, LengthUnit, Unit, shown};
 
@@ -43,8 +43,17 @@ pub(super) fn no_error(title: &str, field: Field) -> Diagnostic {
         return Diagnostic::error(Code::BadTable, message).help(format!("leave it out: {}", ignore_option(title)));
     }
     let message = format!("`{title}` is {} of a tooth or space, and each row of this table is a part", field.key());
-    Diagnostic::error(Code::BadTable, message)
-        .help("tables with a row per tooth or space are read by `rackmesh batch --teeth` and `rackmesh paste`")
+    let of_one = |kind: DeviationKind| mapping(kind.key(), Some(kind), &split_unit(title).0, None);
+    let whose = if matches!(field, Field::LeftPitch | Field::RightPitch) {
+        let [rack, pinion] = [DeviationKind::RackPitch, DeviationKind::PinionPitch].map(of_one);
+        format!("say of which part it is, [batch.columns] {rack} or {pinion}; ")
+    } else {
+        String::new()
+    };
+    Diagnostic::error(Code::BadTable, message).help(format!(
+        "tables with a row per tooth or space are read by `rackmesh batch --teeth` and `rackmesh paste`; {whose}or leave it out: {}",
+        ignore_option(title)
+    ))
 }
 
 /// The refusal of a table of parts with a column that numbers their spaces or teeth.
