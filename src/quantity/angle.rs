@@ -138,7 +138,7 @@ impl FromStr for Angle {
             }
             if previous.is_some_and(|previous| part.in_unit(previous) > 1.0) {
                 let what = "what stands behind degrees or minutes";
-                return Err(QuantityError::Overflow { what, largest: "one of them" });
+                return Err(QuantityError::Overflow { what, largest: "60 minutes or 60 seconds" });
             }
             sum = Some(match sum {
                 None => {
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(angle("1° 900\""), angle("1.25"));
         assert_eq!(
             "0°01′75″".parse::<Angle>().unwrap_err().to_string(),
-            "what stands behind degrees or minutes is too large: its magnitude must stay within one of them"
+            "what stands behind degrees or minutes is too large: its magnitude must stay within 60 minutes or 60 seconds"
         );
         for text in ["0.25 Degrees", "0.25 Grad", "15 min", "15′", "900″", "900 sec", "0 deg 14 min 60 sec"] {
             assert_eq!(angle(text), angle("0.25"), "{text}");

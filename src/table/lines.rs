@@ -10,7 +10,7 @@ use super::grid::{Separator, is_clock, is_date, is_unit, records, unit_in};
 use super::measured::MeasuredValues;
 use super::names::{
     Role, WordList, heading, is_context, is_of_parts, is_statistic, is_value_heading, names_page, near, plain_widths,
-    role, says_deviation, says_which,
+    repeats_value, role, says_deviation, says_which,
 };
 use super::reading::AsideReading;
 use super::rejection::says_rejected;
@@ -266,7 +266,8 @@ fn speaks_of_deviation(text: &str) -> bool {
 pub(super) fn says_value_alone(text: &str, columns: &[Column]) -> bool {
     // 2. Messung: 412
     let counted = without_count(text);
-    let (mut has_number, mut is_said, mut is_named) = (false, counted.len() < text.len(), false);
+    let is_again = counted.len() < text.len() && counted.split_whitespace().next().is_some_and(repeats_value);
+    let (mut has_number, mut is_said, mut is_named) = (false, is_again, false);
     // the digits that a number has at most which is that of the word before it
     let mut digits_of_name = 0;
     let is_mark = |c: char| "→⇒≈~>!=".contains(c);

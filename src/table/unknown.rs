@@ -96,10 +96,12 @@ impl Unknown {
         if self.units().is_some() || self.is_unread || self.has_signs() {
             return true;
         }
-        let title = &self.title;
+        let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
+        // gemessen um 14:22 Uhr
+        let is_time = self.column.is_none() && values.iter().all(|text| is_clock(text));
+        let title = self.title.strip_suffix(" um").filter(|_| is_time).unwrap_or(&self.title);
         let unit = split_unit(title).1.or_else(|| self.unit.clone());
         let unit = unit.as_deref();
-        let values: Vec<_> = self.cells.iter().filter(|cell| self.is_value(cell)).map(Cell::text).collect();
         // the evaluation length of a lead that was not measured says nothing
         let is_of_gear = is_gear_size(title)
             && !(self.is_repeated && distinct(self.cells.iter()) > 1)
@@ -111,9 +113,7 @@ impl Unknown {
             // of a torque, newton metres
             || unit == Some("nm") && is_context(title);
         // without values, nothing was measured
-        let is_foreign =
-            |text: &Cow<'_, str>| is_clock(text) || unit_in(text).is_some_and(|unit| is_foreign_unit(&unit));
-        if is_other || values.iter().all(is_foreign) {
+        if is_other || values.iter().all(|text| unit_in(text).is_some_and(|unit| is_foreign_unit(&unit))) {
             return false;
         }
         let is_in_unit =

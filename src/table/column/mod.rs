@@ -326,7 +326,8 @@ impl Column {
     /// Whether a number is no sum of the others, nor how many they are.
     pub(crate) fn is_no_sum(&self, cell: &Cell, beside: Companions<&Cell>, others: &Extent) -> bool {
         let sums = others.times(others.count as f64);
-        cell.text().parse() != Ok(others.count) && self.beyond(cell, beside, &sums).is_some()
+        let is_beyond = || self.read(cell, beside).is_err() || self.beyond(cell, beside, &sums).is_some();
+        cell.is_number() && cell.text().parse() != Ok(others.count) && is_beyond()
     }
 
     /// Whether a number is larger than values are apart.

@@ -274,7 +274,8 @@ impl Shape {
     pub(crate) fn names_parts_again(&self, aside: &AsideReading) -> bool {
         let mut names = self.ids.iter().flat_map(|ids| &ids.cells).map(Cell::text).peekable();
         let is_below = Some(aside.line) > self.header_line && names.peek().is_some();
-        is_below && names.all(|name| aside.text.split_whitespace().any(|word| word == name))
+        let text = format!(" {} ", aside.text);
+        is_below && names.all(|name| text.contains(&format!(" {name} ")))
     }
 
     /// What the names of its parts look like.

@@ -17,7 +17,9 @@ use super::characteristics::is_axis;
 use super::has_digit;
 use super::headings::is_part_name;
 use crate::table::cell::{Cell, Record};
-use crate::table::names::{Role, part_said, role};
+use crate::table::grid::unit_in;
+use crate::table::names::{Role, WordList, part_said, role};
+use crate::table::rejection::says_rejected;
 
 /// A word for parts, and the name behind it.
 pub(crate) struct PartLine {
@@ -66,19 +68,14 @@ pub(super) fn with_part_of_page(records: &[Record]) -> Cow<'_, [Record]> {
 pub(super) fn with_part_of_section(records: &[Record]) -> Cow<'_, [Record]> {
     let Some(start) = records.iter().position(is_header) else { return records.into() };
     let (header, below) = (&records[start], &records[start + 1..]);
-    let alone = |record: &Record| match record.filled() {
-        [cell] => part_line(&cell.text()),
-        [word, name] => named_by(word.text().trim_end_matches(':'), &name.text()),
-        _ => None,
-    };
-    let above = records[..start].iter().rev().find_map(alone).filter(|line| has_digit(&line.name));
-    let right_below = below.first().and_then(alone);
+    let above = records[..start].iter().rev().find_map(part_alone).filter(|line| has_digit(&line.name));
+    let right_below = below.first().and_then(part_alone);
     let Some(first) = right_below.as_ref().or(above.as_ref()) else { return records.into() };
-    let named = |record: &Record| alone(record).filter(|line| line.word == first.word).map(|line| line.name);
+    let named = |record: &Record| part_alone(record).filter(|line| line.word == first.word).map(|line| line.name);
     let names: Vec<String> = records.iter().filter_map(named).collect();
     // a part of which nothing is said would be lost
     let is_filled = |pair: &[Record]| named(&pair[0]).is_none() || named(&pair[1]).is_none();
-    let is_above_filled = right_below.is_none() || above.as_ref().is_none_or(|above| above.word != first.word);
+    let is_above_filled = records[..start].iter().filter_map(named).count() <= usize::from(right_below.is_none());
     let is_last_filled = below.last().is_some_and(|last| named(last).is_none());
     let are_filled = is_above_filled && below.windows(2).all(is_filled) && is_last_filled;
     if names.len() < 2 || !are_filled || names.iter().collect::<HashSet<_>>().len() < names.len() {
@@ -90,7 +87,8 @@ pub(super) fn with_part_of_section(records: &[Record]) -> Cow<'_, [Record]> {
     for record in below {
         match named(record) {
             Some(name) => part = name,
-            None => rows.push(with_cell(record, &part)),
+            None if record.filled().len() > 1 => rows.push(with_cell(record, &part)),
+            None => rows.push(record.clone()),
         }
     }
     rows.into()
@@ -130,6 +128,18 @@ fn part_lines(record: &Record) -> Vec<PartLine> {
     let within = |cell: &Cell| part_line(&cell.text());
     let beside = |pair: &[Cell]| named_by(pair[0].text().trim_end_matches(':'), &pair[1].text());
     record.cells.iter().filter_map(within).chain(record.cells.windows(2).filter_map(beside)).collect()
+}
+
+/// The part that a record names, if it says nothing else: a word for parts, and one word behind it that is no value and no verdict.
+fn part_alone(record: &Record) -> Option<PartLine> {
+    let text = record.in_words().replace([':', '='], " ");
+    let (word, name) = text.trim().rsplit_once(' ')?;
+    let line = named_by(word, name).filter(|line| line.name == name && record.filled().len() <= 2)?;
+    let cell = Cell::of_text(name, 0..0);
+    let is_value =
+        cell.is_missing() || cell.has_decimals() || unit_in(name).is_some() || name.starts_with(['+', '-', '\u{2212}']);
+    let is_verdict = WordList::Approval.has(name) || WordList::Disapproval.is_claimed_in(name) || says_rejected(name);
+    (!is_value && !is_verdict).then_some(line)
 }
 
 /// What a text says of a part: `Teil 421`, `Teil 421   Seite 1`, `Messung von Teil 421`.

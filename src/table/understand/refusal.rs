@@ -175,11 +175,9 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
 pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     const MOST_WORDS: usize = 4;
     let is_of_one = || shape.measurements.iter().all(|measurement| measurement.value.cells.len() == 1);
-    let headings_again = || shape.asides.iter().filter(|aside| shape.names_parts_again(aside)).map(|aside| aside.line);
-    let are_of_one = match shape.ids {
-        Some(_) => headings_again().next().is_some(),
-        None => is_of_one(),
-    };
+    // the last line that names the same parts again, above more values of theirs
+    let again = shape.asides.iter().filter(|aside| shape.names_parts_again(aside)).map(|aside| aside.line).max();
+    let are_of_one = if shape.ids.is_some() { again.is_some() } else { is_of_one() };
     if shape.orientation == Orientation::Rows || !are_of_one {
         return None;
     }
@@ -195,10 +193,12 @@ pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     };
     let lines = shape.asides.iter().cloned().chain(labels).filter(is_name);
     let names: Vec<_> = lines.filter_map(|line| Some((form_of_name(&line.text)?, line))).collect();
-    // values of one part stand below both
-    let go_on = |line: u64| shape.ids.is_none() || headings_again().any(|heading| heading > line);
+    let may_be_lots = |form: &str, line: u64| {
+        let lists = [WordList::Batch, WordList::PieceNumber];
+        shape.ids.is_none() || again > Some(line) && lists.iter().any(|list| list.has(form))
+    };
     let are_alike = |[(form, one), (other_form, other)]: &[&(String, AsideReading); 2]| {
-        form == other_form && one.text != other.text && other.line > one.line + 1 && go_on(other.line)
+        form == other_form && one.text != other.text && other.line > one.line + 1 && may_be_lots(form, other.line)
     };
     let mut pairs = names.iter().flat_map(|one| names.iter().map(move |other| [one, other]));
     let [(_, one), (_, other)] = pairs.find(are_alike)?;
