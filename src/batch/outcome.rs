@@ -207,7 +207,7 @@ pub struct Outcome {
 impl Outcome {
     /// Says that parts have one name with how the last table was read, where warnings stand; that not all names were
     /// looked at is a note.
-    pub(crate) fn tell_duplicates(&mut self) {
+    pub fn tell_duplicates(&mut self) {
         let warned = self.readings.last_mut().filter(|_| self.duplicates.count > 0);
         let notes = warned.map_or(&mut self.notes, |reading| &mut reading.notes);
         notes.extend(self.duplicates.note());

@@ -10,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Length, parse_f64};
 
 /// The keys that say what a characteristic is.
-const KEYS: [u16; 11] = [2001, 2002, 2101, 2106, 2110, 2111, 2112, 2113, 2120, 2121, 2142];
+const KEYS: [u16; 12] = [2001, 2002, 2004, 2101, 2106, 2110, 2111, 2112, 2113, 2120, 2121, 2142];
 /// Those of them that are numbers.
 pub(super) const NUMBERS: [u16; 6] = [2101, 2106, 2110, 2111, 2112, 2113];
 
@@ -71,6 +71,15 @@ impl Draft {
 
     fn text(&self, key: u16) -> Option<String> {
         self.said.get(&key).map(|said| said.text.clone())
+    }
+
+    /// Takes the values out of a characteristic that is none of a size (K2004): they count faults, or say good or bad. Their lines.
+    pub(super) fn take_counts(&mut self) -> Vec<u32> {
+        if self.said.get(&2004).is_none_or(|said| said.text == "0") {
+            return Vec::new();
+        }
+        let counted = self.values.iter_mut().filter_map(|value| value.number.take().map(|_| value.line));
+        counted.collect()
     }
 
     /// The characteristic, once the header and its values are complete.

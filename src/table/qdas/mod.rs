@@ -7,7 +7,7 @@
 //! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
 //! counts the characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a
 //! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
-//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. K0009, K1900 and K2900 are remarks, and so is K0005 in words. Values are either K0001
+//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. Where K2004 is not 0 it is no size, and its values are none. K0009, K1900 and K2900 are remarks, and so is K0005 in words. Values are either K0001
 //! lines, with attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
 //! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
 //! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
@@ -139,7 +139,10 @@ pub struct Remark {
     pub text: String,
 }
 
-/// Values that an attribute (K0002) marks as none.
+/// The code of values of a characteristic that is none of a size.
+const OF_NO_SIZE: &str = "K2004";
+
+/// Values that an attribute (K0002) marks as none, or the kind of their characteristic (K2004).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// The attribute, as it is written.
@@ -159,6 +162,7 @@ impl LeftOut {
             "255" => Some("placeholder"),
             "256" => Some("deleted"),
             "290" => Some("not plausible"),
+            OF_NO_SIZE => Some("of a characteristic that is no size"),
             _ => None,
         }
     }

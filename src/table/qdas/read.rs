@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::definition::{Draft, NUMBERS, Said};
-use super::{Characteristic, LeftOut, PartDefinition, Qdas, Remark, Value};
+use super::{Characteristic, LeftOut, OF_NO_SIZE, PartDefinition, Qdas, Remark, Value};
 use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Decimal, parse_f64};
@@ -342,7 +342,8 @@ impl Reader {
         if self.parts.len() == self.first_part {
             self.parts.push(PartDefinition::default());
         }
-        for draft in drafts {
+        for mut draft in drafts {
+            draft.take_counts().into_iter().for_each(|line| self.leave_out(OF_NO_SIZE, line));
             self.samples = self.samples.max(draft.values.last().map_or(0, |last| last.sample + 1));
             self.characteristics.push(draft.characteristic()?);
         }

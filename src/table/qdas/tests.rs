@@ -142,6 +142,14 @@ fn what_changes_values_is_refused() {
 }
 
 #[test]
+fn a_characteristic_that_is_no_size_has_no_values() {
+    let lot = "K0100 2\nK2002/1 rack_pitch\nK2002/2 rack_lead\nK2004/1 1\nK2004/2 0\n0\u{f}5\n1\u{f}6\n";
+    assert_eq!(rows(lot), ["part_id|rack_pitch|rack_lead", "1||5", "2||6"]);
+    let left_out = read(&[("lot.dfq", lot)]).unwrap().left_out;
+    assert_eq!(left_out, [LeftOut { code: "K2004".to_owned(), count: 2, first_line: 6 }]);
+}
+
+#[test]
 fn only_attribute_0_makes_a_value() {
     let code = |code: &str, count, first_line| LeftOut { code: code.to_owned(), count, first_line };
     let keyed = "K0100 2\nK2002/1 rack_pitch\nK2002/2 rack_lead\nK0001/1 1\nK0002/1 0\nK0001/2 2\nK0002/2 290\nK0001/1 3\n\
