@@ -265,7 +265,7 @@ fn speaks_of_deviation(text: &str) -> bool {
 /// `95!`, `2→95`, `0.4 over`. The number of a tooth is none, nor is a digit behind a machine: `KMG 2`.
 pub(super) fn says_value_alone(text: &str, columns: &[Column]) -> bool {
     // 2. Messung: 412
-    let counted = without_count(text);
+    let counted = without_list_number(text);
     let is_again = counted.len() < text.len() && counted.split_whitespace().next().is_some_and(repeats_value);
     let (mut has_number, mut is_said, mut is_named) = (false, is_again, false);
     // the digits that a number has at most which is that of the word before it
@@ -346,13 +346,13 @@ pub(super) fn of_other_part(aside: &AsideReading, shape: &Shape) -> Option<Unkno
 
 /// A number alone in its line among values behind their names.
 pub(super) fn without_name(aside: &AsideReading, shape: &Shape) -> Option<Unknown> {
-    let cell = Cell::of_text(without_count(aside.text.trim()), 0..0);
+    let cell = Cell::of_text(without_list_number(aside.text.trim()), 0..0);
     let is_among_values = shape.orientation == Orientation::Columns && shape.header.is_empty();
     (is_among_values && cell.is_number()).then(|| Unknown::line("", aside.line, vec![cell]).measured(true))
 }
 
 /// A line without the number of a section or a list in front of it: `1. Geometry`.
-fn without_count(line: &str) -> &str {
+fn without_list_number(line: &str) -> &str {
     const MOST_DIGITS: usize = 2;
     let is_count = |number: &str| number.len() <= MOST_DIGITS && number.bytes().all(|byte| byte.is_ascii_digit());
     let counted = line.split_once(['.', ')']).filter(|(number, said)| is_count(number) && said.starts_with(' '));

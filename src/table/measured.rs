@@ -4,7 +4,7 @@
 use super::cell::Cell;
 use super::column::{Column, Extent, Nominal};
 use super::grid::is_unit;
-use super::names::{Role, WordList, is_of_parts, is_statistic, is_tolerance, role};
+use super::names::{Role, WordList, is_apart, is_of_parts, is_statistic, is_tolerance, role};
 use super::number::DecimalMark;
 use super::understand::Understood;
 use super::unknown::Unknown;
@@ -115,7 +115,7 @@ impl MeasuredValues {
         };
         self.contradict(title, std::slice::from_ref(number))
             || WordList::Mean.has(title) && self.is_beyond_all(number)
-            || WordList::Apart.has(title) && self.may_have(number)
+            || is_apart(title) && self.may_have(number)
             || role(title) == Some(Role::Nominal) && self.columns.iter().any(is_other)
     }
 

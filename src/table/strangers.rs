@@ -16,8 +16,8 @@ use super::lines::{
 };
 use super::measured::MeasuredValues;
 use super::names::{
-    Field, Role, WordList, heading, is_again, is_called, is_called_spread, is_context, is_other_of_flank, is_statistic,
-    is_total, near, part_in_title, part_said, role, split_unit,
+    Field, Role, WordList, heading, is_again, is_apart, is_called, is_called_spread, is_context, is_other_of_flank,
+    is_statistic, is_total, near, part_in_title, part_said, role, split_unit,
 };
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
@@ -264,7 +264,7 @@ impl Sorter<'_> {
     /// Whether a number below or behind a title may be one more of the values.
     fn is_one_more(&self, title: &str, cell: &Cell) -> bool {
         let is_said = is_statistic(title) || role(title).is_some_and(Role::is_beside_value);
-        (!is_said || WordList::Apart.has(title)) && self.measured.may_have(cell)
+        (!is_said || is_apart(title)) && self.measured.may_have(cell)
             || WordList::Mean.has(title) && self.measured.is_beyond_all(cell)
             || is_called_spread(title) && self.measured.are_narrower_than(cell)
     }

@@ -14,7 +14,7 @@ use super::column::{Column, Extent, Nominal, Problem};
 use super::companions::Companions;
 use super::grid::{Separator, records, separators};
 use super::names::{
-    Field, Role, WordList, is_called_spread, is_statistic, may_be_of_parts, names_value, role, split_unit,
+    Field, Role, WordList, is_apart, is_called_spread, is_statistic, may_be_of_parts, names_value, role, split_unit,
     statistic_word,
 };
 use super::number::{DecimalMark, Marks};
@@ -461,7 +461,7 @@ pub(super) fn is_false_statistic(
     let is_size = || matches!(column.read(cell, beside), Ok(Some(_)));
     is_false_limit
         || side.is_some() && (WordList::Mean.has(name) || is_spread && has_nominal)
-        || has_nominal && WordList::Apart.has(name) && is_size()
+        || has_nominal && is_apart(name) && is_size()
         || !has_nominal && WordList::Sum.has(name) && column.is_no_sum(cell, beside, others)
         || is_spread && column.is_wider(cell, others)
 }

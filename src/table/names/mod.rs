@@ -17,8 +17,8 @@ pub(crate) use near::{
     is_context, is_gear_size, is_other_of_flank, is_tolerance, is_total, near, part_said, says_deviation, says_largest,
 };
 pub(crate) use role::{
-    is_again, is_called_spread, is_known_word, is_of_parts, is_statistic, may_be_of_parts, names_page, repeats_value,
-    role, says_which, statistic_word,
+    is_again, is_apart, is_called_spread, is_known_word, is_of_parts, is_statistic, may_be_of_parts, names_page,
+    repeats_value, role, says_which, statistic_word,
 };
 pub(crate) use title::part_in_title;
 pub(crate) use unit::{BETWEEN_LIMITS, LIMIT_MARKS, split_unit, split_wanted};

@@ -125,7 +125,12 @@ impl WordList {
 
 /// Whether a name is that of a statistic of parts, and not of a part.
 pub(crate) fn is_statistic(name: &str) -> bool {
-    [WordList::Statistic, WordList::Apart, WordList::Spread, WordList::Mean].into_iter().any(|list| list.has(name))
+    [WordList::Statistic, WordList::Spread, WordList::Mean].into_iter().any(|list| list.has(name)) || is_apart(name)
+}
+
+/// Whether it is that of one that is no value of a part: a sum, a count, an index.
+pub(crate) fn is_apart(name: &str) -> bool {
+    WordList::Apart.has(name) || WordList::Sum.has(name)
 }
 
 /// Whether a row or column that is no part's is called by how far values are apart.

@@ -172,9 +172,7 @@ pub(crate) enum WordList {
     Statistic,
     /// Those of them that are no value of a part.
     Apart,
-    /// What stands between a value and the temperature at which it was measured.
-    At,
-    /// Those of them that add up the values, or count them.
+    /// So are those that add up the values, or count them.
     Sum,
     /// Those of them that are no larger than values are apart.
     Spread,
@@ -216,6 +214,8 @@ pub(crate) enum WordList {
     Words,
     /// Who may measure a part once more.
     Verifier,
+    /// What stands between a value and the temperature at which it was measured.
+    At,
     /// That somebody is content with a value.
     Approval,
     /// That somebody is not.

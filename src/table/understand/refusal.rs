@@ -174,10 +174,12 @@ pub(super) fn other_order(shape: &Shape, want: &Want) -> Option<Diagnostic> {
 /// may name a part, or its batch.
 pub(super) fn several_parts(shape: &Shape, want: &Want) -> Option<Diagnostic> {
     const MOST_WORDS: usize = 4;
-    let is_of_one = || shape.measurements.iter().all(|measurement| measurement.value.cells.len() == 1);
     // the last line that names the same parts again, above more values of theirs
     let again = shape.asides.iter().filter(|aside| shape.names_parts_again(aside)).map(|aside| aside.line).max();
-    let are_of_one = if shape.ids.is_some() { again.is_some() } else { is_of_one() };
+    let are_of_one = match shape.ids {
+        Some(_) => again.is_some(),
+        None => shape.measurements.iter().all(|measurement| measurement.value.cells.len() == 1),
+    };
     if shape.orientation == Orientation::Rows || !are_of_one {
         return None;
     }
