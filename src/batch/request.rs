@@ -74,6 +74,10 @@ pub enum RowFormat {
     Csv,
     /// Tab-separated values with a header.
     Tsv,
+    /// The same two, with an apostrophe before what a spreadsheet would compute.
+    SafeCsv,
+    /// See [`RowFormat::SafeCsv`].
+    SafeTsv,
     /// One JSON object per line.
     JsonLines,
     /// No text, but columns.
@@ -85,8 +89,8 @@ impl RowFormat {
     #[inline]
     pub(super) const fn separator(self) -> Option<u8> {
         match self {
-            Self::Csv | Self::Columns => Some(b','),
-            Self::Tsv => Some(b'\t'),
+            Self::Csv | Self::SafeCsv | Self::Columns => Some(b','),
+            Self::Tsv | Self::SafeTsv => Some(b'\t'),
             Self::JsonLines => None,
         }
     }

@@ -1,44 +1,48 @@
 //! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
 
-use std::borrow::Cow;
-
 use super::columns::ResultCell;
 use super::number::Decimals;
 use super::request::RowFormat;
+use crate::diagnostic::{harmless, is_formula};
 use crate::quantity::{Places, plain};
 use crate::table::cell_text;
 
 /// Writes a text with the quotes or escapes that it needs.
 #[inline]
 pub(super) fn text(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
-    match format.separator() {
-        Some(separator) if bytes.iter().all(|byte| is_bare(*byte, separator)) => out.extend_from_slice(bytes),
-        separator => escaped(out, bytes, separator),
+    match format {
+        RowFormat::Csv if bytes.iter().all(|byte| is_bare(*byte, b',')) => out.extend_from_slice(bytes),
+        RowFormat::Tsv if bytes.iter().all(|byte| is_bare(*byte, b'\t')) => out.extend_from_slice(bytes),
+        format => escaped(out, bytes, format),
     }
 }
 
 /// Whether a byte can stand in a field as it is.
 #[inline]
 fn is_bare(byte: u8, separator: u8) -> bool {
-    byte.is_ascii() && byte != separator && !matches!(byte, b'"' | b'\n' | b'\r')
+    matches!(byte, b' '..=b'~') && byte != separator && byte != b'"'
 }
 
 #[cold]
-fn escaped(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
-    let text = cell_text(bytes);
-    let written: Cow<'_, str> = match separator.map(char::from) {
+fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
+    let mut text = cell_text(bytes);
+    if matches!(format, RowFormat::SafeCsv | RowFormat::SafeTsv) && is_formula(&text) {
+        text.to_mut().insert(0, '\'');
+    }
+    let written = match format.separator().map(char::from) {
         None => serde_json::Value::from(text.as_ref()).to_string().into(),
-        Some(separator) if text.contains([separator, '"', '\n', '\r']) => {
-            format!("\"{}\"", text.replace('"', "\"\"")).into()
-        }
+        Some(separator) if text.contains([separator, '"']) => format!("\"{}\"", text.replace('"', "\"\"")).into(),
         Some(_) => text,
     };
-    out.extend_from_slice(written.as_bytes());
+    out.extend_from_slice(harmless(&written).as_bytes());
 }
 
 /// What stands before each value of a line of JSON.
 pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u8>> {
-    let start = |(index, name)| format!("{}{}:", if index == 0 { '{' } else { ',' }, serde_json::Value::from(name));
+    let start = |(index, name)| {
+        let name = serde_json::Value::from(name).to_string();
+        format!("{}{}:", if index == 0 { '{' } else { ',' }, harmless(&name))
+    };
     names.enumerate().map(start).map(String::into_bytes).collect()
 }
 

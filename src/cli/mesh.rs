@@ -252,6 +252,10 @@ impl Args {
         if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
             worst.place(&mut input, limit)?;
         }
+        if let (None, Format::Csv, None) = (&strokes, self.format, &picture) {
+            let status = Status::of(judged.verdict, &judged.limits);
+            return closed_is(status, self.curve_csv(&input.mesh, output));
+        }
         let curve = self.range.curve(&input.mesh)?;
         let mut report = solved(&spec, &input, curve, judged)?;
         (report.title, report.screen) = (spec.title.as_deref(), output.screen());
@@ -275,10 +279,27 @@ impl Args {
             _ => output.report(&report, self.format).map(|()| None),
         };
         let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
-        match listed {
-            // the verdict is that of the curve, whoever reads the list
-            Err(failure) if failure.is_closed_pipe() => Ok(status),
-            listed => Ok(listed?.unwrap_or(status)),
+        closed_is(status, listed)
+    }
+
+    /// Writes the points of the curve as they are found; the status is that of an interruption, if one came.
+    fn curve_csv(&self, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
+        let interruption = long::interrupted(output);
+        let mut before = mesh_points::csv_header();
+        let (from, to) = self.range.stroke.ends()?;
+        let written = mesh.curve_pieces(from, to, self.range.tolerance.mm(), |piece| {
+            for points in piece.points.chunks(1 << 10) {
+                let points: Vec<ListedPoint> = points.iter().map(|point| (point.stroke_mm, Ok(*point))).collect();
+                output.piece(&(std::mem::take(&mut before) + &mesh_points::csv_lines(&points)))?;
+            }
+            let is_last = piece.points.last().is_some_and(|point| point.stroke_mm >= to);
+            let is_stopped = !is_last && interruption.stop().load(Ordering::Relaxed);
+            if is_stopped { Err(Ended::Early) } else { Ok(()) }
+        });
+        match written {
+            Err(Ended::Failed(failure)) => Err(failure),
+            Err(Ended::Early) => Ok(interruption.status()),
+            Ok(()) => Ok(None),
         }
     }
 
@@ -303,6 +324,27 @@ impl Args {
         // with a step, the last stroke is `to` itself even if the step does not divide the range
         let divides = (to - (from + f64::from(whole) * step)).abs() <= 1e-9 * step.abs();
         Ok(Some(Strokes { from, to, step, count: u64::from(whole) + if divides { 1 } else { 2 } }))
+    }
+}
+
+/// Why a list of points was not written to its end.
+enum Ended {
+    /// A signal came.
+    Early,
+    Failed(Failure),
+}
+
+impl<E: Into<Failure>> From<E> for Ended {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// The status of a list of points: the verdict is that of the curve, whoever reads the list.
+fn closed_is(verdict: Status, listed: Result<Option<Status>, Failure>) -> Result<Status, Failure> {
+    match listed {
+        Err(failure) if failure.is_closed_pipe() => Ok(verdict),
+        listed => Ok(listed?.unwrap_or(verdict)),
     }
 }
 

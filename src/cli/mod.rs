@@ -43,7 +43,7 @@ use clap::{ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatche
 
 pub use answer::{answer, judged_spec};
 pub use held::{Answer, HeldSpec};
-use output::{Failure, Output, Status};
+use output::{Failure, Output, Status, print_usage};
 
 const EXAMPLES: &str = "Examples:
   rackmesh init > rack.toml         write a commented spec to start from
@@ -152,6 +152,9 @@ struct Global {
     /// Leave out remarks and progress; warnings and errors stay.
     #[arg(long, short, global = true, display_order = LAST)]
     quiet: bool,
+    /// Put an apostrophe before texts in CSV that a spreadsheet would compute: those with =, +, - or @ first.
+    #[arg(long, global = true, display_order = LAST)]
+    safe_csv: bool,
     /// When to use colours: auto, always or never.
     #[arg(long, global = true, display_order = LAST, value_name = "WHEN", default_value = "auto")]
     #[arg(hide_possible_values = true)]
@@ -188,16 +191,15 @@ pub fn run() -> ExitCode {
 #[must_use]
 pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let matches = command().try_get_matches_from(arguments);
-    let (Global { quiet, color, .. }, matches) =
+    let (Global { quiet, color, safe_csv, .. }, matches) =
         match matches.and_then(|found| Ok((Global::from_arg_matches(&found)?, found))) {
             Ok(matches) => matches,
             Err(error) => {
-                // help and version go to standard output and are no failure; a closed pipe is none either
-                let _ = error.print();
+                print_usage(&error);
                 return u8::try_from(error.exit_code()).unwrap_or(2);
             }
         };
-    let mut output = Output::new(color, quiet);
+    let mut output = Output::new(color, quiet, safe_csv);
     let called = called(&matches, &mut output);
     // a subcommand is required, so there always is one
     output.finish(called.unwrap_or(Ok(Status::Pass))).code()

@@ -1,55 +1,108 @@
 //! Results as Excel workbooks and Q-DAS files, for `paste` and `batch`.
 
-use super::output::Failure;
-use super::target;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::judge::Limits;
-use crate::report;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether results for a file of that name are collected first: the format needs them all.
+use super::target;
+use crate::judge::Limits;
+use crate::report::QdasRows;
+use crate::report::xlsx::Book;
+
+/// Whether results for a file of that name are a workbook or a Q-DAS file.
 pub(super) fn is_office(path: &str) -> bool {
     ["xlsx", "dfq"].contains(&target::ending(path).as_str())
 }
 
-/// Rows of CSV that are kept until they are all there.
-#[derive(Debug, Default)]
-pub(super) struct Collected(Vec<u8>);
+/// Rows that become such a file. What is written to it are rows of CSV, a line each, header first.
+pub(super) struct OfficeRows<W> {
+    out: W,
+    kind: Kind,
+    /// The beginning of a line whose end is still to come.
+    rest: Vec<u8>,
+}
 
-/// Bytes of rows that are kept at most: a full Excel sheet and more.
-const LARGEST_RESULT: usize = 512 << 20;
+enum Kind {
+    /// A workbook is written in one go, at the end.
+    Book(Book),
+    Qdas(QdasRows),
+}
 
-impl std::io::Write for Collected {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        if self.0.len() + bytes.len() > LARGEST_RESULT {
-            return Err(std::io::Error::other("there are too many rows for this format; write .csv"));
+impl<W: Write + Send> OfficeRows<W> {
+    /// Rows with these limits for a file of this name; `part` is what a Q-DAS file calls them.
+    pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
+        let kind = match target::ending(path).as_str() {
+            "dfq" => Kind::Qdas(QdasRows::new(part, limits)),
+            _ => Kind::Book(Book::new("rackmesh")?),
+        };
+        Ok(Self { out, kind, rest: Vec::new() })
+    }
+
+    fn push(&mut self, row: &[&str]) -> io::Result<()> {
+        match &mut self.kind {
+            Kind::Book(book) => book.push(row),
+            Kind::Qdas(rows) => self.out.write_all(&rows.lines(row)),
         }
-        self.0.extend_from_slice(bytes);
+    }
+
+    /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written.
+    pub(super) fn finish(mut self, stop: &AtomicBool) -> io::Result<bool> {
+        if let Kind::Book(book) = self.kind {
+            match book.save(Stopped { out: &mut self.out, stop }) {
+                Err(_) if stop.load(Ordering::Relaxed) => return Ok(false),
+                saved => saved?,
+            }
+        }
+        self.out.flush()?;
+        Ok(true)
+    }
+}
+
+impl<W: Write + Send> Write for OfficeRows<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.rest.extend_from_slice(bytes);
+        // a line break ends a row: those within a cell are escaped
+        let end = self.rest.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+        let rest = self.rest.split_off(end);
+        let lines = std::mem::replace(&mut self.rest, rest);
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(lines.as_slice());
+        let mut row = csv::StringRecord::new();
+        while reader.read_record(&mut row)? {
+            self.push(&row.iter().collect::<Vec<_>>())?;
+        }
         Ok(bytes.len())
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
 
-impl Collected {
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+/// A place that takes no more once the run is to end.
+struct Stopped<'o, W> {
+    out: &'o mut W,
+    stop: &'o AtomicBool,
+}
+
+impl<W: Write> Write for Stopped<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(io::Error::other("interrupted"));
+        }
+        self.out.write(bytes)
     }
 
-    /// The rows, header included.
-    pub(super) fn rows(&self) -> Result<Vec<Vec<String>>, Failure> {
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(self.0.as_slice());
-        let rows = reader.records().map(|row| row.map(|row| row.iter().map(str::to_owned).collect()));
-        Ok(rows.collect::<Result<_, csv::Error>>().map_err(std::io::Error::from)?)
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }
 
-/// Rows with a header as a Q-DAS file of a part if the name ends in `.dfq`, as a workbook if not.
-pub(super) fn rows_as(path: &str, rows: &[Vec<String>], part: &str, limits: &Limits) -> Result<Vec<u8>, Failure> {
-    if target::ending(path) == "dfq" {
-        return Ok(report::qdas(rows, part, limits));
+/// Rows with a header as such a file.
+pub(super) fn bytes(path: &str, rows: &[Vec<String>], named: (&str, &Limits)) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut office = OfficeRows::new(path, &mut bytes, named)?;
+    for row in rows {
+        office.push(&row.iter().map(String::as_str).collect::<Vec<_>>())?;
     }
-    report::xlsx::workbook("rackmesh", rows)
-        .map_err(|error| Diagnostic::error(Code::FileAccess, format!("cannot write {path}: {error}")).into())
+    office.finish(&AtomicBool::new(false))?;
+    Ok(bytes)
 }

@@ -9,7 +9,7 @@ use anstream::AutoStream;
 use clap::ColorChoice;
 
 use super::held::{Answer, Held, HeldSpec};
-use crate::diagnostic::{Diagnostic, Diagnostics, render};
+use crate::diagnostic::{Diagnostic, Diagnostics, harmless, harmless_lines, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
@@ -118,7 +118,7 @@ pub(super) struct Output {
 }
 
 impl Output {
-    pub(super) fn new(color: ColorChoice, is_quiet: bool) -> Self {
+    pub(super) fn new(color: ColorChoice, is_quiet: bool, safe_csv: bool) -> Self {
         let choice = match color {
             ColorChoice::Auto => anstream::ColorChoice::Auto,
             ColorChoice::Always => anstream::ColorChoice::Always,
@@ -134,6 +134,7 @@ impl Output {
                 color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never,
                 is_dumb: is_dumb(),
                 is_quiet,
+                safe_csv,
             },
             color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
             is_quiet,
@@ -208,16 +209,22 @@ impl Output {
             answer.markdown = report::write(report, Format::Markdown, self.screen)?;
             return Ok(());
         }
-        self.text(&report::write(report, format, self.screen)?)
+        let text = report::write(report, format, self.screen)?;
+        unless_closed(self.write(&text))
     }
 
     /// Writes text to standard output; a reader that has seen enough changes nothing.
     pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
-        self.piece(text).or_else(|failure| if failure.is_closed_pipe() { Ok(()) } else { Err(failure) })
+        unless_closed(self.piece(text))
     }
 
     /// Writes a piece of a long text to standard output; fails where nobody reads the next one.
     pub(super) fn piece(&mut self, text: &str) -> Result<(), Failure> {
+        self.write(&harmless_lines(text))
+    }
+
+    /// Writes text in which nothing steers a terminal but the program's own colours.
+    fn write(&mut self, text: &str) -> Result<(), Failure> {
         if let Some(Held { answer, .. }) = &mut self.held {
             text.clone_into(&mut answer.markdown);
             return Ok(());
@@ -240,11 +247,16 @@ impl Output {
         }
     }
 
-    /// Writes what is to be known even by who wants no remarks to standard error.
+    /// Writes what is to be known even by who wants no remarks to standard error, as one line.
     pub(super) fn message(&mut self, text: &str) {
         if let Some(Held { answer, .. }) = &mut self.held {
             return answer.remarks.push(text.to_owned());
         }
+        self.say(&harmless(text));
+    }
+
+    /// Writes lines to standard error in which nothing steers a terminal but the program's own colours.
+    fn say(&mut self, text: &str) {
         // there is nowhere left to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
     }
@@ -254,7 +266,7 @@ impl Output {
         if let Some(Held { answer, .. }) = &mut self.held {
             return answer.warnings.push(diagnostic.clone());
         }
-        self.message(&render(diagnostic, self.color_messages));
+        self.say(&render(diagnostic, self.color_messages));
     }
 
     /// Shows why a command has no result, if it has none.
@@ -264,10 +276,25 @@ impl Output {
                 // who has seen enough is told nothing, but not that all is well
                 failure if failure.is_closed_pipe() => {}
                 Failure::Diagnostics(diagnostics) => diagnostics.iter().for_each(|found| self.diagnostic(found)),
-                Failure::Usage(error) => drop(error.print()),
+                Failure::Usage(error) => print_usage(&error),
                 Failure::Write(error) => self.message(&format!("error: cannot write the output: {error}")),
             }
             Status::Undecided
         })
     }
+}
+
+/// Prints help, the version, or what is wrong with the arguments, of which some may be names of files that a stranger gave.
+pub(super) fn print_usage(error: &clap::Error) {
+    // that it cannot be printed is no failure of the arguments; a closed pipe is none either
+    let _ = if error.use_stderr() {
+        write!(io::stderr().lock(), "{}", harmless_lines(&error.render().to_string()))
+    } else {
+        error.print()
+    };
+}
+
+/// What came of writing, where a reader that has seen enough changes nothing.
+fn unless_closed(written: Result<(), Failure>) -> Result<(), Failure> {
+    written.or_else(|failure| if failure.is_closed_pipe() { Ok(()) } else { Err(failure) })
 }

@@ -17,7 +17,7 @@ use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
 use crate::report::{
-    self, EvaluationReport, Format, PartRow, PartsReport, Report, Screen, SpacesReport, UncertaintyPart, WithReading,
+    self, EvaluationReport, Format, PartRow, PartsReport, Report, SpacesReport, UncertaintyPart, WithReading,
 };
 use crate::spec::Spec;
 use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
@@ -155,12 +155,12 @@ impl Args {
         let whole = WithReading { report: *report, readings, notes: &read.notes };
         if let Some(path) = &self.output {
             let inputs = self.inputs(&read.spec);
-            let text = |format| report::write(&whole, format, Screen::default()).map(String::into_bytes);
+            let text = |format| report::write(&whole, format, output.screen().of_file()).map(String::into_bytes);
             let bytes = match target::known_ending(path, path, &ENDINGS)? {
                 Some("html" | "htm") => {
                     page::of_report(title, &read.spec, *report, readings, &read.notes, &inputs)?.into_bytes()
                 }
-                Some("xlsx" | "dfq") => office::rows_as(path, rows, title, &read.spec.limits())?,
+                Some("xlsx" | "dfq") => office::bytes(path, rows, (title, &read.spec.limits()))?,
                 Some("csv") => text(Format::Csv)?,
                 Some("json") => text(Format::Json)?,
                 Some("md") => text(Format::Markdown)?,

@@ -8,10 +8,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use super::held::HeldSpec;
 use super::output::{Failure, Output};
 use crate::diagnostic::Diagnostic;
-use crate::spec::{self, Spec};
-
-/// The largest spec that is read: far beyond any that a person writes.
-const LARGEST_SPEC: u64 = 16 << 20;
+use crate::spec::{self, LARGEST_SPEC, Spec};
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct SetArgs {
@@ -28,15 +25,16 @@ impl SetArgs {
             return self.parse(&name, &text, output);
         }
         let mut bytes = Vec::new();
+        let most = LARGEST_SPEC as u64 + 1;
         let (name, read) = if path == "-" {
-            ("<stdin>", std::io::stdin().lock().take(LARGEST_SPEC + 1).read_to_end(&mut bytes))
+            ("<stdin>", std::io::stdin().lock().take(most).read_to_end(&mut bytes))
         } else {
-            let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST_SPEC + 1).read_to_end(&mut bytes));
+            let read = std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
             (path, read)
         };
         read.map_err(|error| Diagnostic::unreadable(name, &error))?;
-        if bytes.len() as u64 > LARGEST_SPEC {
-            return Err(Diagnostic::unreadable(name, &"it is larger than 16 MiB").into());
+        if bytes.len() > LARGEST_SPEC {
+            return Err(spec::too_large(name).into());
         }
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();

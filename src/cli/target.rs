@@ -70,6 +70,11 @@ impl Target {
         Ok(())
     }
 
+    /// Removes a file that is good for nothing as long as it is not complete, and says so.
+    pub(super) fn discard(self, output: &mut Output) {
+        output.message(&format!("{} is not written, because the run is incomplete: there is nothing yet", self.path));
+    }
+
     /// Keeps what there is of an incomplete file as `NAME.partial`, and gives that name. `None` if there is nothing to
     /// keep: no byte was written, or they are in a pipe already.
     pub(super) fn keep_partial(self) -> Result<Option<String>, Failure> {
@@ -97,6 +102,11 @@ fn own_stream(path: &str) -> Option<Box<dyn Write + Send>> {
         "/dev/stderr" | "/dev/fd/2" | "/proc/self/fd/2" => Some(Box::new(io::stderr())),
         _ => None,
     }
+}
+
+/// Whether it is the process's standard output or standard error.
+pub(super) fn is_own_stream(path: &str) -> bool {
+    own_stream(path).is_some()
 }
 
 fn open(path: &str) -> io::Result<(Box<dyn Write + Send>, Option<Beside>)> {

@@ -63,7 +63,8 @@ pub(super) fn discard_block(output: &mut Output) {
 }
 
 fn once_more(output: &mut Output) {
-    output.remark(&format!("\n(press {END} once more to end)"));
+    output.remark("");
+    output.remark(&format!("(press {END} once more to end)"));
 }
 
 fn too_large(largest: u64) -> Failure {

@@ -5,10 +5,12 @@
 //! none.
 
 mod code;
+mod harmless;
 #[cfg(feature = "spec")]
 mod render;
 
 pub use code::Code;
+pub use harmless::{harmless, harmless_lines, is_formula, is_steering};
 #[cfg(feature = "spec")]
 pub use render::render;
 
@@ -88,6 +90,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong.
     pub message: String,
+    /// What the message is about, a line each.
+    pub list: Vec<String>,
     /// Where, if it is in a file.
     pub place: Option<Place>,
     /// What to do.
@@ -97,7 +101,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
-        Self { code, severity: Severity::Error, message: message.into(), place: None, help: None }
+        Self { code, severity: Severity::Error, message: message.into(), list: Vec::new(), place: None, help: None }
     }
 
     /// An error in what was asked for.
@@ -135,9 +139,14 @@ impl Diagnostic {
     #[must_use]
     pub fn sentence(&self) -> String {
         match &self.help {
-            Some(help) => format!("{}; {help}", self.message),
-            None => self.message.clone(),
+            Some(help) => format!("{}; {help}", self.message_with_list()),
+            None => self.message_with_list(),
         }
+    }
+
+    /// What is wrong, with its list below.
+    fn message_with_list(&self) -> String {
+        self.list.iter().fold(self.message.clone(), |text, line| text + "\n  " + line)
     }
 
     /// Adds what to do.
@@ -159,7 +168,7 @@ impl fmt::Display for Diagnostic {
             Severity::Error => "error",
             Severity::Warning => "warning",
         };
-        write!(f, "{severity}[{}]: {}", self.code, self.message)
+        write!(f, "{severity}[{}]: {}", self.code, self.message_with_list())
     }
 }
 

@@ -1,32 +1,68 @@
 //! Diagnostics as people read them: the line, a caret, what to do. Called by the command line; the words are in the
 //! diagnostic.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::{Diagnostic, Severity};
+use super::harmless::escaped;
+use super::{Diagnostic, Place, Severity, harmless};
 
-/// The diagnostic with the line it points at; `color` adds terminal colours.
+/// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal.
 #[must_use]
 pub fn render(diagnostic: &Diagnostic, color: bool) -> String {
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code.name());
+    let message = harmless(&diagnostic.message).into_owned();
+    let message = diagnostic.list.iter().fold(message, |text, line| text + "\n  " + &harmless(line));
+    let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
-    if let Some(place) = &diagnostic.place {
-        let length = place.source.text.len();
-        let span = place.span.start.min(length)..place.span.end.min(length);
-        let mut annotation = AnnotationKind::Primary.span(span);
-        if !place.label.is_empty() {
-            annotation = annotation.label(place.label.as_str());
+    let lines = diagnostic.place.as_ref().map(Lines::of);
+    if let Some(Lines { name, text, first, span, label }) = &lines {
+        let mut annotation = AnnotationKind::Primary.span(span.clone());
+        if !label.is_empty() {
+            annotation = annotation.label(label.as_ref());
         }
-        let snippet = Snippet::source(place.source.text.as_str()).path(place.source.name.as_str());
+        let snippet = Snippet::source(text.as_ref()).line_start(*first).path(name.as_ref());
         group = group.element(snippet.annotation(annotation));
     }
-    if let Some(help) = &diagnostic.help {
-        group = group.element(Level::HELP.message(help.as_str()));
+    let help = diagnostic.help.as_deref().map(harmless);
+    if let Some(help) = &help {
+        group = group.element(Level::HELP.message(help.as_ref()));
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
     renderer.render(&[group])
+}
+
+/// The lines of a place, as they are shown.
+struct Lines<'p> {
+    name: Cow<'p, str>,
+    text: Cow<'p, str>,
+    /// The number of the first line, from 1.
+    first: usize,
+    /// Bytes of the text.
+    span: Range<usize>,
+    label: Cow<'p, str>,
+}
+
+impl<'p> Lines<'p> {
+    fn of(place: &'p Place) -> Self {
+        // the renderer shows a tab and the carriage return before a line's end by itself
+        let visible = |text| escaped(text, "\n\t\r");
+        let text = place.source.text.as_str();
+        let [start, end] = [place.span.start, place.span.end].map(|at| text.floor_char_boundary(at));
+        let begin = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let stop = text[end..].find('\n').map_or(text.len(), |newline| end + newline);
+        let at = |end| visible(&text[begin..end]).len();
+        Self {
+            name: harmless(&place.source.name),
+            text: visible(&text[begin..stop]),
+            first: text[..begin].matches('\n').count() + 1,
+            span: at(start)..at(end.max(start)),
+            label: harmless(&place.label),
+        }
+    }
 }

@@ -43,6 +43,8 @@ const CROWDED: f64 = 1e-6;
 /// that may roll is solved at many rolls for each stroke.
 const BLOCK: usize = 64;
 const ROLLING_BLOCK: usize = 8;
+/// First steps that are solved and refined at a time: whole blocks, also of those that are solved together.
+const PIECE: usize = 1 << 12;
 /// Flank pairs that may be searched in refining, see [`searches`]: for kinks in each first step and in the whole curve,
 /// and for bends in each first step at [`FINE`].
 const FOR_KINKS: f64 = 10_000.0;
@@ -72,32 +74,78 @@ impl Mesh {
     /// [`MeshError::EmptyRange`] unless `from_mm <= to_mm` and both are finite, [`MeshError::NotPositive`] for the
     /// tolerance, and whatever a stroke in the range gives.
     pub fn curve(&self, from_mm: f64, to_mm: f64, tolerance_mm: f64) -> Result<Curve, MeshError> {
+        let mut curve = Curve { points: Vec::new(), kinks: Vec::new(), tolerance_mm, solved: 0, resolved: true };
+        self.curve_pieces(from_mm, to_mm, tolerance_mm, |piece| -> Result<(), MeshError> {
+            curve.points.extend(piece.points);
+            curve.kinks.extend(piece.kinks);
+            curve.solved += piece.solved;
+            curve.resolved &= piece.resolved;
+            Ok(())
+        })?;
+        Ok(curve)
+    }
+
+    /// The same curve in pieces of some [`PIECE`] first steps, in rising order; each begins behind the last point of the
+    /// one before. Memory does not depend on how long the stroke is.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::curve`], and the first one of `take`.
+    pub fn curve_pieces<E: From<MeshError>>(
+        &self,
+        from_mm: f64,
+        to_mm: f64,
+        tolerance_mm: f64,
+        mut take: impl FnMut(Curve) -> Result<(), E>,
+    ) -> Result<(), E> {
         if !(from_mm <= to_mm && (to_mm - from_mm).is_finite()) {
-            return Err(MeshError::EmptyRange { from_mm, to_mm });
+            return Err(MeshError::EmptyRange { from_mm, to_mm }.into());
         }
         if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
-            return Err(MeshError::NotPositive { what: "tolerance", value_mm: tolerance_mm });
+            return Err(MeshError::NotPositive { what: "tolerance", value_mm: tolerance_mm }.into());
         }
-        let pitch = self.pair().rack().pitch_mm;
-        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);
+        let steps = ((to_mm - from_mm) / self.pair().rack().pitch_mm * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);
         let at = |step: f64| if step >= steps { to_mm } else { from_mm + (to_mm - from_mm) * (step / steps) };
-        let strokes: Vec<f64> = (0..=steps as u32).map(|step| at(f64::from(step))).collect();
-        let first: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
-        let steps_to_a_block = match self.support() {
+        let count = steps as usize + 1;
+        let sample = |from: usize| -> Result<Vec<MeshPoint>, MeshError> {
+            let strokes: Vec<f64> = (from..count.min(from + PIECE)).map(|step| at(step as f64)).collect();
+            self.sample(&strokes).into_iter().collect()
+        };
+        let budget = searches(self.steps_to_a_block(), count.div_ceil(self.steps_to_a_block()), tolerance_mm);
+        let mut first = sample(0)?;
+        for from in (0..count).step_by(PIECE) {
+            let next = sample(from + PIECE)?;
+            first.extend(next.first());
+            let mut piece = self.refined(&first, tolerance_mm, budget)?;
+            if from > 0 {
+                piece.points.remove(0);
+                piece.solved -= 1;
+            }
+            take(piece)?;
+            first = next;
+        }
+        Ok(())
+    }
+
+    fn steps_to_a_block(&self) -> usize {
+        match self.support() {
             Support::Fixed => BLOCK,
             Support::FreeRoll { .. } => ROLLING_BLOCK,
-        };
-        let blocks = first.len().div_ceil(steps_to_a_block);
-        let budget = searches(steps_to_a_block, blocks, tolerance_mm);
-        let refined = |(): &mut (), block: usize| {
-            let ends = &first[block * steps_to_a_block..first.len().min((block + 1) * steps_to_a_block + 1)];
+        }
+    }
+
+    /// The curve through solved strokes that follow each other.
+    fn refined(&self, first: &[MeshPoint], tolerance_mm: f64, budget: f64) -> Result<Curve, MeshError> {
+        let block = self.steps_to_a_block();
+        let pitch = self.pair().rack().pitch_mm;
+        let refined = |(): &mut (), index: usize| {
+            let ends = &first[index * block..first.len().min((index + 1) * block + 1)];
             let curve =
                 Curve { points: vec![ends[0]], kinks: Vec::new(), tolerance_mm, solved: ends.len(), resolved: true };
             let mut refiner = Refiner { sampler: Sampler::new(self), tolerance: tolerance_mm, pitch, curve, budget };
             ends.windows(2).try_for_each(|ends| refiner.refine(&ends[0], &ends[1], 0)).map(|()| refiner.curve)
         };
         let mut curve = Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, solved: 1, resolved: true };
-        for block in parallel::map(parallel::cores(), blocks, || (), refined).0 {
+        for block in parallel::map(parallel::cores(), first.len().div_ceil(block), || (), refined).0 {
             let block = block?;
             // its first point is the last one's last
             curve.points.extend(&block.points[1..]);

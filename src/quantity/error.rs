@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::diagnostic::harmless;
+
 use super::{AngleUnit, LengthUnit, NumberError};
 
 /// Why a text or a number is not the quantity that it should be.
@@ -65,7 +67,6 @@ impl QuantityError {
 /// A text as a message shows it: its first 60 characters, on one line, and nothing that a terminal would obey.
 pub(crate) fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
-    let shown = |c: char| if c.is_control() { c.escape_debug().to_string() } else { c.to_string() };
-    let more = text.chars().nth(LONGEST).map(|_| "…".to_owned());
-    text.chars().take(LONGEST).map(shown).chain(more).collect()
+    let more = text.chars().nth(LONGEST).map(|_| '…');
+    harmless(&text.chars().take(LONGEST).chain(more).collect::<String>()).into_owned()
 }

@@ -57,7 +57,7 @@ pub use mesh::{MeasureReport, MeshReport};
 pub(crate) use number::grouped;
 pub use paste::{PartRow, PartsReport, SpacesReport};
 #[cfg(feature = "table")]
-pub use qdas::qdas;
+pub use qdas::QdasRows;
 pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
 #[cfg(feature = "cli")]
 pub(crate) use reading::add_new;
@@ -73,6 +73,7 @@ pub use uncertainty::UncertaintyPart;
 use serde_json::Value;
 
 use crate::deviation::DeviationKind;
+use crate::diagnostic::{harmless, harmless_lines, is_formula};
 
 /// An output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -101,9 +102,17 @@ pub struct Screen {
     pub is_dumb: bool,
     /// Whether remarks are left out.
     pub is_quiet: bool,
+    /// Whether a text in CSV that a spreadsheet would compute gets an apostrophe.
+    pub safe_csv: bool,
 }
 
 impl Screen {
+    /// A file in place of the screen.
+    #[cfg(feature = "cli")]
+    pub(crate) fn of_file(self) -> Self {
+        Self { safe_csv: self.safe_csv, ..Self::default() }
+    }
+
     /// The columns that a drawing may take; `None` if nothing can be drawn.
     fn drawing_width(self) -> Option<usize> {
         const WIDEST: u16 = 100;
@@ -123,18 +132,17 @@ pub trait Report {
     fn blocks(&self) -> Vec<Block>;
 }
 
-/// Text that cannot be taken for markup, in an element or in an attribute; XML has no place for most control characters.
+/// Text that cannot be taken for markup, in an element or in an attribute; line breaks stay.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in harmless_lines(text).chars() {
         match c {
             '&' => out.push_str("&amp;"),
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            '\n' | '\r' | '\t' => out.push(c),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
@@ -168,16 +176,21 @@ pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<Stri
     let blocks = || {
         let mut blocks = report.blocks();
         blocks.retain(|block| !(screen.is_quiet && matches!(block, Block::Remark(_))));
+        blocks.iter_mut().for_each(Block::show);
         blocks
     };
     match format {
         Format::Table => Ok(table::text(&blocks(), screen)),
         Format::Markdown => Ok(table::markdown(&blocks())),
-        Format::Json => Ok(format!("{:#}\n", document(report.json()))),
+        Format::Json => Ok(harmless_lines(&format!("{:#}\n", document(report.json()))).into_owned()),
         Format::Csv => {
             let mut writer = csv::Writer::from_writer(Vec::new());
             for row in report.rows() {
-                writer.write_record(row)?;
+                for cell in &row {
+                    let apostrophe = if screen.safe_csv && is_formula(cell) { "'" } else { "" };
+                    writer.write_field(format!("{apostrophe}{}", harmless(cell)))?;
+                }
+                writer.write_record(None::<&[u8]>)?;
             }
             let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
             String::from_utf8(bytes).map_err(std::io::Error::other)

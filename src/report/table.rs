@@ -8,6 +8,7 @@ use comfy_table::{
 };
 
 use super::Screen;
+use crate::diagnostic::{harmless, harmless_lines};
 use crate::judge::Verdict;
 
 /// A piece of a report.
@@ -26,6 +27,23 @@ pub enum Block {
     Remark(String),
     /// The verdict and its sentence; without one, why there is none.
     Verdict(Option<Verdict>, String),
+}
+
+impl Block {
+    /// Escapes what would steer that which shows it. Only a drawing has line breaks, and a heading, of the program's own.
+    pub(super) fn show(&mut self) {
+        let one_line = |text: &mut String| *text = harmless(text).into_owned();
+        match self {
+            Self::Title(text) | Self::Note(text) | Self::Remark(text) | Self::Verdict(_, text) => one_line(text),
+            Self::Drawing(text) => *text = harmless_lines(text).into_owned(),
+            Self::Table(table) => {
+                for Column { heading, .. } in &mut table.columns {
+                    *heading = harmless_lines(heading).into_owned();
+                }
+                table.rows.iter_mut().flatten().for_each(one_line);
+            }
+        }
+    }
 }
 
 /// A table.
@@ -259,24 +277,36 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
             out.push('\n');
         }
         out += &match block {
-            Block::Title(title) => format!("## {title}\n"),
+            Block::Title(title) => format!("## {}\n", markdown_text(title)),
             Block::Drawing(lines) => format!("```text\n{lines}\n```\n"),
-            Block::Note(note) => format!("{note}\n"),
-            Block::Remark(remark) => format!("{}\n", noted(remark)),
-            Block::Verdict(verdict, sentence) => format!("**{}**: {sentence}\n", verdict_word(*verdict)),
+            Block::Note(note) => format!("{}\n", markdown_text(note)),
+            Block::Remark(remark) => format!("{}\n", markdown_text(&noted(remark))),
+            Block::Verdict(verdict, sentence) => {
+                format!("**{}**: {}\n", verdict_word(*verdict), markdown_text(sentence))
+            }
             Block::Table(table) => markdown_table(table),
         };
     }
     out
 }
 
+/// Text in Markdown that is no tag, link or picture of HTML, also where a `\` or a backtick stands before it.
+fn markdown_text(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace("](", "]&#40;").replace("][", "]&#91;")
+}
+
+/// The same in a cell, which a `|` would end.
+fn markdown_cell(text: &str) -> String {
+    markdown_text(text).replace('|', "&#124;")
+}
+
 fn markdown_table(table: &Table) -> String {
     let mut escaped = table.clone();
     for column in &mut escaped.columns {
-        column.heading = column.heading.replace('\n', " ");
+        column.heading = markdown_cell(&column.heading.replace('\n', " "));
     }
     for cell in escaped.rows.iter_mut().flatten() {
-        *cell = cell.replace('|', "\\|");
+        *cell = markdown_cell(cell);
     }
     let mut grid = grid(&escaped, presets::ASCII_MARKDOWN, (1, 1));
     grid.set_content_arrangement(ContentArrangement::Disabled);

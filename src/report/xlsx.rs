@@ -1,31 +1,84 @@
-//! Rows of a report as an Excel workbook.
+//! Rows of a report as an Excel workbook. Called by the command line. A row goes to a temporary file at once, so that
+//! memory does not depend on how many there are.
 
-use rust_xlsxwriter::{Format, Workbook, XlsxError};
+use std::io::{self, Write};
 
-/// A workbook with one sheet: the first row is its header, cells that are numbers are numbers.
-///
-/// # Errors
-/// If there are more rows or columns, or longer texts, than a sheet holds.
-pub fn workbook(sheet: &str, rows: &[Vec<String>]) -> Result<Vec<u8>, XlsxError> {
-    let mut book = Workbook::new();
-    let header = Format::new().set_bold();
-    let page = book.add_worksheet();
-    page.set_name(sheet)?;
-    page.set_freeze_panes(1, 0)?;
-    for (index, row) in (0..).zip(rows) {
-        for (column, cell) in (0..).zip(row) {
-            // a name such as `007` is no number
-            let number = cell.parse::<f64>().ok().filter(|number| number.is_finite() && !has_leading_zero(cell));
-            match number {
-                _ if index == 0 => page.write_string_with_format(index, column, cell, &header)?,
-                Some(number) => page.write_number(index, column, number)?,
-                None if cell.is_empty() => continue,
-                None => page.write_string(index, column, cell)?,
-            };
-        }
+use rust_xlsxwriter::utility::cell_autofit_width;
+use rust_xlsxwriter::{Format, Workbook, Worksheet, XlsxError};
+
+use crate::diagnostic::harmless;
+
+/// Rows of a sheet.
+const MOST_ROWS: u32 = 1_048_576;
+
+/// A workbook with one sheet: the first row is its header, cells that are numbers are numbers, all others are text.
+pub struct Book {
+    book: Workbook,
+    rows: u32,
+    /// How wide the widest cell of each column is, in pixels.
+    widths: Vec<u32>,
+}
+
+impl Book {
+    /// A workbook whose sheet has no rows yet.
+    ///
+    /// # Errors
+    /// If there is no temporary file.
+    pub fn new(sheet: &str) -> io::Result<Self> {
+        let mut book = Workbook::new();
+        let page = book.add_worksheet_with_constant_memory().map_err(io::Error::other)?;
+        page.set_name(sheet).and_then(|page| page.set_freeze_panes(1, 0)).map_err(io::Error::other)?;
+        Ok(Self { book, rows: 0, widths: Vec::new() })
     }
-    page.autofit();
-    book.save_to_buffer()
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// If a sheet holds no more rows, not so many columns or no text so long, or the temporary file cannot be written.
+    pub fn push(&mut self, row: &[&str]) -> io::Result<()> {
+        if self.rows == MOST_ROWS {
+            return Err(io::Error::other("a sheet has 1,048,576 rows, and there are more: write .csv or .parquet"));
+        }
+        let header = Format::new().set_bold();
+        let page = self.book.worksheet_from_index(0).map_err(io::Error::other)?;
+        self.widths.resize(self.widths.len().max(row.len()), 0);
+        for ((column, cell), width) in (0..).zip(row).zip(&mut self.widths) {
+            let format = (self.rows == 0).then_some(&header);
+            write(page, (self.rows, column), cell, format).map_err(io::Error::other)?;
+            *width = cell_autofit_width(cell).max(*width);
+        }
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// Writes the workbook.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn save(mut self, out: impl Write + Send) -> io::Result<()> {
+        let page = self.book.worksheet_from_index(0).map_err(io::Error::other)?;
+        for (column, width) in (0..).zip(self.widths) {
+            page.set_column_width_pixels(column, width).map_err(io::Error::other)?;
+        }
+        self.book.save_to_writer(out).map_err(|error| match error {
+            XlsxError::IoError(error) => error,
+            error => io::Error::other(error),
+        })
+    }
+}
+
+fn write(page: &mut Worksheet, at: (u32, u16), cell: &str, header: Option<&Format>) -> Result<(), XlsxError> {
+    let (row, column) = at;
+    // names such as `007` and `+1` are no numbers
+    let is_name = cell.starts_with('+') || has_leading_zero(cell);
+    let number = cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_name);
+    match (header, number) {
+        (Some(bold), _) => page.write_string_with_format(row, column, harmless(cell), bold)?,
+        (None, Some(number)) => page.write_number(row, column, number)?,
+        (None, None) if cell.is_empty() => page,
+        (None, None) => page.write_string(row, column, harmless(cell))?,
+    };
+    Ok(())
 }
 
 fn has_leading_zero(cell: &str) -> bool {

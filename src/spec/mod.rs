@@ -13,6 +13,7 @@ mod budget;
 mod class;
 mod deviations;
 mod errors;
+mod found;
 pub mod keys;
 mod limits;
 mod measured;
@@ -51,12 +52,14 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
+use found::Found;
+
 use crate::deviation::{DeviationKind, DeviationValue, Extent, PinionDeviation, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
 use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget};
 use crate::multibody::Parameters;
-use crate::quantity::Length;
+use crate::quantity::{Length, shown};
 use crate::uncertainty::{Influence, TeethSensitivity, Uncertainty};
 use keys::{SECTIONS, Section};
 use reader::SectionReader;
@@ -149,6 +152,9 @@ impl Spec {
     pub fn parse_with(name: &str, text: &str, settings: &[String]) -> Result<Self, Diagnostics> {
         // a byte order mark, as some editors write, is no part of the text
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if text.len() > LARGEST_SPEC {
+            return Err(too_large(name).into());
+        }
         let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
         let settings = set::settings(settings, text.len());
         let (table, errors) = DeTable::parse_recoverable(text);
@@ -156,7 +162,8 @@ impl Spec {
             return Err(syntax_error(&source, error).into());
         }
         let mut table = table.into_inner();
-        let mut diagnostics = set::set_all(&mut table, &settings, &source);
+        let mut diagnostics = Found::default();
+        diagnostics.extend(set::set_all(&mut table, &settings, &source));
         let mut spec = Self::read(&table, &source, &mut diagnostics);
         pair::complete(&mut spec.values, &source, &mut diagnostics);
         if diagnostics.is_empty() {
@@ -164,13 +171,12 @@ impl Spec {
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }
         } else {
             let place = |place: &Place| (!Arc::ptr_eq(&place.source, &source), place.span.start);
-            diagnostics.sort_by_key(|diagnostic| diagnostic.place.as_ref().map(place));
-            Err(Diagnostics(diagnostics))
+            Err(Diagnostics(diagnostics.sorted(|diagnostic| diagnostic.place.as_ref().map(place))))
         }
     }
 
     /// Reads every section as far as it can be read.
-    fn read(top: &DeTable<'_>, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) -> Self {
+    fn read(top: &DeTable<'_>, source: &Arc<Source>, diagnostics: &mut Found) -> Self {
         let mut spec = Self { source: Arc::clone(source), ..Self::default() };
         let mut uncertainties = Vec::new();
         let mut sections =
@@ -211,26 +217,29 @@ impl SectionReader<'_> {
     fn refuse_unknown_sections(&mut self) {
         let sections = SECTIONS.iter().map(|section| section.name);
         let own = keys::TOP.keys.iter().map(keys::AnyKey::name);
-        for (key, value) in self.table {
+        let mut entries: Vec<_> = self.table.iter().collect();
+        entries.sort_by_key(|(key, _)| key.span().start);
+        for (key, value) in entries {
             let name = key.get_ref().as_ref();
             let is_table = matches!(value.get_ref(), DeValue::Table(_));
             let is_section = sections.clone().any(|section| section == name);
             if (is_section && is_table) || own.clone().any(|own| own == name) {
                 continue;
             }
-            let diagnostic = if is_section {
-                let found = reader::type_in_words(value.get_ref());
-                Diagnostic::error(Code::WrongType, format!("`{name}` is {found}; it must be a section"))
-                    .help(format!("write its keys under a line `[{name}]`"))
-            } else {
-                let message = format!("there is no {} `{name}`", if is_table { "section" } else { "key" });
+            let diagnostic = || {
+                if is_section {
+                    let found = reader::type_in_words(value.get_ref());
+                    return Diagnostic::error(Code::WrongType, format!("`{name}` is {found}; it must be a section"))
+                        .help(format!("write its keys under a line `[{name}]`"));
+                }
+                let message = format!("there is no {} `{}`", if is_table { "section" } else { "key" }, shown(name));
                 let help =
                     reader::home(name).map(|home| format!("`{name}` is a key of [{home}]: write it below that line"));
                 let all = || sections.clone().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(" ");
                 let help = help.unwrap_or_else(|| format!("the sections are {}", all()));
                 reader::unknown(message, name, sections.clone().chain(own.clone()), help)
             };
-            self.diagnostics.push(diagnostic.at(self.source, key.span(), ""));
+            self.diagnostics.add(|| diagnostic().at(self.source, key.span(), ""));
         }
     }
 
@@ -240,6 +249,15 @@ impl SectionReader<'_> {
             self.inner(section, table, read);
         }
     }
+}
+
+/// The most bytes of a spec: far beyond any that a person writes.
+pub const LARGEST_SPEC: usize = 4 << 20;
+
+/// The refusal of a spec by its size.
+#[must_use]
+pub fn too_large(name: &str) -> Diagnostic {
+    Diagnostic::unreadable(name, &"it is larger than 4 MiB").help("many values stand in a table: `measured = \"FILE\"`")
 }
 
 /// A syntax error, with a word on the two slips that spreadsheet and drawing users make.

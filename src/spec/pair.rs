@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::found::Found;
 use super::value::{Value, Values};
 use super::{Located, keys};
 use crate::diagnostic::{Code, Diagnostic, Source};
@@ -17,7 +18,7 @@ const SHAFT_ANGLES_APART: Angle = Angle::from_nas(36_000_000_000);
 /// Adds the normal module that a transverse one comes to, and holds what the sections say twice against each other. What
 /// is held against a value that cannot be read would be blamed on the wrong one, so that nothing is if there are
 /// `diagnostics` already.
-pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Vec<Diagnostic>) {
+pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Found) {
     let helix_angle = |key| values.located(key).map_or(Angle::ZERO, |angle: Located<Angle>| angle.value);
     let (rack, pinion) = (helix_angle(keys::RACK_HELIX_ANGLE), helix_angle(keys::PINION_HELIX_ANGLE));
     let transverse = values.located(keys::PAIR_TRANSVERSE_MODULE);

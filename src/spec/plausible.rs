@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::errors::WrittenError;
+use super::found::Found;
 use super::keys::{self, Key};
 use super::resolve::Problems;
 use super::value::KeyType;
@@ -54,9 +55,11 @@ impl Spec {
         found.extend(self.doubted_teeth());
         found.extend(self.doubted_limits());
         found.extend(self.doubted_uncertainties());
+        found.retain(|doubted| doubted.doubt.is_impossible == (severity == Severity::Error));
         found.sort_by_key(|doubted| doubted.span.start);
-        let diagnostics = found.iter().map(|doubted| self.diagnostic(doubted));
-        diagnostics.filter(|diagnostic| diagnostic.severity == severity).collect()
+        let mut diagnostics = Found::default();
+        found.iter().for_each(|doubted| diagnostics.add(|| self.diagnostic(doubted)));
+        diagnostics.sorted(|_| ())
     }
 
     fn diagnostic(&self, doubted: &DoubtedKey) -> Diagnostic {

@@ -7,16 +7,17 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 
 use super::Located;
+use super::found::Found;
 use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTIONS, Section};
 use super::value::{KeyType, Value, Values};
 use crate::deviation::ToothRange;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
-use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, split_number};
+use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, shown, split_number};
 use crate::uncertainty::{Influence, Uncertainty};
 
 /// What a text is called that is needed.
@@ -27,7 +28,7 @@ pub(super) struct SectionReader<'a> {
     pub(super) source: &'a Arc<Source>,
     pub(super) section: &'static Section,
     pub(super) table: &'a DeTable<'a>,
-    pub(super) diagnostics: &'a mut Vec<Diagnostic>,
+    pub(super) diagnostics: &'a mut Found,
     /// The uncertainties found so far.
     pub(super) uncertainties: &'a mut Vec<(Influence, Located<Uncertainty>)>,
 }
@@ -41,18 +42,17 @@ impl<'a> SectionReader<'a> {
     /// Reports keys that the section does not have.
     pub(super) fn refuse_unknown_keys(&mut self) {
         let own = self.section.keys.iter().map(AnyKey::name);
-        for (key, _) in self.table {
+        let section = format!("[{}]", self.section.name);
+        for key in others(self.table, &own) {
             let name = key.get_ref().as_ref();
-            if !own.clone().any(|own| own == name) {
-                let section = format!("[{}]", self.section.name);
-                let message = format!("{section} has no key `{name}`");
+            self.diagnostics.add(|| {
+                let message = format!("{section} has no key `{}`", shown(name));
                 let help = home(name).map(|home| format!("`{name}` is a key of [{home}]"));
                 let help = help.unwrap_or_else(|| {
                     format!("the keys of {section} are {}", own.clone().collect::<Vec<_>>().join(", "))
                 });
-                let diagnostic = unknown(message, name, own.clone(), help);
-                self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
-            }
+                unknown(message, name, own.clone(), help).at(self.source, key.span(), "unknown key")
+            });
         }
     }
 
@@ -138,18 +138,19 @@ impl<'a> SectionReader<'a> {
         known: &(impl Iterator<Item = &'static str> + Clone),
         help: &str,
     ) -> Option<()> {
-        let others = table.keys().filter(|key| !known.clone().any(|known| known == key.get_ref().as_ref()));
         let before = self.diagnostics.len();
-        for key in others {
-            let message = format!("`{name}` has no key `{}`", key.get_ref());
-            let diagnostic = unknown(message, key.get_ref(), known.clone(), help.to_owned());
-            self.diagnostics.push(diagnostic.at(self.source, key.span(), "unknown key"));
+        for key in others(table, known) {
+            self.diagnostics.add(|| {
+                let message = format!("`{name}` has no key `{}`", shown(key.get_ref()));
+                let diagnostic = unknown(message, key.get_ref(), known.clone(), help.to_owned());
+                diagnostic.at(self.source, key.span(), "unknown key")
+            });
         }
         (self.diagnostics.len() == before).then_some(())
     }
 
     pub(super) fn report(&mut self, diagnostic: Diagnostic, span: Range<usize>) {
-        self.diagnostics.push(diagnostic.at(self.source, span, ""));
+        self.diagnostics.add(|| diagnostic.at(self.source, span, ""));
     }
 
     /// Reports why there is no value.
@@ -340,6 +341,17 @@ pub(super) fn type_in_words(value: &DeValue<'_>) -> &'static str {
     }
 }
 
+/// The keys of a table that are none of those known, in the order of the file.
+fn others<'t>(
+    table: &'t DeTable<'_>,
+    known: &(impl Iterator<Item = &'static str> + Clone),
+) -> Vec<&'t Spanned<DeString<'t>>> {
+    let is_known = |key: &str| known.clone().any(|known| known == key);
+    let mut others: Vec<_> = table.keys().filter(|key| !is_known(key.get_ref())).collect();
+    others.sort_by_key(|key| key.span().start);
+    others
+}
+
 /// The first section that has a key of this name.
 pub(super) fn home(name: &str) -> Option<&'static str> {
     let has_key = |section: &&Section| section.keys.iter().any(|key| key.name() == name);
@@ -360,8 +372,11 @@ pub(super) fn unknown(
 /// The name most like a misspelt one, if any is like it at all.
 fn similar(name: &str, candidates: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     const LIKE: f64 = 0.85;
+    /// No key is half as long, and to compare two names takes time that grows with the square of their lengths.
+    const LONGEST: usize = 100;
+    let name = Some(name).filter(|name| name.len() <= LONGEST)?.to_lowercase();
     candidates
-        .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), candidate), candidate))
+        .map(|candidate| (strsim::jaro_winkler(&name, candidate), candidate))
         .filter(|(likeness, _)| *likeness >= LIKE)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)

@@ -79,7 +79,7 @@ impl Spec {
     pub fn scatter(&self) -> Result<(Scatter, Vec<ErrorClass>), Diagnostics> {
         if self.scatter.is_empty() {
             let diagnostic = Diagnostic::error(Code::MissingKey, "`[scatter]` is missing or empty: nothing is random")
-                .help("add a section such as\n[scatter]\nrack_pitch = \"4 um\"          # standard deviation\nrack_thickness = { half_width = \"6 um\", distribution = \"rectangular\" }");
+                .help("add lines to the section [scatter] such as `rack_pitch = \"4 um\"`, a standard deviation, or `rack_thickness = { half_width = \"6 um\", distribution = \"rectangular\" }`");
             return Err(diagnostic.into());
         }
         let mut problems = Problems::default();

@@ -453,19 +453,19 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
             if stranger.near.is_empty() { String::new() } else { format!("; near {}", stranger.near.join(", ")) };
         let title = Some(&stranger.title).filter(|title| !title.is_empty());
         let title = title.map_or_else(String::new, |title| format!("`{}`: ", shown(title)));
-        format!("\n  {}, {}: {title}{}{near}", stranger.file, stranger.place, stranger.values.join(", "))
+        format!("{}, {}: {title}{}{near}", stranger.file, stranger.place, stranger.values.join(", "))
     });
     let more = strangers.len().saturating_sub(SHOWN);
-    let more = if more == 0 { String::new() } else { format!("\n  and {more} more") };
+    let more = (more > 0).then(|| format!("and {more} more"));
     let message = format!(
-        "not understood, so nothing is judged: {}{}{more}",
+        "not understood, so nothing is judged: {}",
         if strangers.len() == 1 {
             "a column or line that may be a measurement".to_owned()
         } else {
             format!("{} columns or lines that may be measurements", strangers.len())
-        },
-        listed.collect::<String>()
+        }
     );
+    let list = listed.chain(more).collect();
     let mut patterns: Vec<&str> = strangers.iter().map(|stranger| stranger.pattern.as_str()).collect();
     patterns.dedup();
     patterns.truncate(SHOWN);
@@ -503,7 +503,7 @@ pub fn refusal(strangers: &[Stranger], to_be_named: &[DeviationKind]) -> Option<
         let keys = keys.collect::<Vec<_>>().join(", ");
         help += &format!("; others = \"ignore\" leaves it out once [batch.columns] names the column of {keys}");
     }
-    Some(Diagnostic::error(Code::NotUnderstood, message).help(help))
+    Some(Diagnostic { list, ..Diagnostic::error(Code::NotUnderstood, message).help(help) })
 }
 
 /// What stands for the key in lines of a spec, if one has none.

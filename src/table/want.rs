@@ -10,7 +10,7 @@ use super::names::{
 use super::number::DecimalMark;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostics, harmless};
 use crate::quantity::{Length, Unit};
 
 /// How parts stand in a table.
@@ -117,10 +117,11 @@ impl Want {
         self.given.iter().find(|given| given.kind == kind)
     }
 
-    /// Whether the user leaves out what is called so, with or without its unit.
+    /// Whether the user leaves out what is called so, with or without its unit, as it is or as messages show it.
     pub(crate) fn ignores(&self, title: &str) -> bool {
         let (name, _) = super::names::split_unit(title);
-        self.ignored.iter().any(|pattern| matches(pattern, title) || matches(pattern, &name))
+        let fits = |pattern: &str, text: &str| matches(pattern, text) || matches(pattern, &harmless(text));
+        self.ignored.iter().any(|pattern| fits(pattern, title) || fits(pattern, &name))
     }
 
     /// Whether a title is a name that the spec gives to a column, with a number, a letter or a word behind it that tells it from that:
@@ -161,7 +162,7 @@ impl Want {
 pub(crate) fn quoted(text: &str) -> String {
     let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
     let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));
-    format!("\"{escaped}\"")
+    format!("\"{}\"", harmless(&escaped))
 }
 
 /// The line of a spec that says what a column is; `kind` is the error that its name may be.

@@ -69,6 +69,16 @@ fn licences_are_listed() {
     }
 }
 
+/// Packages of which the program has two versions, each with its reason in `docs/developers.md`.
+#[test]
+fn two_versions_of_a_package_have_a_reason() {
+    let metadata = metadata();
+    let packages = packages(&metadata, false);
+    let names: Vec<_> = packages.keys().map(|(name, _)| *name).collect();
+    let twice: Vec<_> = names.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    assert_eq!(twice, ["getrandom", "syn"]);
+}
+
 #[test]
 fn nothing_compiles_or_links_c() {
     let metadata = metadata();

@@ -34,4 +34,5 @@ mod stability;
 mod table_properties;
 mod tables;
 mod teeth;
+mod through;
 mod verdicts;

@@ -54,13 +54,15 @@ impl BatchFormat {
 
 impl Args {
     /// The format of the rows, and of a summary.
-    pub(super) fn formats(&self) -> Result<(RowFormat, Format), Failure> {
+    pub(super) fn formats(&self, safe_csv: bool) -> Result<(RowFormat, Format), Failure> {
         let format = self.format()?;
         let refused = |what: &str, help: &str| {
             let message = format!("{what} cannot be written as {}", format.name());
             Err(Diagnostic::usage(message).help(help).into())
         };
         let rows = match format {
+            BatchFormat::Csv if safe_csv => RowFormat::SafeCsv,
+            BatchFormat::Tsv if safe_csv => RowFormat::SafeTsv,
             BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
             BatchFormat::Tsv => RowFormat::Tsv,
             BatchFormat::Jsonl => RowFormat::JsonLines,

@@ -25,7 +25,7 @@ use super::{spec_files, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
-use crate::report::{self, Basis, BatchReport, Format, Screen, WithReading};
+use crate::report::{self, Basis, BatchReport, Format, WithReading};
 use crate::spec::Spec;
 use crate::table::{Contradiction, Table};
 
@@ -139,7 +139,7 @@ impl Args {
             files.push("-");
         }
         spec_files::refuse_shared_input(&self.spec, &files)?;
-        let (rows_format, summary_format) = self.formats()?;
+        let (rows_format, summary_format) = self.formats(output.screen().safe_csv)?;
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
         let inputs = spec_files::inputs(&spec, &self.spec, &files);
@@ -166,7 +166,7 @@ impl Args {
         let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
-        let mut targets = self.targets(rows_format, &inputs, &|| plan.columns_written())?;
+        let mut targets = self.targets(rows_format, &inputs, &spec, &|| plan.columns_written())?;
         let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
         let mut bar = Bar::new(&files, "rows", output);
         let failed = Self::run_each(&mut found, &mut bar, |table, bar| {
@@ -226,7 +226,7 @@ impl Args {
         outcome.tell_duplicates();
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
-        targets.finish(is_complete, spec, output)?;
+        outcome.interrupted |= !targets.finish(is_complete, interruption, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
@@ -250,7 +250,7 @@ impl Args {
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
             match &self.output {
                 Some(path) => {
-                    target::write(path, inputs, report::write(&report, format, Screen::default())?.as_bytes())?;
+                    target::write(path, inputs, report::write(&report, format, output.screen().of_file())?.as_bytes())?;
                 }
                 None => output.report(&report, format)?,
             }
@@ -351,7 +351,7 @@ impl Args {
             output.message(&format!("… and {} more rejected", report::grouped(more)));
         }
         if self.annotations.is_some() {
-            output.message(report::github_annotations(basis, outcome).trim_end());
+            report::github_annotations(basis, outcome).lines().for_each(|line| output.message(line));
         }
         if outcome.interrupted {
             output.message(match outcome.counts.rows {

@@ -1,11 +1,12 @@
 //! The files that a batch writes: rows in their format and packing, and rejected rows. They appear under their names when
 //! the run is complete; of one that is not, what there is stands beside as NAME.partial.
 
-use std::io::Write as _;
+use std::io::Write;
 
 use super::Args;
 use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, Sinks};
-use crate::cli::office;
+use crate::cli::long::Interruption;
+use crate::cli::office::{OfficeRows, is_office};
 use crate::cli::output::{Failure, Output};
 use crate::cli::target::{self, Target};
 use crate::diagnostic::Diagnostic;
@@ -15,8 +16,8 @@ use crate::spec::Spec;
 enum Kept {
     /// Of a Parquet file, which has an end of its own.
     Parquet(Box<ParquetRows>),
-    /// Of a file whose format needs all rows, and its name.
-    Office(office::Collected, String),
+    /// Of a workbook or a Q-DAS file.
+    Office(OfficeRows<Box<dyn Write + Send>>),
 }
 
 /// Files that are written.
@@ -36,27 +37,34 @@ impl Targets {
         Sinks {
             rows: match &mut self.kept {
                 Some(Kept::Parquet(rows)) => Some(RowSink::Columns(rows.as_mut())),
-                Some(Kept::Office(writer, _)) => Some(RowSink::Text(Sink { writer, packing })),
+                Some(Kept::Office(writer)) => Some(RowSink::Text(Sink { writer, packing })),
                 None => file,
             },
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
         }
     }
 
-    /// Ends the files. Of a run that is not complete, what there is is kept beside, and that is said.
-    pub(super) fn finish(mut self, is_complete: bool, spec: &Spec, output: &mut Output) -> Result<(), Failure> {
-        match (self.kept, &mut self.file) {
-            (Some(Kept::Parquet(rows)), _) => rows.finish()?,
-            (Some(Kept::Office(rows, path)), Some(file)) if !rows.is_empty() => {
-                let title = spec.title.as_deref().unwrap_or("rackmesh");
-                file.write_all(&office::rows_as(&path, &rows.rows()?, title, &spec.limits())?)?;
-            }
-            _ => {}
+    /// Ends the files; whether that was not interrupted. Of a run that is not complete, what there is is kept beside, and
+    /// that is said.
+    pub(super) fn finish(
+        mut self,
+        is_complete: bool,
+        interruption: &Interruption,
+        output: &mut Output,
+    ) -> Result<bool, Failure> {
+        let mut is_written = true;
+        match self.kept {
+            Some(Kept::Parquet(rows)) => rows.finish()?,
+            Some(Kept::Office(rows)) => is_written = rows.finish(interruption.stop())?,
+            None => {}
+        }
+        if let Some(file) = self.file.take_if(|_| !is_written) {
+            file.discard(output);
         }
         for target in [self.file, self.rejects].into_iter().flatten() {
             target.end(is_complete, output)?;
         }
-        Ok(())
+        Ok(is_written)
     }
 }
 
@@ -69,7 +77,7 @@ impl Args {
         for path in &written {
             target::refuse_inputs(path, inputs)?;
         }
-        self.rejects.as_deref().map_or(Ok(()), refuse_other_format)
+        self.rejects.as_deref().map_or(Ok(()), refuse_other_place)
     }
 
     /// Where rows and rejected rows go.
@@ -77,6 +85,7 @@ impl Args {
         &self,
         format: RowFormat,
         inputs: &[String],
+        spec: &Spec,
         columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
     ) -> Result<Targets, Failure> {
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;
@@ -85,7 +94,10 @@ impl Args {
         let path = self.output.as_deref().unwrap_or("-");
         let mut file = if self.summary { None } else { Some(Target::create(path, inputs)?) };
         let kept = match &mut file {
-            Some(_) if office::is_office(path) => Some(Kept::Office(office::Collected::default(), path.to_owned())),
+            Some(file) if is_office(path) => {
+                let title = spec.title.as_deref().unwrap_or("rackmesh");
+                Some(Kept::Office(OfficeRows::new(path, file.take_writer(), (title, &spec.limits()))?))
+            }
             Some(file) if format == RowFormat::Columns => {
                 Some(Kept::Parquet(Box::new(ParquetRows::new(file.take_writer(), &columns())?)))
             }
@@ -95,8 +107,13 @@ impl Args {
     }
 }
 
-/// Rejected rows are text: a name that says otherwise is refused.
-fn refuse_other_format(path: &str) -> Result<(), Failure> {
+/// Rejected rows are the bytes of the table: a name that says otherwise is refused, and so are the process's own streams, for
+/// what shows them would obey what stands in them.
+fn refuse_other_place(path: &str) -> Result<(), Failure> {
+    if target::is_own_stream(path) {
+        let message = format!("--rejects {path}: rejected rows are copied byte by byte, which only a file takes safely");
+        return Err(Diagnostic::usage(message).help("give the name of a file").into());
+    }
     const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
     let ending = target::ending(path);
     if !OTHERS.contains(&ending.as_str()) {

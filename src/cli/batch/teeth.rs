@@ -38,7 +38,7 @@ impl Args {
         let files: Vec<&str> = paths.iter().map(String::as_str).collect();
         let inputs = spec_files::inputs(spec, &self.spec, &files);
         let columns = Teeth::columns_written(self.columns.as_deref())?;
-        let mut targets = self.targets(format, &inputs, &|| columns.clone())?;
+        let mut targets = self.targets(format, &inputs, spec, &|| columns.clone())?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
         let mut bar = Bar::new(&files, "parts", output);
         let failed = Self::run_each(found, &mut bar, |table, _| {

@@ -1,7 +1,7 @@
 //! Q-DAS ASCII files (AQDEF): `.dfq`, or a `.dfd` with definitions and its `.dfx` with values.
 //!
 //! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which `Qdas::table` makes
-//! a table with a row per measured part, made row by row. Results go back with [`write`](fn@write). Nothing here knows formulas.
+//! a table with a row per measured part, made row by row. Results go back with [`definition_lines`] and [`row_lines`]. Nothing here knows formulas.
 //!
 //! # The format, as far as it is read
 //! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
@@ -25,7 +25,7 @@ mod table;
 mod write;
 
 pub use read::read;
-pub use write::{CharacteristicColumn, ValueRow, write};
+pub use write::{CharacteristicColumn, ValueRow, definition_lines, row_lines};
 
 use super::names::{Field, heading};
 use super::number::DecimalMark;

@@ -2,6 +2,7 @@
 //! of `paste` and `batch`; opens no file.
 
 use super::PartDefinition;
+use crate::diagnostic::harmless;
 
 /// A characteristic to write.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -31,16 +32,10 @@ pub struct ValueRow<'r> {
     pub remark: &'r str,
 }
 
-/// A `.dfq` file: definitions with a remark on all parts (K1900) if there is one, then a line of values per row. A value
-/// that is `None` or not finite is written as empty, with attribute 255. Latin-1, as the format's readers expect;
-/// characters beyond it become `?`.
+/// The definitions of a `.dfq` file, with a remark on all parts (K1900) if there is one; [`row_lines`] follow for each
+/// row. Latin-1, as the format's readers expect; characters beyond it become `?`.
 #[must_use]
-pub fn write<'r>(
-    part: &PartDefinition,
-    remark: &str,
-    columns: &[CharacteristicColumn],
-    rows: impl IntoIterator<Item = ValueRow<'r>>,
-) -> Vec<u8> {
+pub fn definition_lines(part: &PartDefinition, remark: &str, columns: &[CharacteristicColumn]) -> Vec<u8> {
     const DECIMALS: usize = 9;
     let mut out = String::new();
     let mut field = |key: &str, text: &str| push_field(&mut out, key, text);
@@ -64,26 +59,30 @@ pub fn write<'r>(
         field("K2121", if column.upper.is_some() { "1" } else { "0" });
         field("K2142", &column.unit);
     }
-    for ValueRow { name, values, remark } in rows {
-        let values: Vec<_> = values
-            .iter()
-            .map(|value| match value.filter(|value| value.is_finite()) {
-                Some(value) => format!("{value}\u{14}0"),
-                None => "\u{14}255".to_owned(),
-            })
-            .collect();
-        out.push_str(&values.join("\u{f}"));
-        out.push_str("\r\n");
-        push_field(&mut out, "K0014/0", name);
-        if !remark.is_empty() {
-            push_field(&mut out, "K0009/0", remark);
-        }
+    latin_1(&out)
+}
+
+/// The lines of a row, one of them its values. A value that is `None` or not finite is written as empty, with
+/// attribute 255.
+#[must_use]
+pub fn row_lines(ValueRow { name, values, remark }: &ValueRow<'_>) -> Vec<u8> {
+    let value = |value: &Option<f64>| match value.filter(|value| value.is_finite()) {
+        Some(value) => format!("{value}\u{14}0"),
+        None => "\u{14}255".to_owned(),
+    };
+    let mut out = values.iter().map(value).collect::<Vec<_>>().join("\u{f}") + "\r\n";
+    push_field(&mut out, "K0014/0", name);
+    if !remark.is_empty() {
+        push_field(&mut out, "K0009/0", remark);
     }
-    out.chars().map(|c| u8::try_from(u32::from(c)).unwrap_or(b'?')).collect()
+    latin_1(&out)
+}
+
+fn latin_1(text: &str) -> Vec<u8> {
+    text.chars().map(|c| u8::try_from(u32::from(c)).unwrap_or(b'?')).collect()
 }
 
 fn push_field(out: &mut String, key: &str, text: &str) {
     // a line break would start a line of its own
-    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    out.push_str(&format!("{key} {text}\r\n"));
+    out.push_str(&format!("{key} {}\r\n", harmless(text)));
 }

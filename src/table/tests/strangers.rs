@@ -131,8 +131,8 @@ fn the_refusal_lists_all_of_them_with_both_remedies() {
     let strangers = read("part;rack_pich [um];Taster \"3\" [mm]\nP1;200;3\n", &want()).unwrap().strangers;
     let refused = refusal(&strangers, &[]).unwrap();
     assert_eq!(
-        refused.message,
-        "not understood, so nothing is judged: 2 columns or lines that may be measurements\n  block, column 2: \
+        refused.to_string(),
+        "error[not-understood]: not understood, so nothing is judged: 2 columns or lines that may be measurements\n  block, column 2: \
          `rack_pich [um]`: 200; near rack_pitch\n  block, column 3: `Taster \"3\" [mm]`: 3"
     );
     assert_eq!(
