@@ -152,7 +152,7 @@ struct Global {
     /// Leave out remarks and progress; warnings and errors stay.
     #[arg(long, short, global = true, display_order = LAST)]
     quiet: bool,
-    /// Put an apostrophe before texts in CSV that a spreadsheet would compute: those with =, +, - or @ first.
+    /// Put an apostrophe before texts in CSV that a spreadsheet would compute.
     #[arg(long, global = true, display_order = LAST)]
     safe_csv: bool,
     /// When to use colours: auto, always or never.

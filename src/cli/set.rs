@@ -33,9 +33,7 @@ impl SetArgs {
             (path, read)
         };
         read.map_err(|error| Diagnostic::unreadable(name, &error))?;
-        if bytes.len() > LARGEST_SPEC {
-            return Err(spec::too_large(name).into());
-        }
+        spec::refuse_size(name, &bytes)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
             Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})"))

@@ -91,7 +91,7 @@ pub struct Diagnostic {
     /// What is wrong.
     pub message: String,
     /// What the message is about, a line each.
-    pub list: Vec<String>,
+    pub list: Box<[String]>,
     /// Where, if it is in a file.
     pub place: Option<Place>,
     /// What to do.
@@ -101,7 +101,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
-        Self { code, severity: Severity::Error, message: message.into(), list: Vec::new(), place: None, help: None }
+        Self { code, severity: Severity::Error, message: message.into(), list: Box::default(), place: None, help: None }
     }
 
     /// An error in what was asked for.

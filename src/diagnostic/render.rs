@@ -4,10 +4,13 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::harmless::escaped;
 use super::{Diagnostic, Place, Severity, harmless};
+
+/// Longer lines are not shown, only where they are.
+const LONGEST: usize = 10_000;
 
 /// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal.
 #[must_use]
@@ -21,7 +24,12 @@ pub fn render(diagnostic: &Diagnostic, color: bool) -> String {
     let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
     let lines = diagnostic.place.as_ref().map(Lines::of);
-    if let Some(Lines { name, text, first, span, label }) = &lines {
+    if let (Some(Lines { name, text, .. }), Some(place)) = (&lines, &diagnostic.place)
+        && text.len() > LONGEST
+    {
+        let (line, column) = place.line_and_column();
+        group = group.element(Origin::path(name.as_ref()).line(line).char_column(column));
+    } else if let Some(Lines { name, text, first, span, label }) = &lines {
         let mut annotation = AnnotationKind::Primary.span(span.clone());
         if !label.is_empty() {
             annotation = annotation.label(label.as_ref());

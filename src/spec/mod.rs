@@ -152,9 +152,7 @@ impl Spec {
     pub fn parse_with(name: &str, text: &str, settings: &[String]) -> Result<Self, Diagnostics> {
         // a byte order mark, as some editors write, is no part of the text
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        if text.len() > LARGEST_SPEC {
-            return Err(too_large(name).into());
-        }
+        refuse_size(name, text.as_bytes())?;
         let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
         let settings = set::settings(settings, text.len());
         let (table, errors) = DeTable::parse_recoverable(text);
@@ -254,10 +252,26 @@ impl SectionReader<'_> {
 /// The most bytes of a spec: far beyond any that a person writes.
 pub const LARGEST_SPEC: usize = 4 << 20;
 
-/// The refusal of a spec by its size.
-#[must_use]
-pub fn too_large(name: &str) -> Diagnostic {
-    Diagnostic::unreadable(name, &"it is larger than 4 MiB").help("many values stand in a table: `measured = \"FILE\"`")
+/// Refuses a spec by its size: its bytes, and the memory that its keys and values would take.
+///
+/// # Errors
+/// If it has more than [`LARGEST_SPEC`] bytes, or more keys and values than a person writes.
+pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
+    /// Bytes of memory that a mark of TOML stands for at most: a key with its value, a part of a key, an entry of a list,
+    /// half of a heading, a table in a line.
+    const MARKS: [(u8, usize); 5] = [(b'=', 360), (b'.', 140), (b',', 150), (b'[', 610), (b'{', 1220)];
+    const MOST: usize = 110_000_000;
+    let memory = || -> usize {
+        let mut counts = [0_usize; 256];
+        text.iter().for_each(|byte| counts[usize::from(*byte)] += 1);
+        MARKS.iter().map(|(mark, bytes)| counts[usize::from(*mark)] * bytes).sum()
+    };
+    let problem = match text.len() > LARGEST_SPEC {
+        true => "it is larger than 4 MiB",
+        false if memory() > MOST => "it has more keys and values than are read",
+        false => return Ok(()),
+    };
+    Err(Diagnostic::unreadable(name, &problem).help("values of many teeth stand in a table: `measured = \"FILE\"`"))
 }
 
 /// A syntax error, with a word on the two slips that spreadsheet and drawing users make.

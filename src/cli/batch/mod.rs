@@ -34,7 +34,6 @@ pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdi
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh batch rack.toml parts.csv > results.csv
-  rackmesh batch rack.toml parts.csv.gz --summary
   rackmesh batch rack.toml spaces.csv --teeth --to 30
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 

@@ -111,7 +111,8 @@ impl Args {
 /// what shows them would obey what stands in them.
 fn refuse_other_place(path: &str) -> Result<(), Failure> {
     if target::is_own_stream(path) {
-        let message = format!("--rejects {path}: rejected rows are copied byte by byte, which only a file takes safely");
+        let message =
+            format!("--rejects {path}: rejected rows are copied byte by byte, which only a file takes safely");
         return Err(Diagnostic::usage(message).help("give the name of a file").into());
     }
     const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];

@@ -108,7 +108,8 @@ fn what_is_written_is_read_again() {
         ValueRow { name: "P1", values: vec![Some(0.1 + 0.2), Some(-1e-9)], remark: "" },
         ValueRow { name: "P2", values: vec![None, Some(f64::NAN)], remark: "no\nlead" },
     ];
-    let written = write(&part, "judged without rack_lead", &columns, rows);
+    let mut written = definition_lines(&part, "judged without rack_lead", &columns);
+    rows.into_iter().for_each(|row| written.extend(row_lines(&row)));
     let text = crate::table::decode(&written);
     assert!(text.contains("\r\nK1900/1 judged without rack_lead\r\n"), "{text}");
     let qdas = read(&[("back.dfq", &text)]).unwrap();

@@ -2,7 +2,7 @@
 //! of `paste` and `batch`; opens no file.
 
 use super::PartDefinition;
-use crate::diagnostic::harmless;
+use crate::diagnostic::is_steering;
 
 /// A characteristic to write.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -84,5 +84,5 @@ fn latin_1(text: &str) -> Vec<u8> {
 
 fn push_field(out: &mut String, key: &str, text: &str) {
     // a line break would start a line of its own
-    out.push_str(&format!("{key} {}\r\n", harmless(text)));
+    out.push_str(&format!("{key} {}\r\n", text.replace(is_steering, " ")));
 }
