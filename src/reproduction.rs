@@ -8,6 +8,8 @@
 //! rest is one pair, fitted by search to Table 1's multibody column, whose accumulated pitch errors agree with it to 1.6 µm
 //! rms: that agreement confirms nothing, and any other pair with those values is as good ([`pair`]).
 
+use std::sync::{Mutex, PoisonError};
+
 use crate::deviation::{
     DeviationError, DeviationValue, FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
     ToothRange,
@@ -174,18 +176,22 @@ impl Printed {
         Ok(RackFlanks::new(pair, &deviations)?)
     }
 
-    /// The row by the exact mesh and by the multibody model.
+    /// The row by the exact mesh and by the multibody model. `watch` is given the share of the row that each sample adds.
     ///
     /// # Errors
     /// If the mesh has no solution somewhere or the simulation did not complete.
-    pub fn simulate(&self) -> Result<SimulatedRow, ReproductionError> {
+    pub fn simulate(&self, watch: &dyn Fn(f64)) -> Result<SimulatedRow, ReproductionError> {
         let pair = pair()?;
         let rack = self.rack(&pair)?;
         let pinion = PinionFlanks::nominal(&pair);
         let support = Support::FreeRoll { axis_depth_mm: ROLL_AXIS_DEPTH_MM };
         let parameters = Parameters { support, ..Parameters::default() };
         let scene = Scene::new(pair, rack, pinion, parameters)?.with_second_part(FIRST_ODD_TOOTH);
-        let outcome = scene.dynamic(&mut |_| std::ops::ControlFlow::Continue(()));
+        let share = parameters.spacing_mm / parameters.stroke_mm;
+        let outcome = scene.dynamic(&mut |_| {
+            watch(share);
+            std::ops::ControlFlow::Continue(())
+        });
         let mean = |steady| exact_mean_mm(scene.mesh(), &steady);
         let means = outcome.nominal.and_then(mean).zip(outcome.deviating.and_then(mean));
         let exact_mm = means.map(|(nominal, deviating)| deviating - nominal);
@@ -205,8 +211,23 @@ pub struct SimulatedRow {
     pub outcome: Outcome,
 }
 
-/// Simulates every row, on all cores.
+/// Simulates every row, on all cores; rows of the same error once. `watch` is told how much is done, 0 to 1.
 #[must_use]
-pub fn simulate_all() -> Vec<Result<SimulatedRow, ReproductionError>> {
-    parallel::map(parallel::cores(), PRINTED.len(), || (), |(), index| PRINTED[index].simulate()).0
+pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, ReproductionError>> {
+    let first_alike = |row: &Printed| PRINTED.iter().position(|other| (other.table, other.error) == (row.table, row.error));
+    let mut distinct: Vec<usize> = PRINTED.iter().filter_map(first_alike).collect();
+    distinct.sort_unstable();
+    distinct.dedup();
+    // a rack that rocks takes longest: what is begun last is to be over soon
+    distinct.sort_by_key(|index| PRINTED[*index].table != PaperTable::Lead);
+    let done = Mutex::new(0.0);
+    let add = |share: f64| {
+        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += share / distinct.len() as f64;
+        watch(*done);
+    };
+    let simulate = |(): &mut (), index: usize| PRINTED[distinct[index]].simulate(&add);
+    let made = parallel::map(parallel::cores(), distinct.len(), || (), simulate).0;
+    let of_row = |row| distinct.iter().position(|index| Some(*index) == first_alike(row)).map(|place| made[place].clone());
+    PRINTED.iter().filter_map(of_row).collect()
 }

@@ -15,8 +15,7 @@ use crate::formula::{
 use crate::judge::Interval;
 use crate::judge::bound::Basis;
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError, Unit};
-use crate::report::{Calculation, Format, ResultUnit, WorstCase, bound_remarks, noted};
-use crate::spec::GEOMETRY_KEYS;
+use crate::report::{Calculation, Format, ResultUnit, WorstCase, formula_note, noted};
 
 pub(super) const ABOUT: &str = "Compute one formula: just the number and its unit";
 
@@ -137,15 +136,34 @@ struct Common {
     /// The unit of the result; mm or deg unless given.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Decimals of the lengths in the result.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=100))]
-    decimals: Option<u8>,
+    /// Decimals of what is printed, or `full`; a nanometre or a millionth of a degree unless given.
+    #[arg(long, value_name = "N")]
+    decimals: Option<PrintedDecimals>,
     /// Show the formula's page too.
     #[arg(long)]
     explain: bool,
     /// Output format.
     #[arg(long, short, value_enum, conflicts_with = "explain")]
     format: Option<Format>,
+}
+
+/// What `--decimals` takes.
+#[derive(Debug, Clone, Copy)]
+enum PrintedDecimals {
+    Full,
+    Places(usize),
+}
+
+impl std::str::FromStr for PrintedDecimals {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.parse::<u8>() {
+            Ok(places @ 0..=100) => Ok(Self::Places(places.into())),
+            _ if text == "full" => Ok(Self::Full),
+            _ => Err("a number of decimals from 0 to 100, or full, is needed"),
+        }
+    }
 }
 
 /// The error, or the ΔCD of which the error is asked.
@@ -307,7 +325,12 @@ impl Common {
     /// Prints a result: its line, its explanation, or a report; what it returns has the unit and decimals that are printed.
     fn print(&self, output: &mut Output, calculation: Calculation) -> Result<Calculation, Failure> {
         let unit = self.unit(calculation.unit)?;
-        let calculation = Calculation { unit, decimals: self.decimals.map(usize::from), ..calculation };
+        let decimals = match self.decimals {
+            None => Some(unit.decimals()),
+            Some(PrintedDecimals::Places(places)) => Some(places),
+            Some(PrintedDecimals::Full) => None,
+        };
+        let calculation = Calculation { unit, decimals, ..calculation };
         if let Some(format) = self.format {
             output.report(&calculation, format)?;
         } else if self.explain {
@@ -441,23 +464,26 @@ impl Asked<'_> {
         if matches!(self.question, Question::SlopeDeviation { .. }) {
             calculation.unit = by_symbol(Unit::Length(LengthUnit::Micrometre));
         }
+        let mut rests_on = Vec::new();
         if let Question::DeltaCd(error) = self.question {
-            let (worst_case, rests_on) = self.worst_case(error)?;
+            let (worst_case, because) = self.worst_case(error)?;
             calculation.worst_case = Some(worst_case);
-            notes.splice(0..0, rests_on);
+            rests_on = because;
         }
+        notes.splice(0..0, rests_on.iter().cloned());
         let printed = common.print(output, Calculation { notes, ..calculation })?;
-        if self.given.extent.is_none() {
-            return Ok(Status::Pass);
-        }
-        if common.format.is_none() {
-            if let Some(worst_case) = printed.worst_case_remark() {
+        let is_asked = self.given.extent.is_some();
+        if let (None, Some(worst_case)) = (common.format, printed.worst_case_remark()) {
+            if is_asked {
                 output.message(&worst_case);
+            } else if printed.is_worse() {
+                output.remark(&worst_case);
             }
-            printed.notes.iter().for_each(|note| output.remark(&noted(note)));
+            let said = if is_asked || printed.is_worse() { &rests_on[..] } else { &[] };
+            said.iter().for_each(|note| output.remark(&noted(note)));
         }
         let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
-        Ok(if is_open { Status::Undecided } else { Status::Pass })
+        Ok(if is_open && is_asked { Status::Undecided } else { Status::Pass })
     }
 
     /// What an error can do, and what that rests on; nothing more is known of the pair.
@@ -469,19 +495,8 @@ impl Asked<'_> {
         }
         let bound = Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);
         let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;
-        Ok((WorstCase { kind, extent, range }, bound_remarks(&bound.notes, &missing_geometry(self.law))))
+        Ok((WorstCase { kind, extent, range }, bound.notes.iter().filter_map(formula_note).collect()))
     }
-}
-
-/// The keys of the pair's geometry that a formula does not take.
-fn missing_geometry(law: Law) -> Vec<&'static str> {
-    let geometry = law.geometry();
-    let is_given = |key: &str| match key {
-        "pair.normal_pressure_angle" => geometry.is_some(),
-        "rack.face_width" => geometry.is_some_and(|geometry| geometry.face_width.is_some()),
-        _ => false,
-    };
-    GEOMETRY_KEYS.into_iter().filter(|key| !is_given(key)).collect()
 }
 
 /// The laws whose ΔCD is the error itself.

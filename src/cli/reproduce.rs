@@ -1,7 +1,9 @@
 //! `rackmesh reproduce`: the paper's tables and its last figure beside ours.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
+use super::long::Bar;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use crate::diagnostic::{Code, Diagnostic};
@@ -28,7 +30,12 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let reproduction = Reproduction::new().map_err(Diagnostic::with_code(Code::NoResult))?;
+        let bar = Mutex::new(Bar::new(output));
+        let bar_of_run = || bar.lock().unwrap_or_else(PoisonError::into_inner);
+        let watch = |share| bar_of_run().show(Some(share), || "simulating the rows of Tables 1 to 3".to_owned());
+        let reproduction = Reproduction::new(&watch);
+        bar_of_run().finish();
+        let reproduction = reproduction.map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(folder) = &self.plots {
             std::fs::create_dir_all(folder).map_err(|error| {
                 Diagnostic::error(Code::FileAccess, format!("cannot make the folder {}: {error}", folder.display()))

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+#[cfg(feature = "spec")]
+use super::number::half_digit;
 use super::number::{Decimal, split_number};
 use super::unit::AngleUnit;
 use super::{QuantityError, grid_quantity};
@@ -71,6 +73,17 @@ impl Angle {
         let low = (self.nas & ((1 << HALF) - 1)) as f64 * FIRST + self.nas as f64 * OTHERS;
         let nearest = high + low;
         (nearest, low - (nearest - high))
+    }
+
+    /// How far an angle that was rounded to the digits of a text may lie from it: half of one in the last digit, of the
+    /// seconds in `19° 31' 42"`; nothing if the text is a whole number, which counts as exact.
+    #[cfg(feature = "spec")]
+    pub(crate) fn rounding_of(text: &str) -> Self {
+        let half = half_digit(text).and_then(|(half, unit)| {
+            let unit = if unit.is_empty() { AngleUnit::Degree } else { AngleUnit::from_symbol(unit)? };
+            Self::of_number(half, unit).ok()
+        });
+        half.unwrap_or_default()
     }
 
     /// The angle in `unit`; of radians and their parts, whose decimals are not on the grid, the shortest decimal that
@@ -170,6 +183,20 @@ mod tests {
 
     fn angle(text: &str) -> Angle {
         text.parse().expect(text)
+    }
+
+    #[cfg(feature = "spec")]
+    #[test]
+    fn what_is_written_is_rounded_in_its_last_digit() {
+        for (text, half) in [
+            ("-19.528333", "0.0000005"),
+            ("19° 31' 42\"", "0.5 arcsec"),
+            ("\u{2212}19°31.7'", "0.05 arcmin"),
+            ("\u{2212}20", "0"),
+            ("1172 arcmin", "0"),
+        ] {
+            assert_eq!(Angle::rounding_of(text), angle(half), "{text}");
+        }
     }
 
     #[test]

@@ -4,6 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::decimals::Places;
+#[cfg(feature = "spec")]
+use super::number::half_digit;
 #[cfg(feature = "table")]
 use super::number::millionths;
 use super::number::{Decimal, split_number};
@@ -120,6 +122,17 @@ impl Length {
         self.fm as f64 / unit.scale().steps()
     }
 
+    /// How far a length that was rounded to the digits of a text may lie from it: half of one in the last digit; nothing
+    /// if the text is a whole number, which counts as exact.
+    #[cfg(feature = "spec")]
+    pub(crate) fn rounding_of(text: &str) -> Self {
+        let half = half_digit(text).and_then(|(half, unit)| {
+            let unit = if unit.is_empty() { LengthUnit::Millimetre } else { LengthUnit::from_symbol(unit)? };
+            Self::of_number(half, unit).ok()
+        });
+        half.unwrap_or_default()
+    }
+
     /// The length in mm with that many decimals, half away from zero.
     #[must_use]
     pub fn to_decimal_text(self, decimals: usize) -> String {
@@ -177,6 +190,22 @@ mod tests {
             assert_eq!(Length::of_doubles(&[1.25, 0.123_456_7], unit, less, Length::LARGEST), None);
             assert!(Length::of_doubles(&[1.25, -0.5], unit, less, Length::LARGEST).is_some());
             assert_eq!(Length::of_doubles(&[1.25], unit, less, Length::from_fm(1)), None);
+        }
+    }
+
+    #[cfg(feature = "spec")]
+    #[test]
+    fn what_is_written_is_rounded_in_its_last_digit() {
+        for (text, half) in [
+            ("3.18310", "0.000005"),
+            ("-3.2 mm", "0.05"),
+            ("0.125 in", "0.0127"),
+            ("25e-1", "0.05"),
+            ("3", "0"),
+            ("3000 um", "0"),
+            ("x", "0"),
+        ] {
+            assert_eq!(Length::rounding_of(text), length(half), "{text}");
         }
     }
 

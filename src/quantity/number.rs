@@ -303,6 +303,21 @@ pub(crate) fn split_number(text: &str) -> (&str, &str) {
     (text[..end].trim(), text[end..].trim())
 }
 
+/// Half of one in the last digit of a quantity as it is written, with its unit: how far what was rounded to these digits
+/// may lie from them. `None` of a whole number by itself, which counts as exact.
+#[cfg(feature = "spec")]
+pub(super) fn half_digit(text: &str) -> Option<(Decimal, &str)> {
+    let is_part = |c: char| c.is_ascii_digit() || ".,_eE+-\u{2212}".contains(c);
+    let text = text.trim();
+    let end = text.rfind(|c: char| c.is_ascii_digit())? + 1;
+    // of 19° 31' 42", the seconds
+    let start = text[..end].char_indices().rev().take_while(|(_, c)| is_part(*c)).last()?.0;
+    let (written, unit) = split_number(&text[start..]);
+    let exponent = Decimal::parse(written).ok()?.exponent;
+    let half = Decimal { negative: false, digits: 5, exponent: exponent.saturating_sub(1) };
+    (start > 0 || exponent < 0).then_some((half, unit))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

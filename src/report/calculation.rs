@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 
 use super::number::{padded, plain_padded, truncated};
-use super::{Block, Report, Table, fact};
+use super::{Block, Report, Table, bound_note, fact};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{FormulaPage, Model};
 use crate::judge::Interval;
-use crate::judge::bound::NoBound;
-use crate::quantity::{Length, Unit};
+use crate::judge::bound::{AssumedHeight, NoBound, Note};
+use crate::quantity::{Angle, Length, Unit, plain, tidy};
 
 /// One formula evaluated once.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ pub struct Calculation {
     pub other: Option<DeviationValue>,
     /// The unit of the result.
     pub unit: ResultUnit,
-    /// Decimals of the result; `None` for all of them, and at least six.
+    /// Decimals of what is printed; `None` for all of them, and at least six.
     pub decimals: Option<usize>,
     /// Whether the result is the largest value allowed, so that it must not be rounded up.
     pub is_bound: bool,
@@ -58,6 +58,41 @@ pub struct ResultUnit {
     pub unit: Unit,
     /// Its spelling.
     pub spelling: String,
+}
+
+impl ResultUnit {
+    /// The fewest decimals that show a nanometre, or a millionth of a degree.
+    #[must_use]
+    pub fn decimals(&self) -> usize {
+        let steps = match self.unit {
+            Unit::Length(unit) => Length::from_fm(1_000_000).in_unit(unit),
+            Unit::Angle(unit) => Angle::from_nas(3_600_000).in_unit(unit),
+        };
+        (0..12).find(|decimals| 10_f64.powi(-*decimals) <= steps * (1.0 + 1e-9)).unwrap_or(12) as usize
+    }
+}
+
+/// What a bound of one formula rests on, in words; `None` for what only the spec of a pair can say.
+#[must_use]
+pub fn formula_note(note: &Note) -> Option<String> {
+    Some(match note {
+        Note::BothFlanksNarrows => return None,
+        Note::GeometryNarrows => {
+            "the pair's geometry would narrow the worst case: `rackmesh eval` takes a spec with it".to_owned()
+        }
+        Note::GeometryNeeded => {
+            "there is no worst case without the pair's geometry: `rackmesh eval` takes a spec with it".to_owned()
+        }
+        Note::AssumedHeight(AssumedHeight { mm, .. }) => format!(
+            "flanks are taken to touch within {} mm over and under the reference plane, a quarter of the face width: a module \
+             above two thirds of that can leave the range",
+            plain(tidy(*mm))
+        ),
+        Note::WholeTeeth => "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, \
+                             compute F_p with --extent total"
+            .to_owned(),
+        other => bound_note(other, &[]),
+    })
 }
 
 impl Calculation {
@@ -101,6 +136,13 @@ impl Calculation {
             Ok(range) => format!("worst case: {} ({on})", self.range_text(range)),
             Err(open) => format!("worst case: open ({on}): {open}"),
         })
+    }
+
+    /// Whether the worst case is more than the value itself.
+    #[must_use]
+    pub fn is_worse(&self) -> bool {
+        let alone = |Interval { lower, upper }: Interval| lower == upper && self.result == DeviationValue::Length(upper);
+        self.worst_case.is_some_and(|worst_case| !worst_case.range.is_ok_and(alone))
     }
 
     /// The number and its unit.
@@ -196,11 +238,21 @@ mod tests {
     use super::*;
     use crate::formula::Law;
     use crate::formula::law::lead_slope;
-    use crate::quantity::LengthUnit;
-    use crate::quantity::{Angle, Length};
+    use crate::quantity::{AngleUnit, LengthUnit};
 
     fn quantity<Q: std::str::FromStr>(text: &str) -> Q {
         text.parse().ok().expect(text)
+    }
+
+    #[test]
+    fn a_nanometre_and_a_millionth_of_a_degree_are_shown() {
+        let decimals = |unit| ResultUnit { unit, spelling: String::new() }.decimals();
+        for (unit, expected) in [("nm", 0), ("um", 3), ("mm", 6), ("cm", 7), ("m", 9), ("in", 8), ("mil", 5)] {
+            assert_eq!(decimals(Unit::Length(LengthUnit::from_symbol(unit).unwrap())), expected, "{unit}");
+        }
+        for (unit, expected) in [("deg", 6), ("arcmin", 5), ("arcsec", 3), ("rad", 8), ("mrad", 5)] {
+            assert_eq!(decimals(Unit::Angle(AngleUnit::from_symbol(unit).unwrap())), expected, "{unit}");
+        }
     }
 
     #[test]

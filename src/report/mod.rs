@@ -44,7 +44,7 @@ pub use batch::{Basis, BatchReport};
 #[cfg(feature = "batch")]
 pub use batch_chart::{RunChart, error_histograms, judged_histogram};
 pub use budget::BudgetReport;
-pub use calculation::{Calculation, ResultUnit, WorstCase};
+pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};

@@ -65,7 +65,7 @@ use keys::{SECTIONS, Section};
 use reader::SectionReader;
 
 /// A value and where it was written.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Located<T> {
     /// The value.
     pub value: T,

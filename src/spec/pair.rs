@@ -1,4 +1,9 @@
 //! What `[pair]` comes to: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
+//!
+//! # What is written twice
+//! Two values of one thing agree if they do within the digits that are written: a value is rounded to its last digit, and a
+//! whole number is exact. Of two modules, the one with fewer decimals is the one that the other was computed from, and is
+//! taken as exact too. What is used is always the normal module as it is written.
 
 use std::sync::Arc;
 
@@ -10,27 +15,27 @@ use crate::formula::femtometres;
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
-/// How far two modules of the same teeth may lie apart: 1e-9 mm.
-const MODULES_APART: Length = Length::from_fm(1_000);
-/// How far a shaft angle may lie from that of the helix angles: 0.01°, as drawings round.
+/// What two modules of the same teeth may lie apart beyond their digits: 1e-9 mm.
+const MODULES_APART: f64 = 1e-9;
+/// How far a shaft angle may lie from that of the helix angles if their digits do not allow more: 0.01°, as drawings round.
 const SHAFT_ANGLES_APART: Angle = Angle::from_nas(36_000_000_000);
 
 /// Adds the normal module that a transverse one comes to, and holds what the sections say twice against each other. What
 /// is held against a value that cannot be read would be blamed on the wrong one, so that nothing is if there are
 /// `diagnostics` already.
 pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Found) {
-    let helix_angle = |key| values.located(key).map_or(Angle::ZERO, |angle: Located<Angle>| angle.value);
-    let (rack, pinion) = (helix_angle(keys::RACK_HELIX_ANGLE), helix_angle(keys::PINION_HELIX_ANGLE));
+    let helix_angle = |key| values.located(key).unwrap_or_default();
+    let helix_angles = [keys::RACK_HELIX_ANGLE, keys::PINION_HELIX_ANGLE].map(helix_angle);
     let transverse = values.located(keys::PAIR_TRANSVERSE_MODULE);
-    let converted = transverse.and_then(|module| of_transverse(&module, pinion));
     let given = values.located(keys::PAIR_NORMAL_MODULE);
     if diagnostics.is_empty() {
         let shaft_angle = values.located(keys::PAIR_SHAFT_ANGLE);
-        let shaft_angle = shaft_angle.and_then(|given| check_shaft_angle(&given, [rack, pinion], source));
-        let modules = given.as_ref().zip(converted.as_ref());
-        let modules = modules.and_then(|(given, converted)| check_modules(given, converted, source));
+        let shaft_angle = shaft_angle.and_then(|given| check_shaft_angle(&given, &helix_angles, source));
+        let modules = given.as_ref().zip(transverse.as_ref());
+        let modules = modules.and_then(|(given, other)| check_modules(given, other, &helix_angles[1], source));
         diagnostics.extend(shaft_angle.into_iter().chain(modules));
     }
+    let converted = transverse.and_then(|module| of_transverse(&module, helix_angles[1].value));
     if let (None, Some(Located { value, span })) = (given, converted) {
         values.insert(keys::PAIR_NORMAL_MODULE.any.path, Located { value: Value::Length(value), span });
     }
@@ -42,22 +47,56 @@ fn of_transverse(transverse: &Located<Length>, helix_angle: Angle) -> Option<Loc
     Some(Located { value: module.ok()?, span: transverse.span.clone() })
 }
 
-fn check_modules(given: &Located<Length>, converted: &Located<Length>, source: &Arc<Source>) -> Option<Diagnostic> {
-    if (given.value - converted.value).abs() <= MODULES_APART {
+/// A value as it is written in the spec, without the quotes of a text.
+fn as_written<T>(value: &Located<T>, source: &Arc<Source>) -> String {
+    let (source, span) = source.holding(value.span.clone());
+    let text = source.text.get(span).unwrap_or_default();
+    let inside = ['"', '\''].iter().find_map(|quote| text.strip_prefix(*quote)?.strip_suffix(*quote));
+    inside.unwrap_or(text).replace("\\\"", "\"")
+}
+
+/// What a transverse module says against the normal one.
+fn check_modules(
+    normal: &Located<Length>,
+    transverse: &Located<Length>,
+    helix_angle: &Located<Angle>,
+    source: &Arc<Source>,
+) -> Option<Diagnostic> {
+    let rounding = |module| Length::rounding_of(&as_written(module, source)).mm();
+    let (of_normal, of_transverse) = (rounding(normal), rounding(transverse));
+    let turned = Angle::rounding_of(&as_written(helix_angle, source)).radians();
+    let (sin, cos) = trig::sin_cos_of(helix_angle.value);
+    // the coarser of two roundings is of the module that the other follows from, as an exact one is
+    let is_finer = |own: f64, other: f64| own <= other || other == 0.0;
+    let digits = if is_finer(of_normal, of_transverse) { of_normal } else { 0.0 }
+        + if is_finer(of_transverse, of_normal) { of_transverse * cos } else { 0.0 }
+        + transverse.value.mm() * sin.abs() * turned;
+    let converted = transverse.value.mm() * cos;
+    if (normal.value.mm() - converted).abs() <= digits + MODULES_APART * (1.0 + 1e-6) {
         return None;
     }
+    let of_normal = normal.value.mm() / cos;
     let message = format!(
-        "the normal module is given as {}, and the transverse one of the pinion makes it {}",
-        given.value, converted.value
+        "the normal module is given as {} and the transverse one of the pinion as {}, and at β_p = {} they do not agree within \
+         the digits that are written: m_n = m_t cos β_p makes the normal one {converted:.6} mm, or the transverse one {of_normal:.6} mm",
+        normal.value, transverse.value, helix_angle.value
     );
-    let diagnostic = Diagnostic::error(Code::BadGeometry, message)
-        .help("m_n = m_t cos β_p: leave one of them out, or check `pinion.helix_angle`");
-    Some(diagnostic.at(source, converted.span.clone(), ""))
+    let help = "leave out the one that was computed from the other, or check `pinion.helix_angle`";
+    let diagnostic = Diagnostic::error(Code::BadGeometry, message).help(help);
+    Some(diagnostic.at(source, transverse.span.clone(), ""))
 }
 
 /// What a shaft angle says against the helix angles of both parts, right hand positive.
-fn check_shaft_angle(given: &Located<Angle>, [rack, pinion]: [Angle; 2], source: &Arc<Source>) -> Option<Diagnostic> {
-    let agrees = |shaft_angle: Angle| (shaft_angle.abs() - given.value).abs() <= SHAFT_ANGLES_APART;
+fn check_shaft_angle(
+    given: &Located<Angle>,
+    helix_angles: &[Located<Angle>; 2],
+    source: &Arc<Source>,
+) -> Option<Diagnostic> {
+    let [rack, pinion] = [helix_angles[0].value, helix_angles[1].value];
+    let rounding = |angle| Angle::rounding_of(&as_written(angle, source));
+    let digits = rounding(given) + rounding(&helix_angles[0]) + rounding(&helix_angles[1]);
+    let apart = digits.max(SHAFT_ANGLES_APART);
+    let agrees = |shaft_angle: Angle| (shaft_angle.abs() - given.value).abs() <= apart;
     if agrees(rack + pinion) {
         return None;
     }
@@ -105,6 +144,54 @@ mod tests {
         assert_eq!(normal_module(&both("1.250000001"), "helix_angle = 60"), 1.250_000_001);
         for normal in ["1.250000002", "1.249999998", "2.5"] {
             assert_eq!(refused(&both(normal), "", "helix_angle = 60"), [Code::BadGeometry], "{normal}");
+        }
+    }
+
+    /// The one with fewer decimals is exact, and so is a whole number; the helix angle is rounded too.
+    #[test]
+    fn two_modules_agree_within_the_digits_that_are_written() {
+        for (normal, transverse, helix_angle, agree) in [
+            ("3", "3.18310", "-19.528333", true),
+            ("3.0", "3.18310", "-19.528333", true),
+            ("\"3 mm\"", "\"3.18310 mm\"", "'-19° 31′ 42″'", true),
+            ("3", "3.1831", "19.53", true),
+            ("3", "3.18310", "19.53", true),
+            ("3", "3.18312", "19.528333", false),
+            ("3", "3.19", "19.528333", false),
+            ("3", "3.2", "20", true),
+            ("3", "3.20", "20", false),
+            ("2.8274", "3", "19.528333", true),
+            ("2.8275", "3", "19.528333", false),
+            ("2.5", "2.65", "19.528333", true),
+            ("2.5", "2.70", "19.528333", false),
+            ("3", "3", "19.528333", false),
+            ("2", "2", "", true),
+            ("2", "2.2", "", false),
+        ] {
+            let pair = format!("normal_module = {normal}\ntransverse_module = {transverse}");
+            let pinion = if helix_angle.is_empty() { String::new() } else { format!("helix_angle = {helix_angle}") };
+            let read = spec(&pair, "", &pinion);
+            assert_eq!(read.is_ok(), agree, "{pair} {pinion}");
+            let used = read.map(|spec| spec.get(PAIR_NORMAL_MODULE).unwrap());
+            assert!(used.is_err() || used.unwrap() == normal.trim_matches('"').parse().unwrap(), "{pair}");
+        }
+    }
+
+    #[test]
+    fn a_shaft_angle_agrees_within_the_digits_that_are_written() {
+        for (shaft_angle, rack, pinion, agrees) in [
+            ("15.0", "-9.53", "24.57", true),
+            ("15.0", "-9.53", "24.59", true),
+            ("15.0", "-9.53", "24.60", false),
+            ("'15° 2′'", "-9.53", "24.57", true),
+            ("15.00", "-9.53", "24.57", false),
+        ] {
+            let read = spec(
+                &format!("shaft_angle = {shaft_angle}"),
+                &format!("helix_angle = {rack}"),
+                &format!("helix_angle = {pinion}"),
+            );
+            assert_eq!(read.is_ok(), agrees, "{shaft_angle} {rack} {pinion}");
         }
     }
 
