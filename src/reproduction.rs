@@ -214,7 +214,8 @@ pub struct SimulatedRow {
 /// Simulates every row, on all cores; rows of the same error once. `watch` is told how much is done, 0 to 1.
 #[must_use]
 pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, ReproductionError>> {
-    let first_alike = |row: &Printed| PRINTED.iter().position(|other| (other.table, other.error) == (row.table, row.error));
+    let first_alike =
+        |row: &Printed| PRINTED.iter().position(|other| (other.table, other.error) == (row.table, row.error));
     let mut distinct: Vec<usize> = PRINTED.iter().filter_map(first_alike).collect();
     distinct.sort_unstable();
     distinct.dedup();
@@ -228,6 +229,7 @@ pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, Re
     };
     let simulate = |(): &mut (), index: usize| PRINTED[distinct[index]].simulate(&add);
     let made = parallel::map(parallel::cores(), distinct.len(), || (), simulate).0;
-    let of_row = |row| distinct.iter().position(|index| Some(*index) == first_alike(row)).map(|place| made[place].clone());
+    let of_row =
+        |row| distinct.iter().position(|index| Some(*index) == first_alike(row)).map(|place| made[place].clone());
     PRINTED.iter().filter_map(of_row).collect()
 }

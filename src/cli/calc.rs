@@ -4,6 +4,7 @@ use clap::Subcommand;
 
 use super::explain::for_screen;
 use super::output::{Failure, Output, Status};
+use crate::batch::Decimals;
 use crate::deviation::plausible::{self, Doubt, WrittenIn};
 use crate::deviation::{DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
@@ -136,34 +137,15 @@ struct Common {
     /// The unit of the result; mm or deg unless given.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Decimals of what is printed, or `full`; a nanometre or a millionth of a degree unless given.
-    #[arg(long, value_name = "N")]
-    decimals: Option<PrintedDecimals>,
+    /// Decimals of the lengths in the result.
+    #[arg(long, value_name = "N|full")]
+    decimals: Option<Decimals>,
     /// Show the formula's page too.
     #[arg(long)]
     explain: bool,
     /// Output format.
     #[arg(long, short, value_enum, conflicts_with = "explain")]
     format: Option<Format>,
-}
-
-/// What `--decimals` takes.
-#[derive(Debug, Clone, Copy)]
-enum PrintedDecimals {
-    Full,
-    Places(usize),
-}
-
-impl std::str::FromStr for PrintedDecimals {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.parse::<u8>() {
-            Ok(places @ 0..=100) => Ok(Self::Places(places.into())),
-            _ if text == "full" => Ok(Self::Full),
-            _ => Err("a number of decimals from 0 to 100, or full, is needed"),
-        }
-    }
 }
 
 /// The error, or the ΔCD of which the error is asked.
@@ -327,8 +309,8 @@ impl Common {
         let unit = self.unit(calculation.unit)?;
         let decimals = match self.decimals {
             None => Some(unit.decimals()),
-            Some(PrintedDecimals::Places(places)) => Some(places),
-            Some(PrintedDecimals::Full) => None,
+            Some(Decimals::Places(places)) => Some(places.into()),
+            Some(Decimals::Full) => None,
         };
         let calculation = Calculation { unit, decimals, ..calculation };
         if let Some(format) = self.format {

@@ -88,9 +88,11 @@ pub fn formula_note(note: &Note) -> Option<String> {
              above two thirds of that can leave the range",
             plain(tidy(*mm))
         ),
-        Note::WholeTeeth => "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, \
+        Note::WholeTeeth => {
+            "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, \
                              compute F_p with --extent total"
-            .to_owned(),
+                .to_owned()
+        }
         other => bound_note(other, &[]),
     })
 }
@@ -141,7 +143,8 @@ impl Calculation {
     /// Whether the worst case is more than the value itself.
     #[must_use]
     pub fn is_worse(&self) -> bool {
-        let alone = |Interval { lower, upper }: Interval| lower == upper && self.result == DeviationValue::Length(upper);
+        let alone =
+            |Interval { lower, upper }: Interval| lower == upper && self.result == DeviationValue::Length(upper);
         self.worst_case.is_some_and(|worst_case| !worst_case.range.is_ok_and(alone))
     }
 

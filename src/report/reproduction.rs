@@ -162,8 +162,7 @@ fn residuals<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
         let printed: f64 = row.printed.multibody.parse().ok()?;
         Some(format!("{} µm ({})", signed(1000.0 * (printed - row.multibody_mm()?), 1), row.printed.error))
     });
-    let each: Vec<_> = each.collect();
-    if each.is_empty() { String::new() } else { format!(" Printed less simulated: {}.", each.join(", ")) }
+    format!(" Printed less simulated: {}.", each.collect::<Vec<_>>().join(", "))
 }
 
 const TABLES: [PaperTable; 3] = [PaperTable::Pitch, PaperTable::Lead, PaperTable::OverRoller];
@@ -239,7 +238,8 @@ impl Report for Reproduction {
                 .number("multibody,\nprinted", |row| row.printed.multibody)
                 .number("\nours", |row| row.multibody_mm().map(mm))
                 .number("exact\nmesh", |row| row.mesh_mm().map(mm));
-            blocks.extend([listed.block(), Block::Note(format!("{why}{}", residuals(rows.clone())))]);
+            let left = if table == PaperTable::Lead { residuals(rows.clone()) } else { String::new() };
+            blocks.extend([listed.block(), Block::Note(format!("{why}{left}"))]);
             blocks.extend(rows.filter_map(|row| Some(Block::Note(format!("{}: {}", row.printed.error, row.why()?)))));
         }
         let problems = self.rows.iter().filter_map(|row| {

@@ -8,7 +8,7 @@ use crate::judge::bound::{Basis, GivenGeometry, GivenPair, KnownPairs, KnownTeet
 use crate::judge::reached::placed::Placed;
 use crate::parallel;
 
-const PAIRS: usize = 1_000;
+const PAIRS: usize = 300;
 /// What the extremes of a curve that is sampled may miss, mm.
 const SAMPLED_MM: f64 = 2e-7;
 

@@ -41,7 +41,7 @@ fn near(value: f64, expected: f64) {
 fn tolerances_hold_errors_of_either_sign() {
     let mut random = Random(0x746f_6c65);
     let mut held = 0;
-    for _ in 0..100 {
+    for _ in 0..40 {
         let pair = random::pair(&mut random);
         let errors: Vec<_> = (0..3).map(|_| random::error(&mut random, &pair).error).collect();
         let tolerances: Vec<_> = errors.iter().copied().map(ExtendedError::of_either_sign).collect();
@@ -62,7 +62,7 @@ fn tolerances_hold_errors_of_either_sign() {
             }
         }
     }
-    assert!(held > 1_000, "{held}");
+    assert!(held > 400, "{held}");
 }
 
 /// Of a size either way the mean is nothing; what a step does that carries for a share of the stroke, it does for that share.
