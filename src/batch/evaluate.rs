@@ -107,7 +107,10 @@ impl<'a> Evaluator<'a> {
     fn columns<'b>(&self, block: &'b Block) -> Vec<Cow<'b, DeviationValues>> {
         let columns = self.plan.sources.iter().zip(&self.layout.columns);
         let values = columns.map(|(source, column)| match (column, source.of_every_part) {
-            (Some(column), _) => Cow::Borrowed(block.values(*column)),
+            (Some(column), _) => match self.plan.circle_of(source) {
+                Some(circle) => Cow::Owned(circle.scaled_all(block.values(*column))),
+                None => Cow::Borrowed(block.values(*column)),
+            },
             (None, Some(value)) => Cow::Owned(DeviationValues::repeated(value, block.rows())),
             (None, None) => Cow::Owned(DeviationValues::default()),
         });

@@ -20,7 +20,7 @@ use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
 use crate::quantity::Places;
-use crate::spec::Spec;
+use crate::spec::{PitchCircle, Spec};
 use crate::table::Table;
 
 /// What is computed for each part.
@@ -167,6 +167,11 @@ impl Plan {
             self.followed = quantities.filter(|(_, kept)| kept.is_limited()).map(|(output, _)| output).collect();
         }
         self.json_names = write::json_starts(self.column_names().iter().map(String::as_str));
+    }
+
+    /// The circle on which the values of an error's column were measured, if it is another than the reference circle.
+    pub(super) fn circle_of(&self, source: &Source) -> Option<&PitchCircle> {
+        self.spec.pitch_circle.as_ref().filter(|_| source.law.kind() == DeviationKind::PinionPitch)
     }
 
     /// The outputs of which there are statistics: ΔCD and its combinations.

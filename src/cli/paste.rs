@@ -267,6 +267,7 @@ impl Args {
             .into_iter()
             .chain(batch::of_every_part(&of_every))
             .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
+            .chain(spec.circle_in_words(kinds))
             .chain(spec.note_of_exact(&exact, None))
             .collect()
     }
@@ -308,7 +309,17 @@ impl Args {
                     output.diagnostic(fault);
                 }
                 let judged = if faults.is_empty() {
-                    let errors = kinds.iter().enumerate().map(|(column, kind)| (*kind, block.values(column).at(index)));
+                    let circle = read.spec.pitch_circle;
+                    let errors = kinds.iter().enumerate().map(|(column, kind)| {
+                        let values = block.values(column);
+                        let value = match (values.at(index), circle) {
+                            (DeviationValue::Length(length), Some(circle)) if *kind == DeviationKind::PinionPitch => {
+                                DeviationValue::Length(circle.scaled(length))
+                            }
+                            (value, _) => value,
+                        };
+                        (*kind, value)
+                    });
                     Some(self.evaluate(read, &basis, &errors.collect::<Vec<_>>())?)
                 } else {
                     None

@@ -50,6 +50,9 @@ pub const LEAD_ERROR: Domain =
 /// Evaluation length L of a helix slope deviation f_Hβ.
 pub const EVALUATION_LENGTH: Domain = Domain::positive("evaluation length", "L");
 
+/// Diameter d_M of the circle on which the pinion's pitch was measured.
+pub const MEASUREMENT_CIRCLE: Domain = Domain::positive("diameter of the measurement circle", "d_M");
+
 /// ΔCD of an error that can only push the pinion away.
 pub const PUSHING_DELTA_CD: Domain = Domain {
     name: "centre distance deviation of a pitch or lead error",

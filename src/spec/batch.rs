@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use toml::de::DeValue;
 
-use super::errors::{of_each, read_extent_value};
+use super::errors::{has_circle, of_each, read_extent_value};
 use super::keys::{self, Section};
 use super::reader::SectionReader;
 use super::resolve::Problems;
@@ -47,6 +47,8 @@ pub struct BatchColumn {
     pub kind: Option<Located<&'static str>>,
     /// On which teeth each of its values is.
     pub extent: Option<Located<Extent>>,
+    /// The diameter of the circle on which its values were measured, of the pinion's pitch.
+    pub measured_at: Option<Located<Length>>,
 }
 
 /// Reads `[batch]`.
@@ -71,6 +73,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
     let section: &'static Section = match (kind, kind.counts()) {
         (DeviationKind::RackLead, _) => &keys::ANGLE_COLUMN,
         (_, deviation::Countable::Space) => &keys::SIZE_COLUMN,
+        (DeviationKind::PinionPitch, _) => &keys::PINION_PITCH_COLUMN,
         (_, deviation::Countable::Pitch) => &keys::PITCH_COLUMN,
         (_, deviation::Countable::Tooth) => &keys::SLOPE_COLUMN,
     };
@@ -88,6 +91,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
             nominal: nominal(reader, kind),
             kind: reader.get(keys::COLUMN_KIND),
             extent: reader.table.get(keys::EXTENT).and_then(|value| read_extent_value(reader, kind, value)),
+            measured_at: if has_circle(kind) { reader.get(keys::COLUMN_MEASURED_AT) } else { None },
         }
     })
 }

@@ -42,8 +42,8 @@ pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Ve
 /// uncertainties are found.
 pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
     let alone = |kind: &DeviationKind| match reader.entry(kind.key()) {
-        Some(entry) if stands_alone(entry, Some("nominal")) => 0,
-        Some(entry) if stands_alone(entry, None) => 1,
+        Some(entry) if stands_alone(*kind, entry, Some("nominal")) => 0,
+        Some(entry) if stands_alone(*kind, entry, None) => 1,
         _ => 2,
     };
     let mut kinds = DeviationKind::ALL;
@@ -55,11 +55,11 @@ pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
 }
 
 /// Whether an entry has nothing but this key, or none, and what makes no value.
-fn stands_alone(entry: &DeTable<'_>, key: Option<&str>) -> bool {
+fn stands_alone(kind: DeviationKind, entry: &DeTable<'_>, key: Option<&str>) -> bool {
     let own = |name: &str| Some(name) == key;
     key.is_none_or(|key| entry.contains_key(key))
         && !entry.is_empty()
-        && entry.keys().all(|name| own(name.get_ref()) || is_beside(name.get_ref()))
+        && entry.keys().all(|name| own(name.get_ref()) || is_beside(kind, name.get_ref()))
 }
 
 /// Reads the entry of an error, if there is one.
@@ -67,7 +67,12 @@ fn read_entry(reader: &mut SectionReader<'_>, kind: DeviationKind, spec: &mut Sp
     let value = reader.table.get(kind.key())?;
     let span = value.span();
     if let Some(entry) = reader.entry(kind.key()) {
-        if stands_alone(entry, None) {
+        if let Some(circle) = entry.get(keys::MEASURED_AT).filter(|_| has_circle(kind)) {
+            let diameter = reader.length_value(keys::MEASURED_AT, circle)?;
+            reader.in_domain(crate::formula::domain::MEASUREMENT_CIRCLE.check_length(diameter), circle.span())?;
+            spec.measured_at = Some(Located { value: diameter, span: circle.span() });
+        }
+        if stands_alone(kind, entry, None) {
             reader.note_uncertainty(kind.key(), entry, span.clone(), Influence::Error(kind), None);
             spec.unmeasured.push((kind, span));
             return None;
@@ -107,9 +112,14 @@ pub(super) fn read_extent_value(
     reader.refuse(Diagnostic::error(Code::BadErrorEntry, message), value.span())
 }
 
-/// Whether a key of an entry stands beside a value and makes none: of an uncertainty, or the extent.
-fn is_beside(key: &str) -> bool {
-    key == keys::EXTENT || keys::UNCERTAINTY_KEYS.contains(&key)
+/// Whether a key of an entry stands beside a value and makes none: of an uncertainty, the extent, or a pitch's circle.
+fn is_beside(kind: DeviationKind, key: &str) -> bool {
+    key == keys::EXTENT || keys::UNCERTAINTY_KEYS.contains(&key) || has_circle(kind) && key == keys::MEASURED_AT
+}
+
+/// Whether the circle on which an error was measured can be given.
+pub(super) fn has_circle(kind: DeviationKind) -> bool {
+    kind == DeviationKind::PinionPitch
 }
 
 /// What the entry of an error gives.
@@ -183,12 +193,17 @@ fn error_form(
     span: Range<usize>,
 ) -> Option<&'static [&'static str]> {
     let forms = error_table_forms(kind);
-    let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]);
+    let circle = has_circle(kind).then_some(keys::MEASURED_AT);
+    let beside = keys::UNCERTAINTY_KEYS.into_iter().chain([keys::EVERY_PART, keys::EXTENT]).chain(circle);
     let known = forms.iter().flat_map(|form| form.iter().copied()).chain(beside);
     reader.knows_keys(kind.key(), entry, &known, &format!("write {}", forms_in_words(forms)))?;
     let uncertain = keys::UNCERTAINTY_KEYS.iter().filter(|key| entry.contains_key(**key)).count();
     let every_part = entry.contains_key(keys::EVERY_PART);
-    let beside = uncertain + usize::from(every_part) + usize::from(entry.contains_key(keys::EXTENT));
+    let is_circle_given = has_circle(kind) && entry.contains_key(keys::MEASURED_AT);
+    let beside = uncertain
+        + usize::from(every_part)
+        + usize::from(entry.contains_key(keys::EXTENT))
+        + usize::from(is_circle_given);
     let bad = |message: String, help: &str| Diagnostic::error(Code::BadErrorEntry, message).help(help);
     let makes = |form: &&&[&str]| form.len() + beside == entry.len() && form.iter().all(|k| entry.contains_key(*k));
     let Some(form) = forms.iter().find(makes) else {
@@ -198,6 +213,10 @@ fn error_form(
     if every_part && !is_of_a_part(form) {
         let message = format!("`{}` has no value that `every_part` could be of", kind.key());
         return reader.refuse(bad(message, "it goes with a value: { value = …, every_part = true }"), span);
+    }
+    if *form == ["class"] && is_circle_given {
+        let message = format!("`{}` is a class: what is permitted is that of the reference circle", kind.key());
+        return reader.refuse(bad(message, "leave `measured_at` out, or give the largest deviation as `value`"), span);
     }
     if *form == ["class"] && entry.contains_key(keys::EXTENT) {
         let message = format!("`{}` is a class: what is permitted is that of each tooth", kind.key());

@@ -259,6 +259,9 @@ pub(crate) const TOP: Section = section(
 /// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
 
+/// In an entry of `[errors]` for the pinion's pitch, beside its value or alone: the diameter at which it was measured.
+pub(crate) const MEASURED_AT: &str = "measured_at";
+
 /// In an entry of `[errors]`, beside its value or alone, of a column or of `[budget]`: on which teeth an error is.
 pub(crate) const EXTENT: &str = "extent";
 
@@ -494,8 +497,22 @@ const fn length_column(of: Countable) -> [AnyKey; 5] {
 pub(crate) const SIZE_COLUMN: Section =
     section("batch.columns.(size)", "A column of sizes.", &length_column(Countable::Space));
 
+/// The diameter at which a pitch of the pinion was measured.
+pub(crate) const COLUMN_MEASURED_AT: Key<Length> = length(domain::MEASUREMENT_CIRCLE).with(
+    MEASURED_AT,
+    "Diameter of the circle on which f_p was measured; its values are scaled to the reference circle. Default: that circle.",
+);
+
+const PITCH_KEYS: [AnyKey; 5] = length_column(Countable::Pitch);
+
+pub(crate) const PINION_PITCH_COLUMN: Section = section(
+    "batch.columns.pinion_pitch",
+    "A column of the pinion's single pitch deviations.",
+    &[PITCH_KEYS[0], PITCH_KEYS[1], PITCH_KEYS[2], PITCH_KEYS[3], PITCH_KEYS[4], COLUMN_MEASURED_AT.any],
+);
+
 pub(crate) const PITCH_COLUMN: Section =
-    section("batch.columns.(pitch)", "A column of pitches.", &length_column(Countable::Pitch));
+    section("batch.columns.rack_pitch", "A column of pitches.", &length_column(Countable::Pitch));
 
 pub(crate) const SLOPE_COLUMN: Section =
     section("batch.columns.pinion_lead", "A column of helix slope deviations f_Hβ.", &length_column(Countable::Tooth));
@@ -526,7 +543,7 @@ pub(crate) const BATCH_COLUMNS: Section = section(
         key("rack_pitch", Kind::Table(&PITCH_COLUMN), "The rack's pitch or pitch error."),
         key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
         key("pinion_radial", Kind::Table(&SIZE_COLUMN), "The pinion's radial measure or error."),
-        key("pinion_pitch", Kind::Table(&PITCH_COLUMN), "The pinion's single pitch deviation."),
+        key("pinion_pitch", Kind::Table(&PINION_PITCH_COLUMN), "The pinion's single pitch deviation."),
         key("pinion_lead", Kind::Table(&SLOPE_COLUMN), "The pinion's helix slope deviation f_Hβ."),
     ],
 );

@@ -10,6 +10,7 @@
 mod basis;
 mod batch;
 mod budget;
+mod circle;
 mod class;
 mod deviations;
 mod errors;
@@ -37,6 +38,7 @@ mod vary;
 pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, BatchSection};
 pub use budget::{BudgetSection, WrittenTolerance};
+pub use circle::PitchCircle;
 pub use errors::WrittenError;
 pub use mesh::{MeasuredTables, MeshInput, Origin};
 pub use obtained::MeasuredValue;
@@ -113,6 +115,10 @@ pub struct Spec {
     pub every_part: Vec<DeviationKind>,
     /// On which teeth errors are, where `[errors]` says so.
     pub extents: Vec<(DeviationKind, Located<Extent>)>,
+    /// The diameter of the circle on which the pitch of the pinion in `[errors]` was measured.
+    pub measured_at: Option<Located<Length>>,
+    /// The circle on which values of a table were measured, once the spec is read.
+    pub pitch_circle: Option<PitchCircle>,
     /// The length over which `[errors]` evaluates f_Hβ.
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
@@ -164,6 +170,9 @@ impl Spec {
         diagnostics.extend(set::set_all(&mut table, &settings, &source));
         let mut spec = Self::read(&table, &source, &mut diagnostics);
         pair::complete(&mut spec.values, &source, &mut diagnostics);
+        if diagnostics.is_empty() {
+            diagnostics.extend(spec.to_reference_circle().err().into_iter().flat_map(|problems| problems.0));
+        }
         if diagnostics.is_empty() {
             let impossible = spec.impossibilities();
             if impossible.is_empty() { Ok(spec) } else { Err(Diagnostics(impossible)) }

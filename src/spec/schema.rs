@@ -5,8 +5,10 @@ use std::ops::Bound;
 
 use serde_json::{Map, Value, json};
 
-use super::errors::{error_table_forms, is_of_a_part};
-use super::keys::{AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS};
+use super::errors::{error_table_forms, has_circle, is_of_a_part};
+use super::keys::{
+    AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, MEASURED_AT, SECTIONS, Section, TOP, UNCERTAINTY_KEYS,
+};
 use crate::deviation::{Countable, DeviationKind, Extent};
 use crate::quantity::{AngleUnit, Domain, LengthUnit, spelling_pattern};
 use crate::standard::Standard;
@@ -181,8 +183,7 @@ fn error(kind: DeviationKind) -> Value {
         };
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
-            properties.extend(uncertainty_properties());
-            properties.insert(EXTENT.to_owned(), extent(kind.counts()));
+            properties.extend(beside(kind));
         }
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
@@ -190,15 +191,23 @@ fn error(kind: DeviationKind) -> Value {
         forms.push(closed(properties, form));
     }
     // the uncertainty and extent of values that come from a table
-    let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent(kind.counts()));
     forms.push(json!({
         "type": "object",
         "additionalProperties": false,
         "minProperties": 1,
-        "properties": properties,
+        "properties": beside(kind),
     }));
     json!({ "anyOf": forms })
+}
+
+/// What may stand beside the value of an error: its uncertainty, its extent, and the circle of a pitch.
+fn beside(kind: DeviationKind) -> Map<String, Value> {
+    let mut properties = uncertainty_properties();
+    properties.insert(EXTENT.to_owned(), extent(kind.counts()));
+    if has_circle(kind) {
+        properties.insert(MEASURED_AT.to_owned(), json!({ "anyOf": [{ "type": "number" }, length_text()] }));
+    }
+    properties
 }
 
 fn typed(name: &str, domain: &Domain) -> Value {
