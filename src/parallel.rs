@@ -52,8 +52,9 @@ fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: imp
     });
 }
 
-/// What [`in_order`] holds at once for each thread.
-pub(crate) const HELD: usize = 16;
+/// What [`in_order`] holds at once for each thread: enough that a slow one holds nobody up for long, and so little that
+/// whoever is to end has not to wait for much.
+pub(crate) const HELD: usize = 4;
 
 /// Makes something of each number below `count` on up to so many threads, and hands what was made over in the order of
 /// the numbers. Memory is bounded however many there are.

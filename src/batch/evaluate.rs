@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::layout::Layout;
 use super::outcome::{Part, Problem, Tally, keep_worst};
@@ -36,10 +37,18 @@ pub(super) struct Evaluator<'a> {
     usual: Reach,
     /// Whether rejected rows are kept at all.
     keeps_rejects: bool,
+    stop: &'a AtomicBool,
 }
 
 impl<'a> Evaluator<'a> {
-    pub(super) fn new(plan: &'a Plan, layout: &'a Layout, file: &Arc<str>, keeps_rejects: bool) -> Self {
+    /// Of the rows of a file; once `stop` is set, no more rows are begun that take long.
+    pub(super) fn new(
+        plan: &'a Plan,
+        layout: &'a Layout,
+        file: &Arc<str>,
+        keeps_rejects: bool,
+        stop: &'a AtomicBool,
+    ) -> Self {
         let quantities = if plan.request.statistics { plan.quantities().count() } else { 0 };
         Self {
             plan,
@@ -53,7 +62,13 @@ impl<'a> Evaluator<'a> {
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
+            stop,
         }
+    }
+
+    /// Whether a signal has left no time for rows of the last block, which had so many.
+    pub(super) fn is_cut(&self, rows: usize) -> bool {
+        self.tally.counts.rows < rows as u64
     }
 
     /// Evaluates a block; what came out of the last one is forgotten. `keeps_names` asks for the names of its parts.
@@ -72,11 +87,11 @@ impl<'a> Evaluator<'a> {
                 |column: &usize| block.ends.get(*column).is_none_or(|ends| ends.iter().flatten().any(is_reached));
             *doubted = column.filter(may_be).map_or(0, |column| self.usual.doubted(block.values(column)));
         }
-        let results = Results::new(self.plan, self.layout, block, &self.columns(block), &self.errors);
+        let results = Results::new(self.plan, self.layout, block, &self.columns(block), &self.errors, self.stop);
         self.take(&results, Row { block, index: 0, records_before });
         self.results = Some(results);
-        if self.tally.counts.rows < block.rows() as u64 {
-            // in strict mode a refused row is the last
+        if self.is_cut(block.rows()) {
+            // in strict mode a refused row is the last, and a signal leaves no time for rows
             return;
         }
         self.write_no_parts(block, block.record_count);

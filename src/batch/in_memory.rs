@@ -19,6 +19,7 @@ use crate::table::{Block, Reading, Stored, Table, Want, refusal, stored_table};
 /// # Example
 /// ```
 /// use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 /// use rackmesh::batch::{ColumnEvaluator, ColumnPiece, Request, ResultValues};
 /// use rackmesh::spec::Spec;
 /// use rackmesh::table::Stored;
@@ -103,7 +104,8 @@ impl ColumnEvaluator {
         let mut block = Block::default();
         let (rows, _) = table.pieces.open(layout.wanted(false));
         rows.stored(piece.columns, 0, &mut block);
-        let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false);
+        let never = AtomicBool::new(false);
+        let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false, &never);
         evaluator.block(&block, 0, false);
         if let Some(contradiction) = &block.contradiction {
             let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);

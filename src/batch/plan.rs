@@ -72,53 +72,9 @@ impl Plan {
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
     pub fn new(spec: &Arc<Spec>, table: &Table, request: Request) -> Result<Self, Diagnostics> {
-        let columns = error_columns(spec, table)?;
-        let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
-        spec.refuse_both_ways(&in_table)?;
-        let spec = &Arc::new(spec.for_columns(&in_table));
-        let of_every_part = spec.errors_of_every_part(&in_table)?;
-        let lacking = spec.lacking(&in_table);
-        let is_present =
-            |kind: &DeviationKind| in_table.contains(kind) || of_every_part.iter().any(|error| error.kind() == *kind);
-        let present: Vec<_> = DeviationKind::ALL.into_iter().filter(is_present).collect();
-        let limits = spec.limits();
-        let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
-        if !is_uncertain {
-            refuse_without_uncertainty(&request.rule, request.monte_carlo.is_some())?;
-        }
-        let limited: Vec<_> = limits.iter().map(|(on, _)| *on).collect();
-        let mut outputs = Output::asked(table, &request, &present, &limited, is_uncertain)?;
-        let needed = |kind: &DeviationKind| {
-            let is_limited =
-                limited.contains(&LimitTarget::CenterDistance) || limited.contains(&LimitTarget::Error(*kind));
-            is_limited || outputs.iter().any(|output| output.needs(*kind))
-        };
-        let needed: Vec<_> = present.iter().copied().filter(needed).collect();
-        let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
-        // a rule that needs uncertainties judges nothing of which one is missing
-        let uncertainties = spec.uncertainties_of(&present)?;
-        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Influence::Error(*kind)).is_none();
-        let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
-        let is_read = |on: LimitTarget| match on {
-            _ if lacks_uncertainty => false,
-            LimitTarget::CenterDistance => lacking.is_empty() || request.partial,
-            LimitTarget::Error(kind) => index_of(&sources, kind).is_some(),
-        };
-        let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
-        let unjudged: Vec<_> = unjudged.into_iter().map(|(on, _)| on).collect();
-        outputs.retain(|output| !matches!(output, Output::Conformance(on) if unjudged.contains(on)));
-        let mut without = Vec::new();
-        if request.partial {
-            without.extend(lacking.iter().map(|kind| kind.key().to_owned()));
-            let exact = in_table.iter().filter(|kind| request.rule.needs_uncertainty() && is_certain(kind));
-            without.extend(exact.map(|kind| format!("uncertainty of {}", kind.key())));
-        }
-        if !without.is_empty() {
-            outputs.push(Output::Without);
-        }
-        if request.rows == Rows::Every && !outputs.contains(&Output::Reason) {
-            outputs.push(Output::Reason);
-        }
+        let asked = Asked::new(spec, table, &request)?;
+        let Asked { spec, sources, present, outputs, limits: judged, unjudged, lacking, without, is_uncertain } = asked;
+        let spec = &spec;
         let basis = spec.basis()?;
         let is_asked = request.statistics || request.monte_carlo.is_some() || request.rule.needs_uncertainty();
         let uncertain = is_uncertain && (is_asked || outputs.iter().any(Output::is_uncertain));
@@ -127,7 +83,7 @@ impl Plan {
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let needs = |of: Stack| is_judged(of) || Output::ends(of).iter().any(|end| outputs.contains(end));
         let (needs_range, needs_rss) = (needs(Stack::Range), needs(Stack::Rss));
-        let needs_reached = outputs.iter().any(|output| matches!(output, Output::Reached(_)));
+        let needs_reached = asks_for_reached(&outputs);
         if needs_reached {
             refuse_unreached(spec, &basis)?;
         }
@@ -155,6 +111,15 @@ impl Plan {
         };
         plan.follow();
         Ok(plan)
+    }
+
+    /// Refuses what [`Plan::new`] refuses before anything is computed: teeth that the spec knows one by one need not be
+    /// solved for that.
+    ///
+    /// # Errors
+    /// As those of [`Plan::new`].
+    pub fn refuse(spec: &Arc<Spec>, table: &Table, request: &Request) -> Result<(), Diagnostics> {
+        Asked::new(spec, table, request).map(drop)
     }
 
     /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
@@ -313,12 +278,91 @@ impl Plan {
     }
 }
 
+/// What is asked of each part, as far as it is known before teeth are solved that the spec knows one by one.
+struct Asked {
+    /// The spec, with what it says of the table's columns.
+    spec: Arc<Spec>,
+    sources: Vec<Source>,
+    present: Vec<DeviationKind>,
+    outputs: Vec<Output>,
+    /// The limits that can be judged.
+    limits: Limits,
+    unjudged: Vec<LimitTarget>,
+    lacking: Vec<DeviationKind>,
+    /// What the parts are judged without.
+    without: Vec<String>,
+    is_uncertain: bool,
+}
+
+impl Asked {
+    fn new(spec: &Arc<Spec>, table: &Table, request: &Request) -> Result<Self, Diagnostics> {
+        let columns = error_columns(spec, table)?;
+        let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
+        spec.refuse_both_ways(&in_table)?;
+        let spec = &Arc::new(spec.for_columns(&in_table));
+        let of_every_part = spec.errors_of_every_part(&in_table)?;
+        let lacking = spec.lacking(&in_table);
+        let is_present =
+            |kind: &DeviationKind| in_table.contains(kind) || of_every_part.iter().any(|error| error.kind() == *kind);
+        let present: Vec<_> = DeviationKind::ALL.into_iter().filter(is_present).collect();
+        let limits = spec.limits();
+        let is_uncertain = !spec.uncertainties_of(&present)?.is_empty();
+        if !is_uncertain {
+            refuse_without_uncertainty(&request.rule, request.monte_carlo.is_some())?;
+        }
+        let limited: Vec<_> = limits.iter().map(|(on, _)| *on).collect();
+        let mut outputs = Output::asked(table, request, &present, &limited, is_uncertain)?;
+        let needed = |kind: &DeviationKind| {
+            let is_limited =
+                limited.contains(&LimitTarget::CenterDistance) || limited.contains(&LimitTarget::Error(*kind));
+            is_limited || outputs.iter().any(|output| output.needs(*kind))
+        };
+        let needed: Vec<_> = present.iter().copied().filter(needed).collect();
+        let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
+        // a rule that needs uncertainties judges nothing of which one is missing
+        let uncertainties = spec.uncertainties_of(&present)?;
+        let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Influence::Error(*kind)).is_none();
+        let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
+        let is_read = |on: LimitTarget| match on {
+            _ if lacks_uncertainty => false,
+            LimitTarget::CenterDistance => lacking.is_empty() || request.partial,
+            LimitTarget::Error(kind) => index_of(&sources, kind).is_some(),
+        };
+        let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
+        let unjudged: Vec<_> = unjudged.into_iter().map(|(on, _)| on).collect();
+        outputs.retain(|output| !matches!(output, Output::Conformance(on) if unjudged.contains(on)));
+        let mut without = Vec::new();
+        if request.partial {
+            without.extend(lacking.iter().map(|kind| kind.key().to_owned()));
+            let exact = in_table.iter().filter(|kind| request.rule.needs_uncertainty() && is_certain(kind));
+            without.extend(exact.map(|kind| format!("uncertainty of {}", kind.key())));
+        }
+        if !without.is_empty() {
+            outputs.push(Output::Without);
+        }
+        if request.rows == Rows::Every && !outputs.contains(&Output::Reason) {
+            outputs.push(Output::Reason);
+        }
+        if asks_for_reached(&outputs) && spec.has_deviations() {
+            return Err(unreached_by_known_teeth().into());
+        }
+        let spec = Arc::clone(spec);
+        Ok(Self { spec, sources, present, outputs, limits: judged, unjudged, lacking, without, is_uncertain })
+    }
+}
+
+fn asks_for_reached(outputs: &[Output]) -> bool {
+    outputs.iter().any(|output| matches!(output, Output::Reached(_)))
+}
+
+fn unreached_by_known_teeth() -> Diagnostic {
+    Diagnostic::error(Code::NoMesh, "--worst-teeth puts errors on teeth, and the spec knows teeth one by one")
+}
+
 /// Refuses to look for the worst teeth of a pair that is not known, or whose rack may roll.
 fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
     let message = match &basis.geometry {
-        _ if basis.known_teeth.is_some() => {
-            "--worst-teeth puts errors on teeth, and the spec knows teeth one by one".to_owned()
-        }
+        _ if basis.known_teeth.is_some() => return Err(unreached_by_known_teeth()),
         GivenGeometry::Known(pairs) if pairs.given().support == Support::Fixed => return Ok(()),
         GivenGeometry::Known(_) => "--worst-teeth puts errors on teeth of a rack that does not roll".to_owned(),
         GivenGeometry::Unknown | GivenGeometry::BothFlanks => {

@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::layout::Layout;
 use super::output::{End, Output, UncertainOutput};
@@ -26,6 +27,8 @@ use crate::uncertainty::{Spread, Spreads};
 pub(super) struct Results<'a> {
     plan: &'a Plan,
     layout: &'a Layout,
+    /// Ends the run: rows that take long are then left out, with all behind them.
+    stop: &'a AtomicBool,
     /// How many rows there are.
     rows: usize,
     /// Why rows make no part, by row; nothing else of such a row counts.
@@ -87,10 +90,12 @@ impl<'a> Results<'a> {
         block: &Block,
         deviations: &[Cow<'_, DeviationValues>],
         errors: &ChangingErrors<'_>,
+        stop: &'a AtomicBool,
     ) -> Self {
         let mut results = Self {
             plan,
             layout,
+            stop,
             rows: block.rows(),
             // of several faults of a row the first counts
             refusals: block.faults().iter().rev().map(|fault| (fault.row, Box::new(fault.clone()))).collect(),
@@ -107,7 +112,7 @@ impl<'a> Results<'a> {
         }
         results.take_sums(&values, errors);
         if let Some(uncertain) = &plan.uncertain {
-            results.uncertainties = results.by_row(|results, row| {
+            results.uncertainties = results.by_slow_row(|results, row| {
                 let deviations: Vec<_> = deviations.iter().map(|column| column.at(row)).collect();
                 let delta_cd = |kind: DeviationKind| results.each[kind as usize].get(row).copied().unwrap_or_default();
                 let known = uncertain.of_row(&plan.sources, &deviations, delta_cd, &plan.limits);
@@ -116,8 +121,7 @@ impl<'a> Results<'a> {
         }
         results.judge();
         if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
-            results.rows = first + 1;
-            results.refusals.split_off(&results.rows);
+            results.cut(first + 1);
         }
         results
     }
@@ -142,6 +146,26 @@ impl<'a> Results<'a> {
         }
         self.refusals.extend(refused);
         column
+    }
+
+    /// The same of rows that take long: those that a signal leaves no time for, and all behind them, do not count.
+    fn by_slow_row<T: Default>(&mut self, mut of: impl FnMut(&Self, usize) -> Result<T, Box<Fault>>) -> Vec<T> {
+        let mut end = self.rows;
+        let column = self.by_row(|results, row| {
+            if row >= end || results.stop.load(Ordering::Relaxed) {
+                end = end.min(row);
+                return Ok(T::default());
+            }
+            of(results, row)
+        });
+        self.cut(end);
+        column
+    }
+
+    /// Leaves out the rows behind the first so many.
+    fn cut(&mut self, rows: usize) {
+        self.rows = rows;
+        self.refusals.split_off(&rows);
     }
 
     /// ΔCD of an error, and what the error can do alone if that has a limit.
@@ -191,7 +215,7 @@ impl<'a> Results<'a> {
         }
         if plan.needs_reached {
             let errors = |row: usize| errors.with(values.iter().map(|column| column[row]));
-            self.reached = self.by_row(|_, row| Ok(reached(plan, &errors(row))));
+            self.reached = self.by_slow_row(|_, row| Ok(reached(plan, &errors(row))));
         }
     }
 
@@ -276,7 +300,7 @@ impl<'a> Results<'a> {
     /// The results of an output that is a length, of all parts that have one.
     pub(super) fn all_of(&self, output: &Output) -> Cow<'_, [Length]> {
         if let (Output::Error(kind), true) = (output, self.refusals.is_empty()) {
-            return Cow::Borrowed(&self.each[*kind as usize]);
+            return Cow::Borrowed(&self.each[*kind as usize][..self.rows]);
         }
         let mut all = Vec::with_capacity(self.rows);
         for rows in self.runs() {

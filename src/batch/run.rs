@@ -53,7 +53,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Runs one table. `stop` ends the run after the chunks that were begun; `progress` is called some times
+    /// Runs one table. `stop` ends the run after the rows that were begun; `progress` is called some times
     /// a second.
     ///
     /// # Errors
@@ -104,7 +104,7 @@ impl<'a> Batch<'a> {
         };
         let statistics = Mutex::new(Vec::new());
         let work = || {
-            let mut evaluator = Evaluator::new(plan, layout, &name, keeps_rejects);
+            let mut evaluator = Evaluator::new(plan, layout, &name, keeps_rejects, stop);
             shared.work(&mut evaluator);
             lock(&statistics).push(std::mem::take(&mut evaluator.statistics));
         };
@@ -241,7 +241,9 @@ impl SharedRun<'_, '_> {
                     None => Ok(()),
                 };
                 let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
-                self.settle(order, piece.block.contradiction.take(), written);
+                let is_cut = evaluator.is_cut(piece.block.rows()) && self.stop.load(Ordering::Relaxed);
+                self.settle(order, piece.block.contradiction.take().filter(|_| !is_cut), written);
+                self.ended.fetch_or(is_cut, Ordering::Relaxed);
             }
             drop(order);
             self.turn.notify_all();

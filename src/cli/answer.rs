@@ -55,7 +55,7 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
 pub fn judged_spec(spec: &HeldSpec, settings: &[String]) -> Result<Spec, Diagnostics> {
     let read = Spec::parse_with(&spec.name, &spec.text, settings)?;
     let mut output = Output::held(spec.clone(), Arc::default());
-    with_known_teeth(read, &spec.name, &mut output).map_err(diagnostics)
+    with_known_teeth(read, spec.name.as_ref(), &mut output).map_err(diagnostics)
 }
 
 fn diagnostics(failure: Failure) -> Diagnostics {

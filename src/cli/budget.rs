@@ -1,5 +1,7 @@
 //! `rackmesh budget`: from a ΔCD tolerance to a tolerance for each error.
 
+use std::path::PathBuf;
+
 use clap::builder::PossibleValue;
 
 use super::output::{Failure, Output, Status};
@@ -40,7 +42,7 @@ Examples:
 Exit status: 0 if the limit can be met, 1 if fixed tolerances break it, 2 if there is no result.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// The ΔCD to stay within, to either side.
     #[arg(long, value_name = "ΔCD", allow_hyphen_values = true)]
     delta_cd: Option<Length>,
@@ -85,7 +87,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
+        let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let (entries, classes) = spec.budget_entries()?;
         let decision = spec.or_zero(keys::DECISION_RULE);
         let own_limits = spec.own_limits().into_iter();
@@ -109,7 +111,7 @@ impl Args {
             notes: [bound_remarks(&budget.notes, &spec.missing_geometry()), remarks(&spec, &decision)].concat(),
             screen: output.screen(),
         };
-        draw(picture.as_ref(), || report.chart(), true, output)?;
+        draw(picture, || report.chart(), true, output)?;
         output.report(&report, self.format)?;
         Ok(if budget.is_feasible() { Status::Pass } else { Status::Fail })
     }

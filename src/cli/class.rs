@@ -1,5 +1,7 @@
 //! `rackmesh class`: permissible deviations of a grade, grades obtained, and the coarsest grade within a ΔCD.
 
+use std::path::{Path, PathBuf};
+
 use super::calc::sensible;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
@@ -41,13 +43,13 @@ pub(super) struct Args {
     grade: Option<u8>,
     /// The grade that the measured values of this spec reach.
     #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "delta_cd"])]
-    obtained: Option<String>,
+    obtained: Option<PathBuf>,
     /// The ΔCD to stay within, to either side.
     #[arg(long, alias = "for-delta-cd", value_name = "ΔCD", allow_hyphen_values = true)]
     delta_cd: Option<Length>,
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(long, value_name = "SPEC")]
-    spec: Option<String>,
+    spec: Option<PathBuf>,
     /// Which part.
     #[arg(long, value_parser = ["pinion", "rack"], default_value = "pinion")]
     part: String,
@@ -271,7 +273,7 @@ impl Args {
         &self,
         standard: Standard,
         spec: &Spec,
-        path: &str,
+        path: &Path,
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let values = spec.measured_deviations(&super::spec_files::measured_tables(spec, path, output)?)?;

@@ -1,5 +1,7 @@
 //! `rackmesh eval`: ΔCD of the errors in a spec, combined and judged.
 
+use std::path::{Path, PathBuf};
+
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
@@ -24,7 +26,7 @@ Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(required_unless_present = "monte_carlo")]
-    spec: Option<String>,
+    spec: Option<PathBuf>,
     #[command(flatten)]
     judge: JudgeArgs,
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
@@ -44,7 +46,7 @@ impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = match self.spec.take() {
             Some(path) => path,
-            None => self.judge.spec_behind_monte_carlo().ok_or_else(|| {
+            None => self.judge.spec_behind_monte_carlo().map(PathBuf::from).ok_or_else(|| {
                 Diagnostic::usage("no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
@@ -85,7 +87,7 @@ pub(super) fn evaluated<'a>(
 }
 
 /// The exact mesh of the spec, in short.
-fn mesh_part(spec: &Spec, path: &str, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
+fn mesh_part(spec: &Spec, path: &Path, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
     let mut input = spec.mesh(&spec_files::measured_tables(spec, path, output)?)?;
     if let Some(worst) = worst {

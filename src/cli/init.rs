@@ -1,10 +1,10 @@
 //! `rackmesh init`: a commented spec to start from.
 
-use std::fs::File;
 use std::io::Write as _;
+use std::path::PathBuf;
 
 use super::output::{Failure, Output, Status};
-use super::target;
+use super::target::{Target, is_dash, shown};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::spec::TEMPLATE;
 
@@ -17,7 +17,7 @@ pub(super) const ABOUT: &str = "Write a commented spec to start from";
 pub(super) struct Args {
     /// The file to write; `-` is standard output.
     #[arg(default_value = "-")]
-    file: String,
+    file: PathBuf,
     /// Overwrite the file if it exists.
     #[arg(long)]
     force: bool,
@@ -25,23 +25,23 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        if self.file == "-" {
+        if is_dash(&self.file) {
             output.text(TEMPLATE)?;
             return Ok(Status::Pass);
         }
-        if self.force {
-            target::write(&self.file, &[] as &[&str], TEMPLATE.as_bytes())?;
-            return Ok(Status::Pass);
+        if !self.force && self.file.symlink_metadata().is_ok() {
+            let message = format!("cannot write {}: it exists", shown(&self.file));
+            let help = "choose another name, or overwrite it with --force";
+            return Err(Diagnostic::error(Code::FileAccess, message).help(help).into());
         }
-        let written = File::create_new(&self.file).and_then(|mut file| file.write_all(TEMPLATE.as_bytes()));
-        written.map_err(|error| {
-            let diagnostic = Diagnostic::error(Code::FileAccess, format!("cannot write {}: {error}", self.file));
-            if error.kind() == std::io::ErrorKind::AlreadyExists {
-                diagnostic.help("choose another name, or overwrite it with --force")
-            } else {
-                diagnostic
-            }
-        })?;
+        let mut target = Target::create(&self.file, &[] as &[PathBuf])?;
+        target.write_all(TEMPLATE.as_bytes())?;
+        // one that came meanwhile is not overwritten either
+        if self.force {
+            target.finish()?;
+        } else {
+            target.finish_new()?;
+        }
         Ok(Status::Pass)
     }
 }

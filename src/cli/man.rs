@@ -1,9 +1,11 @@
 //! `rackmesh man`: manual pages.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use clap::Command;
 
 use super::output::{Failure, Output, Status};
-use crate::diagnostic::{Code, Diagnostic};
+use super::target;
 
 pub(super) const ABOUT: &str = "Print the manual page, or write those of all subcommands";
 
@@ -20,10 +22,10 @@ pub(super) struct Args {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         if let Some(dir) = &self.dir {
-            let written = std::fs::create_dir_all(dir).and_then(|()| clap_mangen::generate_to(super::command(), dir));
-            written.map_err(|error| {
-                Diagnostic::error(Code::FileAccess, format!("cannot write to {}: {error}", dir.display()))
-            })?;
+            target::create_folder(dir)?;
+            let mut command = super::command().disable_help_subcommand(true);
+            command.build();
+            write_pages(&command, dir)?;
             return Ok(Status::Pass);
         }
         let mut page = Vec::new();
@@ -31,4 +33,15 @@ impl Args {
         output.text(&String::from_utf8_lossy(&page))?;
         Ok(Status::Pass)
     }
+}
+
+/// Writes the page of a command and those of its subcommands.
+fn write_pages(command: &Command, dir: &Path) -> Result<(), Failure> {
+    for subcommand in command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set()) {
+        write_pages(subcommand, dir)?;
+    }
+    let man = clap_mangen::Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render(&mut page)?;
+    target::write(dir.join(man.get_filename()), &[] as &[PathBuf], &page)
 }

@@ -1,5 +1,7 @@
 //! `rackmesh measure`: a virtual measuring machine on the deviated parts of a spec.
 
+use std::path::PathBuf;
+
 use super::calc::sensible;
 use super::mesh::placement;
 use super::output::{Failure, Output, Status};
@@ -30,7 +32,7 @@ Examples:
   rackmesh measure examples/mesh.toml --part pinion")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// Which part.
     #[arg(long, value_enum, default_value = "rack")]
     part: Part,

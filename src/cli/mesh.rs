@@ -1,12 +1,12 @@
 //! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
 
-use std::sync::atomic::Ordering;
+use std::path::PathBuf;
 
 use super::decision::JudgeArgs;
-use super::long;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
+use super::signals;
 use super::spec_files::{files_read, measured_tables};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
@@ -29,10 +29,10 @@ pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the st
   rackmesh mesh examples/mesh.toml --from 0 --to 50 --step 0.1 --format csv
 
 Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve,
-130 or 143 if Ctrl-C or SIGTERM ended a list of strokes.")]
+129, 130 or 143 if a signal ended it.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     #[command(flatten)]
     range: Range,
     /// List strokes this far apart.
@@ -239,9 +239,10 @@ const MOST_LISTED: u64 = 1000;
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = with_known_teeth(self.set.read_spec(&self.spec, output)?, &self.spec, output)?;
+        let spec = self.set.read_spec(&self.spec, output)?;
         let strokes = self.strokes()?;
-        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
+        let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
+        let spec = with_known_teeth(spec, &self.spec, output)?;
         let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
@@ -269,7 +270,7 @@ impl Args {
                 report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        draw(picture.as_ref(), || report.chart(), true, output)?;
+        draw(picture, || report.chart(), true, output)?;
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
             (Some(strokes), Format::Json) => {
@@ -284,7 +285,7 @@ impl Args {
 
     /// Writes the points of the curve as they are found; the status is that of an interruption, if one came.
     fn curve_csv(&self, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
-        let interruption = long::interrupted(output);
+        let interruption = signals::interrupted(output);
         let mut before = mesh_points::csv_header();
         let (from, to) = self.range.stroke.ends()?;
         let written = mesh.curve_pieces(from, to, self.range.tolerance.mm(), |piece| {
@@ -293,7 +294,7 @@ impl Args {
                 output.piece(&(std::mem::take(&mut before) + &mesh_points::csv_lines(&points)))?;
             }
             let is_last = piece.points.last().is_some_and(|point| point.stroke_mm >= to);
-            let is_stopped = !is_last && interruption.stop().load(Ordering::Relaxed);
+            let is_stopped = !is_last && interruption.came();
             if is_stopped { Err(Ended::Early) } else { Ok(()) }
         });
         match written {
@@ -399,7 +400,7 @@ fn list(
     after: impl Fn(Trust) -> String,
 ) -> Result<Option<Status>, Failure> {
     // from the first byte on a signal has to leave whole JSON
-    let interruption = long::interrupted(output);
+    let interruption = signals::interrupted(output);
     output.piece(before)?;
     let mut trust = Trust::default();
     let mut written = 0;
@@ -413,7 +414,7 @@ fn list(
             output.piece(if written == 0 { text.trim_start_matches(',') } else { &text }).map_err(Some)?;
             written += points;
             let is_last = written == strokes.count;
-            if !is_last && interruption.stop().load(Ordering::Relaxed) { Err(None) } else { Ok(()) }
+            if !is_last && interruption.came() { Err(None) } else { Ok(()) }
         },
     );
     match solved {

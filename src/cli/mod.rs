@@ -3,6 +3,7 @@
 //! One file per subcommand. This is the only module that reads files and prints.
 
 mod answer;
+mod bar;
 mod batch;
 mod budget;
 mod calc;
@@ -13,7 +14,6 @@ mod eval;
 mod explain;
 mod held;
 mod init;
-mod long;
 mod man;
 mod measure;
 mod mesh;
@@ -28,6 +28,7 @@ mod report;
 mod reproduce;
 mod schema;
 mod set;
+mod signals;
 mod simulate;
 mod spec_files;
 mod stream;
@@ -37,6 +38,7 @@ mod teeth;
 mod terminal;
 
 use std::ffi::OsString;
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
@@ -190,19 +192,38 @@ pub fn run() -> ExitCode {
 /// Runs the program with these arguments, the first of which is its name; the exit status.
 #[must_use]
 pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let matches = command().try_get_matches_from(arguments);
+    let _watched = signals::watch();
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let matches = command().try_get_matches_from(&arguments);
     let (Global { quiet, color, safe_csv, .. }, matches) =
         match matches.and_then(|found| Ok((Global::from_arg_matches(&found)?, found))) {
             Ok(matches) => matches,
             Err(error) => {
-                print_usage(&error);
-                return u8::try_from(error.exit_code()).unwrap_or(2);
+                batch::report_of_usage(&arguments, &error);
+                return printed(&error);
             }
         };
     let mut output = Output::new(color, quiet, safe_csv);
     let called = called(&matches, &mut output);
     // a subcommand is required, so there always is one
-    output.finish(called.unwrap_or(Ok(Status::Pass))).code()
+    let status = output.finish(called.unwrap_or(Ok(Status::Pass)));
+    for line in target::said() {
+        output.message(&line);
+    }
+    status.code()
+}
+
+/// Prints what is wrong with the arguments, or the help or the version, which is no failure unless it cannot be written; a
+/// closed pipe is none either.
+fn printed(error: &clap::Error) -> u8 {
+    let printed = print_usage(error).and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(failed) if !error.use_stderr() && failed.kind() != std::io::ErrorKind::BrokenPipe => {
+            let mut output = Output::new(ColorChoice::Auto, false, false);
+            output.finish(Err(target::named(output::STDOUT, &failed).into())).code()
+        }
+        _ => u8::try_from(error.exit_code()).unwrap_or(2),
+    }
 }
 
 /// Runs the subcommand that is called.

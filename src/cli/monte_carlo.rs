@@ -1,14 +1,16 @@
 //! `rackmesh monte-carlo`: racks whose teeth deviate at random, through the exact mesh.
 
 use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::long::{self, Bar, Interruption};
+use super::bar::Bar;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
-use super::target::Target;
+use super::signals::{self, Interruption};
+use super::target::{Target, is_dash};
 use super::teeth::WorstTeeth;
 use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
@@ -35,10 +37,10 @@ For the uncertainty of one part: rackmesh eval --monte-carlo.
 Ctrl-C ends the run, and prints and keeps what was computed.
 
 Exit status: 0 all racks inside limits.center_distance or none given, 1 some outside, 2 could not solve or racks are missing,
-130 or 143 if Ctrl-C or SIGTERM ended the run.")]
+129, 130 or 143 if a signal ended it.")]
 pub(super) struct Args {
     /// The gear spec (TOML) with a section [scatter]; `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// How many racks; 2000 unless given, of merged studies all that were asked for.
     #[arg(long, value_name = "N")]
     racks: Option<u64>,
@@ -47,10 +49,10 @@ pub(super) struct Args {
     first_rack: Option<u64>,
     /// Keep the racks, counted, in this file, to be merged.
     #[arg(long, value_name = "FILE")]
-    study: Option<String>,
+    study: Option<PathBuf>,
     /// Merge the studies in these files, in place of drawing racks.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["seed", "from", "to", "threads"])]
-    merge: Vec<String>,
+    merge: Vec<PathBuf>,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "SEED")]
     seed: u64,
@@ -77,6 +79,10 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let (scatter, classes) = spec.scatter()?;
+        let mut files = spec_files::files_read(&spec, &self.spec);
+        files.extend(self.merge.iter().cloned());
+        let kept = self.kept(&files)?;
+        let picture = self.plot.picture(&files)?;
         let mut input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if !spec.has_deviations()
@@ -85,28 +91,21 @@ impl Args {
             worst.place(&mut input, limit)?;
         }
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
-        let mut files = spec_files::files_read(&spec, &self.spec);
-        files.extend(self.merge.iter().cloned());
-        let mut kept = self.kept(&files)?;
-        let picture = self.plot.picture(files)?;
-        let interruption = long::interrupted(output);
         let (study, ended) = if self.merge.is_empty() {
-            self.drawn(&racks, &interruption, output)
+            self.drawn(&racks, &signals::interrupted(output), output)
         } else {
-            let end = || {
-                kept = None;
-                output.message(long::NOTHING_YET);
-            };
-            (interruption.while_waiting(|| self.merged(&racks, interruption.stop()), end)?, Ok(()))
+            (self.merged(&racks, signals::signals(output).stop())?, Ok(()))
         };
+        let interruption = signals::interrupted(output);
         let Some(mut summary) = RacksSummary::of(&study) else {
             ended?;
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, "interrupted before the first rack was solved"));
             return Ok(interruption.status().unwrap_or(Status::Undecided));
         };
+        let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
         if let Some(mut kept) = kept {
             kept.write_all(study_json(&study).map_err(std::io::Error::from)?.as_bytes())?;
-            kept.finish()?;
+            kept.end(ended_early.is_none(), output)?;
         }
         let unjudged = unjudged(&spec);
         let is_judged = unjudged.is_empty();
@@ -120,8 +119,7 @@ impl Args {
             notes: mesh::notes(&input),
             unjudged,
         };
-        let ended_early = interruption.status().filter(|_| self.merge.is_empty() && !summary.missing.is_empty());
-        draw(picture.as_ref(), || report.chart(limit), ended_early.is_none(), output)?;
+        draw(picture, || report.chart(limit), ended_early.is_none(), output)?;
         if !self.lists_racks() {
             output.report(&report, self.format)?;
         }
@@ -141,8 +139,8 @@ impl Args {
     }
 
     /// The file that keeps the study, in a run that reads `files`.
-    fn kept(&self, files: &[String]) -> Result<Option<Target>, Failure> {
-        if self.study.as_deref() == Some("-") {
+    fn kept(&self, files: &[PathBuf]) -> Result<Option<Target>, Failure> {
+        if self.study.as_ref().is_some_and(is_dash) {
             let message = "--study -: standard output has the result";
             return Err(Diagnostic::usage(message).help("name a file").into());
         }
@@ -166,9 +164,9 @@ impl Args {
         let drawn = racks.study(&settings, interruption.stop(), |first_rack, results| {
             if self.lists_racks() {
                 if done == 0 {
-                    output.piece(RACK_COLUMNS)?;
+                    output.text(RACK_COLUMNS)?;
                 }
-                output.piece(&rack_lines(first_rack, results))?;
+                output.text(&rack_lines(first_rack, results))?;
             }
             done += results.len() as u64;
             bar.show(Some(done as f64 / asked as f64), || format!("{} racks", grouped(done)));
@@ -204,7 +202,7 @@ impl Args {
 }
 
 /// Reads the study in a file.
-fn kept_study(path: &str, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure> {
+fn kept_study(path: &Path, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure> {
     let unreadable = |reason: String| {
         let message = format!("cannot read the study in {}: {reason}", stream::name(path));
         Failure::from(Diagnostic::error(Code::FileAccess, message).help("`--study FILE` writes one"))

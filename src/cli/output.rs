@@ -9,12 +9,16 @@ use anstream::AutoStream;
 use clap::ColorChoice;
 
 use super::held::{Answer, Held, HeldSpec};
-use crate::diagnostic::{Diagnostic, Diagnostics, harmless, harmless_lines, render};
+use super::target::named;
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, harmless, harmless_lines, render};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
 use crate::report::{self, Format, Report, Screen, WithReading};
 use crate::table::Reading;
+
+/// What messages call standard output.
+pub(super) const STDOUT: &str = "standard output";
 
 /// How a command ended. Of several, the greatest counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -230,9 +234,8 @@ impl Output {
             return Ok(());
         }
         let mut stdout = self.stdout.lock();
-        stdout.write_all(text.as_bytes())?;
-        stdout.flush()?;
-        Ok(())
+        let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+        Ok(written.map_err(|error| named(STDOUT, &error))?)
     }
 
     /// Whether only warnings and errors are wanted on standard error.
@@ -276,8 +279,10 @@ impl Output {
                 // who has seen enough is told nothing, but not that all is well
                 failure if failure.is_closed_pipe() => {}
                 Failure::Diagnostics(diagnostics) => diagnostics.iter().for_each(|found| self.diagnostic(found)),
-                Failure::Usage(error) => print_usage(&error),
-                Failure::Write(error) => self.message(&format!("error: cannot write the output: {error}")),
+                Failure::Usage(error) => drop(print_usage(&error)),
+                Failure::Write(error) => {
+                    self.diagnostic(&Diagnostic::error(Code::FileAccess, format!("cannot write {error}")));
+                }
             }
             Status::Undecided
         })
@@ -285,13 +290,12 @@ impl Output {
 }
 
 /// Prints help, the version, or what is wrong with the arguments, of which some may be names of files that a stranger gave.
-pub(super) fn print_usage(error: &clap::Error) {
-    // that it cannot be printed is no failure of the arguments; a closed pipe is none either
-    let _ = if error.use_stderr() {
+pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
+    if error.use_stderr() {
         write!(io::stderr().lock(), "{}", harmless_lines(&error.render().to_string()))
     } else {
         error.print()
-    };
+    }
 }
 
 /// What came of writing, where a reader that has seen enough changes nothing.

@@ -1,8 +1,10 @@
 //! Pages: what `report` and `paste -o page.html` put around a result.
 
 use std::fs::File;
+use std::path::{Path, PathBuf};
 
 use super::output::Failure;
+use super::target::{is_dash, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{Block, Report, reading_blocks};
@@ -16,10 +18,10 @@ pub(super) fn of_report(
     report: &dyn Report,
     readings: &[Reading],
     notes: &[String],
-    inputs: &[String],
+    inputs: &[PathBuf],
 ) -> Result<String, Failure> {
     let mut page = Page { title: title.to_owned(), ..Page::default() };
-    for input in inputs.iter().filter(|input| *input != "-") {
+    for input in inputs.iter().filter(|input| !is_dash(input)) {
         page.inputs.push(hashed(input)?);
     }
     let blocks = without_verdict(report.blocks(), &mut page, "the measured values");
@@ -52,7 +54,8 @@ pub(super) fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> 
     blocks
 }
 
-pub(super) fn hashed(path: &str) -> Result<InputFile, Failure> {
-    let file = File::open(path).and_then(|file| InputFile::of(path, file));
-    Ok(file.map_err(|error| Diagnostic::unreadable(path, &error))?)
+pub(super) fn hashed(path: &Path) -> Result<InputFile, Failure> {
+    let name = &shown(path);
+    let file = File::open(path).and_then(|file| InputFile::of(name, file));
+    Ok(file.map_err(|error| Diagnostic::unreadable(name, &error))?)
 }

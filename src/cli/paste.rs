@@ -1,14 +1,15 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
-use std::path::Path;
+use std::cell::Cell;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::decision::JudgeArgs;
-use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs};
-use super::{batch, eval, mesh, office, page, spec_files, target, teeth, terminal};
+use super::target::{self, Target, is_dash};
+use super::{batch, eval, mesh, office, page, signals, spec_files, teeth, terminal};
 use crate::batch::{Duplicates, TeethJudge, refuse_without_uncertainty};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
@@ -37,15 +38,15 @@ Examples:
   rackmesh paste examples/mesh.toml --mesh < spaces.txt
 
 Exit status: 0 inside the limits or none given, 1 outside, 2 could not judge, 3 indeterminate by the
-rule, 130 or 143 interrupted.")]
+rule, 129, 130 or 143 interrupted.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// A file with the block, or any table that `rackmesh batch` reads; standard input unless given.
-    file: Option<String>,
+    file: Option<PathBuf>,
     /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
-    output: Option<String>,
+    output: Option<PathBuf>,
     /// Add the exact mesh of the same parts, along a stroke of 50 mm.
     #[arg(long)]
     mesh: bool,
@@ -85,12 +86,14 @@ struct ReadBlock {
     spec: Arc<Spec>,
     reading: Reading,
     notes: Vec<String>,
+    /// The file that is written, begun.
+    target: Cell<Option<Target>>,
 }
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let spec = match self.spec(output) {
-            Ok(spec) => spec,
+        let (spec, target) = match self.begin(output) {
+            Ok(begun) => begun,
             Err(failure) => {
                 let status = output.finish(Err(failure));
                 if self.path().is_none() {
@@ -99,53 +102,54 @@ impl Args {
                 return Ok(status);
             }
         };
-        let interruption = long::interrupted(output);
-        let opened = self.open(&spec, &interruption, output);
-        if let Some(status) = interruption.status() {
+        let opened = self.open(&spec, output);
+        if let Some(status) = signals::signals(output).status() {
+            output.message(signals::NOTHING_YET);
             return Ok(status);
         }
         let Opened { table, spec, notes } = opened?;
         if let Some(refused) = refusal(&table.strangers, &table.to_be_named) {
             return Err(refused.into());
         }
-        let mut read = ReadBlock { spec, reading: table.reading.clone(), notes };
+        let mut read = ReadBlock { spec, reading: table.reading.clone(), notes, target: Cell::new(target) };
         read.notes.extend(read.spec.suspicions_in_words());
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
     }
 
-    /// The spec, if it and the name of the file that is written are as they should be.
-    fn spec(&self, output: &mut Output) -> Result<Arc<Spec>, Failure> {
+    /// The spec, and the file that is written, begun.
+    fn begin(&self, output: &mut Output) -> Result<(Arc<Spec>, Option<Target>), Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        if let Some(path) = &self.output {
-            target::refuse_inputs(path, &self.inputs(&spec))?;
+        let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &ENDINGS)?;
-        }
-        Ok(Arc::new(spec))
+            Target::create(path, &self.inputs(&spec))
+        });
+        Ok((Arc::new(spec), target.transpose()?))
     }
 
     /// The file with the block; `None` where standard input has it.
-    fn path(&self) -> Option<&str> {
-        self.file.as_deref().filter(|path| *path != "-")
+    fn path(&self) -> Option<&Path> {
+        self.file.as_deref().filter(|path| !is_dash(path))
     }
 
     /// What a part without a name of its own is called: the spec's title is of the pair, not of this part.
     fn block_name(&self) -> String {
-        let file = self.path().map(Path::new).and_then(Path::file_name);
+        let file = self.path().and_then(Path::file_name);
         file.map_or_else(|| "pasted part".to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
     /// The files that are read.
-    fn inputs(&self, spec: &Spec) -> Vec<String> {
-        spec_files::inputs(spec, &self.spec, &[self.file.as_deref().unwrap_or("-")])
+    fn inputs(&self, spec: &Spec) -> Vec<PathBuf> {
+        spec_files::inputs(spec, &self.spec, &[self.file.clone().unwrap_or_else(|| "-".into())])
     }
 
-    fn open(&self, spec: &Arc<Spec>, interruption: &Interruption, output: &mut Output) -> Result<Opened, Failure> {
+    fn open(&self, spec: &Arc<Spec>, output: &mut Output) -> Result<Opened, Failure> {
+        let interruption = signals::signals(output);
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
         let opener = opener.judged_by(&self.judge.rule(spec));
         if let Some(path) = self.path() {
-            return interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET));
+            return opener.open(path);
         }
-        opener.block(terminal::read_block(output, interruption, LARGEST_BLOCK)?)
+        opener.block(terminal::read_block(output, LARGEST_BLOCK)?)
     }
 
     /// Prints a report with how its table was read, and writes it to the file that was asked for.
@@ -153,20 +157,20 @@ impl Args {
         let Shown { title, report, rows } = shown;
         let readings = std::slice::from_ref(&read.reading);
         let whole = WithReading { report: *report, readings, notes: &read.notes };
-        if let Some(path) = &self.output {
-            let inputs = self.inputs(&read.spec);
+        if let Some((path, target)) = self.output.as_ref().zip(read.target.take()) {
             let text = |format| report::write(&whole, format, output.screen().of_file()).map(String::into_bytes);
             let bytes = match target::known_ending(path, path, &ENDINGS)? {
                 Some("html" | "htm") => {
-                    page::of_report(title, &read.spec, *report, readings, &read.notes, &inputs)?.into_bytes()
+                    page::of_report(title, &read.spec, *report, readings, &read.notes, &self.inputs(&read.spec))?
+                        .into_bytes()
                 }
-                Some("xlsx" | "dfq") => office::bytes(path, rows, (title, &read.spec.limits()))?,
+                Some("xlsx" | "dfq") => office::bytes(&target::shown(path), rows, (title, &read.spec.limits()))?,
                 Some("csv") => text(Format::Csv)?,
                 Some("json") => text(Format::Json)?,
                 Some("md") => text(Format::Markdown)?,
                 _ => text(Format::Table)?,
             };
-            target::write(path, &inputs, &bytes)?;
+            target.write_whole(&bytes)?;
         }
         if self.format == Format::Json {
             output.report(&whole, self.format)
@@ -282,6 +286,7 @@ impl Args {
     ) -> Result<Vec<PartRow>, Failure> {
         let name = Arc::clone(&table.name);
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
+        read.spec.refuse_both_ways(kinds)?;
         read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
         let basis = read.spec.basis()?;
         let usual = Reach::usual(read.spec.module());

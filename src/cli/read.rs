@@ -1,11 +1,12 @@
 //! `rackmesh read`: how tables would be read; evaluates nothing.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opener, ReadArgs};
-use super::{long, target};
+use super::{signals, target};
 use crate::diagnostic::Diagnostics;
 use crate::formula::Model;
 use crate::quantity::shown;
@@ -25,10 +26,10 @@ pub(super) struct Args {
     /// Tables: text, Excel workbooks (.xlsx), Q-DAS files (.dfq, .dfd with .dfx), Parquet; a .toml among them is the
     /// spec.
     #[arg(required = true)]
-    files: Vec<String>,
+    files: Vec<PathBuf>,
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(long, value_name = "SPEC")]
-    spec: Option<String>,
+    spec: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -40,19 +41,19 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        let is_spec = |path: &&String| target::ending(path) == "toml";
+        let is_spec = |path: &&PathBuf| target::ending(path) == "toml";
         let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
         let spec = Arc::new(match named {
             Some(path) => self.set.read_spec(path, output)?,
             None => self.set.without_file(output)?,
         });
-        let interruption = long::interrupted(output);
+        let interruption = signals::signals(output);
         let opener =
             Opener { only_shown: true, ..Opener::new(&self.reading, &spec, Model::Exact, interruption.stop()) };
         let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
         let (mut notes, mut mapping) = (Vec::new(), Vec::new());
         for path in self.files.iter().filter(|path| !is_spec(path)) {
-            match interruption.while_waiting(|| opener.open(path), || output.message(long::NOTHING_YET)) {
+            match opener.open(path) {
                 Ok(opened) => {
                     let lines = part_id(&opened.table.reading).into_iter().chain(opened.table.mapping());
                     lines.for_each(|line| add_line(&mut mapping, line, path));
@@ -78,13 +79,13 @@ fn part_id(reading: &Reading) -> Option<String> {
 }
 
 /// Adds a file's line of `[batch.columns]` if it is new; as a comment where its key has a line, for it can have one.
-fn add_line(mapping: &mut Vec<String>, line: String, file: &str) {
+fn add_line(mapping: &mut Vec<String>, line: String, file: &Path) {
     let key = |line: &str| line.split_once(" = ").map(|(key, _)| key.to_owned());
     if mapping.iter().any(|known| known.ends_with(&line)) {
         return;
     }
     let is_taken = mapping.iter().any(|known| key(known) == key(&line));
-    mapping.push(if is_taken { format!("# {}: {line}", shown(file)) } else { line });
+    mapping.push(if is_taken { format!("# {}: {line}", shown(&target::shown(file))) } else { line });
 }
 
 /// How tables would be read.

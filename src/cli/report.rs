@@ -1,18 +1,21 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
-use std::io::Read as _;
+use std::io::{Read as _, Write as _};
+use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
-use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections, without_verdict};
 use super::set::SetArgs;
+use super::signals::{self, Interruption};
 use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
+use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, with_known_teeth};
-use super::{batch, mesh, spec_files, target};
+use super::{batch, mesh, spec_files};
 use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -35,16 +38,16 @@ Examples:
   rackmesh report rack.toml lot7.csv -o lot7.html
   rackmesh report rack.toml spaces.csv --teeth -o racks.html
 
-Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 130 or 143 interrupted."
+Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 129, 130 or 143 interrupted."
 )]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// Tables: what `rackmesh batch` and `rackmesh paste` read; `-` reads standard input.
-    files: Vec<String>,
+    files: Vec<PathBuf>,
     /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
-    output: Option<String>,
+    output: Option<PathBuf>,
     /// One row per tooth or space: each part through the exact mesh.
     #[arg(long)]
     teeth: bool,
@@ -63,21 +66,22 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
-        spec_files::refuse_shared_input(&self.spec, &self.files())?;
+        spec_files::refuse_shared_input(&self.spec, &self.files)?;
         let spec = self.set.read_spec(&self.spec, output)?;
         let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
-        if let Some(path) = &self.output {
-            target::refuse_inputs(path, &inputs)?;
+        let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &["html", "htm"])?;
-        }
-        let mut page = Page { title: spec.title.clone().unwrap_or_else(|| self.spec.clone()), ..Page::default() };
+            Target::create(path, &inputs)
+        });
+        let target = target.transpose()?;
+        let mut page = Page { title: spec.title.clone().unwrap_or_else(|| shown(&self.spec)), ..Page::default() };
         for path in &inputs {
-            // a file's own bytes have the mark and the line ends that it may have
-            match path.as_str() {
-                "-" if self.spec == "-" => page.inputs.push(InputFile::of(path, spec.source.text.as_bytes())?),
-                // a table, which is read with the others
-                "-" => {}
-                path => page.inputs.push(hashed(path)?),
+            // a file's own bytes have the mark and the line ends that it may have; of standard input it may be the spec, or
+            // a table, which is read with the others
+            if !is_dash(path) {
+                page.inputs.push(hashed(path)?);
+            } else if is_dash(&self.spec) {
+                page.inputs.push(InputFile::of("-", spec.source.text.as_bytes())?);
             }
         }
         let mut statuses = Vec::new();
@@ -109,12 +113,13 @@ impl Args {
         page.sections.extend(spec_sections(&spec));
         let html = page.html();
         let status = statuses.into_iter().max().unwrap_or(Status::Pass);
-        let Some(path) = &self.output else {
+        let Some(mut target) = target else {
             output.text(&html)?;
             return Ok(status);
         };
         let is_complete = !matches!(status, Status::Interrupted(_));
-        target::written(path, &inputs, html.as_bytes())?.end(is_complete, output)?;
+        target.write_all(html.as_bytes())?;
+        target.end(is_complete, output)?;
         let decides = |headline: &&Headline| headline.verdict.map_or(Status::Undecided, Status::from) == status;
         if let Some(headline) = page.verdicts.iter().find(decides) {
             output.text(&format!("{headline}\n"))?;
@@ -122,21 +127,12 @@ impl Args {
         Ok(status)
     }
 
-    /// The tables.
-    fn files(&self) -> Vec<&str> {
-        self.files.iter().map(String::as_str).collect()
-    }
-
     /// What standard input holds, if it is a table.
-    fn stdin(&self, interruption: &Interruption, output: &mut Output) -> Result<Option<Arc<[u8]>>, Failure> {
-        const PATH: &str = "-";
-        if !self.files().contains(&PATH) {
-            return Ok(None);
-        }
+    fn stdin(&self, stop: &Arc<AtomicBool>) -> Result<Option<Arc<[u8]>>, Failure> {
+        let Some(path) = self.files.iter().find(|path| is_dash(path)) else { return Ok(None) };
         let mut bytes = Vec::new();
-        let read = || Stdin::new(Arc::clone(interruption.stop())).read_to_end(&mut bytes);
-        let read = interruption.while_waiting(read, || output.message(long::NOTHING_YET));
-        read.map_err(|error| Diagnostic::unreadable(stream::name(PATH), &error))?;
+        let read = Stdin::new(Arc::clone(stop)).read_to_end(&mut bytes);
+        read.map_err(|error| Diagnostic::unreadable(&stream::name(path), &error))?;
         Ok(Some(bytes.into()))
     }
 
@@ -194,16 +190,16 @@ impl Args {
 
     /// The parts of the tables.
     fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        let interruption = long::interrupted(output);
-        let stdin = self.stdin(&interruption, output)?;
+        let waiting = signals::signals(output);
+        let stdin = self.stdin(waiting.stop())?;
         if let Some(bytes) = &stdin {
-            page.inputs.push(InputFile::of(stream::name("-"), &**bytes)?);
+            page.inputs.push(InputFile::of(&stream::name("-".as_ref()), &**bytes)?);
         }
         let spec = Arc::new(spec.clone());
-        let files = self.files();
-        let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
+        let opener = Opener::new(&self.reading, &spec, self.judge.model, waiting.stop());
         let opener = Opener { stdin, teeth: self.teeth.then_some(true), ..opener }.judged_by(&self.judge.rule(&spec));
-        let mut found = interruption.while_waiting(|| opener.look(&files), || output.message(long::NOTHING_YET))?;
+        let mut found = opener.look(&self.files)?;
+        let interruption = signals::interrupted(output);
         if let Some(failed) = found.failed.pop() {
             return Err(failed.into());
         }
@@ -223,7 +219,8 @@ impl Args {
         let mut blocks = without_verdict(report.blocks(), page, "the batch");
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
         blocks.extend(unread);
-        let heading = format!("Batch: {}", self.files().into_iter().map(stream::name).collect::<Vec<_>>().join(", "));
+        let heading =
+            format!("Batch: {}", self.files.iter().map(|path| stream::name(path)).collect::<Vec<_>>().join(", "));
         page.sections.push(Section { charts, small_charts, ..Section::new(heading, blocks) });
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
@@ -239,15 +236,16 @@ impl Args {
     fn parts(&self, found: &mut Files<'_>, interruption: &Interruption, output: &mut Output) -> Result<Lot, Failure> {
         let no_table = || Diagnostic::error(Code::BadTable, "there is no table that can be read");
         let first = found.first.as_ref().ok_or_else(no_table)?;
-        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let request = Request {
             model: self.judge.model,
             stack: self.judge.stack,
             monte_carlo: self.judge.settings()?,
             rows: Rows::All,
             format: RowFormat::Columns,
-            ..self.request(&spec)
+            ..self.request(&first.spec)
         };
+        Plan::refuse(&first.spec, &first.table, &request)?;
+        let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
         let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
         let mut run = RunChart::of(&plan);

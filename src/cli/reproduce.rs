@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use super::long::Bar;
+use super::bar::Bar;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
+use super::target::{self, shown};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, Reproduction};
@@ -30,6 +31,9 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        if let Some(folder) = &self.plots {
+            target::create_folder(folder)?;
+        }
         let bar = Mutex::new(Bar::new(output));
         let bar_of_run = || bar.lock().unwrap_or_else(PoisonError::into_inner);
         let watch = |share| bar_of_run().show(Some(share), || "simulating the rows of Tables 1 to 3".to_owned());
@@ -37,9 +41,6 @@ impl Args {
         bar_of_run().finish();
         let reproduction = reproduction.map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(folder) = &self.plots {
-            std::fs::create_dir_all(folder).map_err(|error| {
-                Diagnostic::error(Code::FileAccess, format!("cannot make the folder {}: {error}", folder.display()))
-            })?;
             for (table, name, what) in [
                 (PaperTable::OverRoller, "over-roller", "Over-roller error ΔM [mm]"),
                 (PaperTable::Pitch, "pitch", "Pitch error Δp [mm]"),
@@ -52,9 +53,8 @@ impl Args {
                     let mut chart = Chart::along_the_stroke(&title, layers);
                     "centre distance [mm]".clone_into(&mut chart.y.label);
                     let path = folder.join(format!("{name}-{suffix}.svg"));
-                    let path = path.display().to_string();
-                    Picture::new(&path, Vec::new())?.write(&chart)?;
-                    output.remark(&format!("wrote {path}"));
+                    Picture::begin(&path, &[])?.draw(&chart)?.finish()?;
+                    output.remark(&format!("wrote {}", shown(&path)));
                 }
             }
         }

@@ -2,11 +2,14 @@
 
 use std::ffi::OsStr;
 use std::io::Read as _;
+use std::path::Path;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
 use super::held::HeldSpec;
 use super::output::{Failure, Output};
+use super::stream;
+use super::target::is_dash;
 use crate::diagnostic::Diagnostic;
 use crate::spec::{self, LARGEST_SPEC, Spec};
 
@@ -20,17 +23,17 @@ pub(super) struct SetArgs {
 
 impl SetArgs {
     /// Reads and parses the spec at `path`; `-` is standard input.
-    pub(super) fn read_spec(&self, path: &str, output: &mut Output) -> Result<Spec, Failure> {
+    pub(super) fn read_spec(&self, path: &Path, output: &mut Output) -> Result<Spec, Failure> {
         if let Some(HeldSpec { name, text }) = output.held_spec() {
             return self.parse(&name, &text, output);
         }
         let mut bytes = Vec::new();
+        let name = &stream::name(path);
         let most = LARGEST_SPEC as u64 + 1;
-        let (name, read) = if path == "-" {
-            ("<stdin>", std::io::stdin().lock().take(most).read_to_end(&mut bytes))
+        let read = if is_dash(path) {
+            std::io::stdin().lock().take(most).read_to_end(&mut bytes)
         } else {
-            let read = std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
-            (path, read)
+            std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes))
         };
         read.map_err(|error| Diagnostic::unreadable(name, &error))?;
         spec::refuse_size(name, &bytes)?;

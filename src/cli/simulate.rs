@@ -1,13 +1,13 @@
 //! `rackmesh simulate`: the multibody simulation along the stroke.
 
-use super::{long, mesh};
+use super::{mesh, signals};
 use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
+use std::path::PathBuf;
 
-use super::long::Interruption;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
+use super::signals::Interruption;
 use super::spec_files::{files_read, measured_tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
@@ -26,10 +26,10 @@ pub(super) const ABOUT: &str = "Simulate forces: elastic bodies in contact along
 
 --step overrides simulation.spacing. Ctrl-C ends the run and prints what was computed.
 
-Exit status: 0 if the whole stroke was computed, 2 if not, 130 or 143 if Ctrl-C or SIGTERM ended the run.")]
+Exit status: 0 if the whole stroke was computed, 2 if not, 129, 130 or 143 if a signal ended it.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// Solve the equilibrium at each stroke, without inertia and damping.
     #[arg(long)]
     quasi_static: bool,
@@ -48,12 +48,12 @@ pub(super) struct Args {
 impl Args {
     /// Runs the scene with a bar where somebody watches, until the end or Ctrl-C.
     fn watched(&self, scene: &Scene, interruption: &Interruption, output: &Output) -> Outcome {
-        let mut bar = super::long::Bar::new(output);
+        let mut bar = super::bar::Bar::new(output);
         let parameters = scene.parameters();
         let mut watch = |sample: &Sample| {
             let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
             bar.show(Some(share), || format!("stroke {:.1} mm", sample.stroke_mm));
-            if interruption.stop().load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if interruption.came() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let outcome = if self.quasi_static { scene.quasi_static(&mut watch) } else { scene.dynamic(&mut watch) };
         bar.finish();
@@ -65,11 +65,11 @@ impl Args {
         if let Some(step) = &self.step {
             spec.simulation.spacing_mm = step.mm();
         }
-        let picture = self.plot.picture(files_read(&spec, &self.spec))?;
+        let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
-        let interruption = long::interrupted(output);
+        let interruption = signals::interrupted(output);
         let outcome = self.watched(&scene, &interruption, output);
         let exact = |steady: Option<Steady>| exact_mean_mm(&input.mesh, &steady?);
         let report = SimulationReport {
@@ -89,7 +89,7 @@ impl Args {
         };
         let picture = picture.filter(|_| !outcome.samples.is_empty());
         let is_complete = matches!(outcome.end, RunEnd::Completed);
-        draw(picture.as_ref(), || chart(&report, &input.mesh), is_complete, output)?;
+        draw(picture, || chart(&report, &input.mesh), is_complete, output)?;
         output.report(&report, self.format)?;
         Ok(match outcome.end {
             RunEnd::Completed => Status::Pass,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::{Failure, Output};
 use super::tables;
+use super::target::is_dash;
 use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::MeshError;
@@ -18,33 +19,33 @@ impl From<MeshError> for Failure {
 }
 
 /// Where a table is that a spec names, relative to the spec's own folder.
-fn table_path(spec_path: &str, name: &str) -> PathBuf {
-    Path::new(spec_path).parent().unwrap_or(Path::new("")).join(name)
+fn table_path(spec_path: &Path, name: &str) -> PathBuf {
+    spec_path.parent().unwrap_or(Path::new("")).join(name)
 }
 
 /// The files that are read for a spec: itself and the tables that it names.
-pub(super) fn files_read(spec: &Spec, spec_path: &str) -> Vec<String> {
+pub(super) fn files_read(spec: &Spec, spec_path: &Path) -> Vec<PathBuf> {
     let tables = [keys::RACK_MEASURED, keys::PINION_MEASURED].into_iter().filter_map(|key| spec.get(key));
-    let paths = tables.map(|table| table_path(spec_path, &table).display().to_string());
+    let paths = tables.map(|table| table_path(spec_path, &table));
     std::iter::once(spec_path.to_owned()).chain(paths).collect()
 }
 
 /// Every file that is read for a spec and tables of parts.
-pub(super) fn inputs(spec: &Spec, spec_path: &str, tables: &[impl AsRef<str>]) -> Vec<String> {
-    let tables = tables.iter().flat_map(|table| tables::files_read(table.as_ref()));
+pub(super) fn inputs(spec: &Spec, spec_path: &Path, tables: &[PathBuf]) -> Vec<PathBuf> {
+    let tables = tables.iter().flat_map(|table| tables::files_read(table));
     files_read(spec, spec_path).into_iter().chain(tables).collect()
 }
 
 /// Refuses tables from standard input where the spec comes from there.
-pub(super) fn refuse_shared_input(spec_path: &str, tables: &[&str]) -> Result<(), Diagnostic> {
-    if spec_path == "-" && tables.contains(&"-") {
+pub(super) fn refuse_shared_input(spec_path: &Path, tables: &[PathBuf]) -> Result<(), Diagnostic> {
+    if is_dash(spec_path) && tables.iter().any(is_dash) {
         return Err(Diagnostic::usage("the spec and the table cannot both come from standard input"));
     }
     Ok(())
 }
 
 /// Reads the tables that a spec names, and says how.
-pub(super) fn measured_tables(spec: &Spec, spec_path: &str, output: &mut Output) -> Result<MeasuredTables, Failure> {
+pub(super) fn measured_tables(spec: &Spec, spec_path: &Path, output: &mut Output) -> Result<MeasuredTables, Failure> {
     let read = |file: &Located<String>| -> Result<TeethTable, Failure> {
         let path = table_path(spec_path, &file.value);
         let opened = std::fs::File::open(&path).map_err(|error| {

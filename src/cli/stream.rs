@@ -2,31 +2,33 @@
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
-use super::output::Failure;
+use super::output::{Failure, STDOUT};
+use super::target::{is_dash, named, shown};
 use crate::diagnostic::Diagnostic;
 
 /// A file, or standard input for `-`.
-pub(super) fn open(path: &str, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
-    Ok(if path == "-" { Box::new(Stdin::new(Arc::clone(stop))) } else { Box::new(file(path)?) })
+pub(super) fn open(path: &Path, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read + Send>, Failure> {
+    Ok(if is_dash(path) { Box::new(Stdin::new(Arc::clone(stop))) } else { Box::new(file(path)?) })
 }
 
 /// A file that is no folder.
-pub(super) fn file(path: &str) -> Result<File, Failure> {
-    let file = File::open(path).map_err(|error| Diagnostic::unreadable(path, &error))?;
+pub(super) fn file(path: &Path) -> Result<File, Failure> {
+    let file = File::open(path).map_err(|error| Diagnostic::unreadable(&shown(path), &error))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(Diagnostic::unreadable(path, &"it is a folder").into());
+        return Err(Diagnostic::unreadable(&shown(path), &"it is a folder").into());
     }
     Ok(file)
 }
 
 /// What messages call it.
-pub(super) fn name(path: &str) -> &str {
-    if path == "-" { "<stdin>" } else { path }
+pub(super) fn name(path: &Path) -> String {
+    if is_dash(path) { "<stdin>".to_owned() } else { shown(path) }
 }
 
 /// Standard input, read by a thread of its own: a slow pipe does not keep the program from ending.
@@ -107,6 +109,6 @@ impl Write for Stdout {
 fn unless_closed<T>(written: io::Result<T>, done: T) -> io::Result<T> {
     match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(done),
-        written => written,
+        written => written.map_err(|error| named(STDOUT, &error)),
     }
 }

@@ -3,12 +3,13 @@
 
 use std::collections::HashSet;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::output::{Failure, Output};
-use super::{stream, target};
+use super::stream;
+use super::target::{self, is_dash, shown};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
@@ -101,7 +102,7 @@ pub(super) struct Opener<'a> {
 pub(super) struct Files<'a> {
     opener: Opener<'a>,
     /// Those that can be read.
-    pub(super) paths: Vec<String>,
+    pub(super) paths: Vec<PathBuf>,
     /// The first table, and with one file the only one; `None` once it is evaluated.
     pub(super) first: Option<Opened>,
     /// A later one from standard input, which cannot be opened again.
@@ -148,12 +149,12 @@ impl<'a> Opener<'a> {
     }
 
     /// A file as a table.
-    pub(super) fn open(&self, path: &str) -> Result<Opened, Failure> {
-        let name = stream::name(path);
+    pub(super) fn open(&self, path: &Path) -> Result<Opened, Failure> {
+        let name = &stream::name(path);
         let container = match qdas_pair(path) {
             Some((definitions, values)) => {
                 let sources = (self.source(&definitions)?, self.source(&values)?);
-                Container::qdas_pair((&definitions, sources.0), (&values, sources.1))?
+                Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1))?
             }
             None => Container::open(name, self.source(path)?, &self.want(&self.spec)?)?,
         };
@@ -161,9 +162,9 @@ impl<'a> Opener<'a> {
     }
 
     /// Where the bytes of a file are.
-    fn source(&self, path: &str) -> Result<Source, Failure> {
+    fn source(&self, path: &Path) -> Result<Source, Failure> {
         Ok(match &self.stdin {
-            _ if path != "-" => Source::File(stream::file(path)?),
+            _ if !is_dash(path) => Source::File(stream::file(path)?),
             Some(bytes) => Source::Stream(Box::new(Cursor::new(Arc::clone(bytes)))),
             None => Source::Stream(stream::open(path, self.stop)?),
         })
@@ -199,14 +200,14 @@ impl<'a> Opener<'a> {
     }
 
     /// Looks at every file before any is evaluated.
-    pub(super) fn look(&self, paths: &[&str]) -> Result<Files<'a>, Failure> {
+    pub(super) fn look(&self, paths: &[PathBuf]) -> Result<Files<'a>, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
         let mut to_be_named: Vec<DeviationKind> = Vec::new();
         let (mut first, mut from_stdin, mut failed) = (None, None, Vec::new());
         let mut kept = Vec::new();
         let mut pairs = HashSet::new();
         // both files of a pair are one table
-        let is_new = |path: &&&str| qdas_pair(path).is_none_or(|pair| pairs.insert(pair));
+        let is_new = |path: &&PathBuf| qdas_pair(path).is_none_or(|pair| pairs.insert(pair));
         for path in paths.iter().filter(is_new) {
             match self.open(path).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
@@ -214,10 +215,10 @@ impl<'a> Opener<'a> {
                     to_be_named.extend(&opened.table.to_be_named);
                     if kept.is_empty() {
                         first = Some(opened);
-                    } else if *path == "-" {
+                    } else if is_dash(path) {
                         from_stdin = Some(opened);
                     }
-                    kept.push((*path).to_owned());
+                    kept.push(path.clone());
                 }
                 Err(failure) => failed.extend(diagnostics(failure)),
             }
@@ -235,8 +236,8 @@ impl<'a> Opener<'a> {
 
 impl Files<'_> {
     /// The next table: some were opened to look at them.
-    pub(super) fn next(&mut self, path: &str) -> Result<Opened, Failure> {
-        let opened = self.first.take().or_else(|| self.from_stdin.take_if(|_| path == "-"));
+    pub(super) fn next(&mut self, path: &Path) -> Result<Opened, Failure> {
+        let opened = self.first.take().or_else(|| self.from_stdin.take_if(|_| is_dash(path)));
         opened.map_or_else(|| self.opener.open(path), Ok)
     }
 }
@@ -250,22 +251,22 @@ fn alike(opened: Opened, first: Option<&Opened>) -> Result<Opened, Failure> {
 }
 
 /// The files of definitions and of values, if the name is that of one of them.
-pub(super) fn qdas_pair(path: &str) -> Option<(String, String)> {
+pub(super) fn qdas_pair(path: &Path) -> Option<(PathBuf, PathBuf)> {
     if !["dfd", "dfx"].contains(&target::ending(path).as_str()) {
         return None;
     }
-    let extension = Path::new(path).extension()?.to_str()?;
+    let extension = path.extension()?.to_str()?;
     let other = |wanted: &str| {
         // LOT.DFD and LOT.DFX, too
         let is_upper = extension.chars().all(|c| c.is_ascii_uppercase());
         let wanted = if is_upper { wanted.to_ascii_uppercase() } else { wanted.to_owned() };
-        Path::new(path).with_extension(wanted).display().to_string()
+        path.with_extension(wanted)
     };
     Some((other("dfd"), other("dfx")))
 }
 
 /// Every file that is read for this name.
-pub(super) fn files_read(path: &str) -> Vec<String> {
+pub(super) fn files_read(path: &Path) -> Vec<PathBuf> {
     match qdas_pair(path) {
         Some((definitions, values)) => vec![definitions, values],
         None => vec![path.to_owned()],

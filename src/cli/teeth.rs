@@ -1,6 +1,8 @@
 //! Teeth that a spec knows one by one: their mesh is solved before anything is judged. Shared by the subcommands that
 //! judge errors.
 
+use std::path::Path;
+
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output};
 use super::spec_files::measured_tables;
@@ -14,7 +16,7 @@ use crate::mesh::{Mesh, Support};
 use crate::spec::{MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
-pub(super) fn with_known_teeth(spec: Spec, path: &str, output: &mut Output) -> Result<Spec, Failure> {
+pub(super) fn with_known_teeth(spec: Spec, path: &Path, output: &mut Output) -> Result<Spec, Failure> {
     if !spec.has_deviations() {
         return Ok(spec);
     }

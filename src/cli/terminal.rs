@@ -5,8 +5,8 @@ use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::long::{self, Interruption, NOTHING_YET};
 use super::output::{Failure, Output, is_dumb};
+use super::signals;
 use super::stream::Stdin;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::grouped;
@@ -22,28 +22,24 @@ const CUT: usize = if cfg!(target_os = "macos") { 1023 } else { 4095 };
 const END: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
 
 /// Reads the block from standard input, of at most `largest` bytes. Where a signal comes first, it is what there was
-/// until then; callers ask `interruption` before they look at it.
-pub(super) fn read_block(output: &mut Output, interruption: &Interruption, largest: u64) -> Result<Vec<u8>, Failure> {
+/// until then; callers ask whether one came before they look at it.
+pub(super) fn read_block(output: &mut Output, largest: u64) -> Result<Vec<u8>, Failure> {
+    let interruption = signals::signals(output);
     let stdin = Stdin::new(Arc::clone(interruption.stop()));
     let unread = |error: io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read the block: {error}"));
     if !io::stdin().is_terminal() {
         let mut bytes = Vec::new();
-        let read = || stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes);
-        interruption.while_waiting(read, || output.message(NOTHING_YET)).map_err(unread)?;
+        stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
+    // the terminal is asked to mark pastes, and has to be told when that is over
+    let interruption = signals::interrupted(output);
     output.remark(&format!("Paste the values, then press {END} (on a line of its own):"));
     let marked = MarkedPaste::ask_for();
     let typed = Typed::read(stdin, largest, || once_more(output));
     drop(marked);
     let typed = typed.map_err(unread)?;
-    match interruption.status() {
-        Some(_) => {
-            output.message(NOTHING_YET);
-            Ok(typed.bytes)
-        }
-        None => typed.checked(largest),
-    }
+    if interruption.came() { Ok(typed.bytes) } else { typed.checked(largest) }
 }
 
 /// Reads a block that was typed ahead to its end; it is not used.
@@ -53,7 +49,7 @@ pub(super) fn discard_block(output: &mut Output) {
     if !io::stdin().is_terminal() {
         return;
     }
-    let interruption = long::interrupted(output);
+    let interruption = signals::interrupted(output);
     let mut stdin = Stdin::new(Arc::clone(interruption.stop()));
     if stdin.comes_within(AHEAD) {
         output.remark(&format!("(what is typed up to {END} is not used)"));

@@ -32,13 +32,8 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
     let cases = cases(basis, outcome);
     let count = |tag: &str| cases.iter().filter(|case| case.tag == tag).count();
     let (all, failed, errors) = (1 + cases.len(), count("failure"), count("error"));
-    let name = escaped(title.unwrap_or("rackmesh batch"));
-    let mut xml = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-         <testsuites name=\"rackmesh\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\">\n\
-         <testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n\
-         <properties>\n"
-    );
+    let mut xml = begun(title.unwrap_or(BATCH), [all, failed, errors]);
+    xml.push_str("<properties>\n");
     let property = |xml: &mut String, name: &str, value: &str| {
         let _ = writeln!(xml, "<property name=\"{name}\" value=\"{}\"/>", escaped(value));
     };
@@ -64,9 +59,33 @@ pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
     if !said.is_empty() {
         let _ = writeln!(xml, "<system-out>{}</system-out>", escaped(&said.join("\n")));
     }
-    xml.push_str("</testsuite>\n</testsuites>\n");
-    xml
+    xml + ENDED
 }
+
+/// What a suite is called that has no title.
+const BATCH: &str = "rackmesh batch";
+/// The end of every report.
+const ENDED: &str = "</testsuite>\n</testsuites>\n";
+
+/// The start of a report with so many test cases, failures and errors.
+fn begun(name: &str, [all, failed, errors]: [usize; 3]) -> String {
+    let name = escaped(name);
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+         <testsuites name=\"rackmesh\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\">\n\
+         <testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n"
+    )
+}
+
+/// The JUnit report of a batch that has no outcome, and why it has none: an error.
+#[must_use]
+pub fn junit_of_failure(why: &str) -> String {
+    let case = case(["run", COMPLETE], "error", "incomplete", why.to_owned());
+    begun(BATCH, [1, 0, 1]) + &case.xml() + ENDED
+}
+
+/// The test case that every part was looked at.
+const COMPLETE: &str = "the run is complete";
 
 /// A test case that is none of those that pass.
 struct Case {
@@ -144,7 +163,7 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     } else {
         None
     };
-    let incomplete = incomplete.map(|why| case(["run", "the run is complete"], "error", "incomplete", why.to_owned()));
+    let incomplete = incomplete.map(|why| case(["run", COMPLETE], "error", "incomplete", why.to_owned()));
     let unjudged = basis.unjudged_sentence(&outcome.counts);
     let unjudged = unjudged.map(|why| case(["run", "every limit is judged"], "error", "unjudged", why));
     incomplete.into_iter().chain(unjudged).collect()

@@ -46,7 +46,7 @@ pub use batch_chart::{RunChart, error_histograms, judged_histogram};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
-pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit};
+pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit, junit_of_failure};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart, bound_note, bound_remarks};
 

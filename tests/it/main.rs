@@ -24,6 +24,7 @@ mod mesh_work;
 mod multibody;
 mod multibody_friction;
 mod multibody_sweep;
+mod outputs;
 mod plausible;
 mod process;
 mod reading;

@@ -689,3 +689,18 @@ fn a_report_that_a_signal_ends_leaves_the_old_page() {
     }
     panic!("nothing is kept");
 }
+
+/// What a table contradicts is said before teeth are solved: here they cannot be, for the pair has no geometry.
+#[test]
+fn a_part_that_is_given_both_ways_is_refused_before_its_teeth_are_solved() {
+    let folder = Folder::new("both-ways");
+    let (spec, table) = (folder.path("rack.toml"), folder.path("parts.csv"));
+    let text = "[[rack.deviation]]\nteeth = \"4..\"\npitch = \"+20 um\"\n";
+    std::fs::write(&spec, text).expect("the spec can be written");
+    std::fs::write(&table, "part_id,rack_pitch [um]\nP1,3\nP2,4\n").expect("the table can be written");
+    for command in ["batch", "paste"] {
+        let ended = run(&[command, &spec, &table], "");
+        assert_eq!(ended.code, Some(2), "{command}");
+        assert!(ended.stderr.contains("error[bad-error-entry]: the rack is given both ways"), "{}", ended.stderr);
+    }
+}

@@ -241,9 +241,12 @@ impl<'a> Teeth<'a> {
                 return Ok(());
             }
             let (tables, request) = (self.tables, &self.request);
-            let solve = |(): &mut (), index: usize| lot.solved(&parts[index], tables, request);
+            let solve = |(): &mut (), index: usize| {
+                let is_stopped = stop.load(Ordering::Relaxed);
+                (!is_stopped).then(|| lot.solved(&parts[index], tables, request))
+            };
             let solved = parallel::map(self.workers, parts.len(), || (), solve).0;
-            for (part, solved) in parts.iter().zip(solved) {
+            for (part, solved) in parts.iter().zip(solved.into_iter().map_while(|solved| solved)) {
                 self.settle(part, solved, lot)?;
                 if self.ledger.is_over(self.request.rows.strict) {
                     return Ok(());

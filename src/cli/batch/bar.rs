@@ -1,13 +1,16 @@
 //! How far a batch is, where somebody watches.
 
+use std::path::PathBuf;
+
 use crate::batch::{Packing, Progress};
-use crate::cli::long;
+use crate::cli::bar;
 use crate::cli::output::Output;
+use crate::cli::target::shown;
 use crate::report::grouped;
 
 /// How far the run is, where somebody watches.
 pub(super) struct Bar {
-    shown: long::Bar,
+    shown: bar::Bar,
     /// The sizes of the files, as far as they have one.
     sizes: Vec<Option<u64>>,
     file: usize,
@@ -17,13 +20,13 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    pub(super) fn new(files: &[&str], unit: &'static str, output: &Output) -> Self {
+    pub(super) fn new(files: &[PathBuf], unit: &'static str, output: &Output) -> Self {
         let sizes = files.iter().map(|path| {
-            let (packing, _) = Packing::of_name(path);
+            let (packing, _) = Packing::of_name(&shown(path));
             let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
             (packing == Packing::None).then_some(metadata.len())
         });
-        Self { shown: long::Bar::new(output), sizes: sizes.collect(), file: 0, done: 0, unit }
+        Self { shown: bar::Bar::new(output), sizes: sizes.collect(), file: 0, done: 0, unit }
     }
 
     pub(super) fn show(&mut self, progress: &Progress) {

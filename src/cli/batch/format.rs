@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use super::Args;
 use crate::batch::{Packing, RowFormat};
 use crate::cli::output::Failure;
-use crate::cli::target;
+use crate::cli::target::{self, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::Format;
 
@@ -88,10 +88,11 @@ impl Args {
             return Ok(self.known_ending()?.and_then(BatchFormat::of_ending).unwrap_or(usual));
         };
         let Some(path) = &self.output else { return Ok(format) };
-        match BatchFormat::of_ending(&target::ending(Packing::of_name(path).1)) {
+        let name = &shown(path);
+        match BatchFormat::of_ending(&target::ending(Packing::of_name(name).1)) {
             // .txt is any text
             Some(named) if named != format && named != BatchFormat::Table => {
-                let message = format!("--format {} does not fit the name {path}", format.name());
+                let message = format!("--format {} does not fit the name {name}", format.name());
                 Err(Diagnostic::usage(message).help("leave out --format, or end the name otherwise").into())
             }
             _ => Ok(format),
@@ -102,7 +103,8 @@ impl Args {
     fn known_ending(&self) -> Result<Option<&'static str>, Diagnostic> {
         const ROWS: [&str; 7] = ["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"];
         let Some(path) = &self.output else { return Ok(None) };
-        let ending = match Packing::of_name(path) {
+        let name = &shown(path);
+        let ending = match Packing::of_name(name) {
             _ if self.summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
             (Packing::None, _) => target::known_ending(path, path, &ROWS),
             // text alone is packed

@@ -7,6 +7,7 @@ mod targets;
 mod teeth;
 
 use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bar::Bar;
@@ -14,14 +15,15 @@ use clap::builder::PossibleValue;
 use format::BatchFormat;
 pub(super) use notes::{lacking, notes, of_every_part};
 use targets::Targets;
+pub(super) use targets::report_of_usage;
 
 use super::decision::JudgeArgs;
-use super::long::{self, Interruption};
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
+use super::signals::{self, Interruption};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
-use super::{spec_files, stream, target};
+use super::{spec_files, stream};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
@@ -38,18 +40,18 @@ pub(super) const ABOUT: &str = "Judge tables of measured parts: ΔCD and a verdi
   rackmesh batch rack.toml lot*.csv --rejects bad.csv --junit parts.xml --annotations github
 
 Exit status: 0 all parts inside the limits or none given, 1 a part outside, 2 a row rejected or
-not judged, 3 indeterminate and none worse, 130 or 143 interrupted.")]
+not judged, 3 indeterminate and none worse, 129, 130 or 143 interrupted.")]
 // the stroke is that of the exact mesh
 #[command(mut_args(with_teeth))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
-    spec: String,
+    spec: PathBuf,
     /// Tables: text, gzip, zstd, .xlsx, .dfq, Parquet; `-` or none reads standard input.
-    files: Vec<String>,
+    files: Vec<PathBuf>,
     /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
-    output: Option<String>,
+    output: Option<PathBuf>,
     /// Output format.
     #[arg(long, short, value_enum)]
     format: Option<BatchFormat>,
@@ -82,13 +84,13 @@ pub(super) struct Args {
     range: super::mesh::Range,
     /// Write rejected rows here, unchanged and below their header.
     #[arg(long, value_name = "FILE")]
-    rejects: Option<String>,
+    rejects: Option<PathBuf>,
     /// End at the first rejected row.
     #[arg(long)]
     strict: bool,
     /// Write a JUnit report here.
     #[arg(long, value_name = "FILE")]
-    junit: Option<String>,
+    junit: Option<PathBuf>,
     /// Annotate parts that do not pass, on standard error, for github.
     #[arg(long, value_parser = [
         PossibleValue::new("github").help("Workflow commands of GitHub Actions"),
@@ -113,7 +115,7 @@ const PARTS_LISTED: usize = 1000;
 
 const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
 
-fn unread(file: &str, error: &io::Error) -> Diagnostic {
+fn unread(file: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", stream::name(file)))
 }
 
@@ -125,32 +127,30 @@ struct Ending<'a> {
     failed: &'a [Diagnostic],
     basis: Basis,
     interruption: &'a Interruption,
-    /// The files that are read.
-    inputs: &'a [String],
 }
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        let junit = self.begin_report()?;
         let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
-        let interruption = long::interrupted(output);
-        let mut files = self.files.iter().map(String::as_str).collect::<Vec<_>>();
+        let mut files = self.files.clone();
         if files.is_empty() {
-            files.push("-");
+            files.push("-".into());
         }
         spec_files::refuse_shared_input(&self.spec, &files)?;
         let (rows_format, summary_format) = self.formats(output.screen().safe_csv)?;
+        let inputs = spec_files::inputs(&spec, &self.spec, &files);
+        let mut begun = self.begin(junit, &inputs, &spec)?;
+        let interruption = signals::interrupted(output);
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
-        let inputs = spec_files::inputs(&spec, &self.spec, &files);
-        self.refuse_targets(&inputs)?;
         let nothing = || {
             let ending = Ending {
                 spec: &spec,
-                targets: Targets::default(),
+                targets: std::mem::take(&mut begun),
                 failed: &[],
                 basis: self.basis(&spec),
                 interruption: &interruption,
-                inputs: &inputs,
             };
             let outcome = Outcome { interrupted: true, ..Outcome::default() };
             let ended = self.end(ending, (outcome, Ok(())), summary_format, output);
@@ -158,15 +158,17 @@ impl Args {
         };
         let mut found = interruption.while_waiting(|| opener.look(&files), nothing)?;
         if self.teeth {
-            return self.run_teeth(&spec, &mut found, (rows_format, summary_format), &interruption, output);
+            return self.run_teeth(&spec, (&mut found, begun), (rows_format, summary_format), &interruption, output);
         }
         let Some(first) = &found.first else { return Ok(Status::Undecided) };
+        let request = self.request(rows_format, &first.spec)?;
+        Plan::refuse(&first.spec, &first.table, &request)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
-        let plan = Plan::new(&spec, &first.table, self.request(rows_format, &spec)?)?;
+        let plan = Plan::new(&spec, &first.table, request)?;
         self.remarks(&plan, output);
         let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
-        let mut targets = self.targets(rows_format, &inputs, &spec, &|| plan.columns_written())?;
-        let mut batch = Batch::new(&plan, targets.sinks(), self.threads.map(usize::from));
+        let sinks = begun.sinks(rows_format, || plan.columns_written())?;
+        let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
         let mut bar = Bar::new(&files, "rows", output);
         let failed = Self::run_each(&mut found, &mut bar, |table, bar| {
             let layout = Layout::new(&plan, &table)?;
@@ -178,11 +180,10 @@ impl Args {
         outcome.notes.extend(notes);
         let ending = Ending {
             spec: &spec,
-            targets,
+            targets: begun,
             failed: &failed,
             basis: Basis::of(&plan),
             interruption: &interruption,
-            inputs: &inputs,
         };
         self.end(ending, (outcome, written), summary_format, output)
     }
@@ -219,13 +220,13 @@ impl Args {
         format: Format,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let Ending { spec, targets, failed, basis, interruption, inputs } = ending;
+        let Ending { spec, mut targets, failed, basis, interruption } = ending;
         written?;
         outcome.notes.extend(spec.suspicions_in_words());
         outcome.tell_duplicates();
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
-        outcome.interrupted |= !targets.finish(is_complete, interruption, output)?;
+        outcome.interrupted |= !targets.finish_rows(is_complete, interruption, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
@@ -241,15 +242,15 @@ impl Args {
             tables::say(&outcome.readings, &outcome.notes, output);
         }
         self.problems(&basis, &outcome, output);
-        if let Some(path) = &self.junit {
-            target::write(path, inputs, report::junit(spec.title.as_deref(), &basis, &outcome).as_bytes())?;
+        if let Some(junit) = targets.junit.take() {
+            junit.write_whole(report::junit(spec.title.as_deref(), &basis, &outcome).as_bytes())?;
         }
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
-            match &self.output {
-                Some(path) => {
-                    target::write(path, inputs, report::write(&report, format, output.screen().of_file())?.as_bytes())?;
+            match targets.summary.take() {
+                Some(summary) => {
+                    summary.write_whole(report::write(&report, format, output.screen().of_file())?.as_bytes())?;
                 }
                 None => output.report(&report, format)?,
             }
@@ -354,7 +355,7 @@ impl Args {
         }
         if outcome.interrupted {
             output.message(match outcome.counts.rows {
-                0 => long::NOTHING_YET,
+                0 => signals::NOTHING_YET,
                 _ => "interrupted: this is of the rows up to here, and not of all parts",
             });
         }
@@ -403,7 +404,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
 }
 
 /// What is wrong where a table was not read to its end.
-pub(super) fn unfinished(path: &str, run: Result<(), RunError>) -> Result<Option<Diagnostic>, Failure> {
+pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Option<Diagnostic>, Failure> {
     match run {
         Ok(()) => Ok(None),
         Err(RunError::Read(error)) => Ok(Some(unread(path, &error))),

@@ -1,15 +1,19 @@
-//! The files that a batch writes: rows in their format and packing, and rejected rows. They appear under their names when
-//! the run is complete; of one that is not, what there is stands beside as NAME.partial.
+//! The files that a batch writes: rows in their format and packing, or the summary; rejected rows; a JUnit report. They are
+//! begun before anything is computed, and appear under their names when the run is complete; of one that is not, what there
+//! is stands beside as NAME.partial, and the JUnit report says so.
 
+use std::ffi::OsString;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use super::Args;
 use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, Sinks};
-use crate::cli::long::Interruption;
 use crate::cli::office::{OfficeRows, is_office};
 use crate::cli::output::{Failure, Output};
-use crate::cli::target::{self, Target};
+use crate::cli::signals::Interruption;
+use crate::cli::target::{self, Target, UnlessComplete, shown};
 use crate::diagnostic::Diagnostic;
+use crate::report;
 use crate::spec::Spec;
 
 /// Rows that are not written to their file as they come.
@@ -26,34 +30,44 @@ pub(super) struct Targets {
     file: Option<Target>,
     kept: Option<Kept>,
     rejects: Option<Target>,
+    pub(super) summary: Option<Target>,
+    pub(super) junit: Option<Target>,
     packing: Packing,
     rejects_packing: Packing,
 }
 
 impl Targets {
-    pub(super) fn sinks(&mut self) -> Sinks<'_> {
+    /// What the rows are written to, now that it is known which columns they have.
+    pub(super) fn sinks(
+        &mut self,
+        format: RowFormat,
+        columns: impl FnOnce() -> Vec<(String, ColumnKind)>,
+    ) -> Result<Sinks<'_>, Failure> {
+        if let (Some(file), RowFormat::Columns) = (&mut self.file, format) {
+            self.kept = Some(Kept::Parquet(Box::new(ParquetRows::new(file.take_writer(), &columns())?)));
+        }
         let (packing, rejects_packing) = (self.packing, self.rejects_packing);
         let file = self.file.as_mut().map(|writer| RowSink::Text(Sink { writer, packing }));
-        Sinks {
+        Ok(Sinks {
             rows: match &mut self.kept {
                 Some(Kept::Parquet(rows)) => Some(RowSink::Columns(rows.as_mut())),
                 Some(Kept::Office(writer)) => Some(RowSink::Text(Sink { writer, packing })),
                 None => file,
             },
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
-        }
+        })
     }
 
-    /// Ends the files; whether that was not interrupted. Of a run that is not complete, what there is is kept beside, and
-    /// that is said.
-    pub(super) fn finish(
-        mut self,
+    /// Ends the files of rows; whether that was not interrupted. Of a run that is not complete, what there is is kept beside,
+    /// and that is said.
+    pub(super) fn finish_rows(
+        &mut self,
         is_complete: bool,
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<bool, Failure> {
         let mut is_written = true;
-        match self.kept {
+        match self.kept.take() {
             Some(Kept::Parquet(rows)) => rows.finish()?,
             Some(Kept::Office(rows)) => is_written = rows.finish(interruption.stop())?,
             None => {}
@@ -61,58 +75,77 @@ impl Targets {
         if let Some(file) = self.file.take_if(|_| !is_written) {
             file.discard(output);
         }
-        for target in [self.file, self.rejects].into_iter().flatten() {
+        for target in [self.file.take(), self.rejects.take()].into_iter().flatten() {
             target.end(is_complete, output)?;
         }
         Ok(is_written)
     }
 }
 
+/// Begins a JUnit report. Of a run that fails it says so, for pipelines show what stands there.
+fn begin_report(path: &Path, inputs: &[PathBuf]) -> Result<Target, Failure> {
+    Target::with(path, inputs, UnlessComplete::Report(report::junit_of_failure))
+}
+
+/// Writes the JUnit report of a run whose arguments are wrong.
+pub(in crate::cli) fn report_of_usage(arguments: &[OsString], error: &clap::Error) {
+    if !error.use_stderr() {
+        return;
+    }
+    let found = crate::cli::command().ignore_errors(true).try_get_matches_from(arguments).ok();
+    let path = found.as_ref().and_then(|found| found.subcommand_matches("batch")?.get_one::<PathBuf>("junit"));
+    // what is wrong with the file is told when the arguments are right
+    drop(path.map(|path| begin_report(path, &[])));
+}
+
 impl Args {
-    /// Refuses files to be written that are read, that are one, or whose name says what they are not.
-    pub(super) fn refuse_targets(&self, inputs: &[String]) -> Result<(), Failure> {
-        let written: Vec<&str> =
-            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(String::as_str).collect();
+    /// Begins the JUnit report, before anything can fail.
+    pub(super) fn begin_report(&self) -> Result<Option<Target>, Failure> {
+        let read: Vec<PathBuf> = std::iter::once(&self.spec).chain(&self.files).cloned().collect();
+        self.junit.as_deref().map(|path| begin_report(path, &read)).transpose()
+    }
+
+    /// Begins the other files. Refuses those that are read, that are one, or whose name says what they are not.
+    pub(super) fn begin(&self, junit: Option<Target>, inputs: &[PathBuf], spec: &Spec) -> Result<Targets, Failure> {
+        let written: Vec<&Path> =
+            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(PathBuf::as_path).collect();
         target::refuse_same(&written)?;
         for path in &written {
             target::refuse_inputs(path, inputs)?;
         }
-        self.rejects.as_deref().map_or(Ok(()), refuse_other_place)
-    }
-
-    /// Where rows and rejected rows go.
-    pub(super) fn targets(
-        &self,
-        format: RowFormat,
-        inputs: &[String],
-        spec: &Spec,
-        columns: &dyn Fn() -> Vec<(String, ColumnKind)>,
-    ) -> Result<Targets, Failure> {
+        self.rejects.as_deref().map_or(Ok(()), refuse_other_place)?;
+        let packing =
+            |path: &Option<PathBuf>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(&shown(path)).0);
+        let path = self.output.as_deref().unwrap_or(Path::new("-"));
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;
-        let packing = |path: &Option<String>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(path).0);
-        let (packing, rejects_packing) = (packing(&self.output), packing(&self.rejects));
-        let path = self.output.as_deref().unwrap_or("-");
-        let mut file = if self.summary { None } else { Some(Target::create(path, inputs)?) };
+        let is_written = !self.summary || self.output.is_some();
+        let file = is_written.then(|| Target::create(path, inputs)).transpose()?;
+        let (mut file, summary) = if self.summary { (None, file) } else { (file, None) };
         let kept = match &mut file {
-            Some(file) if is_office(path) => {
+            Some(file) if is_office(&shown(path)) => {
                 let title = spec.title.as_deref().unwrap_or("rackmesh");
-                Some(Kept::Office(OfficeRows::new(path, file.take_writer(), (title, &spec.limits()))?))
-            }
-            Some(file) if format == RowFormat::Columns => {
-                Some(Kept::Parquet(Box::new(ParquetRows::new(file.take_writer(), &columns())?)))
+                Some(Kept::Office(OfficeRows::new(&shown(path), file.take_writer(), (title, &spec.limits()))?))
             }
             _ => None,
         };
-        Ok(Targets { file, kept, rejects, packing, rejects_packing })
+        Ok(Targets {
+            kept,
+            packing: packing(&self.output),
+            rejects_packing: packing(&self.rejects),
+            file,
+            rejects,
+            summary,
+            junit,
+        })
     }
 }
 
 /// Rejected rows are the bytes of the table: a name that says otherwise is refused, and so are the process's own streams, for
 /// what shows them would obey what stands in them.
-fn refuse_other_place(path: &str) -> Result<(), Failure> {
+fn refuse_other_place(path: &Path) -> Result<(), Failure> {
     if target::is_own_stream(path) {
         let message =
-            format!("--rejects {path}: rejected rows are copied byte by byte, which only a file takes safely");
+            format!("--rejects {}: rejected rows are copied byte by byte, which only a file takes safely", shown(path));
         return Err(Diagnostic::usage(message).help("give the name of a file").into());
     }
     const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
@@ -120,6 +153,7 @@ fn refuse_other_place(path: &str) -> Result<(), Failure> {
     if !OTHERS.contains(&ending.as_str()) {
         return Ok(());
     }
-    let message = format!("--rejects {path}: rejected rows are written as lines of text, and not as .{ending}");
+    let message =
+        format!("--rejects {}: rejected rows are written as lines of text, and not as .{ending}", shown(path));
     Err(Diagnostic::usage(message).help("give a name that ends in .csv or .txt").into())
 }

@@ -1,13 +1,13 @@
 //! `--teeth`: parts with their teeth, through the exact mesh.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use super::bar::Bar;
+use super::targets::Targets;
 use super::{Args, Ending, NO_LIMITS, mesh_basis};
 use crate::batch::{RowFormat, Teeth, TeethRequest};
-use crate::cli::long::Interruption;
 use crate::cli::output::{Failure, Output, Status};
+use crate::cli::signals::Interruption;
 use crate::cli::{spec_files, tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
@@ -20,7 +20,7 @@ impl Args {
     pub(super) fn run_teeth(
         &self,
         spec: &Arc<Spec>,
-        found: &mut tables::Files<'_>,
+        (found, mut targets): (&mut tables::Files<'_>, Targets),
         (format, summary_format): (RowFormat, Format),
         interruption: &Interruption,
         output: &mut Output,
@@ -34,20 +34,13 @@ impl Args {
         }
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let workers = self.threads.map_or_else(cores, usize::from);
-        let paths = found.paths.clone();
-        let files: Vec<&str> = paths.iter().map(String::as_str).collect();
-        let inputs = spec_files::inputs(spec, &self.spec, &files);
         let columns = Teeth::columns_written(self.columns.as_deref())?;
-        let mut targets = self.targets(format, &inputs, spec, &|| columns.clone())?;
-        let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(), workers)?;
-        let mut bar = Bar::new(&files, "parts", output);
-        let failed = Self::run_each(found, &mut bar, |table, _| {
-            Ok((teeth.take(table)?, interruption.stop().load(Ordering::Relaxed)))
-        })?;
+        let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(format, || columns)?, workers)?;
+        let mut bar = Bar::new(&found.paths, "parts", output);
+        let failed = Self::run_each(found, &mut bar, |table, _| Ok((teeth.take(table)?, interruption.came())))?;
         let finished = teeth.finish(interruption.stop(), &mut |progress| bar.show(progress));
         bar.finish();
-        let (failed, inputs) = (&failed, &inputs);
-        let ending = Ending { spec, targets, failed, basis, interruption, inputs };
+        let ending = Ending { spec, targets, failed: &failed, basis, interruption };
         self.end(ending, finished, summary_format, output)
     }
 }

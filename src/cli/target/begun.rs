@@ -1,0 +1,270 @@
+//! Files that are begun and not yet complete, of the whole process: whatever ends it early takes them from here. A begun
+//! file stands beside the place that it is to have, as `.NAME.PROCESS-LETTERS.part`, and is locked. One that can be
+//! locked belongs to a process that was killed: the next file that is begun for the same place removes it.
+
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
+use std::io::{self, Seek as _, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::{Builder, NamedTempFile, PersistError};
+
+use super::names::{is_input, shown};
+
+/// What ends the name of a begun file.
+const SUFFIX: &str = ".part";
+
+/// A file that is begun.
+struct Begun {
+    id: u64,
+    /// What it was called on the command line.
+    path: PathBuf,
+    /// Where it is to stand, links resolved.
+    place: PathBuf,
+    /// Files that are read.
+    inputs: Vec<PathBuf>,
+    /// Where it stands.
+    temporary: NamedTempFile,
+    unless_complete: UnlessComplete,
+}
+
+/// What becomes of a file that is not completed.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::cli) enum UnlessComplete {
+    /// What there is stands in `NAME.partial`.
+    Partial,
+    /// A report of the reason takes the place of an older report, which pipelines would show.
+    Report(fn(&str) -> String),
+}
+
+static BEGUN: Mutex<Vec<Begun>> = Mutex::new(Vec::new());
+/// What is to be said of files that were dropped.
+static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// A lock that outlives a panic of another thread.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Begins the file `path`, which is to stand at `place`, where `old` was found: its number.
+pub(super) fn begin(
+    path: &Path,
+    place: PathBuf,
+    old: Option<Metadata>,
+    inputs: Vec<PathBuf>,
+    unless_complete: UnlessComplete,
+) -> io::Result<(u64, Writer)> {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    if old.is_some() {
+        // a file that must not be written must not be replaced
+        OpenOptions::new().write(true).open(&place)?;
+    }
+    clear(&place);
+    let temporary = beside(&place)?;
+    if let Some(old) = old {
+        temporary.as_file().set_permissions(old.permissions())?;
+    }
+    let writer = Writer { path: path.to_owned(), file: temporary.as_file().try_clone()? };
+    let id = NEXT.fetch_add(1, Ordering::Relaxed);
+    let begun = Begun { id, path: path.to_owned(), place, inputs, temporary, unless_complete };
+    lock(&BEGUN).push(begun);
+    Ok((id, writer))
+}
+
+/// What the name of every file begins with that is begun for this place.
+fn prefix(place: &Path) -> String {
+    /// Characters: the whole name has to fit a folder's longest.
+    const LONGEST: usize = 40;
+    let name: String = place.file_name().unwrap_or_default().to_string_lossy().chars().take(LONGEST).collect();
+    format!(".{name}.")
+}
+
+fn folder(place: &Path) -> &Path {
+    place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Makes a locked file beside `place`.
+fn beside(place: &Path) -> io::Result<NamedTempFile> {
+    if place.file_name().is_none() {
+        return Err(io::ErrorKind::InvalidFilename.into());
+    }
+    let prefix = format!("{}{}-", prefix(place), std::process::id());
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(SUFFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    loop {
+        let made = builder.tempfile_in(folder(place))?;
+        let is_taken = matches!(made.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        // until it is locked, another process may take it for what a killed one left
+        if !is_taken && made.path().exists() {
+            return Ok(made);
+        }
+    }
+}
+
+/// Removes what killed processes have left beside `place`: what can be locked is of no process that runs.
+fn clear(place: &Path) {
+    let prefix = prefix(place);
+    let is_left = |name: &str| {
+        let rest = name.strip_prefix(&prefix).and_then(|rest| rest.strip_suffix(SUFFIX));
+        let parts = rest.and_then(|rest| rest.split_once('-'));
+        parts.is_some_and(|(process, letters)| {
+            process.parse::<u32>().is_ok() && letters.bytes().all(|byte| byte.is_ascii_alphanumeric())
+        })
+    };
+    let Ok(entries) = fs::read_dir(folder(place)) else { return };
+    for entry in entries.flatten().filter(|entry| is_left(&entry.file_name().to_string_lossy())) {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        let opened = is_file.then(|| File::open(entry.path()));
+        if let Some(Ok(file)) = opened
+            && file.try_lock().is_ok()
+        {
+            // one that cannot be removed is in nobody's way
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Writes to a begun file in whole pieces: whoever keeps what there is finds no half of one.
+pub(super) struct Writer {
+    path: PathBuf,
+    file: File,
+}
+
+impl Write for Writer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let _begun = lock(&BEGUN);
+        self.file.write_all(bytes).map_err(|error| super::named(&shown(&self.path), &error))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Takes a file from those that are begun. Whoever does holds them until the file is where it is to be: nobody ends the
+/// process meanwhile.
+fn take(begun: &mut Vec<Begun>, id: u64) -> Option<Begun> {
+    let place = begun.iter().position(|begun| begun.id == id)?;
+    Some(begun.swap_remove(place))
+}
+
+/// Puts a begun file in its place, now that it is complete: its bytes are on the disk before its name is. `replaces` says
+/// whether an old file may be there.
+pub(super) fn finish(id: u64, replaces: bool) -> io::Result<()> {
+    let file = lock(&BEGUN).iter().find(|begun| begun.id == id).map(|begun| begun.temporary.as_file().try_clone());
+    // without the lock: a slow disk keeps nobody from ending
+    file.transpose()?.map_or(Ok(()), |file| file.sync_all())?;
+    let mut all = lock(&BEGUN);
+    let Some(begun) = take(&mut all, id) else { return Ok(()) };
+    let Begun { temporary, place, .. } = begun;
+    let put = if replaces { temporary.persist(&place) } else { temporary.persist_noclobber(&place) };
+    if let Err(PersistError { error, file }) = put {
+        if replaces {
+            all.push(Begun { temporary: file, place, ..begun });
+        }
+        return Err(error);
+    }
+    drop(all);
+    // some systems have no folders that can be opened, some disks none that can be waited for
+    #[cfg(unix)]
+    let _ = File::open(folder(&place)).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// Removes a file that is not complete.
+pub(super) fn discard(id: u64) {
+    drop(take(&mut lock(&BEGUN), id));
+}
+
+/// Ends a file that is not complete. Returns what is to be said of it.
+pub(super) fn abandon(id: u64, why: &str) -> Option<String> {
+    let mut all = lock(&BEGUN);
+    take(&mut all, id)?.abandon(why)
+}
+
+/// Ends a file that is not complete; what is to be said of it is kept.
+pub(super) fn drop_file(id: u64) {
+    let said = abandon(id, "the run failed: its messages say why");
+    lock(&SAID).extend(said);
+}
+
+/// What is to be said of files that were not completed, and was not said so far.
+pub(in crate::cli) fn said() -> Vec<String> {
+    std::mem::take(&mut *lock(&SAID))
+}
+
+/// Ends all files, none of which is complete, for a process that ends next: nobody begins, writes or completes one any
+/// more. Returns what is to be said of them; `None` if a file is just being written, and that does not come to an end.
+pub(in crate::cli) fn abandon_all(why: &str) -> Option<Vec<String>> {
+    const TRIES: usize = 10;
+    const INTERVAL: std::time::Duration = std::time::Duration::from_millis(10);
+    for _ in 0..TRIES {
+        match BEGUN.try_lock() {
+            Ok(mut begun) => {
+                let said = begun.drain(..).filter_map(|begun| begun.abandon(why)).collect();
+                std::mem::forget(begun);
+                return Some(said);
+            }
+            Err(_) => std::thread::sleep(INTERVAL),
+        }
+    }
+    None
+}
+
+impl Begun {
+    fn abandon(self, why: &str) -> Option<String> {
+        match self.unless_complete {
+            UnlessComplete::Partial => {
+                let has_bytes = self.temporary.as_file().metadata().is_ok_and(|metadata| metadata.len() > 0);
+                let kept = has_bytes.then(|| partial_place(&self.place, &self.inputs));
+                let kept = kept.filter(|partial| self.temporary.persist(partial).is_ok());
+                let partial = shown(kept?);
+                let path = shown(&self.path);
+                Some(format!("{path} is not written, because the run is incomplete: {partial} shows what was computed"))
+            }
+            UnlessComplete::Report(report) => {
+                let place = self.place.clone();
+                if may_hold_report(&place) && self.put(report(why).as_bytes()).is_err() {
+                    // none is better than an older one
+                    let _ = fs::remove_file(place);
+                }
+                None
+            }
+        }
+    }
+
+    /// Puts a file with these bytes in the place.
+    fn put(self, bytes: &[u8]) -> io::Result<()> {
+        let mut file = self.temporary.as_file();
+        file.set_len(0)?;
+        file.rewind()?;
+        file.write_all(bytes)?;
+        self.temporary.persist(&self.place)?;
+        Ok(())
+    }
+}
+
+/// Whether a report may take this place unasked: nothing is there, or an older report.
+fn may_hold_report(place: &Path) -> bool {
+    const START: usize = 512;
+    let Ok(file) = File::open(place) else { return !place.exists() };
+    let mut start = Vec::new();
+    let read = io::Read::read_to_end(&mut io::Read::take(file, START as u64), &mut start);
+    read.is_ok() && (start.is_empty() || String::from_utf8_lossy(&start).contains("<testsuite"))
+}
+
+/// The name of what there is of an incomplete file: not that of a file that is read.
+fn partial_place(place: &Path, inputs: &[PathBuf]) -> PathBuf {
+    let named = |end: &str| {
+        let mut name = place.file_name().unwrap_or_default().to_owned();
+        name.push(end);
+        place.with_file_name(name)
+    };
+    let numbered = (2_u32..).map(|number| named(&format!(".partial-{number}")));
+    let mut places = std::iter::once(named(".partial")).chain(numbered);
+    places.find(|partial| !is_input(partial, inputs)).unwrap_or_else(|| named(".partial"))
+}

@@ -1,0 +1,445 @@
+//! Every file that a command writes: complete, or the old one and what there is beside it, whatever ends the run.
+
+#![cfg(target_os = "linux")]
+
+use std::collections::BTreeSet;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::io::{Read as _, Write as _};
+use std::os::unix::ffi::OsStrExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// How an option or a positional that takes a file to write is tried.
+struct Written {
+    command: &'static str,
+    /// As clap calls it.
+    id: &'static str,
+    /// What is written behind the name of the program: `SPEC` and `TABLE` are read, `OUT` is written.
+    line: &'static str,
+    /// The example that is the spec.
+    spec: &'static str,
+    /// The name of what is written; in a folder, which `OUT` then is, the first file.
+    file: &'static str,
+    in_folder: bool,
+}
+
+const fn file(
+    command: &'static str,
+    id: &'static str,
+    line: &'static str,
+    spec: &'static str,
+    file: &'static str,
+) -> Written {
+    Written { command, id, line, spec, file, in_folder: false }
+}
+
+const WRITTEN: [Written; 13] = [
+    file("batch", "output", "batch SPEC TABLE --partial -o OUT", "steering", "out.csv"),
+    file("batch", "rejects", "batch SPEC TABLE --partial --rejects OUT", "steering", "out.csv"),
+    file("batch", "junit", "batch SPEC TABLE --partial --junit OUT", "steering", "out.xml"),
+    file("paste", "output", "paste SPEC TABLE --partial -o OUT", "steering", "out.html"),
+    file("report", "output", "report SPEC -o OUT", "steering", "out.html"),
+    file("mesh", "plot", "mesh SPEC --plot OUT", "mesh", "out.svg"),
+    file("simulate", "plot", "simulate SPEC --plot OUT", "mesh", "out.svg"),
+    file("budget", "plot", "budget SPEC --plot OUT", "budget", "out.svg"),
+    file("monte-carlo", "plot", "monte-carlo SPEC --racks 3 --plot OUT", "scatter", "out.svg"),
+    file("monte-carlo", "study", "monte-carlo SPEC --racks 3 --study OUT", "scatter", "out.json"),
+    file("init", "file", "init OUT --force", "mesh", "out.toml"),
+    Written { in_folder: true, ..file("man", "dir", "man --dir OUT", "mesh", "rackmesh-batch.1") },
+    // drawn after a quarter of a minute: that it is written by the same means is all that is tried
+    Written { in_folder: true, ..file("reproduce", "plots", "", "mesh", "pitch-plus.svg") },
+];
+
+/// Those that are read.
+const READ: [&str; 5] = ["spec", "files", "file", "merge", "obtained"];
+
+const OLD: &str = "<testsuites> of an older run\n";
+
+/// A folder with the spec and a table, removed at the end.
+struct Tried<'w> {
+    written: &'w Written,
+    folder: PathBuf,
+}
+
+impl Drop for Tried<'_> {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+impl<'w> Tried<'w> {
+    fn new(written: &'w Written, name: &str) -> Self {
+        let name = format!("outputs-{name}-{}-{}", written.command, written.id);
+        let tried = Self { written, folder: PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name) };
+        let _ = fs::remove_dir_all(&tried.folder);
+        fs::create_dir_all(tried.folder.join("out")).unwrap();
+        let example = format!("examples/{}.toml", written.spec);
+        fs::copy(example, tried.folder.join("spec.toml")).unwrap();
+        fs::write(tried.folder.join("parts.csv"), "part_id,rack_pitch [um]\nP1,3\nP2,x\n").unwrap();
+        tried
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.join(if self.written.in_folder { "out/" } else { "" }).join(self.written.file)
+    }
+
+    /// The command, behind these words of a shell.
+    fn command(&self, before: &str, out: &Path) -> Command {
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{before} exec \"$@\""), "sh", env!("CARGO_BIN_EXE_rackmesh")]);
+        for word in self.written.line.split(' ') {
+            command.arg(match word {
+                "SPEC" => self.folder.join("spec.toml").into_os_string(),
+                "TABLE" => self.folder.join("parts.csv").into_os_string(),
+                "OUT" if self.written.in_folder => out.parent().unwrap().as_os_str().to_owned(),
+                "OUT" => out.as_os_str().to_owned(),
+                word => OsString::from(word),
+            });
+        }
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn run(&self, before: &str) -> Output {
+        self.command(before, &self.out()).output().expect("the program runs")
+    }
+
+    fn names(&self) -> BTreeSet<OsString> {
+        let folder = self.out().parent().unwrap().to_owned();
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect()
+    }
+
+    /// The old file is there, or of a JUnit report one that is no old one, and nothing else has come but partial files.
+    fn holds(&self, before: &BTreeSet<OsString>, why: &str) {
+        let what = format!("{} {}: {why}", self.written.command, self.written.id);
+        if self.written.id == "junit" {
+            // without room for a report there is none
+            assert_ne!(fs::read_to_string(self.out()).unwrap_or_default(), OLD, "{what}");
+        } else {
+            assert_eq!(fs::read_to_string(self.out()).unwrap(), OLD, "{what}");
+        }
+        let is_new = |name: &&OsString| !before.contains(*name) && !name.as_bytes().ends_with(b".partial");
+        let new: Vec<_> = self.names().iter().filter(is_new).cloned().collect();
+        // the other pages of a folder are complete
+        assert!(new.is_empty() || self.written.in_folder, "{what}: {new:?}");
+    }
+}
+
+fn tried() -> impl Iterator<Item = &'static Written> {
+    WRITTEN.iter().filter(|written| !written.line.is_empty())
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Walks the commands: each argument that takes a file is tried here, or is read.
+#[test]
+fn every_argument_that_takes_a_file_to_write_is_tried() {
+    fn walk(command: &clap::Command, found: &mut BTreeSet<(String, String)>) {
+        for argument in command.get_arguments() {
+            let is_path = argument.get_value_parser().type_id() == clap::builder::ValueParser::path_buf().type_id();
+            let id = argument.get_id().as_str();
+            // what takes any text is no file
+            let is_named = ["FILE", "FOLDER", "DIR"].iter().any(|name| {
+                argument.get_value_names().is_some_and(|names| names.iter().any(|known| known.as_str() == *name))
+            });
+            assert!(is_path || !is_named, "{} {id} takes a file that has to have a name in UTF-8", command.get_name());
+            if is_path && !READ.contains(&id) || (command.get_name(), id) == ("init", "file") {
+                found.insert((command.get_name().to_owned(), id.to_owned()));
+            }
+        }
+        command.get_subcommands().for_each(|subcommand| walk(subcommand, found));
+    }
+    let mut command = rackmesh::cli::command();
+    command.build();
+    let mut found = BTreeSet::new();
+    walk(&command, &mut found);
+    let known = WRITTEN.iter().map(|written| (written.command.to_owned(), written.id.to_owned())).collect();
+    assert_eq!(found, known);
+}
+
+#[test]
+fn a_full_disk_leaves_the_old_file_and_is_said_by_name() {
+    for written in tried() {
+        let tried = Tried::new(written, "full");
+        fs::write(tried.out(), OLD).unwrap();
+        let before = tried.names();
+        // no file may have a byte, and the signal for that is handled
+        let output = tried.run("ulimit -f 0;");
+        let what = format!("{} {}: {}", written.command, written.id, stderr(&output));
+        assert_eq!(output.status.code(), Some(2), "{what}");
+        let said = if written.in_folder { "cannot write" } else { written.file };
+        assert!(what.contains("cannot write ") && what.contains(said), "{what}");
+        tried.holds(&before, "full disk");
+
+        fs::remove_file(tried.out()).ok();
+        std::os::unix::fs::symlink("/dev/full", tried.out()).unwrap();
+        let output = tried.run("");
+        let what = format!("{} {}: {}", written.command, written.id, stderr(&output));
+        assert_eq!(output.status.code(), Some(2), "{what}");
+        assert!(what.contains("cannot write ") && what.contains(written.file), "{what}");
+    }
+}
+
+#[test]
+fn what_is_read_is_not_written() {
+    for written in tried().filter(|written| written.line.contains("SPEC")) {
+        let tried = Tried::new(written, "input");
+        let spec = tried.folder.join("spec.toml");
+        let text = fs::read(&spec).unwrap();
+        for link in [false, true] {
+            let _ = fs::remove_file(tried.out());
+            if link { fs::hard_link(&spec, tried.out()) } else { std::os::unix::fs::symlink(&spec, tried.out()) }
+                .unwrap();
+            let output = tried.run("");
+            assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+            assert!(stderr(&output).contains("would be written over"), "{}: {}", written.id, stderr(&output));
+            assert_eq!(fs::read(&spec).unwrap(), text, "{}", written.id);
+        }
+    }
+}
+
+#[test]
+fn names_that_are_no_text_are_written_and_shown() {
+    for written in tried() {
+        let tried = Tried::new(written, "bytes");
+        let named = |name: &str| OsString::from_iter([OsStr::from_bytes(b"n\xff-"), OsStr::new(name)]);
+        let out = if written.in_folder {
+            tried.folder.join(named("out")).join(written.file)
+        } else {
+            tried.folder.join(named(written.file))
+        };
+        fs::rename(tried.folder.join("spec.toml"), tried.folder.join(named("spec.toml"))).unwrap();
+        fs::rename(tried.folder.join("parts.csv"), tried.folder.join(named("parts.csv"))).unwrap();
+        std::os::unix::fs::symlink(tried.folder.join(named("spec.toml")), tried.folder.join("spec.toml")).unwrap();
+        let mut command = tried.command("", &out);
+        let parts = [named("spec.toml"), named("parts.csv")];
+        let words: Vec<OsString> = command.get_args().map(OsStr::to_owned).collect();
+        let of = |word: &OsString| parts.iter().find(|part| word.as_bytes().ends_with(&part.as_bytes()[3..]));
+        let words =
+            words.iter().map(|word| of(word).map_or_else(|| word.clone(), |part| tried.folder.join(part).into()));
+        command = Command::new("sh");
+        let output = command.args(words).stdin(Stdio::null()).output().unwrap();
+        assert!(output.status.code().is_some_and(|code| code <= 3), "{}: {}", written.id, stderr(&output));
+        assert!(out.exists(), "{} {}: {}", written.command, written.id, stderr(&output));
+        assert!(!stderr(&output).contains("UTF-8"), "{}", stderr(&output));
+    }
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+    assert!(status.success());
+}
+
+const SIGNALS: [(&str, i32); 3] = [("-INT", 130), ("-TERM", 143), ("-HUP", 129)];
+
+/// Whether whoever started the tests has this signal ignored, which then holds for all.
+fn is_ignored(signal: &str) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:").map(str::trim));
+    signal == "-HUP" && mask.and_then(|mask| u64::from_str_radix(mask, 16).ok()).is_some_and(|mask| mask & 1 == 1)
+}
+
+/// Waits until the program sees signals, and then for some of its work.
+fn wait_for_work(child: &Child) {
+    let sees = |status: &str| {
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        caught.is_none_or(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 2 != 0))
+    };
+    while fs::read_to_string(format!("/proc/{}/status", child.id())).is_ok_and(|status| !sees(&status)) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+}
+
+/// Sends a signal to a command that would go on for long: it ends in time with the signal's status, and says so.
+fn ends(mut child: Child, (signal, status): (&str, i32), what: &str) -> String {
+    // a second, and as much for a machine that does other things
+    const LONGEST: Duration = Duration::from_secs(2);
+    // what it writes is not to wait for a reader
+    let mut stdout = child.stdout.take().expect("stdout is piped");
+    let reader = std::thread::spawn(move || std::io::copy(&mut stdout, &mut std::io::sink()));
+    wait_for_work(&child);
+    assert_eq!(child.try_wait().unwrap(), None, "{what}: it has ended by itself");
+    let sent = Instant::now();
+    send(signal, &child);
+    let ended = child.wait().unwrap();
+    let took = sent.elapsed();
+    let mut said = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    reader.join().unwrap().unwrap();
+    assert_eq!(ended.code(), Some(status), "{what} {signal}: {said}");
+    assert!(took < LONGEST, "{what} {signal}: {took:?}");
+    said
+}
+
+/// A signal before the first result, where a file that is read or written is a pipe that has no other end.
+#[test]
+fn an_interrupted_command_leaves_the_old_file() {
+    for (written, signal) in tried().zip(SIGNALS.iter().cycle()).filter(|(_, signal)| !is_ignored(signal.0)) {
+        let tried = Tried::new(written, "interrupted");
+        let what = format!("{} {}", written.command, written.id);
+        let pipe = if written.line.contains("SPEC") { tried.folder.join("spec.toml") } else { tried.out() };
+        let _ = fs::remove_file(&pipe);
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        if pipe != tried.out() {
+            fs::write(tried.out(), OLD).unwrap();
+        }
+        let before = tried.names();
+        let said = ends(tried.command("", &tried.out()).spawn().unwrap(), *signal, &what);
+        assert!(said.contains("interrupted before there was a result"), "{what}: {said}");
+        if pipe != tried.out() {
+            tried.holds(&before, "interrupted");
+        }
+        if written.id == "junit" {
+            let report = fs::read_to_string(tried.out()).unwrap();
+            assert!(report.contains("the run was interrupted") && report.contains("errors=\"1\""), "{report}");
+        }
+    }
+}
+
+/// What makes a command long, whatever it does there.
+#[test]
+fn a_signal_is_obeyed_wherever_the_time_goes() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("outputs-long");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    for pipe in ["rack.csv", "pipe.csv", "pipe.svg"] {
+        assert!(Command::new("mkfifo").arg(path(pipe)).status().unwrap().success());
+    }
+    let spec = fs::read_to_string("examples/mesh.toml").unwrap();
+    let (start, end) = (spec.find("[[rack.deviation]]").unwrap(), spec.find("[limits]").unwrap());
+    let measured = (spec[..start].to_owned() + &spec[end..]).replace("[rack]", "[rack]\nmeasured = \"rack.csv\"");
+    fs::write(path("measured.toml"), measured).unwrap();
+    let rows = |from: u32, to: u32| (from..to).map(|row| format!("P{row},{}\n", row % 13)).collect::<String>();
+    fs::write(path("parts.csv"), "part_id,rack_pitch [um]\n".to_owned() + &rows(0, 20_000)).unwrap();
+    let commands = [
+        "batch examples/mesh-errors.toml parts.csv --worst-teeth --partial -o rows.csv --junit report.xml",
+        "batch examples/steering.toml parts.csv --partial -o pipe.csv",
+        "batch examples/steering.toml pipe.csv --partial -o other.csv",
+        "batch measured.toml parts.csv --partial -o other.csv",
+        "batch examples/uncertain.toml parts.csv --partial --monte-carlo 1000000 -o other.csv",
+        "mesh measured.toml",
+        "mesh examples/mesh.toml --plot pipe.svg",
+        "mesh examples/mesh.toml --to 1e6",
+        "mesh examples/mesh.toml --points 100000000 --format csv",
+        "mesh examples/mesh.toml --points 100000000 --format json",
+        "simulate examples/mesh.toml --step 0.0001 --plot run.svg",
+        "simulate examples/mesh.toml --step 0.00001 --quasi-static",
+        "monte-carlo examples/scatter.toml --racks 1000000 --study study.json",
+        "monte-carlo examples/scatter.toml --racks 100 --to 100000",
+        "eval measured.toml",
+        "eval examples/uncertain.toml --monte-carlo 100000000",
+        "measure examples/mesh.toml --last 5000000 --format csv",
+        "report measured.toml -o page.html",
+        "report examples/mesh.toml --to 1e6 -o page.html",
+        "read pipe.csv",
+        "paste examples/steering.toml pipe.csv -o page.html",
+        "reproduce",
+    ];
+    for (line, signal) in commands.iter().zip(SIGNALS.iter().cycle()).filter(|(_, signal)| !is_ignored(signal.0)) {
+        let _ = fs::write(path("study.json"), OLD);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+        let is_here = |word: &str| {
+            word.starts_with(|c: char| c.is_ascii_alphabetic()) && !word.starts_with("examples/") && word.contains('.')
+        };
+        let words = line.split(' ').map(|word| if is_here(word) { path(word) } else { word.to_owned() });
+        command.args(words).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        ends(command.spawn().unwrap(), *signal, line);
+        assert_eq!(fs::read_to_string(path("study.json")).unwrap(), OLD, "{line}");
+    }
+    let kept = |name: &str| fs::read_to_string(path(name)).unwrap_or_default();
+    assert!(kept("rows.csv.partial").ends_with('\n'));
+    assert!(kept("report.xml").contains("the run was interrupted"), "{}", kept("report.xml"));
+    assert!(kept("study.json.partial").contains("\"racks\""));
+    assert!(kept("run.svg.partial").starts_with("<svg"));
+    let complete = ["rows.csv", "other.csv", "page.html", "run.svg"].map(|name| folder.join(name).exists());
+    assert_eq!(complete, [false; 4]);
+    let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert_eq!(names.filter(|name| name.starts_with('.')).count(), 0);
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+/// At most one file stays for each that is written, under a name that tells whose it is; the next run removes it.
+#[test]
+fn what_a_killed_run_leaves_is_removed_by_the_next() {
+    let tried = Tried::new(&WRITTEN[0], "killed");
+    for _ in 0..2 {
+        let mut command = tried.command("", &tried.out());
+        let mut child = command.arg("-").stdin(Stdio::piped()).spawn().unwrap();
+        wait_for_work(&child);
+        send("-KILL", &child);
+        let process = child.id();
+        child.wait().unwrap();
+        let left: Vec<String> = tried.names().into_iter().filter_map(|name| name.into_string().ok()).collect();
+        let left: Vec<_> = left.iter().filter(|name| name.starts_with(".out.csv.")).collect();
+        assert_eq!(left.len(), 1, "{left:?}");
+        assert!(left[0].starts_with(&format!(".out.csv.{process}-")) && left[0].ends_with(".part"), "{left:?}");
+    }
+    // two at once: one of both files, whole
+    let both = [(); 2].map(|()| tried.command("", &tried.out()).spawn().unwrap());
+    both.into_iter().for_each(|child| drop(child.wait_with_output().unwrap()));
+    assert_eq!(fs::read_to_string(tried.out()).unwrap().lines().count(), 2);
+    let expected = ["out", "out.csv", "parts.csv", "spec.toml"].map(OsString::from);
+    assert_eq!(tried.names(), BTreeSet::from(expected));
+}
+
+/// Whoever cannot be told the result is told so.
+#[test]
+fn standard_output_that_is_full_is_a_failure() {
+    for line in ["--help", "--version", "eval --help", "schema", "init", "man", "completions bash", "explain pitch"] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+        let output = command.args(line.split(' ')).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{line}: {}", stderr(&output));
+        assert!(stderr(&output).contains("cannot write standard output"), "{line}: {}", stderr(&output));
+    }
+}
+
+/// The status of random racks is that of all of them, whoever reads their list.
+#[test]
+fn a_list_of_racks_that_is_not_read_to_its_end_keeps_its_status() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+    command.args(["monte-carlo", "examples/scatter.toml", "--racks", "200", "--format", "csv"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), ""));
+}
+
+/// A report of an older run does not stay where pipelines look for that of a run that failed.
+#[test]
+fn a_junit_report_is_never_that_of_an_older_run() {
+    let tried = Tried::new(&WRITTEN[2], "junit");
+    let spec = tried.folder.join("spec.toml");
+    let run = |text: &[u8], more: &[&str]| {
+        fs::write(&spec, text).unwrap();
+        fs::write(tried.out(), OLD).unwrap();
+        let mut command = tried.command("", &tried.out());
+        let code = command.args(more).output().unwrap().status.code();
+        (code, fs::read_to_string(tried.out()).unwrap())
+    };
+    let good = fs::read("examples/steering.toml").unwrap();
+    let failures: [(&[u8], &[&str]); 4] = [
+        (b"[errors", &[]),
+        (&good, &["--columns", "none"]),
+        (&good, &["no-such.csv", "--no-option"]),
+        (&good, &["-j"]),
+    ];
+    for (text, more) in failures {
+        let (code, report) = run(text, more);
+        assert!(code == Some(2) && report.contains("<error type=\"incomplete\""), "{more:?}: {report}");
+    }
+    // what is no report is no older one
+    let spec_as_report = tried.command("", &spec).output().unwrap();
+    assert_eq!(spec_as_report.status.code(), Some(2));
+    assert_eq!(fs::read(&spec).unwrap(), good);
+    let mut table = fs::File::create(tried.out()).unwrap();
+    table.write_all(b"part_id,rack_pitch\n").unwrap();
+    assert_eq!(tried.command("", &tried.out()).arg("--no-option").output().unwrap().status.code(), Some(2));
+    assert_eq!(fs::read(tried.out()).unwrap(), b"part_id,rack_pitch\n");
+}
