@@ -314,18 +314,8 @@ impl Args {
                     output.diagnostic(fault);
                 }
                 let judged = if faults.is_empty() {
-                    let circle = read.spec.pitch_circle;
-                    let errors = kinds.iter().enumerate().map(|(column, kind)| {
-                        let values = block.values(column);
-                        let value = match (values.at(index), circle) {
-                            (DeviationValue::Length(length), Some(circle)) if *kind == DeviationKind::PinionPitch => {
-                                DeviationValue::Length(circle.scaled(length))
-                            }
-                            (value, _) => value,
-                        };
-                        (*kind, value)
-                    });
-                    Some(self.evaluate(read, &basis, &errors.collect::<Vec<_>>())?)
+                    let errors = errors_of(&read.spec, kinds, &block, index);
+                    Some(self.evaluate(read, &basis, &errors)?)
                 } else {
                     None
                 };
@@ -445,4 +435,20 @@ fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {
         }
     }
     targets
+}
+
+/// The errors of a part; a pitch of the pinion is on the reference circle.
+fn errors_of(
+    spec: &Spec,
+    kinds: &[DeviationKind],
+    block: &Block,
+    index: usize,
+) -> Vec<(DeviationKind, DeviationValue)> {
+    let scaled = |kind, value| match (value, spec.pitch_circle) {
+        (DeviationValue::Length(pitch), Some(circle)) if kind == DeviationKind::PinionPitch => {
+            circle.scaled(pitch).into()
+        }
+        (value, _) => value,
+    };
+    kinds.iter().enumerate().map(|(column, kind)| (*kind, scaled(*kind, block.values(column).at(index)))).collect()
 }
