@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{Model, PartDeviation};
-use crate::judge::bound::{Basis, ErrorRange, NoBound, Note};
+use crate::judge::bound::{Basis, Bound, ErrorRange, NoBound, Note};
 use crate::judge::rule::{Decision, Rule, decide};
 use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
@@ -118,7 +118,7 @@ named! {
     pub enum JudgedBy {
         /// The bound: no placement of the errors leaves it.
         Bound = "bound",
-        /// The exact mesh: both parts' teeth are known.
+        /// The exact mesh: both parts' teeth are known, or every error is on all teeth.
         Mesh = "mesh",
         /// The statistical sum.
         Statistical = "statistical",
@@ -131,7 +131,7 @@ impl JudgedBy {
     pub fn of(stack: Stack, errors: usize, basis: &Basis) -> Self {
         match stack {
             Stack::Rss => Self::Statistical,
-            Stack::Range if errors == 0 && basis.known_teeth.is_some() => Self::Mesh,
+            Stack::Range if basis.all_placed.is_some() || (errors == 0 && basis.known_teeth.is_some()) => Self::Mesh,
             Stack::Range => Self::Bound,
         }
     }
@@ -156,12 +156,16 @@ pub struct Evaluation {
     pub stack: Stack,
     /// One per error, in the order given.
     pub contributions: Vec<Contribution>,
-    /// The combinations.
+    /// The combinations: what these errors can do wherever they are.
     pub combined: Combined<Interval>,
+    /// What is held against a limit on ΔCD: a combination, or what the exact mesh makes of errors that are on all teeth.
+    pub judged: Result<Interval, NoBound>,
     /// What they rest on.
     pub notes: Vec<Note>,
-    /// Who judges the combination.
+    /// Who judges.
     pub judged_by: JudgedBy,
+    /// Why the exact mesh does not judge though nothing is left to place.
+    pub unsolved: Option<String>,
     /// What the exact mesh reaches with the errors on the worst teeth that a search finds, if it was asked.
     pub reached: Option<Interval>,
     /// The decision rule by which the verdicts are reached.
@@ -215,6 +219,22 @@ impl Evaluation {
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 
+    /// Why the bound judges in place of the exact mesh, in a sentence.
+    #[must_use]
+    pub fn note_of_unsolved(&self) -> Option<String> {
+        let why = self.unsolved.as_ref()?;
+        Some(format!(
+            "nothing is left to place, and the exact mesh has no answer, so that the worst case judges: {why}"
+        ))
+    }
+
+    /// Whether it is proven that ΔCD stays within its limit.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        let on_sum = self.limits.iter().find(|check| check.on == LimitTarget::CenterDistance);
+        on_sum.is_some_and(|check| check.verdict == Some(Verdict::Pass))
+    }
+
     /// Takes the verdict on a limit back; one that is open keeps its reason.
     pub fn leave_open(&mut self, on: LimitTarget, why: Unjudged) {
         for check in self.limits.iter_mut().filter(|check| check.on == on && check.result.is_ok()) {
@@ -256,6 +276,49 @@ pub fn evaluate(
 ) -> Result<Evaluation, EvaluationError> {
     let of_sum = |problem: QuantityError| EvaluationError { error: None, problem: Box::new(problem.into()) };
     let bound = basis.bound_of(errors);
+    let contributions = contributions(errors, model, &bound)?;
+    let combined = bound.combined.nearest().map_err(of_sum)?;
+    // where nothing is left to place nothing scatters, either
+    let (stack, judged) = match basis.all_placed {
+        Some(range) => (Stack::Range, Ok(Interval::nearest(range).map_err(of_sum)?)),
+        None => (stack, combined.interval(stack)),
+    };
+    let limits: Vec<_> = limits
+        .iter()
+        .map(|(on, limit)| {
+            let result = match on {
+                LimitTarget::CenterDistance => judged.map_err(Unjudged::NoBound),
+                LimitTarget::Error(kind) => match contributions.iter().find(|one| one.kind == *kind) {
+                    Some(one) => one.range.map_err(Unjudged::NoBound),
+                    None => Err(Unjudged::NotGiven),
+                },
+            };
+            let verdict = result.ok().map(|result| limit.judge(result));
+            LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
+        })
+        .collect();
+    let verdict = overall(&limits);
+    let judged_by = JudgedBy::of(stack, errors.len(), basis);
+    let notes = stack.notes(&bound);
+    let (unsolved, reached, rule) = (None, None, Rule::Simple);
+    Ok(Evaluation {
+        model,
+        stack,
+        contributions,
+        combined,
+        judged,
+        notes,
+        judged_by,
+        unsolved,
+        reached,
+        rule,
+        limits,
+        verdict,
+    })
+}
+
+/// What each error contributes by `model`.
+fn contributions(errors: &[PartDeviation], model: Model, bound: &Bound) -> Result<Vec<Contribution>, EvaluationError> {
     let mut contributions = Vec::with_capacity(errors.len());
     for (error, range) in errors.iter().zip(&bound.errors) {
         let of_error = |problem: DomainError| EvaluationError { error: Some(error.kind()), problem: Box::new(problem) };
@@ -277,26 +340,7 @@ pub fn evaluate(
             contribution.share = Some(contribution.delta_cd(model).abs().mm() / sum);
         }
     }
-    let combined = bound.combined.nearest().map_err(of_sum)?;
-    let limits: Vec<_> = limits
-        .iter()
-        .map(|(on, limit)| {
-            let result = match on {
-                LimitTarget::CenterDistance => combined.interval(stack).map_err(Unjudged::NoBound),
-                LimitTarget::Error(kind) => match contributions.iter().find(|one| one.kind == *kind) {
-                    Some(one) => one.range.map_err(Unjudged::NoBound),
-                    None => Err(Unjudged::NotGiven),
-                },
-            };
-            let verdict = result.ok().map(|result| limit.judge(result));
-            LimitCheck { on: *on, limit: *limit, result, verdict, decision: None }
-        })
-        .collect();
-    let verdict = overall(&limits);
-    let judged_by = JudgedBy::of(stack, errors.len(), basis);
-    let notes = stack.notes(&bound);
-    let (reached, rule) = (None, Rule::Simple);
-    Ok(Evaluation { model, stack, contributions, combined, notes, judged_by, reached, rule, limits, verdict })
+    Ok(contributions)
 }
 
 /// The verdict on all limits; `None` without any.

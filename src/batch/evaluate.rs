@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::layout::Layout;
+use super::meshed::Meshes;
 use super::outcome::{Part, Problem, Tally, keep_worst};
 use super::plan::Plan;
 use super::request::Rows;
@@ -33,11 +34,12 @@ pub(super) struct Evaluator<'a> {
     results: Option<Results<'a>>,
     /// The errors on the teeth that their extents allow.
     errors: ChangingErrors<'a>,
+    /// The parts that the exact mesh judged.
+    meshes: Meshes<'a>,
     /// Which deviations are not suspicious.
     usual: Reach,
     /// Whether rejected rows are kept at all.
     keeps_rejects: bool,
-    stop: &'a AtomicBool,
 }
 
 impl<'a> Evaluator<'a> {
@@ -60,9 +62,9 @@ impl<'a> Evaluator<'a> {
             statistics: (0..quantities).map(|_| Statistics::default()).collect(),
             results: None,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
+            meshes: Meshes::new(stop),
             usual: Reach::usual(plan.spec.module()),
             keeps_rejects,
-            stop,
         }
     }
 
@@ -87,7 +89,8 @@ impl<'a> Evaluator<'a> {
                 |column: &usize| block.ends.get(*column).is_none_or(|ends| ends.iter().flatten().any(is_reached));
             *doubted = column.filter(may_be).map_or(0, |column| self.usual.doubted(block.values(column)));
         }
-        let results = Results::new(self.plan, self.layout, block, &self.columns(block), &self.errors, self.stop);
+        let columns = self.columns(block);
+        let results = Results::new(self.plan, self.layout, block, &columns, &self.errors, &mut self.meshes);
         self.take(&results, Row { block, index: 0, records_before });
         self.results = Some(results);
         if self.is_cut(block.rows()) {
@@ -154,6 +157,7 @@ impl<'a> Evaluator<'a> {
         let verdict = results.verdicts[row.index];
         self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
+        self.tally.counts.meshed += u64::from(matches!(results.meshed(row.index), Some(Ok(_))));
         if self.plan.request.rows.has(verdict) {
             self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });

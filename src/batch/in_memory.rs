@@ -1,6 +1,7 @@
 //! Columns that a program has in memory, some rows at a time: the batch for hosts such as data frames and query engines.
 //! Called by them; each piece is read by the rules for any table and evaluated as blocks of any table.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::columns::{ColumnKind, ResultColumns};
@@ -19,7 +20,6 @@ use crate::table::{Block, Reading, Stored, Table, Want, refusal, stored_table};
 /// # Example
 /// ```
 /// use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 /// use rackmesh::batch::{ColumnEvaluator, ColumnPiece, Request, ResultValues};
 /// use rackmesh::spec::Spec;
 /// use rackmesh::table::Stored;

@@ -8,7 +8,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | `layout`, `plan`, `source`, `output` | which column holds what; what is computed and written |
-//! | `uncertain` | how certain results are |
+//! | `uncertain`, `meshed` | how certain results are; what the exact mesh says where it judges |
 //! | `number`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
 //! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
@@ -54,6 +54,7 @@ mod evaluate;
 mod in_memory;
 mod layout;
 mod ledger;
+mod meshed;
 mod number;
 mod outcome;
 mod output;

@@ -34,6 +34,8 @@ pub struct Counts {
     pub rejected: u64,
     /// Lines without a character, which are no records.
     pub blank_lines: u64,
+    /// Parts that the exact mesh judged, because the bound does not pass them and nothing is left to place.
+    pub meshed: u64,
 }
 
 impl Counts {
@@ -58,6 +60,7 @@ impl Counts {
         self.unjudged += other.unjudged;
         self.rejected += other.rejected;
         self.blank_lines += other.blank_lines;
+        self.meshed += other.meshed;
     }
 
     /// Counts a verdict.

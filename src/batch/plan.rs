@@ -38,6 +38,8 @@ pub struct Plan {
     pub(super) needs_rss: bool,
     /// Whether what the mesh reaches is written.
     pub(super) needs_reached: bool,
+    /// Whether nothing of the errors is left to place: the exact mesh judges parts that the bound does not pass.
+    pub(crate) is_all_placed: bool,
     /// The limits that can be judged.
     pub limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
@@ -83,6 +85,9 @@ impl Plan {
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let needs = |of: Stack| is_judged(of) || Output::ends(of).iter().any(|end| outputs.contains(end));
         let (needs_range, needs_rss) = (needs(Stack::Range), needs(Stack::Rss));
+        let is_all_placed = judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
+            && matches!(basis.geometry, GivenGeometry::Known(_))
+            && sources.iter().all(|source| source.extended.is_on_all_teeth());
         let needs_reached = asks_for_reached(&outputs);
         if needs_reached {
             refuse_unreached(spec, &basis)?;
@@ -92,6 +97,7 @@ impl Plan {
             needs_range,
             needs_rss,
             needs_reached,
+            is_all_placed,
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),

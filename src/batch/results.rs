@@ -7,6 +7,7 @@ use std::ops;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::layout::Layout;
+use super::meshed::{MeshAnswer, Meshed, Meshes};
 use super::output::{End, Output, UncertainOutput};
 use super::plan::Plan;
 use super::request::Request;
@@ -42,6 +43,8 @@ pub(super) struct Results<'a> {
     reached: Vec<Option<Interval>>,
     /// What is uncertain about each part, if that is computed.
     uncertainties: Vec<Option<RowUncertainty>>,
+    /// The parts that the exact mesh judges, by row.
+    meshed: BTreeMap<usize, MeshAnswer>,
     /// The verdict on each part; `None` if a limit could not be judged.
     pub(super) verdicts: Vec<Option<Verdict>>,
 }
@@ -90,12 +93,12 @@ impl<'a> Results<'a> {
         block: &Block,
         deviations: &[Cow<'_, DeviationValues>],
         errors: &ChangingErrors<'_>,
-        stop: &'a AtomicBool,
+        meshes: &mut Meshes<'a>,
     ) -> Self {
         let mut results = Self {
             plan,
             layout,
-            stop,
+            stop: meshes.stop,
             rows: block.rows(),
             // of several faults of a row the first counts
             refusals: block.faults().iter().rev().map(|fault| (fault.row, Box::new(fault.clone()))).collect(),
@@ -104,6 +107,7 @@ impl<'a> Results<'a> {
             combined: Default::default(),
             reached: Vec::new(),
             uncertainties: Vec::new(),
+            meshed: BTreeMap::new(),
             verdicts: Vec::new(),
         };
         let values: Vec<_> = deviations.iter().map(|deviations| plain_values(deviations)).collect();
@@ -119,7 +123,7 @@ impl<'a> Results<'a> {
                 known.map(Some).map_err(|error| Box::new(fault(None, error.to_string())))
             });
         }
-        results.judge();
+        results.judge(|results, verdicts, limit| results.judge_by_mesh(verdicts, limit, deviations, meshes));
         if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
             results.cut(first + 1);
         }
@@ -224,23 +228,65 @@ impl<'a> Results<'a> {
         self.uncertainties.get(row)?.as_ref()
     }
 
+    /// The uncertainties of what is held against a limit, if they are known.
+    #[inline]
+    fn uncertainty_on(&self, on: LimitTarget, row: usize) -> Option<&RowUncertainty> {
+        match self.meshed(row) {
+            Some(Ok(meshed)) if on == LimitTarget::CenterDistance => meshed.uncertainty.as_ref(),
+            _ => self.uncertainty(row),
+        }
+    }
+
     /// The uncertainties of all parts of which they are known.
     pub(super) fn uncertainties(&self) -> impl Iterator<Item = &RowUncertainty> {
         self.runs().flatten().filter_map(|row| self.uncertainty(row))
     }
 
-    /// Judges the parts. Without limits, or with one that could not be judged, a verdict that is not fail is open.
-    fn judge(&mut self) {
+    /// Judges the parts, those that the bound does not pass by `mesh`. Without limits, or with one that could not be judged, a
+    /// verdict that is not fail is open.
+    fn judge(&mut self, mut mesh: impl FnMut(&mut Self, &mut [Option<Verdict>], usize)) {
         let is_open = self.plan.limits.is_empty() || !self.plan.unjudged.is_empty();
         let mut verdicts = is_open.then(|| vec![None; self.rows]);
         for limit in 0..self.plan.limits.len() {
-            let judged = self.by_row(|results, row| results.judge_by(limit, row));
+            let mut judged = self.by_row(|results, row| results.judge_by(limit, row));
+            if self.plan.is_all_placed && self.plan.limits[limit].0 == LimitTarget::CenterDistance {
+                mesh(self, &mut judged, limit);
+            }
             verdicts = Some(match verdicts {
                 None => judged,
                 Some(before) => before.into_iter().zip(judged).map(|(one, other)| worse(one, other)).collect(),
             });
         }
         self.verdicts = verdicts.unwrap_or_default();
+    }
+
+    /// Judges the parts that the bound does not pass by their exact mesh. Once the run is to stop, no part counts that is not
+    /// meshed, nor any behind it.
+    #[cold]
+    fn judge_by_mesh(
+        &mut self,
+        verdicts: &mut [Option<Verdict>],
+        limit: usize,
+        deviations: &[Cow<'_, DeviationValues>],
+        meshes: &mut Meshes<'_>,
+    ) {
+        let open: Vec<_> = self.runs().flatten().filter(|row| verdicts[*row] != Some(Verdict::Pass)).collect();
+        for row in open {
+            let values: Vec<_> = deviations.iter().map(|column| column.at(row)).collect();
+            let Some(answer) = meshes.answer(self.plan, &values) else {
+                return self.cut(row);
+            };
+            self.meshed.insert(row, answer);
+            match self.judge_by(limit, row) {
+                Ok(verdict) => verdicts[row] = verdict,
+                Err(reason) => drop(self.refusals.insert(row, reason)),
+            }
+        }
+    }
+
+    /// What the exact mesh says of a part, or why it has no answer; `None` of a part that it does not judge.
+    pub(super) fn meshed(&self, row: usize) -> Option<Result<&Meshed, &str>> {
+        self.meshed.get(&row).map(|answer| answer.as_ref().as_ref().map_err(String::as_str))
     }
 
     /// Why a part is indeterminate.
@@ -258,7 +304,7 @@ impl<'a> Results<'a> {
         let plan = self.plan;
         let (on, limit) = &plan.limits[index];
         let Some(result) = self.judged(*on, row) else { return Ok(None) };
-        let uncertainty = self.uncertainty(row);
+        let uncertainty = self.uncertainty_on(*on, row);
         let ends = uncertainty.and_then(|known| ends(plan, &known.spreads, *on, result));
         if ends.is_none() && plan.request.rule.needs_uncertainty() {
             return Ok(None);
@@ -274,6 +320,7 @@ impl<'a> Results<'a> {
     pub(super) fn conformance(&self, known: &RowUncertainty, on: LimitTarget, row: usize) -> Option<f64> {
         let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
+        let known = self.uncertainty_on(on, row).unwrap_or(known);
         let linear = || ends(plan, &known.spreads, on, self.judged(on, row)?)?.conformance(&plan.limits[index].1);
         known.inside(index).or_else(linear)
     }
@@ -331,7 +378,10 @@ impl<'a> Results<'a> {
     #[inline]
     fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
-            LimitTarget::CenterDistance => at(&self.combined[self.plan.request.stack as usize], row),
+            LimitTarget::CenterDistance => match self.meshed(row) {
+                Some(Ok(meshed)) => Some(meshed.range),
+                _ => at(&self.combined[self.plan.request.stack as usize], row),
+            },
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
     }

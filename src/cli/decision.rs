@@ -1,14 +1,16 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
+use std::borrow::Cow;
+
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::{Basis, Note};
-use crate::judge::{Rule, Stack};
+use crate::judge::{LimitTarget, Rule, Stack};
 use crate::report::UncertaintyPart;
-use crate::spec::{Spec, keys};
+use crate::spec::{SolvedTeeth, Spec, keys};
 use crate::uncertainty::{self, UncertainPart, UncertaintyError};
 
 /// How the errors of a part are judged, and how a verdict is reached under uncertainty.
@@ -78,19 +80,69 @@ impl JudgeArgs {
         Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
     }
 
-    /// Evaluates a part's errors by what is known of the pair and decides by the rule, with what is known of their
-    /// uncertainty; `None` if nothing is.
+    /// Evaluates a part's errors and decides by the rule, with what is known of their uncertainty; `None` if nothing is. Where
+    /// nothing is left to place the exact mesh judges; a pass by the bound, which is exact where the mesh is rounded, stands.
     pub(super) fn judged(
         &self,
         spec: &Spec,
         errors: &[PartDeviation],
         basis: &Basis,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+        let Some(solved) = self.solved(spec) else { return self.judged_by(None, spec, errors, basis) };
+        let by_mesh = self.judged_by(Some(solved), spec, errors, basis)?;
+        if by_mesh.0.passes() {
+            return Ok(by_mesh);
+        }
+        let by_bound = self.judged_by(None, spec, errors, basis)?;
+        Ok(if by_bound.0.passes() { by_bound } else { by_mesh })
+    }
+
+    /// The same of one of many parts: the mesh is solved only if the bound does not pass.
+    pub(super) fn judged_in_lot(
+        &self,
+        spec: &Spec,
+        errors: &[PartDeviation],
+        basis: &Basis,
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+        let by_bound = self.judged_by(None, spec, errors, basis)?;
+        if by_bound.0.passes() {
+            return Ok(by_bound);
+        }
+        match self.solved(spec) {
+            Some(solved) => self.judged_by(Some(solved), spec, errors, basis),
+            None => Ok(by_bound),
+        }
+    }
+
+    /// What the exact mesh says if it is to judge.
+    fn solved(&self, spec: &Spec) -> Option<Result<SolvedTeeth, String>> {
+        spec.limit_on(LimitTarget::CenterDistance)?;
+        spec.solved()
+    }
+
+    fn judged_by(
+        &self,
+        solved: Option<Result<SolvedTeeth, String>>,
+        spec: &Spec,
+        errors: &[PartDeviation],
+        basis: &Basis,
+    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
+        let (mut unsolved, mut basis, mut spec) = (None, Cow::Borrowed(basis), Cow::Borrowed(spec));
+        match solved {
+            Some(Ok(SolvedTeeth { teeth, sensitivities })) => {
+                basis.to_mut().all_placed = Some(teeth.range);
+                spec.to_mut().teeth_sensitivities = sensitivities;
+            }
+            Some(Err(why)) => unsolved = Some(why),
+            None => {}
+        }
+        let (basis, spec) = (&*basis, &*spec);
         let mut evaluation = evaluate(errors, &spec.limits(), self.model, self.stack, basis)
             .map_err(|failure| spec.explain_failure(&failure))?;
         let rule = self.rule(spec);
         evaluation.rule = rule.clone();
-        let open = evaluation.combined.interval(self.stack).err();
+        evaluation.unsolved = unsolved;
+        let open = evaluation.judged.err();
         let known = if open.is_some() { None } else { self.known(errors, basis, spec, &mut evaluation.notes)? };
         if rule.needs_uncertainty() && known.is_none() {
             // what is open has no uncertainty, without which some rules decide on no error either

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::teeth::{WorstTeeth, with_known_teeth};
+use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
@@ -89,7 +89,7 @@ pub(super) fn evaluated<'a>(
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &Path, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
     const STROKE_MM: (f64, f64) = (0.0, 50.0);
-    let mut input = spec.mesh(&spec_files::measured_tables(spec, path, output)?)?;
+    let mut input = mesh_of(spec, &spec_files::measured_tables(spec, path, output)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }

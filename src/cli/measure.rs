@@ -7,7 +7,7 @@ use super::mesh::placement;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::spec_files::measured_tables;
-use super::teeth::WorstTeeth;
+use super::teeth::{WorstTeeth, mesh_of};
 use crate::deviation::{DeviationKind, Part, PinionForm, RackForm};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
@@ -58,7 +58,7 @@ const MOST: i64 = 10_000_000;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
+        let mut input = mesh_of(&spec, &measured_tables(&spec, &self.spec, output)?)?;
         let mut said = put_on_teeth(&spec, self.part, &mut input)?;
         said.extend(unmeasured(self.part, &input.mesh));
         let mut notes = said.clone();

@@ -8,7 +8,7 @@ use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::signals;
 use super::spec_files::{files_read, measured_tables};
-use super::teeth::{WorstTeeth, judged, with_known_teeth};
+use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -125,6 +125,7 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
                  teeth {FIRST_ODD_TOOTH}.., the pinion's pitch as one step half way round{lead}{elsewhere}"
             )
         }
+        Origin::AllTeeth => return Some("the values in [errors] are on all teeth alike".to_owned()),
         Origin::Teeth if input.left_out.is_empty() => return None,
         Origin::Teeth => {
             let names: Vec<_> = input.left_out.iter().map(|kind| kind.name()).collect();
@@ -153,8 +154,8 @@ pub(super) fn solved<'a>(
         listed: Vec::new(),
         prediction: prediction(input)?,
         limit: spec.limit_on(LimitTarget::CenterDistance),
+        notes: notes(input).into_iter().chain(evaluation.note_of_unsolved()).collect(),
         evaluation,
-        notes: notes(input),
         screen: Screen::default(),
     })
 }
@@ -243,7 +244,7 @@ impl Args {
         let strokes = self.strokes()?;
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let spec = with_known_teeth(spec, &self.spec, output)?;
-        let mut input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
+        let mut input = mesh_of(&spec, &measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
             // nothing is asked that needs the curve between these strokes

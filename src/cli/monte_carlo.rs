@@ -11,7 +11,7 @@ use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
 use super::target::{Target, is_dash};
-use super::teeth::WorstTeeth;
+use super::teeth::{WorstTeeth, mesh_of};
 use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
@@ -83,7 +83,7 @@ impl Args {
         files.extend(self.merge.iter().cloned());
         let kept = self.kept(&files)?;
         let picture = self.plot.picture(&files)?;
-        let mut input = spec.mesh(&spec_files::measured_tables(&spec, &self.spec, output)?)?;
+        let mut input = mesh_of(&spec, &spec_files::measured_tables(&spec, &self.spec, output)?)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if !spec.has_deviations()
             && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?

@@ -184,6 +184,7 @@ impl Args {
         read: &ReadBlock,
         basis: &Basis,
         errors: &[(DeviationKind, DeviationValue)],
+        is_alone: bool,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let of_every_part = read.spec.errors_of_every_part(&in_table)?;
@@ -191,7 +192,12 @@ impl Args {
         let mut all: Vec<_> = all.collect();
         all.sort_by_key(|(kind, _)| *kind);
         let spec = read.spec.with_errors(&all);
-        let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, basis)?;
+        let deviations = spec.part_deviations()?;
+        let (mut evaluation, uncertainty) = if is_alone {
+            self.judge.judged(&spec, &deviations, basis)?
+        } else {
+            self.judge.judged_in_lot(&spec, &deviations, basis)?
+        };
         if !self.partial && !read.spec.lacking(&in_table).is_empty() {
             evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
         }
@@ -292,7 +298,9 @@ impl Args {
         let usual = Reach::usual(read.spec.module());
         let mut doubted = vec![0; kinds.len()];
         let mut rows: Vec<PartRow> = Vec::new();
-        for block in table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))? {
+        let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        let is_alone = blocks.iter().map(Block::rows).sum::<usize>() == 1;
+        for block in blocks {
             if let Some(contradiction) = &block.contradiction {
                 let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
@@ -313,12 +321,8 @@ impl Args {
                 for fault in &faults {
                     output.diagnostic(fault);
                 }
-                let judged = if faults.is_empty() {
-                    let errors = errors_of(&read.spec, kinds, &block, index);
-                    Some(self.evaluate(read, &basis, &errors)?)
-                } else {
-                    None
-                };
+                let values = || errors_of(&read.spec, kinds, &block, index);
+                let judged = faults.is_empty().then(|| self.evaluate(read, &basis, &values(), is_alone)).transpose()?;
                 let (evaluation, uncertainty) = judged.unzip();
                 let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
                 rows.push(PartRow {

@@ -14,7 +14,7 @@ use super::signals::{self, Interruption};
 use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
-use super::teeth::{WorstTeeth, judged, with_known_teeth};
+use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
 use super::{batch, mesh, spec_files};
 use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
 use crate::deviation::DeviationKind;
@@ -162,7 +162,7 @@ impl Args {
         const HEADING: &str = "Exact mesh along the stroke";
         let unsolved = |why: String| Section::new(HEADING, vec![Block::Note(why)]);
         let tables = spec_files::measured_tables(spec, &self.spec, output)?;
-        let mut input = match spec.mesh(&tables) {
+        let mut input = match mesh_of(spec, &tables) {
             Ok(input) => input,
             Err(Diagnostics(problems)) if problems.iter().all(|problem| problem.code == Code::MissingKey) => {
                 let missing: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();

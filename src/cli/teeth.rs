@@ -13,7 +13,7 @@ use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
 use crate::judge::{Interval, Limit, PlacedError};
 use crate::mesh::{Mesh, Support};
-use crate::spec::{MeshInput, Origin, Spec};
+use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
 pub(super) fn with_known_teeth(spec: Spec, path: &Path, output: &mut Output) -> Result<Spec, Failure> {
@@ -25,6 +25,11 @@ pub(super) fn with_known_teeth(spec: Spec, path: &Path, output: &mut Output) -> 
     let input = spec.mesh(&tables)?;
     let strokes = input.judged_strokes().map_err(Diagnostics::from)?;
     Ok(spec.with_known_teeth(&tables, &input.mesh, &strokes)?)
+}
+
+/// The mesh of a spec: with its errors on all teeth, if they are, or put on some.
+pub(super) fn mesh_of(spec: &Spec, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
+    spec.mesh_of_all_teeth(tables)?.map_or_else(|| spec.mesh(tables), Ok)
 }
 
 /// The errors of a spec whose known teeth are solved, held against its limits.
@@ -41,7 +46,8 @@ pub(super) struct WorstTeeth {
 }
 
 impl WorstTeeth {
-    /// Of these errors, if the whole pair is known; none beside known teeth, or with a rack that may roll.
+    /// Of these errors, if the whole pair is known; none beside known teeth, with a rack that may roll, or of errors that are on
+    /// all teeth.
     pub(super) fn of(errors: Vec<PartDeviation>, basis: &Basis) -> Result<Option<Self>, Failure> {
         let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
         if basis.known_teeth.is_some() || errors.is_empty() {
@@ -50,6 +56,9 @@ impl WorstTeeth {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         // errors that are too large for a bound are too large for a mesh
         let Ok(extended) = extended else { return Ok(None) };
+        if extended.iter().all(ExtendedError::is_on_all_teeth) {
+            return Ok(None);
+        }
         match reached::reached(&extended, pairs.given()) {
             Ok(reached) => Ok(reached.map(|reached| Self { errors, reached })),
             Err(error) => Err(Diagnostic::error(Code::NoMesh, error.to_string())

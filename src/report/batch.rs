@@ -27,6 +27,8 @@ pub struct Basis {
     pub unjudged: Vec<LimitTarget>,
     /// Errors that the spec asks for and the parts were judged without.
     pub without: Vec<DeviationKind>,
+    /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
+    pub is_all_placed: bool,
 }
 
 impl Basis {
@@ -40,6 +42,7 @@ impl Basis {
             limits: plan.limits.clone(),
             unjudged: plan.unjudged.clone(),
             without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
+            is_all_placed: plan.is_all_placed,
         }
     }
 
@@ -61,7 +64,12 @@ impl Basis {
     #[must_use]
     pub fn judged_by(&self) -> String {
         let by = self.stack.map_or_else(|| self.model.to_owned(), |stack| format!("{} model, {stack}", self.model));
-        format!("{by}{}{}", rule_words(&self.rule), judged_without(&self.without))
+        format!("{by}{}{}{}", self.and_mesh(), rule_words(&self.rule), judged_without(&self.without))
+    }
+
+    /// Who judges beside the worst case.
+    const fn and_mesh(&self) -> &'static str {
+        if self.is_all_placed { ", or the exact mesh where that does not pass" } else { "" }
     }
 }
 
@@ -250,8 +258,8 @@ impl<'a> BatchReport<'a> {
         };
         let parts = counts.rows - counts.rejected;
         let by = self.basis.stack.map_or_else(|| self.basis.model.to_owned(), |stack| stack.to_string());
-        let judged_by =
-            format!("(judged by {by}{}){}", rule_words(&self.basis.rule), judged_without(&self.basis.without));
+        let by = format!("{by}{}{}", self.basis.and_mesh(), rule_words(&self.basis.rule));
+        let judged_by = format!("(judged by {by}){}", judged_without(&self.basis.without));
         let unfit = |count: u64, how: &str| {
             format!("{} of {} parts are {how} a limit {judged_by}{rejected}", grouped(count), grouped(parts))
         };
@@ -349,25 +357,30 @@ impl Report for BatchReport<'_> {
     fn json(&self) -> Value {
         let judged_by = match self.basis.stack {
             None => JudgedBy::Mesh,
+            Some(_) if self.outcome.counts.meshed > 0 => JudgedBy::Mesh,
             Some(Stack::Rss) => JudgedBy::Statistical,
             Some(_) => JudgedBy::Bound,
         };
         let Outcome { counts, worst, interrupted, is_cut, .. } = self.outcome;
-        let counts = counts.named().into_iter().map(|(name, count)| (name.to_owned(), count.into()));
-        json!({
+        let named = counts.named().into_iter().map(|(name, count)| (name.to_owned(), count.into()));
+        let mut json = json!({
             "title": self.title,
             "model": self.basis.model,
             "stack": self.basis.stack.map(Stack::name),
             "judged_by": judged_by.name(),
             "rule": self.basis.rule.to_string(),
-            "counts": counts.collect::<Map<_, Value>>(),
+            "counts": named.collect::<Map<_, Value>>(),
             "results": self.results,
             "worst": worst.iter().map(part_fact).collect::<Vec<_>>(),
             "unjudged_limits": self.basis.unjudged.iter().map(|on| on.key()).collect::<Vec<_>>(),
             "interrupted": interrupted,
             "complete": !interrupted && !is_cut,
             "notes": self.notes(),
-        })
+        });
+        if self.basis.is_all_placed {
+            json["judged_by_mesh"] = counts.meshed.into();
+        }
+        json
     }
 
     /// One row per result.

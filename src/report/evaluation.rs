@@ -57,7 +57,9 @@ impl EvaluationReport<'_> {
     }
 
     fn all_notes(&self) -> Vec<String> {
-        self.rests_on.iter().cloned().chain(self.class_notes()).chain(self.notes.iter().cloned()).collect()
+        let unsolved = self.evaluation.note_of_unsolved();
+        let notes = self.rests_on.iter().cloned().chain(unsolved).chain(self.class_notes());
+        notes.chain(self.notes.iter().cloned()).collect()
     }
 
     /// What programs read of each error.
@@ -112,16 +114,26 @@ impl EvaluationReport<'_> {
             .block_if_any()
     }
 
+    /// What the exact mesh makes of errors of which nothing is left to place.
+    fn beside_the_bound(&self) -> Option<Interval> {
+        let Evaluation { judged, judged_by, contributions, .. } = &self.evaluation;
+        judged.ok().filter(|_| *judged_by == JudgedBy::Mesh && !contributions.is_empty())
+    }
+
     fn combination_table(&self) -> Block {
         let combined = &self.evaluation.combined;
+        // without errors known teeth are all that there is
         let by_mesh = self.evaluation.judged_by == JudgedBy::Mesh;
+        let is_mesh_alone = by_mesh && self.evaluation.contributions.is_empty();
         let ends = |interval: &Interval| [interval.lower, interval.upper].map(|end| millimetres(end.mm()));
         let open = || ["open", "open"].map(str::to_owned);
         // known teeth leave nothing to statistics
         let shown = Stack::ALL.into_iter().filter(|stack| !by_mesh || *stack == Stack::Range);
+        let judged = self.beside_the_bound().into_iter();
+        let judged = judged.map(|judged| ("exact mesh".to_owned(), ends(&judged), OF_KNOWN_TEETH.to_owned()));
         let combinations = shown.map(|stack| {
             let assumes = match stack {
-                Stack::Range if by_mesh => "the exact mesh of the known teeth, all strokes at which they can carry",
+                Stack::Range if is_mesh_alone => OF_KNOWN_TEETH,
                 Stack::Range => "wherever on the teeth the errors are",
                 Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
             };
@@ -134,7 +146,7 @@ impl EvaluationReport<'_> {
             let ends = [summary.min_mm, summary.max_mm].map(|end| millimetres(tidy(end)));
             ("exact mesh".to_owned(), ends, format!("stroke {} … {} mm", plain(*from), plain(*to)))
         });
-        Table::of(combinations.chain(reached).chain(mesh))
+        Table::of(combinations.chain(judged).chain(reached).chain(mesh))
             .text("combination", |(name, ..)| name.clone())
             .number("from\n[mm]", |(_, [from, _], _)| from.clone())
             .number("to\n[mm]", |(_, [_, to], _)| to.clone())
@@ -186,6 +198,8 @@ impl EvaluationReport<'_> {
     }
 }
 
+/// What the exact mesh judges.
+const OF_KNOWN_TEETH: &str = "the exact mesh of the known teeth, all strokes at which they can carry";
 /// Where errors are when it is said what they reach.
 pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
 
@@ -349,6 +363,7 @@ impl Report for EvaluationReport<'_> {
             },
             "stack": evaluation.stack.name(),
             "judged_by": evaluation.judged_by.name(),
+            "judged_mm": evaluation.judged.ok(),
             "reached_mm": evaluation.reached,
             "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
@@ -381,6 +396,8 @@ impl Report for EvaluationReport<'_> {
             row["limit"]["reason"] = json!(combined.err().map(|open| open.to_string()));
             row
         }));
+        let by_mesh = self.beside_the_bound();
+        records.extend(by_mesh.map(|judged| ends("combined", JudgedBy::Mesh.name(), json!(judged))));
         records.extend(evaluation.reached.map(|reached| ends("combined", "reached", json!(reached))));
         records.extend(self.mesh.as_ref().map(|MeshPart { summary, .. }| {
             let range = json!({ "lower": tidy(summary.min_mm), "upper": tidy(summary.max_mm) });
@@ -410,7 +427,7 @@ impl Report for EvaluationReport<'_> {
         blocks.extend(self.limit_table());
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
         blocks.extend(UncertaintyPart::decision_blocks(&self.evaluation.rule, &self.evaluation.limits));
-        blocks.extend(self.rests_on.iter().cloned().map(Block::Remark));
+        blocks.extend(self.rests_on.iter().cloned().chain(self.evaluation.note_of_unsolved()).map(Block::Remark));
         blocks.extend(self.class_notes().map(Block::Note));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
         blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));

@@ -170,7 +170,7 @@ impl MeshReport<'_> {
             "resolved": self.curve.resolved,
             "summary": summary,
             "formula_range_mm": { "lower": lower, "upper": upper },
-            "judged_mm": self.evaluation.combined.range.ok(),
+            "judged_mm": self.evaluation.judged.ok(),
             "judged_by": self.evaluation.judged_by.name(),
             "verdict": self.evaluation.verdict.map(Verdict::name),
             "reason": self.evaluation.open_because(),

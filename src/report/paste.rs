@@ -93,6 +93,7 @@ impl Report for PartsReport<'_> {
                     None => "a value cannot be read".into(),
                 };
                 part["judged_by"] = evaluation.map(|evaluation| evaluation.judged_by.name()).into();
+                part["judged_mm"] = json!(evaluation.and_then(|evaluation| evaluation.judged.ok()));
                 if let Some(uncertainty) = &row.uncertainty {
                     part["uncertainty"] = uncertainty.json();
                 }

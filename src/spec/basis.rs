@@ -51,7 +51,15 @@ impl Spec {
             (None, None) => GivenGeometry::Unknown,
         };
         let own_curve = self.own_curve();
-        Ok(Basis { geometry, own_curve, known_teeth: None, rolls: self.rolls(), normal_module_mm, addendum_mm })
+        Ok(Basis {
+            geometry,
+            own_curve,
+            known_teeth: None,
+            all_placed: None,
+            rolls: self.rolls(),
+            normal_module_mm,
+            addendum_mm,
+        })
     }
 
     /// What the spec's pair does without errors, as far as single keys tell.

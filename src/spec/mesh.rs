@@ -55,6 +55,8 @@ pub enum Origin {
         /// The errors whose extent asks for other teeth.
         elsewhere: Vec<DeviationKind>,
     },
+    /// The same, all of them on every tooth alike: nothing is left to place.
+    AllTeeth,
     /// The same, on the worst teeth that a search finds.
     WorstTeeth(Vec<PlacedError>),
 }
@@ -104,7 +106,12 @@ impl MeshInput {
         if !self.rack_rows.is_empty() && self.whole_spaces.is_empty() {
             return Err(StrokesError::NotMeasured);
         }
-        let pinion_deviates = !self.pinion_deviations.is_empty() || !self.pinion_rows.is_empty();
+        // what every tooth has alike does not change along a turn
+        let changes = |deviation: &PinionDeviation| {
+            let is_centred = !matches!(deviation.kind, PinionDeviationKind::Eccentricity(_));
+            !(is_centred && deviation.teeth == ToothRange::ALL)
+        };
+        let pinion_deviates = self.pinion_deviations.iter().any(changes) || !self.pinion_rows.is_empty();
         judged_strokes(self.mesh.pair(), &self.rack_deviations, &self.whole_spaces, pinion_deviates)
     }
 }
@@ -169,26 +176,33 @@ impl Spec {
     /// Diagnostics for missing keys, geometry that cannot mesh, and deviations that cannot be.
     pub fn mesh(&self, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
         let pair = self.pair("the exact mesh")?;
-        let (mut rack_deviations, mut pinion_deviations): (Vec<_>, Vec<_>) = (
-            self.rack_deviations.iter().map(|deviation| deviation.value).collect(),
-            self.pinion_deviations.iter().map(|deviation| deviation.value).collect(),
-        );
         self.refuse_both_ways(&self.kinds())?;
-        let has_errors = !self.has_deviations() && !self.errors.is_empty();
-        let left_out = if has_errors { Vec::new() } else { self.kinds() };
-        let (mut origin, mut pinion_lead_mm) = (Origin::Teeth, None);
-        if has_errors {
-            let errors = self.part_deviations()?;
-            let is_elsewhere = |error: &&PartDeviation| {
-                let is_said = error.is_tolerance() || said_of(&self.extents, error.kind()).is_some();
-                is_said && !PLACED.contains(&(error.kind(), error.extent()))
-            };
-            let elsewhere = errors.iter().filter(is_elsewhere).map(PartDeviation::kind).collect();
-            origin = Origin::Errors { elsewhere };
-            (rack_deviations, pinion_deviations) = on_teeth(&errors, &pair);
-            let lead = errors.iter().find(|error| error.kind() == DeviationKind::PinionLead);
-            pinion_lead_mm = lead.map(|error| error.value().base());
+        if self.has_deviations() || self.errors.is_empty() {
+            let input = self.mesh_with(pair, &[], Origin::Teeth, tables)?;
+            return Ok(MeshInput { left_out: self.kinds(), ..input });
         }
+        let errors = self.part_deviations()?;
+        let is_elsewhere = |error: &&PartDeviation| {
+            let is_said = error.is_tolerance() || said_of(&self.extents, error.kind()).is_some();
+            is_said && !PLACED.contains(&(error.kind(), error.extent()))
+        };
+        let elsewhere = errors.iter().filter(is_elsewhere).map(PartDeviation::kind).collect();
+        self.mesh_with(pair, &errors, Origin::Errors { elsewhere }, tables)
+    }
+
+    /// The mesh of the teeth that are known one by one with these errors beside, whose origin says on which teeth they are.
+    pub(super) fn mesh_with(
+        &self,
+        pair: Pair,
+        errors: &[PartDeviation],
+        origin: Origin,
+        tables: &MeasuredTables,
+    ) -> Result<MeshInput, Diagnostics> {
+        let (mut rack_deviations, mut pinion_deviations) = on_teeth(errors, &pair, origin == Origin::AllTeeth);
+        rack_deviations.extend(self.rack_deviations.iter().map(|deviation| deviation.value));
+        pinion_deviations.extend(self.pinion_deviations.iter().map(|deviation| deviation.value));
+        let lead = errors.iter().find(|error| error.kind() == DeviationKind::PinionLead);
+        let pinion_lead_mm = lead.map(|error| error.value().base());
         let rack_rows = match &tables.rack {
             Some(spaces) => self.rack_rows(spaces, &pair)?,
             None => Vec::new(),
@@ -205,7 +219,7 @@ impl Spec {
         Ok(MeshInput {
             mesh,
             origin,
-            left_out,
+            left_out: Vec::new(),
             warnings,
             rack_deviations,
             pinion_deviations,
@@ -461,9 +475,10 @@ const PLACED: [(DeviationKind, Extent); 7] = [
     (DeviationKind::PinionLead, Extent::All),
 ];
 
-/// One value per error, put on the teeth as the formulas understand them.
-fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<PinionDeviation>) {
-    let later = ToothRange::starting_at(FIRST_ODD_TOOTH);
+/// One value per error, put on all teeth, or on those that the formulas understand.
+fn on_teeth(errors: &[PartDeviation], pair: &Pair, is_on_all: bool) -> (Vec<RackDeviation>, Vec<PinionDeviation>) {
+    let later = if is_on_all { ToothRange::ALL } else { ToothRange::starting_at(FIRST_ODD_TOOTH) };
+    let pitch = if is_on_all { RackDeviationKind::Pitch } else { RackDeviationKind::Shift };
     let half_turn = ToothRange::starting_at(i64::from(pair.pinion().teeth / 2));
     let (mut rack, mut pinion) = (Vec::new(), Vec::new());
     let mut on_rack = |teeth, kind| rack.push(RackDeviation { teeth, kind });
@@ -476,7 +491,7 @@ fn on_teeth(errors: &[PartDeviation], pair: &Pair) -> (Vec<RackDeviation>, Vec<P
                 on_rack(all, RackDeviationKind::OverRoller(length.mm()));
             }
             (DeviationKind::RackPitch, DeviationValue::Length(length)) => {
-                on_rack(later, RackDeviationKind::Shift(length.mm()));
+                on_rack(later, pitch(length.mm()));
             }
             (DeviationKind::PinionRadial, DeviationValue::Length(length)) => {
                 on_pinion(all, PinionDeviationKind::Radial(length.mm()));

@@ -48,6 +48,7 @@ pub use schema::json_schema;
 pub use template::TEMPLATE;
 pub use uncertainty::WrittenCorrelation;
 pub use value::{KeyType, Value, Values};
+pub use vary::SolvedTeeth;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -137,6 +138,8 @@ pub struct Spec {
     pub known_teeth: Option<KnownTeeth>,
     /// How that follows from what is uncertain.
     pub teeth_sensitivities: Vec<TeethSensitivity>,
+    /// The measured tables of these teeth.
+    pub measured: Arc<MeasuredTables>,
     /// What was measured of these teeth and has no uncertainty.
     pub teeth_taken_as_exact: Vec<DeviationKind>,
 }

@@ -1,22 +1,44 @@
-//! The exact mesh of a spec in which one uncertain value is off: what the uncertainty of known teeth follows from.
-//! Solves nothing.
+//! What the exact mesh of a spec says where nothing is left to place, and its uncertainty: that follows from the mesh in which
+//! one uncertain value is off.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::value::Value;
-use super::{MeasuredTables, Spec};
-use crate::deviation::{DeviationKind, Part, PinionDeviationKind, RackDeviationKind};
+use super::{MeasuredTables, MeshInput, Origin, Spec, WrittenError};
+use crate::deviation::{DeviationKind, DeviationValue, Part, PinionDeviationKind, RackDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::formula::PartDeviation;
 use crate::formula::law::RADIANS_PER_DEGREE;
-use crate::judge::bound::pinion_lead_angle_rad;
+use crate::judge::bound::{ExtendedError, KnownTeeth, NoBound, pinion_lead_angle_rad};
 use crate::judge::strokes::{extremes, tolerance_mm};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError};
 use crate::quantity::{Angle, DomainError, Length};
 use crate::table::{Measured, PinionTooth, RackSpace};
-use crate::uncertainty::{Influence, VariedTeeth, teeth_sensitivities};
+use crate::trig;
+use crate::uncertainty::{Influence, TeethSensitivity, VariedTeeth, WITHIN, teeth_sensitivities};
 
 /// By how much a value is off at least, mm or degrees, so that a curve tells it.
 const LEAST: f64 = 1e-3;
+
+/// What the exact mesh makes of teeth that are known.
+#[derive(Debug, Clone)]
+pub struct SolvedTeeth {
+    /// Its extremes.
+    pub teeth: KnownTeeth,
+    /// How these follow from what is uncertain.
+    pub sensitivities: Vec<TeethSensitivity>,
+}
+
+impl SolvedTeeth {
+    /// The extremes of a mesh over some strokes, and how they change where values are off.
+    fn new(mesh: &Mesh, strokes: &[Range<f64>], varied: &[VariedTeeth]) -> Result<Self, MeshError> {
+        let tolerance_mm = tolerance_mm(mesh);
+        let extremes = extremes(mesh, strokes, tolerance_mm)?;
+        let sensitivities = teeth_sensitivities(mesh, &extremes, tolerance_mm, varied)?;
+        Ok(Self { teeth: extremes.judged(mesh), sensitivities })
+    }
+}
 
 /// A spec and its tables, one value of which may be changed.
 #[derive(Clone)]
@@ -31,6 +53,7 @@ enum Variable<'a> {
     Angle(&'a mut Angle),
     Mm(&'a mut f64),
     Rad(&'a mut f64),
+    Slope(&'a mut f64),
 }
 
 impl Variable<'_> {
@@ -44,6 +67,7 @@ impl Variable<'_> {
             Self::Angle(value) => *value = Angle::from_degrees(value.degrees() + by)?,
             Self::Mm(value) => *value += by,
             Self::Rad(value) => *value += by * RADIANS_PER_DEGREE,
+            Self::Slope(value) => *value = trig::tan(trig::atan(*value) + by * RADIANS_PER_DEGREE),
         }
         Ok(())
     }
@@ -61,13 +85,55 @@ impl Spec {
         mesh: &Mesh,
         strokes: &[Range<f64>],
     ) -> Result<Self, Diagnostics> {
-        let tolerance_mm = tolerance_mm(mesh);
-        let extremes = extremes(mesh, strokes, tolerance_mm)?;
-        self.teeth_sensitivities = teeth_sensitivities(mesh, &extremes, tolerance_mm, &self.varied(tables)?)?;
+        let mesh_of = |whole: &Whole| whole.spec.mesh(&whole.tables).map(Some);
+        let varied = self.varied(tables, &[1.0], mesh_of)?;
+        let SolvedTeeth { teeth, sensitivities } = SolvedTeeth::new(mesh, strokes, &varied)?;
         let known = self.known_of_teeth(tables).into_iter();
         self.teeth_taken_as_exact = known.filter(|kind| !self.is_uncertain(*kind)).collect();
-        self.known_teeth = Some(extremes.judged(mesh));
+        (self.known_teeth, self.teeth_sensitivities) = (Some(teeth), sensitivities);
+        self.measured = Arc::new(tables.clone());
         Ok(self)
+    }
+
+    /// The errors of a part, if every one of them is on all teeth alike and the geometry is known: nothing is left to place.
+    ///
+    /// # Errors
+    /// Diagnostics as [`part_deviations`](Self::part_deviations).
+    fn on_all_teeth(&self) -> Result<Option<Vec<PartDeviation>>, Diagnostics> {
+        if !self.missing_geometry().is_empty() || (self.errors.is_empty() && self.has_deviations()) {
+            return Ok(None);
+        }
+        let errors = self.part_errors_or_none()?;
+        let is_placed = |error| ExtendedError::of(error).is_ok_and(|error| error.is_on_all_teeth());
+        Ok(errors.iter().all(is_placed).then_some(errors))
+    }
+
+    /// The mesh with every error of `[errors]` on all teeth, beside what `tables` and the spec know of single ones; `None` where
+    /// something is left to place.
+    ///
+    /// # Errors
+    /// Diagnostics as [`mesh`](Self::mesh).
+    pub fn mesh_of_all_teeth(&self, tables: &MeasuredTables) -> Result<Option<MeshInput>, Diagnostics> {
+        let Some(errors) = self.on_all_teeth()? else { return Ok(None) };
+        let origin = if errors.is_empty() { Origin::Teeth } else { Origin::AllTeeth };
+        self.mesh_with(self.pair("the exact mesh")?, &errors, origin, tables).map(Some)
+    }
+
+    /// What the exact mesh makes of a part of which nothing is left to place, over all strokes at which deviated teeth can carry;
+    /// `None` where something is, or why the mesh has no solution.
+    #[must_use]
+    pub fn solved(&self) -> Option<Result<SolvedTeeth, String>> {
+        let solved = self.mesh_of_all_teeth(&self.measured).transpose()?.and_then(|input| {
+            let mesh_of = |whole: &Whole| whole.spec.mesh_of_all_teeth(&whole.tables);
+            // an error near zero may lift with either sign, and one on a flank with form the more the larger it is
+            let varied = self.varied(&self.measured, &WITHIN, mesh_of)?;
+            Ok(SolvedTeeth::new(&input.mesh, &input.judged_strokes()?, &varied)?)
+        });
+        Some(match solved {
+            Ok(solved) if solved.teeth.solved => Ok(solved),
+            Ok(_) => Err(NoBound::NotSolved.to_string()),
+            Err(Diagnostics(why)) => Err(why.iter().map(Diagnostic::sentence).collect::<Vec<_>>().join("; ")),
+        })
     }
 
     /// What this spec or its tables know of single teeth.
@@ -88,13 +154,18 @@ impl Spec {
             .collect()
     }
 
-    /// The mesh with each uncertain value off by about its standard uncertainty, one after the other: sizes of the gear, and
+    /// The mesh with each uncertain value off by so many standard uncertainties, about, one after the other: sizes of the gear, and
     /// every value of the teeth that are known one by one. What is measured tooth by tooth is one value for each of
     /// them, what a deviation gives for some teeth is one for all of these.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh).
-    fn varied(&self, tables: &MeasuredTables) -> Result<Vec<VariedTeeth>, Diagnostics> {
+    fn varied(
+        &self,
+        tables: &MeasuredTables,
+        within: &[f64],
+        mesh_of: impl Fn(&Whole) -> Result<Option<MeshInput>, Diagnostics>,
+    ) -> Result<Vec<VariedTeeth>, Diagnostics> {
         let whole = Whole { spec: self.clone(), tables: tables.clone() };
         let mut varied = Vec::new();
         for (source, uncertainty) in &self.uncertainties {
@@ -102,21 +173,14 @@ impl Spec {
                 continue;
             }
             let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
-            // f_Hβ of a pinion is a length, and its teeth have the angle that this is
-            let step = match source {
-                Influence::Error(DeviationKind::PinionLead) => {
-                    pinion_lead_angle_rad(&self.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
-                }
-                _ => by,
-            };
             let count = whole.clone().values(source).len();
             for index in 0..count {
-                let mut off = whole.clone();
-                if let Some(value) = off.values(source).into_iter().nth(index) {
-                    let varied = value.add(step);
-                    varied.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
+                let mut off = Vec::new();
+                for by in within.iter().map(|so_many| so_many * by) {
+                    let other = whole.with_value_off(source, index, by)?;
+                    off.extend(mesh_of(&other)?.map(|input| (by, input.mesh)));
                 }
-                varied.push(VariedTeeth { source, by, mesh: off.spec.mesh(&off.tables)?.mesh });
+                varied.push(VariedTeeth { source, off });
             }
         }
         Ok(varied)
@@ -124,23 +188,43 @@ impl Spec {
 }
 
 impl Whole {
+    /// The same with one value of this kind off by mm or degrees.
+    fn with_value_off(&self, source: Influence, index: usize, by: f64) -> Result<Self, Diagnostics> {
+        let mut off = self.clone();
+        let Some(value) = off.values(source).into_iter().nth(index) else { return Ok(off) };
+        // f_Hβ of a pinion is a length, and single teeth have the angle that this is
+        let is_slope = source == Influence::Error(DeviationKind::PinionLead);
+        let step = if is_slope && !matches!(value, Variable::Length(_)) {
+            pinion_lead_angle_rad(&self.spec.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE
+        } else {
+            by
+        };
+        value.add(step).map_err(Diagnostic::with_code(Code::OutOfDomain))?;
+        Ok(off)
+    }
+
     /// The values of this kind.
     fn values(&mut self, source: Influence) -> Vec<Variable<'_>> {
         let (spec, tables) = (&mut self.spec, &mut self.tables);
         match source {
-            // of errors that are given as one value
-            Influence::Roller => Vec::new(),
-            Influence::Error(kind) if kind.part() == Part::Rack => {
-                let written = spec.rack_deviations.iter_mut();
-                let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
-                let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
-                written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
+            Influence::Roller => {
+                spec.errors.iter_mut().filter_map(|(_, written)| of_roller(&mut written.value)).collect()
             }
             Influence::Error(kind) => {
-                let written = spec.pinion_deviations.iter_mut();
-                let written = written.filter_map(|deviation| of_pinion(kind, &mut deviation.value.kind));
-                let rows = tables.pinion.iter_mut().flat_map(|table| &mut table.rows);
-                written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
+                let errors = spec.errors.iter_mut().filter(|(other, _)| *other == kind);
+                let errors = errors.filter_map(|(_, written)| of_error(&mut written.value));
+                let single: Vec<_> = if kind.part() == Part::Rack {
+                    let written = spec.rack_deviations.iter_mut();
+                    let written = written.filter_map(|deviation| of_rack(kind, &mut deviation.value.kind));
+                    let rows = tables.rack.iter_mut().flat_map(|table| &mut table.rows);
+                    written.chain(rows.filter_map(|row| of_space(kind, row))).collect()
+                } else {
+                    let written = spec.pinion_deviations.iter_mut();
+                    let written = written.filter_map(|deviation| of_pinion(kind, &mut deviation.value.kind));
+                    let rows = tables.pinion.iter_mut().flat_map(|table| &mut table.rows);
+                    written.chain(rows.flat_map(|row| of_tooth(kind, row))).collect()
+                };
+                errors.chain(single).collect()
             }
             size => match spec.values.at_mut(size.key()) {
                 Some(Value::Length(length)) => vec![Variable::Length(length)],
@@ -148,6 +232,24 @@ impl Whole {
                 _ => Vec::new(),
             },
         }
+    }
+}
+
+fn of_error(error: &mut WrittenError) -> Option<Variable<'_>> {
+    match error {
+        WrittenError::Value(DeviationValue::Length(length)) | WrittenError::OverRoller { measured: length, .. } => {
+            Some(Variable::Length(length))
+        }
+        WrittenError::Value(DeviationValue::Angle(angle)) => Some(Variable::Angle(angle)),
+        WrittenError::Value(DeviationValue::Slope(slope)) => Some(Variable::Slope(slope)),
+        WrittenError::Class(_) => None,
+    }
+}
+
+const fn of_roller(error: &mut WrittenError) -> Option<Variable<'_>> {
+    match error {
+        WrittenError::OverRoller { roller, .. } => Some(Variable::Length(roller)),
+        _ => None,
     }
 }
 

@@ -219,9 +219,9 @@ pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
     }
 }
 
-/// Both ends of a combination, not numbers if there are none.
+/// Both ends of what is held against a limit, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    basis.together(errors).interval(stack).unwrap_or(NO_RANGE)
+    basis.all_placed.unwrap_or_else(|| basis.together(errors).interval(stack).unwrap_or(NO_RANGE))
 }
 
 /// What one error can do alone, not numbers if there is no bound.

@@ -123,7 +123,7 @@ const VARIED_BY: f64 = 1e-6;
 
 /// How far from a value, in standard uncertainties, the ends are looked at. A jump or a kink on the way adds to the slope as much
 /// as makes the end of the interval (k = 1 to 2.5) reach beyond it.
-const WITHIN: [f64; 6] = [1.0, -1.0, 1.7, -1.7, 2.5, -2.5];
+pub(crate) const WITHIN: [f64; 6] = [1.0, -1.0, 1.7, -1.7, 2.5, -2.5];
 
 /// The steepest slope of both ends within the uncertainty of a value, of which `over` is the slope over a distance; that at the
 /// value unless another one is clearly steeper.

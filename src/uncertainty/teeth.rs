@@ -16,15 +16,13 @@ pub struct TeethSensitivity {
     pub slope: Range,
 }
 
-/// A mesh in which one value is off.
+/// Meshes in which one value is off.
 #[derive(Debug, Clone)]
 pub struct VariedTeeth {
     /// What the value is.
     pub source: Influence,
-    /// By how much it is off, mm or degrees.
-    pub by: f64,
-    /// The mesh.
-    pub mesh: Mesh,
+    /// By how much it is off, mm or degrees, and the mesh: of several the one counts in which an extreme changes most.
+    pub off: Vec<(f64, Mesh)>,
 }
 
 /// An extreme is looked for so many pitches around where it is without the variation.
@@ -51,11 +49,15 @@ pub fn teeth_sensitivities(
     };
     let centre = ends(mesh)?;
     let mut found: Vec<TeethSensitivity> = Vec::new();
-    for VariedTeeth { source, by, mesh } in varied {
-        let slope = ends(mesh)?.with(centre, |off, centre| {
-            let difference = off - centre;
-            if difference.abs() > 2.0 * tolerance_mm { difference / by } else { 0.0 }
-        });
+    for VariedTeeth { source, off } in varied {
+        let mut slope = Range::default();
+        for (by, mesh) in off {
+            let of_one = ends(mesh)?.with(centre, |off, centre| {
+                let difference = off - centre;
+                if difference.abs() > 2.0 * tolerance_mm { difference / by } else { 0.0 }
+            });
+            slope = slope.with(of_one, |a, b| if b.abs() > a.abs() { b } else { a });
+        }
         match found.iter_mut().find(|known| known.source == *source) {
             Some(known) => known.slope = known.slope.with(slope, |a, b| (a * a + b * b).sqrt()),
             None => found.push(TeethSensitivity { source: *source, slope }),

@@ -34,6 +34,7 @@ pub(crate) static UNKNOWN: Basis = Basis {
     geometry: GivenGeometry::Unknown,
     own_curve: OwnCurve::At(0.0),
     known_teeth: None,
+    all_placed: None,
     rolls: false,
     normal_module_mm: None,
     addendum_mm: None,

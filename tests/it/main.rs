@@ -24,6 +24,7 @@ mod mesh_work;
 mod multibody;
 mod multibody_friction;
 mod multibody_sweep;
+mod one_answer;
 mod outputs;
 mod plausible;
 mod process;

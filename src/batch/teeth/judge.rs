@@ -10,7 +10,7 @@ use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::Basis;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
-use crate::spec::{MeasuredTables, MeshInput, Spec};
+use crate::spec::{MeasuredTables, MeshInput, SolvedTeeth, Spec};
 use crate::uncertainty::{self, propagate};
 
 /// What parts whose teeth were measured are judged by.
@@ -150,11 +150,30 @@ impl TeethJudge {
         spec.note_of_exact(&exact, is_refused.then_some(&self.rule))
     }
 
-    /// Known teeth and errors of the other part together, by the rule.
+    /// Known teeth and errors of the other part together, by the rule; where nothing of these is left to place, by the mesh
+    /// of both if the bound does not pass.
     fn evaluated(&self, spec: &Spec) -> Result<Evaluation, Diagnostics> {
+        let by_bound = self.evaluated_on(spec, &self.basis)?;
+        let is_limited = self.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
+        if self.errors.is_empty() || !is_limited || by_bound.passes() {
+            return Ok(by_bound);
+        }
+        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), error.value())).collect();
+        match spec.with_errors(&errors).solved() {
+            Some(Ok(SolvedTeeth { teeth, sensitivities })) => {
+                let basis = Basis { all_placed: Some(teeth.range), ..self.basis.clone() };
+                self.evaluated_on(&Spec { teeth_sensitivities: sensitivities, ..spec.clone() }, &basis)
+            }
+            Some(Err(why)) => Ok(Evaluation { unsolved: Some(why), ..by_bound }),
+            None => Ok(by_bound),
+        }
+    }
+
+    /// The same on a pair of which this is known beside the teeth.
+    fn evaluated_on(&self, spec: &Spec, basis: &Basis) -> Result<Evaluation, Diagnostics> {
         let no_result = |message: String| Diagnostic::error(Code::NoResult, message);
         let (errors, model, stack) = (&self.errors, Model::Exact, Stack::Range);
-        let basis = &Basis { known_teeth: spec.known_teeth, ..self.basis.clone() };
+        let basis = &Basis { known_teeth: spec.known_teeth, ..basis.clone() };
         let mut evaluation =
             evaluate(errors, &self.limits, model, stack, basis).map_err(|failure| spec.explain_failure(&failure))?;
         if self.rule == Rule::Simple {

@@ -81,8 +81,8 @@ const COLUMNS: [(&str, Column); 15] = [
     ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
     ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
-    ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.lower.mm()))),
-    ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.combined.range.ok()?.upper.mm()))),
+    ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.lower.mm()))),
+    ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.upper.mm()))),
     ("verdict", Column::Text(|_, solved| Some(solved.judged.evaluation.verdict?.name().to_owned()))),
     ("reason", Column::Text(|_, solved| solved.judged.evaluation.open_because())),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
@@ -338,8 +338,7 @@ impl<'a> Teeth<'a> {
         let evaluation = &solved.judged.evaluation;
         // what is open stands nearest to any limit
         let open = f64::INFINITY;
-        let (lowest, highest) =
-            evaluation.combined.range.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
+        let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
         let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - highest);
         let below = self.limit.and_then(|limit| limit.lower).map(|end| lowest - end.mm());
         let nearest = above.into_iter().chain(below).reduce(f64::min);

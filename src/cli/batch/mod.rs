@@ -290,6 +290,7 @@ impl Args {
             limits: spec.limits(),
             unjudged: Vec::new(),
             without: Vec::new(),
+            is_all_placed: false,
         }
     }
 
@@ -400,6 +401,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         unjudged: limits.iter().map(|(on, _)| *on).filter(|on| !is_judged(*on)).collect(),
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
         without: Vec::new(),
+        is_all_placed: false,
     }
 }
 

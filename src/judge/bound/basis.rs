@@ -17,6 +17,9 @@ pub struct Basis {
     pub own_curve: OwnCurve,
     /// What the teeth do that are known one by one; the errors are then those of the other part.
     pub known_teeth: Option<KnownTeeth>,
+    /// What the exact mesh makes of the errors and the known teeth together, where every error is on all teeth alike, so
+    /// that nothing is left to place.
+    pub all_placed: Option<Range>,
     /// Whether the rack is free to roll; of a known pair its support says so.
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.

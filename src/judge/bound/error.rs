@@ -121,6 +121,14 @@ impl ExtendedError {
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))
     }
 
+    /// Whether it is on every tooth alike, so that nothing of it is left to place. The pitches of a pinion sum to zero over a
+    /// turn: not all of them can be off the same way.
+    #[must_use]
+    pub const fn is_on_all_teeth(&self) -> bool {
+        let closes = matches!((self.part, self.effect), (Part::Pinion, ErrorEffect::Pitch { .. }));
+        matches!(self.extent, Extent::All) && !self.either_sign && !closes
+    }
+
     /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
     pub(crate) fn of_gear(mut self, law: Law, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
         match &mut self.effect {
