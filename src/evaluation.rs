@@ -6,7 +6,7 @@ use std::fmt;
 use thiserror::Error;
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
-use crate::formula::{Model, PartDeviation};
+use crate::formula::{Model, PartDeviation, ToleranceEnds};
 use crate::judge::bound::{Basis, Bound, ErrorRange, NoBound, Note};
 use crate::judge::rule::{Decision, Rule, decide};
 use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
@@ -32,8 +32,8 @@ pub struct Contribution {
     pub in_contact: Option<u32>,
     /// Its share of the sum of magnitudes, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
     pub share: Option<f64>,
-    /// Whether the value is a permissible deviation, whose sign is not known, in place of a measured one.
-    pub is_tolerance: bool,
+    /// The ends of what is permitted, in place of a measured value.
+    pub tolerance: Option<ToleranceEnds>,
 }
 
 impl Contribution {
@@ -49,7 +49,10 @@ impl Contribution {
     /// Its extent in words, with how many steps add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
-        self.extent.words(self.kind.counts(), self.in_contact)
+        let words = self.extent.words(self.kind.counts(), self.in_contact);
+        // two ends say which signs there are
+        let has_ends = self.tolerance.is_some_and(|ends| ends.nearer.is_some());
+        if has_ends { words.replace(", any sign", ", its own value") } else { words }
     }
 }
 
@@ -263,7 +266,7 @@ pub struct EvaluationError {
 }
 
 /// Evaluates `errors` by `model`, combines them by what is known of the pair, and judges the combination picked by
-/// `stack`, and what single errors can do, against `limits`.
+/// `asked`, and what single errors can do, against `limits`.
 ///
 /// # Errors
 /// [`EvaluationError`] if a ΔCD is outside its formula's domain, or a result overflows.
@@ -271,17 +274,18 @@ pub fn evaluate(
     errors: &[PartDeviation],
     limits: &Limits,
     model: Model,
-    stack: Stack,
+    asked: Stack,
     basis: &Basis,
 ) -> Result<Evaluation, EvaluationError> {
     let of_sum = |problem: QuantityError| EvaluationError { error: None, problem: Box::new(problem.into()) };
     let bound = basis.bound_of(errors);
     let contributions = contributions(errors, model, &bound)?;
     let combined = bound.combined.nearest().map_err(of_sum)?;
-    // where nothing is left to place nothing scatters, either
-    let (stack, judged) = match basis.all_placed {
-        Some(range) => (Stack::Range, Ok(Interval::nearest(range).map_err(of_sum)?)),
-        None => (stack, combined.interval(stack)),
+    let stack = combined.judged(asked);
+    let judged = match basis.all_placed {
+        // where nothing is left to place nothing scatters, either
+        Some(range) => Ok(Interval::nearest(range).map_err(of_sum)?),
+        None => combined.interval(stack),
     };
     let limits: Vec<_> = limits
         .iter()
@@ -299,7 +303,8 @@ pub fn evaluate(
         .collect();
     let verdict = overall(&limits);
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
-    let notes = stack.notes(&bound);
+    let nothing_scatters = (stack != asked).then_some(Note::NothingScatters);
+    let notes = bound.notes.into_iter().chain(nothing_scatters).collect();
     let (unsolved, reached, rule) = (None, None, Rule::Simple);
     Ok(Evaluation {
         model,
@@ -331,7 +336,7 @@ fn contributions(errors: &[PartDeviation], model: Model, bound: &Bound) -> Resul
             range: Interval::of(range.map(ErrorRange::alone)).map_err(|problem| of_error(problem.into()))?,
             in_contact: range.ok().map(|range| range.in_contact),
             share: None,
-            is_tolerance: error.is_tolerance(),
+            tolerance: error.is_tolerance().then(|| error.tolerance()),
         });
     }
     let sum: f64 = contributions.iter().map(|contribution| contribution.delta_cd(model).abs().mm()).sum();

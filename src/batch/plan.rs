@@ -36,6 +36,8 @@ pub struct Plan {
     /// Whether the worst case, or the statistical sum, is written, judged or counted.
     pub(super) needs_range: bool,
     pub(super) needs_rss: bool,
+    /// Whether a statistical sum was asked for and nothing scatters, so that the worst case is judged.
+    nothing_scatters: bool,
     /// Whether what the mesh reaches is written.
     pub(super) needs_reached: bool,
     /// Whether nothing of the errors is left to place: the exact mesh judges parts that the bound does not pass.
@@ -73,7 +75,7 @@ impl Plan {
     /// # Errors
     /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
     /// a column's formula needs, and for names of output columns that there are not.
-    pub fn new(spec: &Arc<Spec>, table: &Table, request: Request) -> Result<Self, Diagnostics> {
+    pub fn new(spec: &Arc<Spec>, table: &Table, mut request: Request) -> Result<Self, Diagnostics> {
         let asked = Asked::new(spec, table, &request)?;
         let Asked { spec, sources, present, outputs, limits: judged, unjudged, lacking, without, is_uncertain } = asked;
         let spec = &spec;
@@ -81,6 +83,10 @@ impl Plan {
         let is_asked = request.statistics || request.monte_carlo.is_some() || request.rule.needs_uncertainty();
         let uncertain = is_uncertain && (is_asked || outputs.iter().any(Output::is_uncertain));
         let uncertain = uncertain.then(|| Uncertain::new(spec, &sources, &request, &basis)).transpose()?.map(Box::new);
+        let nothing_scatters = request.stack == Stack::Rss && !sources.iter().any(|source| source.extended.scatters());
+        if nothing_scatters {
+            request.stack = Stack::Range;
+        }
         let stack = request.stack;
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
         let needs = |of: Stack| is_judged(of) || Output::ends(of).iter().any(|end| outputs.contains(end));
@@ -96,6 +102,7 @@ impl Plan {
             basis,
             needs_range,
             needs_rss,
+            nothing_scatters,
             needs_reached,
             is_all_placed,
             followed: Vec::new(),
@@ -232,7 +239,8 @@ impl Plan {
             return Vec::new();
         }
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
-        self.request.stack.notes(&self.basis.bound(&errors))
+        let nothing_scatters = self.nothing_scatters.then_some(Note::NothingScatters);
+        self.basis.bound(&errors).notes.into_iter().chain(nothing_scatters).collect()
     }
 
     /// Why no part has a range that is written or judged, whatever its values.

@@ -29,8 +29,10 @@ impl Source {
     /// Of an error of any value.
     fn new(error: &PartDeviation, nominal: Option<DeviationValue>, limits: &Limits) -> Result<Self, Diagnostic> {
         let kind = error.kind();
-        // zero is in every domain: only an extent may not fit
-        let extended = ExtendedError::of(&error.with_value(DeviationValue::zero(kind)))
+        // zero is in every domain: only an extent may not fit; a tolerance of two ends is no column's
+        let of_any_value =
+            if error.tolerance().nearer.is_some() { *error } else { error.with_value(DeviationValue::zero(kind)) };
+        let extended = ExtendedError::of(&of_any_value)
             .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
         let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
         Ok(Self { law: error.law(), extended, is_limited, nominal, of_every_part: None })

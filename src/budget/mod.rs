@@ -47,7 +47,7 @@ pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
 /// Whether a combination of tolerances lies inside the limit.
 fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result<bool, NoBound> {
     let combined = request.basis.bound_of(errors).combined.nearest().map_err(|_| NoBound::TooLarge)?;
-    Ok(request.limit.judge(combined.interval(stack)?) == Verdict::Pass)
+    Ok(request.limit.judge(combined.interval(combined.judged(stack))?) == Verdict::Pass)
 }
 
 /// What an error can do alone.

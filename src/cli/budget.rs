@@ -49,7 +49,7 @@ pub(super) struct Args {
     /// How errors add up.
     #[arg(long, value_parser = [
         PossibleValue::new("worst").help("The bound of all tolerances"),
-        PossibleValue::new("rss").help("Mean ± 3 standard deviations; no bound"),
+        PossibleValue::new("rss").help("Tolerances as three standard deviations around the bound of what was measured; no bound"),
         PossibleValue::new("simulation").help("A fraction of random assemblies"),
     ])]
     stack: Option<String>,

@@ -84,6 +84,8 @@ impl Args {
         let kept = self.kept(&files)?;
         let picture = self.plot.picture(&files)?;
         let mut input = mesh_of(&spec, &spec_files::measured_tables(&spec, &self.spec, output)?)?;
+        let (middle, middles) = spec.with_scatter_middles(&input.mesh)?;
+        input.mesh = middle;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
         if !spec.has_deviations()
             && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?
@@ -116,7 +118,7 @@ impl Args {
             classes: &classes,
             study: &study,
             summary: &summary,
-            notes: mesh::notes(&input),
+            notes: mesh::notes(&input).into_iter().chain(middles).collect(),
             unjudged,
         };
         draw(picture, || report.chart(limit), ended_early.is_none(), output)?;

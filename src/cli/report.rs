@@ -19,7 +19,7 @@ use super::{batch, mesh, spec_files};
 use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::LimitTarget;
+use crate::judge::{LimitTarget, Stack};
 use crate::report::chart::Chart;
 use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{
@@ -294,10 +294,14 @@ impl Args {
 
     fn assumptions(&self) -> Section {
         let JudgeArgs { stack, model, .. } = &self.judge;
+        let judged = match stack {
+            Stack::Range => "the worst case",
+            Stack::Rss => "the statistical sum where tolerances scatter, and the worst case where nothing does",
+        };
         let notes = [
             format!("Formulas: the {model} model. Lengths and angles are exact decimals; a result is rounded once, and one that equals a limit is inside it."),
-            format!("Verdicts judge the {stack}. The worst case is a bound: wherever on the teeth that their extents allow the errors are, the exact mesh of the same errors stays inside it."),
-            "The statistical sum (RSS) is no bound: mean ± 3 standard deviations, errors independent, tolerances normal with 3 standard deviations.".to_owned(),
+            format!("Verdicts judge {judged}. The worst case is a bound: wherever on the teeth that their extents allow the errors are, the exact mesh of the same errors stays inside it."),
+            "The statistical sum (RSS) is no bound: at one stroke, tolerances independent and normal with 3 standard deviations, what was measured with its bound.".to_owned(),
             "The exact mesh is free of backlash, of rigid teeth, minimised over the pinion's rotation; the curve is exact to 1e-6 mm between its points.".to_owned(),
         ];
         Section::new("Assumptions", notes.map(Block::Note).into())

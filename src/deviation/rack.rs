@@ -109,6 +109,15 @@ impl RackFlanks {
         Ok(flanks)
     }
 
+    /// The same rack with deviations added to those that it has.
+    ///
+    /// # Errors
+    /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
+    pub fn with_deviations(self, pair: &Pair, more: &[RackDeviation]) -> Result<Self, DeviationError> {
+        let deviations = Self::new(pair, &[&self.deviations, more].concat())?.deviations;
+        Ok(Self { deviations, ..self })
+    }
+
     /// The same rack with measured displacements of single teeth added to those that it has, as
     /// [`rack_flanks_from_spaces`](super::rack_flanks_from_spaces) gives them.
     ///

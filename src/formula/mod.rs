@@ -36,7 +36,7 @@ pub use catalogue::{CATALOGUE, FormulaPage};
 pub(crate) use catalogue::{IDEAL_PIN, ROLLER_CHANGE};
 pub use influence::Influence;
 pub use law::{Geometry, Law};
-pub use part_deviation::PartDeviation;
+pub use part_deviation::{PartDeviation, ToleranceEnds};
 
 use crate::quantity::Length;
 

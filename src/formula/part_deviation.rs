@@ -5,6 +5,36 @@ use super::{Law, Model, Sensitivity};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::quantity::{DomainError, Length};
 
+/// The ends of a tolerance: plus and minus a value, or two of their own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToleranceEnds {
+    /// The end farther from 0; with the other sign the other end, too, unless there is a nearer one.
+    pub farther: DeviationValue,
+    /// The other end, where it is not as far from 0.
+    pub nearer: Option<DeviationValue>,
+}
+
+impl ToleranceEnds {
+    /// From the least to the greatest value of one dimension.
+    #[must_use]
+    pub fn from_to(lower: DeviationValue, upper: DeviationValue) -> Self {
+        let (below, above) = (lower.base(), upper.base());
+        match (below.abs() > above.abs(), below == -above) {
+            (_, true) => Self { farther: upper, nearer: None },
+            (true, false) => Self { farther: lower, nearer: Some(upper) },
+            (false, false) => Self { farther: upper, nearer: Some(lower) },
+        }
+    }
+
+    /// Both ends in mm or degrees, the lower one first.
+    #[must_use]
+    pub fn base(self) -> [f64; 2] {
+        let farther = self.farther.base();
+        let nearer = self.nearer.map_or(-farther, DeviationValue::base);
+        [farther.min(nearer), farther.max(nearer)]
+    }
+}
+
 /// One deviation of a rack or pinion and its law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartDeviation {
@@ -12,6 +42,8 @@ pub struct PartDeviation {
     value: DeviationValue,
     extent: Extent,
     is_tolerance: bool,
+    /// Of a tolerance that is not the same either way, the end nearer to 0.
+    nearer_end: Option<DeviationValue>,
     total: Option<Length>,
 }
 
@@ -19,14 +51,28 @@ impl PartDeviation {
     /// An error that was measured or given, on the teeth that [`DeviationKind::usual_extent`] says.
     #[must_use]
     pub fn new(law: Law, value: impl Into<DeviationValue>) -> Self {
-        Self { law, value: value.into(), extent: law.kind().usual_extent(), is_tolerance: false, total: None }
+        Self {
+            law,
+            value: value.into(),
+            extent: law.kind().usual_extent(),
+            is_tolerance: false,
+            nearer_end: None,
+            total: None,
+        }
     }
 
     /// A permissible deviation in place of a measured one: any from minus to plus `value`, each tooth its own unless another
     /// extent is given.
     #[must_use]
     pub fn within(law: Law, value: impl Into<DeviationValue>) -> Self {
-        Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true, total: None }
+        Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true, nearer_end: None, total: None }
+    }
+
+    /// A permissible deviation that is not the same either way: any from one end to the other, each tooth its own unless
+    /// another extent is given.
+    #[must_use]
+    pub fn between(law: Law, ends: ToleranceEnds) -> Self {
+        Self { nearer_end: ends.nearer, ..Self::within(law, ends.farther) }
     }
 
     /// The same error on other teeth.
@@ -50,7 +96,13 @@ impl PartDeviation {
     /// The same kind of error on the same teeth with another value.
     #[must_use]
     pub fn with_value(self, value: impl Into<DeviationValue>) -> Self {
-        Self { value: value.into(), ..self }
+        Self { value: value.into(), nearer_end: None, ..self }
+    }
+
+    /// The ends of a tolerance.
+    #[must_use]
+    pub const fn tolerance(&self) -> ToleranceEnds {
+        ToleranceEnds { farther: self.value, nearer: self.nearer_end }
     }
 
     /// The same error as a measured one, whose sign counts.
@@ -83,7 +135,7 @@ impl PartDeviation {
         self.law
     }
 
-    /// The error's value; of a permissible deviation, its largest magnitude.
+    /// The error's value; of a permissible deviation, the end that is farthest from 0.
     #[must_use]
     pub const fn value(&self) -> DeviationValue {
         self.value

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use crate::judge::bound::{Bound, Combined, NoBound, Note, Range};
+use crate::judge::bound::{Combined, NoBound, Range};
 use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 named! {
@@ -19,21 +19,10 @@ named! {
         #[default]
         #[cfg_attr(feature = "cli", value(alias = "worst"))]
         Range = "range",
-        /// Mean ± 3 standard deviations; no bound.
+        /// Tolerances as three standard deviations around the bound of what was measured; no bound.
         ///
         /// Statistical: all but a few of many such parts, at any one stroke.
         Rss = "rss",
-    }
-}
-
-impl Stack {
-    /// What the combination of a bound rests on.
-    #[must_use]
-    pub fn notes(self, bound: &Bound) -> Vec<Note> {
-        match self {
-            Self::Range => bound.notes.clone(),
-            Self::Rss => [bound.notes.as_slice(), &bound.statistical_notes].concat(),
-        }
     }
 }
 
@@ -102,7 +91,17 @@ impl Combined<Range> {
 }
 
 impl<T> Combined<T> {
-    /// The combination that is judged.
+    /// The combination that is judged where one is asked for: without anything that scatters there is no statistical one, and
+    /// the worst case is judged.
+    #[must_use]
+    pub fn judged(&self, asked: Stack) -> Stack {
+        match self.rss {
+            Err(NoBound::NothingScatters) => Stack::Range,
+            _ => asked,
+        }
+    }
+
+    /// A combination.
     ///
     /// # Errors
     /// [`NoBound`] if there is none.
@@ -172,6 +171,8 @@ mod tests {
     #[test]
     fn every_pitch_has_no_range_without_the_pair() {
         let c = combined(&[pitch("0.01").with_extent(Extent::All)]);
+        assert_eq!((c.range, c.rss), (Err(NoBound::TeethInContactUnknown), Err(NoBound::NothingScatters)));
+        let c = combined(&[pitch("0.01").with_extent(Extent::Each)]);
         assert_eq!((c.range, c.rss), (Err(NoBound::TeethInContactUnknown), Err(NoBound::TeethInContactUnknown)));
     }
 

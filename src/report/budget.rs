@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ON_WORST_TEETH, class_fact, interval_text};
+use super::evaluation::{ON_WORST_TEETH, class_fact, deviation_text, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
@@ -197,6 +197,10 @@ impl BudgetReport<'_> {
 }
 
 fn tolerance_text(line: &Line) -> String {
+    let ends = line.error.tolerance();
+    if ends.nearer.is_some() {
+        return deviation_text(line.error.value(), Some(ends.base()));
+    }
     // cut, not rounded: what is printed meets the limit
     match line.error.value() {
         DeviationValue::Length(length) => {
@@ -227,7 +231,7 @@ impl Report for BudgetReport<'_> {
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
                 let of_line = line.sensitivities.iter().map(SensitivityFact::of);
-                json!({
+                let mut fact = json!({
                     "error": kind.key(),
                     "fixed": line.is_fixed,
                     key: value,
@@ -239,7 +243,14 @@ impl Report for BudgetReport<'_> {
                     "class": class.map(class_fact),
                     "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_fact),
                     "sensitivities": of_line.collect::<Vec<_>>(),
-                })
+                });
+                let ends = line.error.tolerance();
+                if ends.nearer.is_some() {
+                    let [lower, upper] = ends.base();
+                    fact[key.replace('_', "_lower_")] = lower.into();
+                    fact[key.replace('_', "_upper_")] = upper.into();
+                }
+                fact
             })
             .collect();
         let simulation = match self.request.rule {

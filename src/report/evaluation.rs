@@ -7,6 +7,7 @@ use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, WITHOUT, fact, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
+use crate::formula::ToleranceEnds;
 use crate::formula::law::equation;
 use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
 use crate::judge::class::ErrorClass;
@@ -80,6 +81,11 @@ impl EvaluationReport<'_> {
                 "formula": equation(c.kind, model),
                 "share": c.share,
             });
+            if let Some(ends) = c.tolerance.filter(|ends| ends.nearer.is_some()) {
+                let [lower, upper] = ends.base();
+                fact[deviation.replace('_', "_lower_")] = lower.into();
+                fact[deviation.replace('_', "_upper_")] = upper.into();
+            }
             if let Some(class) = self.class(c.kind) {
                 fact["class"] = class_fact(class);
             }
@@ -92,11 +98,11 @@ impl EvaluationReport<'_> {
         let (model, other) = (evaluation.model, evaluation.model.other());
         // a permissible deviation has no sign, and ΔCD has one only where it can push one way
         let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
-        let is_unsigned = |c: &Contribution| c.is_tolerance || matches!(c.extent, Extent::Each | Extent::Total);
-        let deviation = |c: &Contribution| match &c.value {
-            DeviationValue::Length(length) => format!("{} µm", signed(length.in_unit(LengthUnit::Micrometre), 1)),
-            angle => format!("{}°", signed(angle.base(), 4)),
+        let ends = |c: &Contribution| c.tolerance.filter(|ends| ends.nearer.is_some()).map(ToleranceEnds::base);
+        let is_unsigned = |c: &Contribution| {
+            ends(c).is_none() && (c.tolerance.is_some() || matches!(c.extent, Extent::Each | Extent::Total))
         };
+        let deviation = |c: &Contribution| deviation_text(c.value, ends(c));
         let delta_cd = |c: &Contribution, model| {
             either_way(millimetres(c.delta_cd(model).mm()), is_unsigned(c) && c.kind.always_acts())
         };
@@ -128,14 +134,16 @@ impl EvaluationReport<'_> {
         let ends = |interval: &Interval| [interval.lower, interval.upper].map(|end| millimetres(end.mm()));
         let open = || ["open", "open"].map(str::to_owned);
         // known teeth leave nothing to statistics
-        let shown = Stack::ALL.into_iter().filter(|stack| !by_mesh || *stack == Stack::Range);
+        let shown = Stack::ALL
+            .into_iter()
+            .filter(|stack| !by_mesh && combined.judged(*stack) == *stack || *stack == Stack::Range);
         let judged = self.beside_the_bound().into_iter();
         let judged = judged.map(|judged| ("exact mesh".to_owned(), ends(&judged), OF_KNOWN_TEETH.to_owned()));
         let combinations = shown.map(|stack| {
             let assumes = match stack {
                 Stack::Range if is_mesh_alone => OF_KNOWN_TEETH,
                 Stack::Range => "wherever on the teeth the errors are",
-                Stack::Rss => "mean ± 3 standard deviations; independent, tolerances normal, 3σ",
+                Stack::Rss => "at one stroke; tolerances independent, normal, 3σ; what was measured with its bound",
             };
             let interval = combined.interval(stack);
             (stack.to_string(), interval.as_ref().map_or_else(|_| open(), ends), assumes.to_owned())
@@ -166,23 +174,12 @@ impl EvaluationReport<'_> {
             .block_if_any()
     }
 
-    /// Of a failed limit on the combination that no placement found reaches: how far they come.
-    fn beyond_reach(&self, failed: &LimitCheck) -> String {
-        let reached = self.evaluation.reached.filter(|_| failed.on == LimitTarget::CenterDistance);
-        match reached {
-            Some(reached) if failed.limit.judge(reached) == Verdict::Pass => {
-                format!("; no placement found goes that far, the worst ones reach {} mm", interval_text(&reached))
-            }
-            _ => String::new(),
-        }
-    }
-
     fn verdict_block(&self) -> Option<Block> {
         let evaluation = &self.evaluation;
         let without = judged_without(&self.without);
         if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
             let sentence = failure_sentence(failed, evaluation.stack);
-            let reached = self.beyond_reach(failed);
+            let reached = beyond_reach(failed, evaluation).map_or_else(String::new, |text| format!("; {text}"));
             return Some(Block::Verdict(Some(Verdict::Fail), format!("{sentence}{reached}{without}")));
         }
         if let Some(why) = evaluation.open_because() {
@@ -246,13 +243,8 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             let height = plain(tidy(*mm));
             format!("for the lead error flanks are taken to touch within {height} mm over and under the reference plane, {from} can leave the range")
         }
-        Note::StepsAlwaysAct => {
-            "statistical: a measured step is taken to act at every stroke; the pair's geometry says at how many it does"
-                .to_owned()
-        }
-        Note::OneStepCounts => {
-            "statistical: one step of every pitch is counted; how many add up over the teeth in contact, the pair's geometry says"
-                .to_owned()
+        Note::NothingScatters => {
+            "nothing scatters, so there is no statistical sum: measured errors enter with their bound, and the worst case is judged".to_owned()
         }
         Note::WholeTeeth => {
             "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, give F_p with \
@@ -298,6 +290,22 @@ pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
     ends(lower.mm(), upper.mm())
 }
 
+/// A deviation, or both ends of a tolerance of two, in µm or degrees.
+pub(super) fn deviation_text(value: DeviationValue, ends: Option<[f64; 2]>) -> String {
+    let of = |base: f64| match value {
+        DeviationValue::Length(_) => signed(1e3 * base, 1),
+        _ => signed(base, 4),
+    };
+    let unit = if matches!(value, DeviationValue::Length(_)) { " µm" } else { "°" };
+    match (value, ends) {
+        (_, Some([lower, upper])) => format!("{} … {}{unit}", of(lower), of(upper)),
+        (DeviationValue::Length(length), None) => {
+            format!("{}{unit}", signed(length.in_unit(LengthUnit::Micrometre), 1))
+        }
+        (angle, None) => format!("{}{unit}", signed(angle.base(), 4)),
+    }
+}
+
 /// Which end of the limit is broken and by how much, however little that is.
 pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     let what = subject(check.on, stack);
@@ -320,6 +328,13 @@ pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     format!("{what}: {}", parts.join(", and "))
 }
 
+/// Of a failed limit on the combination that no placement found reaches: how far they come.
+fn beyond_reach(check: &LimitCheck, evaluation: &Evaluation) -> Option<String> {
+    let failed = check.verdict == Some(Verdict::Fail) && check.on == LimitTarget::CenterDistance;
+    let reached = evaluation.reached.filter(|reached| failed && check.limit.judge(*reached) == Verdict::Pass)?;
+    Some(format!("no placement found goes that far, the worst ones reach {} mm", interval_text(&reached)))
+}
+
 /// What came of a limit, for programs.
 fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
     let result = check.result.ok();
@@ -330,7 +345,7 @@ fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
         "result_lower_mm": result.map(|result| result.lower),
         "result_upper_mm": result.map(|result| result.upper),
         "verdict": check.verdict.map(Verdict::name),
-        "reason": check.open_because(evaluation.stack, &evaluation.rule),
+        "reason": check.open_because(evaluation.stack, &evaluation.rule).or_else(|| beyond_reach(check, evaluation)),
         "decision": check.decision.as_ref().map(decision_fact),
     })
 }
@@ -368,7 +383,9 @@ impl Report for EvaluationReport<'_> {
             "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
             "verdict": evaluation.verdict.map(Verdict::name),
-            "reason": evaluation.open_because(),
+            "reason": evaluation
+                .open_because()
+                .or_else(|| evaluation.limits.iter().find_map(|check| beyond_reach(check, evaluation))),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
             "mesh": self.mesh.as_ref().map(|MeshPart { stroke_mm: (from, to), summary, notes }| json!({
                 "from_mm": from,

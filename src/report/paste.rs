@@ -161,7 +161,7 @@ impl Report for PartsReport<'_> {
         if let Some(evaluation) = self.rows.iter().find_map(|row| row.evaluation.as_ref()) {
             let stack = match evaluation.stack {
                 Stack::Range => "from … to: the worst case, wherever on the teeth the errors are",
-                Stack::Rss => "from … to: statistical, mean ± 3 standard deviations",
+                Stack::Rss => "from … to: statistical, at one stroke",
             };
             blocks.push(Block::Note(format!("{stack}; formulas: {} model", evaluation.model)));
             if self.is_uncertain() {

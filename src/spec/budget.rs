@@ -9,9 +9,9 @@ use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
 use crate::budget::{Entry, Free, Freedom};
-use crate::deviation::{DeviationKind, DeviationValue, Extent};
+use crate::deviation::{DeviationKind, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::PartDeviation;
+use crate::formula::{PartDeviation, ToleranceEnds};
 use crate::judge::LimitTarget;
 use crate::judge::class::ErrorClass;
 
@@ -29,7 +29,7 @@ pub struct BudgetSection {
 #[non_exhaustive]
 pub enum WrittenTolerance {
     /// A given tolerance.
-    Fixed(DeviationValue),
+    Fixed(ToleranceEnds),
     /// A grade of the standard in `[tolerance]`.
     Class(u8),
     /// To be found.
@@ -80,12 +80,13 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
         && !table.iter().all(|(key, _)| is_tolerance(key.get_ref()))
     {
         let message = format!("`{name}` of a budget is a table that makes no tolerance");
-        let help = "write \"12 um\", { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"; \
+        let help = "write \"12 um\", { value = { lower = \"-1 um\", upper = \"5 um\" } }, { class = 7 }, { weight = 2 }, { cost = 3 } or \"free\"; \
                     with an extent { value = \"12 um\", extent = \"one\" } or { weight = 2, extent = \"one\" }";
         return reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), span);
     }
     let value = match read_error_value(reader, kind, value)?.value? {
-        WrittenError::Value(value) => WrittenTolerance::Fixed(value),
+        WrittenError::Value(value) => WrittenTolerance::Fixed(ToleranceEnds { farther: value.abs(), nearer: None }),
+        WrittenError::Tolerance(ends) => WrittenTolerance::Fixed(ends),
         WrittenError::Class(grade) => WrittenTolerance::Class(grade),
         // a measured value, refused above
         WrittenError::OverRoller { .. } => return None,
@@ -139,7 +140,7 @@ impl Spec {
         let extent = self.budget.extent(kind);
         Ok(match written.value {
             WrittenTolerance::Free(freedom) => Entry::Free(Free { law, freedom, extent }),
-            WrittenTolerance::Fixed(value) => Entry::Fixed(PartDeviation::within(law, value.abs()).with_extent(extent)),
+            WrittenTolerance::Fixed(ends) => Entry::Fixed(PartDeviation::between(law, ends).with_extent(extent)),
             WrittenTolerance::Class(grade) => {
                 let mut problems = Problems::default();
                 let class = self.class(kind, grade, &written.span, &mut problems);

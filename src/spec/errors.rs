@@ -12,6 +12,7 @@ use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::ToleranceEnds;
 use crate::formula::law::lead_slope;
 use crate::quantity::Length;
 use crate::uncertainty::Influence;
@@ -29,8 +30,17 @@ pub enum WrittenError {
         /// The roller's diameter.
         roller: Length,
     },
+    /// A tolerance with two ends.
+    Tolerance(ToleranceEnds),
     /// A grade of the standard in `[tolerance]`.
     Class(u8),
+}
+
+impl WrittenError {
+    /// Whether it is permitted, and not the value of a part.
+    pub(super) const fn is_permitted(&self) -> bool {
+        matches!(self, Self::Tolerance(_) | Self::Class(_))
+    }
 }
 
 /// What is read of each kind of error that there is something of.
@@ -148,7 +158,12 @@ pub(super) fn read_error_value(
         DeValue::Table(entry) => read_error_table(reader, kind, entry, value.span())?,
         _ => Entry::of(WrittenError::Value(value_of(reader, kind, kind.key(), value)?)),
     };
-    if let Some(WrittenError::Value(DeviationValue::Angle(angle))) = entry.value {
+    let farthest = match entry.value {
+        Some(WrittenError::Value(value)) => Some(value),
+        Some(WrittenError::Tolerance(ends)) => Some(ends.farther),
+        _ => None,
+    };
+    if let Some(DeviationValue::Angle(angle)) = farthest {
         reader.in_domain(crate::formula::domain::LEAD_ERROR.check_angle(angle), value.span())?;
     }
     Some(entry)
@@ -165,6 +180,34 @@ fn value_of(
         DeviationKind::RackLead => reader.angle_value(name, value).map(DeviationValue::Angle),
         _ => reader.length_value(name, value).map(DeviationValue::Length),
     }
+}
+
+/// A value of an error, or the two ends of its tolerance.
+fn value_or_ends(
+    reader: &mut SectionReader<'_>,
+    kind: DeviationKind,
+    entry: &DeTable<'_>,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<WrittenError> {
+    let DeValue::Table(ends) = value.get_ref() else {
+        return value_of(reader, kind, "value", value).map(WrittenError::Value);
+    };
+    let help = "write { value = { lower = \"-1 um\", upper = \"5 um\" } }, with an extent beside the value if need be";
+    reader.knows_keys("value", ends, &["lower", "upper"].into_iter(), help)?;
+    let mut end = |name: &str| value_of(reader, kind, name, ends.get(name)?);
+    let (lower, upper) = (end("lower"), end("upper"));
+    let total = entry.get(keys::EXTENT).and_then(|extent| extent.get_ref().as_str()) == Some(Extent::Total.name());
+    let problem = match (lower, upper) {
+        _ if ends.len() < 2 => "a tolerance has a `lower` and an `upper` end",
+        (Some(lower), Some(upper)) if lower.base() > upper.base() => "the lower end is above the upper one",
+        _ if keys::UNCERTAINTY_KEYS.iter().any(|key| entry.contains_key(*key)) => {
+            "what is permitted has no measuring uncertainty"
+        }
+        _ if total => "a total cumulative deviation has no sign, so that it has one value",
+        (lower, upper) => return Some(WrittenError::Tolerance(ToleranceEnds::from_to(lower?, upper?))),
+    };
+    let message = format!("`{}`: {problem}", kind.key());
+    reader.refuse(Diagnostic::error(Code::BadErrorEntry, message).help(help), value.span())
 }
 
 /// The keys that the table form of an error may have, in the combinations that make an error.
@@ -240,7 +283,8 @@ fn read_error_table(
         }
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class).map(Entry::of);
     }
-    if form != ["f_h_beta", "length"] {
+    let is_tolerance = form == ["value"] && entry.get("value").is_some_and(|value| value.get_ref().is_table());
+    if form != ["f_h_beta", "length"] && !is_tolerance {
         // of a nominal value alone, that of the measured values to come
         let place = entry.get("nominal").filter(|_| form == ["nominal"]).map_or(span.clone(), Spanned::span);
         reader.note_uncertainty(kind.key(), entry, place, noted, None);
@@ -273,7 +317,7 @@ fn read_error_table(
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(Entry::of(WrittenError::OverRoller { measured: measured?, roller }))
         }
-        ["value"] => value_of(reader, kind, "value", entry.get("value")?).map(WrittenError::Value).map(Entry::of),
+        ["value"] => value_or_ends(reader, kind, entry, entry.get("value")?).map(Entry::of),
         _ => {
             let mut value = |name: &str| value_of(reader, kind, name, entry.get(name)?);
             let (measured, nominal) = (value("measured"), value("nominal")?);
@@ -327,6 +371,28 @@ mod tests {
             ("{ u = 0.001, every_part = true }", "`rack_pitch` is a table that makes no error"),
             ("{ value = 1, every_part = 1 }", "`every_part` is a whole number; true or false is needed"),
             ("{ value = 1, evry_part = true }", "`rack_pitch` has no key `evry_part`"),
+        ] {
+            let problem = Spec::parse("spec.toml", &format!("[errors]\nrack_pitch = {entry}")).expect_err(entry);
+            assert!(problem.to_string().contains(message), "{problem}");
+        }
+    }
+
+    #[test]
+    fn a_tolerance_has_two_ends_in_order() {
+        let lead = "[errors]\nrack_lead = { value = { lower = \"-1 arcmin\", upper = 0.02 }, extent = \"all\" }";
+        assert!(Spec::parse("spec.toml", lead).is_ok());
+        for (entry, message) in [
+            ("{ value = { lower = 1 } }", "`rack_pitch`: a tolerance has a `lower` and an `upper` end"),
+            ("{ value = { lower = 1, upper = 0 } }", "`rack_pitch`: the lower end is above the upper one"),
+            (
+                "{ value = { lower = 0, upper = 1 }, u = 1 }",
+                "`rack_pitch`: what is permitted has no measuring uncertainty",
+            ),
+            (
+                "{ value = { lower = 0, upper = 1 }, extent = \"total\" }",
+                "`rack_pitch`: a total cumulative deviation has no sign",
+            ),
+            ("{ value = { lower = 0, uper = 1 } }", "`value` has no key `uper`"),
         ] {
             let problem = Spec::parse("spec.toml", &format!("[errors]\nrack_pitch = {entry}")).expect_err(entry);
             assert!(problem.to_string().contains(message), "{problem}");

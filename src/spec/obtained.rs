@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::keys::Key;
-use super::{KeyType, MeasuredTables, Spec, WrittenError, keys};
+use super::{KeyType, MeasuredTables, Spec, keys};
 use crate::deviation::{DeviationKind, DeviationValue, Extent, Part, pitch_steps};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::bound::{HelixOfPinion, pinion_helix_slope_mm};
@@ -35,7 +35,7 @@ impl Spec {
     /// Diagnostics for gear data that an error needs.
     pub fn measured_deviations(&self, tables: &MeasuredTables) -> Result<Vec<MeasuredValue>, Diagnostics> {
         let mut values = Vec::new();
-        if self.errors.iter().any(|(_, written)| !matches!(written.value, WrittenError::Class(_))) {
+        if self.errors.iter().any(|(_, written)| !written.value.is_permitted()) {
             for error in self.part_deviations()?.iter().filter(|error| !error.is_tolerance()) {
                 let part = error.kind().part();
                 let amount = match error.value() {

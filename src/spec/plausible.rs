@@ -155,6 +155,7 @@ impl Spec {
     fn doubted_error(&self, kind: DeviationKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
         let (value, is_difference) = match written.value {
             WrittenError::Value(value) => (value, said_of(&self.nominals, kind).is_some()),
+            WrittenError::Tolerance(ends) => (ends.farther, false),
             WrittenError::OverRoller { measured, roller } => {
                 let need = || (kind.key().to_owned(), None);
                 let over_pin = self.over_pin_of(roller, &mut Problems::default(), &need)?;

@@ -52,7 +52,7 @@ fn in_words(kind: Kind) -> String {
         Kind::Measure(domain, unit) => return within(&format!("a number, {}", unit.symbol), &domain, unit.after),
         Kind::Word(words) => return one_of(words),
         Kind::Extent(counted) => return one_of(&Extent::names(counted)),
-        Kind::Error(_) => "a deviation, or a table",
+        Kind::Error(_) => "a deviation, or a table; a tolerance as { value = { lower, upper } }",
         Kind::Limit => "\"±0.05\", or { lower, upper }",
         Kind::Texts => "a list of texts",
         Kind::ColumnUnit { of_lead: false } => "a unit of length",
@@ -61,9 +61,11 @@ fn in_words(kind: Kind) -> String {
         Kind::RackDiameter => "\"pinion\", \"developed\" or a length",
         Kind::Rule => "\"simple\", \"iso14253\" or \"guard=5um\"",
         Kind::Pair => "the names of two values",
-        Kind::Tolerance(_) => "a tolerance, or \"free\"",
-        Kind::Spread { class: Some(_), .. } => "a standard deviation, a half-width or a class",
-        Kind::Spread { class: None, .. } => "a standard deviation or a half-width",
+        Kind::Tolerance(_) => "a tolerance, { value = { lower, upper } }, or \"free\"",
+        Kind::Spread { class: Some(_), .. } => {
+            "a standard deviation, a half-width, { value = { lower, upper } } or a class"
+        }
+        Kind::Spread { class: None, .. } => "a standard deviation, a half-width or { value = { lower, upper } }",
         Kind::Teeth => "\"all\", 5, \"8..\" or \"8..=12\"",
         Kind::Table(_) | Kind::Whole(_) => "a table",
         Kind::Tables(_) => "any number of tables",

@@ -134,6 +134,9 @@ impl Spec {
         let need = needed_by(kind, written);
         let error = match written.value {
             WrittenError::Value(value) => self.law_of(kind, problems, &need)?.map(|law| PartDeviation::new(law, value)),
+            WrittenError::Tolerance(ends) => {
+                self.law_of(kind, problems, &need)?.map(|law| PartDeviation::between(law, ends))
+            }
             WrittenError::OverRoller { measured, roller } => {
                 let nominal = self.over_pin_of(roller, problems, &need)?.measure();
                 let law = self.law_of(kind, problems, &need)?;

@@ -1,5 +1,6 @@
 //! `[scatter]` as written, and the random deviations that it means. Resolved for `rackmesh monte-carlo`; draws nothing.
 
+use toml::Spanned;
 use toml::de::DeValue;
 
 use super::keys::{self, Kind};
@@ -7,10 +8,14 @@ use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec};
 use crate::chance::racks::Scatter;
-use crate::deviation::DeviationKind;
+use crate::deviation::{
+    DeviationKind, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, ToothRange,
+};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
+use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::class::ErrorClass;
+use crate::mesh::Mesh;
 use crate::uncertainty::{Distribution, Uncertainty};
 
 /// A spread as written.
@@ -19,6 +24,8 @@ use crate::uncertainty::{Distribution, Uncertainty};
 pub enum WrittenSpread {
     /// A standard deviation or a half-width, mm or degrees.
     Spread(Uncertainty),
+    /// From one end of a tolerance to the other, mm or degrees.
+    Between([f64; 2], Distribution),
     /// A class of `[tolerance]`.
     Class(u8),
 }
@@ -26,8 +33,8 @@ pub enum WrittenSpread {
 /// `[scatter]`: one entry per kind of deviation.
 pub type ScatterSection = Vec<(&'static str, Located<WrittenSpread>)>;
 
-const HELP: &str = "write a standard deviation (\"4 um\"), { half_width = \"6 um\", distribution = \"rectangular\" }, or \
-                    { class = 7 }";
+const HELP: &str = "write a standard deviation (\"4 um\"), { half_width = \"6 um\", distribution = \"rectangular\" }, \
+                    { value = { lower = \"-1 um\", upper = \"5 um\" } }, or { class = 7 }";
 
 /// Reads `[scatter]`.
 pub(super) fn read(reader: &mut SectionReader<'_>) -> ScatterSection {
@@ -50,8 +57,15 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
     let DeValue::Table(table) = value.get_ref() else {
         return located(WrittenSpread::Spread(Uncertainty::standard(number(reader, name, value)?)));
     };
-    reader.knows_keys(name, table, &["class", "half_width", "distribution"].into_iter(), HELP)?;
+    reader.knows_keys(name, table, &["class", "half_width", "distribution", "value"].into_iter(), HELP)?;
     let bad = |message: String| Diagnostic::error(Code::BadUncertainty, message).help(HELP);
+    if let Some(ends) =
+        table.get("value").filter(|_| table.len() == 1 + usize::from(table.contains_key("distribution")))
+    {
+        let distribution =
+            table.get("distribution").map_or(Some(Distribution::Rectangular), |of| reader.distribution(of));
+        return located(WrittenSpread::Between(tolerance_ends(reader, name, ends, is_angle)?, distribution?));
+    }
     match (table.get("class"), table.get("half_width"), table.get("distribution")) {
         (Some(grade), None, None) => {
             if class.is_none() {
@@ -69,7 +83,70 @@ fn spread(reader: &mut SectionReader<'_>, name: &'static str, kind: Kind) -> Opt
     }
 }
 
+/// Both ends of a tolerance, mm or degrees.
+fn tolerance_ends(
+    reader: &mut SectionReader<'_>,
+    name: &'static str,
+    value: &Spanned<DeValue<'_>>,
+    is_angle: bool,
+) -> Option<[f64; 2]> {
+    let refusal = |problem: &str| Diagnostic::error(Code::BadUncertainty, format!("`{name}`: {problem}")).help(HELP);
+    if matches!(name, "pinion_pitch" | "pinion_runout") {
+        let problem = "it is the same either way: the pitches of a turn add up to nothing, and a runout has no sign";
+        return reader.refuse(refusal(problem), value.span());
+    }
+    let DeValue::Table(ends) = value.get_ref() else {
+        return reader.refuse(refusal("a tolerance has two ends"), value.span());
+    };
+    reader.knows_keys("value", ends, &["lower", "upper"].into_iter(), HELP)?;
+    let mut end = |name: &str| reader.base_value(name, ends.get(name)?, is_angle);
+    match (end("lower"), end("upper")) {
+        _ if ends.len() < 2 => reader.refuse(refusal("a tolerance has a `lower` and an `upper` end"), value.span()),
+        (Some(lower), Some(upper)) if lower >= upper => {
+            reader.refuse(refusal("the lower end is not below the upper one"), value.span())
+        }
+        (lower, upper) => Some([lower?, upper?]),
+    }
+}
+
 impl Spec {
+    /// A mesh whose teeth have the middles of the tolerances of `[scatter]` that are not the same either way, with a note of
+    /// each.
+    ///
+    /// # Errors
+    /// A diagnostic for middles that no teeth can have.
+    pub fn with_scatter_middles(&self, mesh: &Mesh) -> Result<(Mesh, Vec<String>), Diagnostic> {
+        let pair = mesh.pair();
+        let (mut rack, mut pinion, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut on_rack = |kind| rack.push(RackDeviation { teeth: ToothRange::ALL, kind });
+        let mut on_pinion = |kind| pinion.push(PinionDeviation { teeth: ToothRange::ALL, kind });
+        for (name, written) in &self.scatter {
+            let WrittenSpread::Between([lower, upper], _) = written.value else { continue };
+            let middle = 0.5 * (lower + upper);
+            match *name {
+                "rack_pitch" => on_rack(RackDeviationKind::Pitch(middle)),
+                "rack_thickness" => on_rack(RackDeviationKind::Thickness(middle)),
+                "rack_lead" => on_rack(RackDeviationKind::Lead(middle * RADIANS_PER_DEGREE)),
+                "rack_over_roller" => on_rack(RackDeviationKind::OverRoller(middle)),
+                "pinion_thickness" => on_pinion(PinionDeviationKind::Thickness(middle)),
+                _ => on_pinion(PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, middle))),
+            }
+            let unit = if *name == "rack_lead" { "°" } else { " mm" };
+            notes.push(format!(
+                "{} scatters from {lower}{unit} to {upper}{unit}, about the middle",
+                name.replace('_', " ")
+            ));
+        }
+        let refused = |problem: String| Diagnostic::error(Code::OutOfDomain, format!("[scatter]: {problem}"));
+        let flanks = mesh.rack().clone().with_deviations(pair, &rack).and_then(|rack| {
+            let middles = PinionFlanks::new(pair, &pinion)?;
+            Ok((rack, mesh.pinion().clone().with_measured(middles.teeth())?))
+        });
+        let (rack, pinion) = flanks.map_err(|error| refused(error.to_string()))?;
+        let mesh = Mesh::new(*pair, rack, pinion, mesh.support()).map_err(|error| refused(error.to_string()))?;
+        Ok((mesh, notes))
+    }
+
     /// The random deviations of the teeth, in mm and rad, and what classes came to.
     ///
     /// Within a class every value is taken to be as probable as any other.
@@ -90,6 +167,9 @@ impl Spec {
             let Some(Kind::Spread { is_angle, class }) = key.map(|key| key.kind) else { continue };
             let spread = match (written.value, class) {
                 (WrittenSpread::Spread(spread), _) => Some(spread),
+                (WrittenSpread::Between([lower, upper], distribution), _) => {
+                    Some(Uncertainty::half_width(0.5 * (upper - lower), distribution))
+                }
                 (WrittenSpread::Class(grade), Some(kind)) => {
                     let class = self.class(kind, grade, &written.span, &mut problems);
                     let spread = class.as_ref().map(within_class);

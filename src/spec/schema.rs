@@ -113,7 +113,8 @@ fn spread(is_angle: bool, has_class: bool) -> Value {
     let distribution = &uncertainty_properties()["distribution"];
     let properties = json!({ "half_width": amount, "distribution": distribution });
     let half_width = closed(properties, &["half_width", "distribution"]);
-    let mut forms = vec![amount, half_width];
+    let between = closed(json!({ "value": ends(), "distribution": distribution }), &["value"]);
+    let mut forms = vec![amount, half_width, between];
     if has_class {
         forms.push(closed(json!({ "class": grade() }), &["class"]));
     }
@@ -179,6 +180,7 @@ fn error(kind: DeviationKind) -> Value {
     for form in error_table_forms(kind) {
         let value = |name: &str| match name {
             "class" => grade(),
+            "value" => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }, ends()] }),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
@@ -208,6 +210,12 @@ fn beside(kind: DeviationKind) -> Map<String, Value> {
         properties.insert(MEASURED_AT.to_owned(), json!({ "anyOf": [{ "type": "number" }, length_text()] }));
     }
     properties
+}
+
+/// Both ends of a tolerance.
+fn ends() -> Value {
+    let end = json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] });
+    closed(json!({ "lower": end, "upper": end }), &["lower", "upper"])
 }
 
 fn typed(name: &str, domain: &Domain) -> Value {

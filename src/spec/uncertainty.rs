@@ -295,7 +295,7 @@ impl Spec {
     /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
     #[must_use]
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
-        let measured = self.errors.iter().filter(|(_, written)| !matches!(written.value, WrittenError::Class(_)));
+        let measured = self.errors.iter().filter(|(_, written)| !written.value.is_permitted());
         let single = measured.map(|(kind, _)| *kind).filter(|kind| !self.is_uncertain(*kind));
         single.chain(self.teeth_taken_as_exact.iter().copied()).collect()
     }

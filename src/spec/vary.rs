@@ -242,7 +242,7 @@ fn of_error(error: &mut WrittenError) -> Option<Variable<'_>> {
         }
         WrittenError::Value(DeviationValue::Angle(angle)) => Some(Variable::Angle(angle)),
         WrittenError::Value(DeviationValue::Slope(slope)) => Some(Variable::Slope(slope)),
-        WrittenError::Class(_) => None,
+        WrittenError::Tolerance(_) | WrittenError::Class(_) => None,
     }
 }
 

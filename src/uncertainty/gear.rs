@@ -221,7 +221,10 @@ pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
 
 /// Both ends of what is held against a limit, not numbers if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
-    basis.all_placed.unwrap_or_else(|| basis.together(errors).interval(stack).unwrap_or(NO_RANGE))
+    basis.all_placed.unwrap_or_else(|| {
+        let together = basis.together(errors);
+        together.interval(together.judged(stack)).unwrap_or(NO_RANGE)
+    })
 }
 
 /// What one error can do alone, not numbers if there is no bound.

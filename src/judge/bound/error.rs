@@ -20,6 +20,8 @@ pub struct ExtendedError {
     pub(crate) extent: Extent,
     /// Whether its sign is not known: it is any from minus to plus the value, wherever it is.
     pub(in crate::judge) either_sign: bool,
+    /// Of a tolerance that is not the same either way, the end nearer to 0; the value is the other one.
+    pub(in crate::judge) nearer_end: Option<f64>,
 }
 
 /// What an error does.
@@ -66,8 +68,14 @@ impl RackLines {
 
 impl ExtendedError {
     /// An error of nothing, for lists of a fixed length.
-    pub(crate) const NONE: Self =
-        Self { part: Part::Rack, value: 0.0, effect: ErrorEffect::Size, extent: Extent::All, either_sign: false };
+    pub(crate) const NONE: Self = Self {
+        part: Part::Rack,
+        value: 0.0,
+        effect: ErrorEffect::Size,
+        extent: Extent::All,
+        either_sign: false,
+        nearer_end: None,
+    };
 
     /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
     /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
@@ -105,7 +113,7 @@ impl ExtendedError {
             return Err(NoBound::NotOfItsKind);
         }
         if value.abs() < largest {
-            Ok(Self { part: law.kind().part(), value, effect, extent, either_sign: false })
+            Ok(Self { part: law.kind().part(), value, effect, extent, either_sign: false, nearer_end: None })
         } else {
             Err(NoBound::TooLarge)
         }
@@ -118,6 +126,8 @@ impl ExtendedError {
     pub fn of(error: &PartDeviation) -> Result<Self, NoBound> {
         let extended = Self::new(error.law(), error.value(), error.extent())?;
         let extended = if error.is_tolerance() { extended.of_either_sign() } else { extended };
+        let nearer = error.tolerance().nearer.map(|nearer| Self::new(error.law(), nearer, error.extent()));
+        let extended = Self { nearer_end: nearer.transpose()?.map(|nearer| nearer.value), ..extended };
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))
     }
 
@@ -149,15 +159,61 @@ impl ExtendedError {
         Self { either_sign: matches!(self.extent, Extent::One | Extent::Part | Extent::All), ..self }
     }
 
-    /// An error whose sign is not known, with either of them.
+    /// An error whose sign is not known, at either end of its tolerance.
     #[inline]
     pub(in crate::judge) fn signs(&self) -> Option<[Self; 2]> {
-        self.either_sign.then(|| [1.0, -1.0].map(|sign| Self { either_sign: false, ..self.scaled(sign) }))
+        let [lower, upper] = self.ends();
+        self.either_sign.then(|| [upper, lower].map(|end| Self { either_sign: false, ..self.measured(end) }))
     }
 
-    /// The same error at a share of its value.
+    /// Whether a tolerance leaves some teeth, or some parts, without the error.
+    pub(super) fn may_be_nothing(&self) -> bool {
+        let [lower, upper] = self.ends();
+        self.extent != Extent::All || lower <= 0.0 && upper >= 0.0
+    }
+
+    /// The least and the greatest value of a tolerance, mm or rad.
+    pub(in crate::judge) fn ends(&self) -> [f64; 2] {
+        let nearer = self.nearer_end.unwrap_or(-self.value);
+        [self.value.min(nearer), self.value.max(nearer)]
+    }
+
+    /// A tolerance that is not the same either way, as its middle, which all teeth have that it is on, and plus and minus half
+    /// its width.
+    pub(in crate::judge) fn split(&self) -> Option<[Self; 2]> {
+        self.nearer_end?;
+        let [lower, upper] = self.ends();
+        let extent = if self.extent == Extent::Each { Extent::All } else { self.extent };
+        let middle = Self { extent, either_sign: false, ..self.measured(0.5 * (lower + upper)) };
+        Some([middle, self.measured(0.5 * (upper - lower))])
+    }
+
+    /// The same error with a value that is no tolerance of two ends.
+    fn measured(self, value: f64) -> Self {
+        Self { nearer_end: None, ..self.with_value(value) }
+    }
+
+    /// Whether its value is not known but for its tolerance: each tooth has its own, or that of all is any of it.
+    #[inline]
+    pub(crate) fn scatters(&self) -> bool {
+        self.either_sign || matches!(self.extent, Extent::Each | Extent::Total)
+    }
+
+    /// The same pitch tolerance without a limit of its total.
+    pub(super) fn uncapped(mut self) -> Self {
+        if let ErrorEffect::Pitch { cap, .. } = &mut self.effect {
+            *cap = None;
+        }
+        self
+    }
+
+    /// The same error at a share of its value; of two ends, −1 is the lower one and +1 the upper one.
     pub(super) fn scaled(self, share: f64) -> Self {
-        self.with_value(share * self.value)
+        let value = match self.split() {
+            None => share * self.value,
+            Some([middle, half]) => middle.value + share * half.value,
+        };
+        self.measured(value)
     }
 
     /// The same error with another value, in mm or rad.

@@ -80,12 +80,15 @@ impl Leads {
     pub(super) fn with(self, error: &ExtendedError) -> Self {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         let extent = if error.either_sign { Extent::Each } else { error.extent };
+        let one = ExtendedError { extent, ..*error };
         let leads = match error.effect {
-            ErrorEffect::RackLead(rack) => self.with_value(error.value, extent, Some(rack)),
-            ErrorEffect::PinionLead { gain } => self.with_value(gain * error.value, extent, None),
+            ErrorEffect::RackLead(rack) => self.with_values(values_of(&one, 1.0), extent, Some(rack)),
+            ErrorEffect::PinionLead { gain } => self.with_values(values_of(&one, gain), extent, None),
             ErrorEffect::Size | ErrorEffect::Pitch { .. } => return self,
         };
-        Self { unsigned: (is_first && error.either_sign).then_some(*error), ..leads }
+        // the table of leads knows tolerances that are the same either way
+        let extent = leads.extent.filter(|_| error.nearer_end.is_none());
+        Self { unsigned: (is_first && error.either_sign).then_some(*error), extent, ..leads }
     }
 
     /// The only lead with either sign, if its sign is not known.
@@ -93,8 +96,7 @@ impl Leads {
         Some(self.unsigned?.signs()?.map(|error| Self::none(self.part).with(&error)))
     }
 
-    fn with_value(mut self, value: f64, extent: Extent, lines: Option<RackLines>) -> Self {
-        let added = values_of(value, extent);
+    fn with_values(mut self, added: Range, extent: Extent, lines: Option<RackLines>) -> Self {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         self.one_tooth = is_first && extent == Extent::One;
         self.extent = is_first.then_some(extent);
@@ -178,7 +180,7 @@ impl Leads {
         *known
             .leads
             .node(self.part, extent, index)
-            .get_or_init(|| Self::none(self.part).with_value(value, extent, lines).asked_itself(known))
+            .get_or_init(|| Self::none(self.part).with_values(within(value, extent), extent, lines).asked_itself(known))
     }
 
     /// How much the slopes of flanks that are turned by up to this bend at most, in mm of ΔCD per rad².
@@ -295,9 +297,21 @@ impl Leads {
     }
 }
 
+/// From what to what a lead turns tooth lines, so many times.
+#[inline]
+pub(super) fn values_of(error: &ExtendedError, gain: f64) -> Range {
+    match error.nearer_end {
+        None => within(gain * error.value, error.extent),
+        Some(_) => {
+            let [lower, upper] = error.ends();
+            Range { lower: gain * lower, upper: gain * upper }
+        }
+    }
+}
+
 /// From what to what a lead of this value and extent turns tooth lines.
 #[inline]
-pub(super) fn values_of(value: f64, extent: Extent) -> Range {
+fn within(value: f64, extent: Extent) -> Range {
     match extent {
         Extent::All => Range { lower: value, upper: value },
         Extent::Each => Range { lower: -value.abs(), upper: value.abs() },

@@ -90,13 +90,31 @@ impl ErrorRange {
         Self::within(value, value)
     }
 
-    /// What one error or another one does, or none of them.
+    /// What one error does, or none.
+    fn or_nothing(self) -> Self {
+        self.or(Self { upper_with_undercut_mm: f64::NEG_INFINITY, ..Self::either_way(0.0) })
+    }
+
+    /// What two errors do together.
+    fn beside(self, other: Self) -> Self {
+        Self {
+            raw_lower_mm: self.raw_lower_mm + other.raw_lower_mm,
+            lower_mm: (self.lower_mm + other.raw_lower_mm).max(self.raw_lower_mm + other.lower_mm),
+            upper_mm: (self.upper_mm + other.raw_upper_mm).min(self.raw_upper_mm + other.upper_mm),
+            raw_upper_mm: self.raw_upper_mm + other.raw_upper_mm,
+            upper_with_undercut_mm: (self.upper_with_undercut_mm + other.raw_upper_mm)
+                .min(self.raw_upper_mm + other.upper_with_undercut_mm),
+            in_contact: self.in_contact.max(other.in_contact),
+        }
+    }
+
+    /// What one error or another one does.
     fn or(self, other: Self) -> Self {
         Self {
-            raw_lower_mm: self.raw_lower_mm.min(other.raw_lower_mm).min(0.0),
-            lower_mm: self.lower_mm.min(other.lower_mm).min(0.0),
-            upper_mm: self.upper_mm.max(other.upper_mm).max(0.0),
-            raw_upper_mm: self.raw_upper_mm.max(other.raw_upper_mm).max(0.0),
+            raw_lower_mm: self.raw_lower_mm.min(other.raw_lower_mm),
+            lower_mm: self.lower_mm.min(other.lower_mm),
+            upper_mm: self.upper_mm.max(other.upper_mm),
+            raw_upper_mm: self.raw_upper_mm.max(other.raw_upper_mm),
             upper_with_undercut_mm: self.upper_with_undercut_mm.max(other.upper_with_undercut_mm),
             in_contact: self.in_contact.max(other.in_contact),
         }
@@ -190,6 +208,9 @@ pub enum NoBound {
         "the mesh is not solved at every stroke that is judged, as `mesh` shows: check the tip diameter and the addendum"
     )]
     NotSolved,
+    /// A statistical sum has nothing that scatters: every error was measured.
+    #[error("nothing scatters: a measured error enters with its bound, and only tolerances spread")]
+    NothingScatters,
     /// Edges alone carry, of which no bound is known.
     #[error("the flanks of this pair touch nowhere but at their edges: check the addendum and the tip diameter")]
     EdgesOnly,
@@ -235,10 +256,8 @@ pub enum Note {
     GeometryNeeded,
     /// Flanks are taken to touch within this height over and under the reference plane.
     AssumedHeight(AssumedHeight),
-    /// In a statistical sum steps are taken to act at every stroke.
-    StepsAlwaysAct,
-    /// In a statistical sum one step of every pitch is counted, for how many add up is not known.
-    OneStepCounts,
+    /// A statistical sum was asked for, and nothing scatters: the worst case is judged.
+    NothingScatters,
     /// Pitch errors of every tooth are taken as shifts of whole teeth, whose thickness stays.
     WholeTeeth,
 }

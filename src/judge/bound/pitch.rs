@@ -38,8 +38,8 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
     };
     let range = match extent {
         // one step only, or a run that need not be where the teeth are in contact
-        Extent::One => range.or(range).limited(step),
-        Extent::Part => range.or(range),
+        Extent::One => range.or_nothing().limited(step),
+        Extent::Part => range.or_nothing(),
         Extent::All | Extent::Each | Extent::Total => range,
     };
     let in_contact = if step > 0.0 { (range.upper_mm / step - SLACK).ceil().clamp(0.0, 1e6) as u32 } else { 0 };

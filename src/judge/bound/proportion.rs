@@ -4,10 +4,9 @@
 use super::error::{ErrorEffect, RackLines};
 use super::known::Own;
 use super::lead;
-use super::moments::{Moments, moments};
 use super::single::{assumed_height, range_of};
-use super::sum::{Combined, StatisticalSum, Sum, larger, own, parts_with_several_leads};
-use super::{Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, Range};
+use super::sum::{Combined, Sum, larger, own, parts_with_several_leads};
+use super::{Basis, ErrorRange, ExtendedError, GivenGeometry, Knowledge, NoBound, Range};
 
 /// Errors whose values change, and what follows from each whatever its value.
 #[derive(Debug, Clone)]
@@ -31,7 +30,6 @@ struct PerMm {
     raw_lower: f64,
     raw_upper: f64,
     better: f64,
-    moments: Moments,
 }
 
 impl<'a> ChangingErrors<'a> {
@@ -82,14 +80,12 @@ struct Sums {
     raw_lower: [f64; STRIP],
     raw_upper: [f64; STRIP],
     better: [f64; STRIP],
-    mean: [f64; STRIP],
-    variance: [f64; STRIP],
 }
 
 impl Default for Sums {
     fn default() -> Self {
         let zeros = [0.0; STRIP];
-        Self { raw_lower: zeros, raw_upper: zeros, better: zeros, mean: zeros, variance: zeros }
+        Self { raw_lower: zeros, raw_upper: zeros, better: zeros }
     }
 }
 
@@ -99,12 +95,9 @@ impl Sums {
     fn add(&mut self, values: &[f64], [above, below]: &[PerMm; 2], size: impl Fn(f64) -> f64) {
         for (row, value) in values.iter().enumerate().take(STRIP) {
             let (per_mm, size) = (if *value < 0.0 { below } else { above }, size(*value));
-            let deviation = size * per_mm.moments.deviation_mm;
             self.raw_lower[row] += size * per_mm.raw_lower;
             self.raw_upper[row] += size * per_mm.raw_upper;
             self.better[row] = larger(self.better[row], size * per_mm.better);
-            self.mean[row] += size * per_mm.moments.mean_mm;
-            self.variance[row] += deviation * deviation;
         }
     }
 
@@ -113,9 +106,7 @@ impl Sums {
     fn together(&self, row: usize, own: Own) -> Combined<Range> {
         let mut sum = Sum::default();
         (sum.raw_lower, sum.raw_upper, sum.better) = (self.raw_lower[row], self.raw_upper[row], self.better[row]);
-        let range = Ok(sum.with_own(own));
-        let scatter = StatisticalSum { mean: self.mean[row], variance: self.variance[row] };
-        Combined { range, rss: Ok(scatter.around(own.range, range)) }
+        Combined { range: Ok(sum.with_own(own)), rss: Err(NoBound::NothingScatters) }
     }
 }
 
@@ -132,14 +123,12 @@ impl InProportion {
                 ErrorEffect::RackLead(_) => ErrorRange::either_way(1.0),
                 _ => range_of(&error.with_value(value), knowledge).ok()?,
             };
-            let moments = moments(&error.with_value(value), Ok(range), knowledge).ok()?;
             let ErrorRange { raw_lower_mm: raw_lower, raw_upper_mm: raw_upper, .. } = range;
-            Some(PerMm { raw_lower, raw_upper, better: range.lower_mm - raw_lower, moments })
+            Some(PerMm { raw_lower, raw_upper, better: range.lower_mm - raw_lower })
         };
         let of_error = |error: &ExtendedError| {
             let is_capped = matches!(error.effect, ErrorEffect::Pitch { cap: Some(_), .. });
-            let is_in_proportion =
-                !is_capped && !error.either_sign && matches!(error.extent, Extent::One | Extent::Part | Extent::All);
+            let is_in_proportion = !is_capped && !error.scatters();
             is_in_proportion.then(|| Some([of(error, 1.0)?, of(error, -1.0)?])).flatten()
         };
         Some(Self { own, per_mm: errors.iter().map(of_error).collect::<Option<_>>()? })
@@ -150,13 +139,13 @@ impl InProportion {
 #[inline(never)]
 fn size_of_lead(lines: &RackLines, error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
     let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;
-    lead::most_of_any_pair(lead::values_of(value, error.extent), Some(lines), height)
+    lead::most_of_any_pair(lead::values_of(&error.with_value(value), 1.0), Some(lines), height)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::deviation::DeviationKind;
+    use crate::deviation::{DeviationKind, Extent};
     use crate::formula::Law;
     use crate::quantity::{Angle, Length};
 

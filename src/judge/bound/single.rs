@@ -18,9 +18,16 @@ const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 /// What one error can do alone.
 #[inline]
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
-    match error.signs() {
-        None => range_of_signed(error, knowledge),
-        Some([one, other]) => Ok(range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?)),
+    match (error.signs(), error.split().filter(|_| matches!(error.effect, ErrorEffect::Pitch { .. }))) {
+        (Some([one, other]), _) => {
+            let ends = range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?);
+            // an error that is on some teeth is not on others
+            Ok(if error.may_be_nothing() { ends.or_nothing() } else { ends })
+        }
+        (None, Some([middle, half])) => {
+            Ok(range_of_signed(&middle, knowledge)?.beside(range_of_signed(&half, knowledge)?))
+        }
+        (None, None) => range_of_signed(error, knowledge),
     }
 }
 
@@ -39,7 +46,7 @@ fn range_of_signed(error: &ExtendedError, knowledge: &Knowledge) -> Result<Error
 fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let ExtendedError { value, extent, .. } = *error;
     Ok(match error.effect {
-        ErrorEffect::Size => size(value, extent),
+        ErrorEffect::Size => size(error),
         ErrorEffect::Pitch { gain, cap } => {
             let limit = cap.map_or(f64::INFINITY, |cap| total(gain, cap, None));
             let range = match extent {
@@ -51,18 +58,18 @@ fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRang
             range.limited(limit)
         }
         ErrorEffect::RackLead(lines) => {
-            lead::of_any_pair(lead::values_of(value, extent), Some(&lines), assumed_height(&lines, knowledge).mm)
+            lead::of_any_pair(lead::values_of(error, 1.0), Some(&lines), assumed_height(&lines, knowledge).mm)
         }
-        ErrorEffect::PinionLead { gain } => lead::of_any_pair(lead::values_of(gain * value, extent), None, 0.0),
+        ErrorEffect::PinionLead { gain } => lead::of_any_pair(lead::values_of(error, gain), None, 0.0),
     })
 }
 
 /// What an error does in a known pair.
 fn of_pair(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
-    let ExtendedError { part, value, extent, .. } = *error;
+    let ExtendedError { part, extent, .. } = *error;
     match error.effect {
-        ErrorEffect::Size if extent == Extent::One => one_space(part, value, known),
-        ErrorEffect::Size => size(value, extent),
+        ErrorEffect::Size if extent == Extent::One => one_space(error, known),
+        ErrorEffect::Size => size(error),
         ErrorEffect::Pitch { gain, cap } => pitch_range(error, gain, cap, known),
         ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => Leads::none(part).with(error).of_pair(known),
     }
@@ -70,16 +77,21 @@ fn of_pair(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
 
 /// A space that sits higher by e: both its flanks carry for a while, or never.
 #[inline]
-fn size(value: f64, extent: Extent) -> ErrorRange {
+fn size(error: &ExtendedError) -> ErrorRange {
+    let ExtendedError { value, extent, .. } = *error;
     match extent {
         Extent::All => ErrorRange::signed(value),
-        Extent::Each | Extent::Total => ErrorRange::either_way(value.abs()),
+        Extent::Each | Extent::Total => {
+            let [lower, upper] = error.ends();
+            ErrorRange::within(lower, upper)
+        }
         Extent::Part | Extent::One => ErrorRange::within(value.min(0.0), value.max(0.0)),
     }
 }
 
-fn one_space(part: Part, value: f64, known: &KnownPair) -> ErrorRange {
-    let sometimes = size(value, Extent::One);
+fn one_space(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
+    let ExtendedError { part, value, .. } = *error;
+    let sometimes = size(error);
     if value > 0.0 {
         let with_undercut = undercut(known).map(|table| table.with_one_space(part, value));
         return ErrorRange {
@@ -140,7 +152,7 @@ fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair
 pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     match leads.signs() {
         None => of_signed_leads(leads, knowledge),
-        Some([one, other]) => of_signed_leads(&one, knowledge).or(of_signed_leads(&other, knowledge)),
+        Some([one, other]) => of_signed_leads(&one, knowledge).or(of_signed_leads(&other, knowledge)).or_nothing(),
     }
 }
 

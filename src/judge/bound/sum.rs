@@ -4,7 +4,7 @@ use super::error::ErrorEffect;
 use super::field::thickness_offset;
 use super::known::Own;
 use super::lead::Leads;
-use super::moments::{Moments, moments};
+use super::moments::Scatter;
 use super::single::{assumed_height, of_leads, range_of};
 use super::{
     Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, Knowledge, KnownPair, KnownTeeth, NoBound, Note, OwnCurve,
@@ -21,8 +21,6 @@ pub struct Bound {
     pub combined: Combined<Range>,
     /// What it rests on.
     pub notes: Vec<Note>,
-    /// What the statistical range rests on beside that.
-    pub statistical_notes: Vec<Note>,
 }
 
 /// The combinations of several errors, as ranges or as the nearest decimals of these.
@@ -30,15 +28,14 @@ pub struct Bound {
 pub struct Combined<T> {
     /// The worst case: what all can do together, the pair's own curve counted.
     pub range: Result<T, NoBound>,
-    /// The statistical combination, no bound: mean ± 3 standard deviations of ΔCD at one stroke.
+    /// The statistical combination, no bound: what tolerances do at one stroke, as three standard deviations of each, around
+    /// the bound of what was measured.
     pub rss: Result<T, NoBound>,
 }
 
 /// Errors move points of contact over the known teeth, whose own leads and steps they then meet elsewhere: by this share
 /// of what both do together. Found by trials, not proven.
 const MOVED: f64 = 2e-3;
-/// A statistical sum reaches so many standard deviations to either side of its mean.
-const DEVIATIONS: f64 = 3.0;
 /// Pairs are prepared for so much more than errors need.
 const SPARE_MM: f64 = 1e-6;
 
@@ -46,15 +43,8 @@ const SPARE_MM: f64 = 1e-6;
 pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let combined = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
-    let (mut acts, mut counts) = (false, false);
-    for error in errors.iter().filter(|error| is_pitch(error) && knowledge.pair.is_none()) {
-        acts |= error.extent == Extent::One && !error.either_sign;
-        counts |= error.extent == Extent::Each;
-    }
-    let statistical_notes = [(acts, Note::StepsAlwaysAct), (counts, Note::OneStepCounts)];
-    let statistical_notes = statistical_notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect();
     let needs_geometry = combined.range == Err(NoBound::TeethInContactUnknown);
-    Bound { errors: each, combined, notes: notes(errors, knowledge, needs_geometry), statistical_notes }
+    Bound { errors: each, combined, notes: notes(errors, knowledge, needs_geometry) }
 }
 
 /// What errors of both parts add up to, mm.
@@ -95,19 +85,13 @@ impl Default for Sum {
 }
 
 impl Sum {
-    /// Of some errors; `each` is shown what each does alone. Several leads of a part are added as angles.
+    /// Of some errors. Several leads of a part are added as angles.
     #[inline]
-    fn of(
-        errors: &[ExtendedError],
-        knowledge: &Knowledge,
-        mut each: impl FnMut(&ExtendedError, Result<ErrorRange, NoBound>),
-    ) -> Result<Self, NoBound> {
+    fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, NoBound> {
         let several = parts_with_several_leads(errors);
         let (mut sum, mut is_open) = (Self::default(), Ok(()));
         for error in errors {
-            let range = range_of(error, knowledge);
-            each(error, range);
-            match range {
+            match range_of(error, knowledge) {
                 Ok(_) if error.effect.is_lead() && several[error.part as usize] => {}
                 Ok(range) => sum.add(error.part, range),
                 Err(open) => is_open = is_open.and(Err(open)),
@@ -154,6 +138,11 @@ impl Sum {
         }
     }
 
+    /// Around the known teeth, or the pair's own curve.
+    fn around(&self, own: Own, knowledge: &Knowledge) -> Range {
+        knowledge.basis.known_teeth.map_or_else(|| self.with_own(own), |teeth| self.beside(teeth, own, knowledge))
+    }
+
     /// Of the lower ends one is taken, all others are raw; likewise of the upper ends. Flanks that sink ask for no more
     /// than without errors, and for less only if the rack's tips, which stay, do not carry in their place.
     #[inline]
@@ -188,53 +177,38 @@ pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
 
 /// What errors do together.
 pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
-    let (mut scatter, mut scattered) = (StatisticalSum::default(), Ok(()));
-    let sum = Sum::of(errors, knowledge, |error, range| {
-        scattered = scattered.and_then(|()| moments(error, range, knowledge).map(|moments| scatter.add(moments)));
-    });
+    let sum = Sum::of(errors, knowledge);
     let own = sum.and_then(|sum| own(&sum, knowledge));
-    let total = match knowledge.basis.known_teeth {
+    let range = match knowledge.basis.known_teeth {
         Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
         Some(teeth) if errors.is_empty() => Ok(teeth.range),
-        Some(teeth) => sum.and_then(|sum| Ok(sum.beside(teeth, own?, knowledge))),
-        None => sum.and_then(|sum| Ok(sum.with_own(own?))),
+        _ => sum.and_then(|sum| Ok(sum.around(own?, knowledge))),
     };
-    let of_pair = match (knowledge.basis.known_teeth, knowledge.pair) {
-        (Some(teeth), _) => Ok(teeth.range),
-        (None, Some(_)) => own.map(|own| own.range),
-        // a statistical sum takes no count of steps that add up
-        (None, None) => self::own(&Sum::default(), knowledge).map(|own| own.range),
+    let rss = if errors.iter().any(ExtendedError::scatters) {
+        range.and_then(|range| statistical(errors, knowledge, own?, range))
+    } else {
+        Err(NoBound::NothingScatters)
     };
-    let statistical = scattered.and_then(|()| Ok(scatter.around(of_pair?, total)));
-    Combined { range: total, rss: statistical }
+    Combined { range, rss }
 }
 
-/// Means and variances of errors, which are independent.
-#[derive(Default)]
-pub(super) struct StatisticalSum {
-    pub(super) mean: f64,
-    pub(super) variance: f64,
-}
-
-impl StatisticalSum {
-    #[inline]
-    pub(super) fn add(&mut self, moments: Moments) {
-        self.mean += moments.mean_mm;
-        self.variance += moments.deviation_mm * moments.deviation_mm;
+/// Where ΔCD lies at one stroke for all but a few parts: what scatters, around the bound of what was measured and of the
+/// pair itself. Nothing goes beyond the worst case.
+fn statistical(errors: &[ExtendedError], knowledge: &Knowledge, own: Own, worst: Range) -> Result<Range, NoBound> {
+    let (mut scattered, mut measured): (Vec<_>, Vec<_>) = errors.iter().copied().partition(ExtendedError::scatters);
+    for error in &mut scattered {
+        if let Some([middle, half]) = error.split() {
+            measured.push(middle);
+            *error = half;
+        }
     }
-
-    /// Where ΔCD lies at one stroke for all but a few parts, around the pair's own range.
-    #[inline]
-    pub(super) fn around(&self, own: Range, total: Result<Range, NoBound>) -> Range {
-        // measured errors act with their values: a root of nothing would be taken for every row of a table
-        let spread = if self.variance == 0.0 { 0.0 } else { DEVIATIONS * self.variance.sqrt() };
-        let range = Range { lower: own.lower + self.mean - spread, upper: own.upper + self.mean + spread };
-        // nothing goes beyond the worst case
-        total.map_or(range, |total| Range {
-            lower: range.lower.max(total.lower).min(total.upper),
-            upper: range.upper.min(total.upper).max(total.lower),
-        })
-    }
+    let own = Own { unshifted_upper: own.range.upper, ..own };
+    let measured = Sum::of(&measured, knowledge)?.around(own, knowledge);
+    let scatter = scattered.iter().try_fold(Scatter::default(), |sum, error| sum.with(error, knowledge))?.range();
+    Ok(Range {
+        lower: (measured.lower + scatter.lower).max(worst.lower).min(worst.upper),
+        upper: (measured.upper + scatter.upper).min(worst.upper).max(worst.lower),
+    })
 }
 
 impl KnownPair {
@@ -242,8 +216,7 @@ impl KnownPair {
     pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
         let knowledge = Knowledge { basis: &Basis::default(), pair: Some(self) };
         // nothing is open where the geometry is known
-        let Reach { range, of_pinion_mm } =
-            Sum::of(errors, &knowledge, |_, _| {}).map_or(self.reach, |sum| sum.reach());
+        let Reach { range, of_pinion_mm } = Sum::of(errors, &knowledge).map_or(self.reach, |sum| sum.reach());
         let Range { lower, upper } = range;
         Reach {
             range: Range { lower: lower - SPARE_MM, upper: upper + SPARE_MM },
@@ -266,7 +239,7 @@ impl Bound {
     /// Of errors that have none.
     pub(super) fn open(errors: usize, open: NoBound) -> Self {
         let combined = Combined { range: Err(open), rss: Err(open) };
-        Self { errors: vec![Err(open); errors], combined, notes: Vec::new(), statistical_notes: Vec::new() }
+        Self { errors: vec![Err(open); errors], combined, notes: Vec::new() }
     }
 }
 

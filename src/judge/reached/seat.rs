@@ -92,8 +92,8 @@ fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
     }
     let is_like = |one: &&ExtendedError| one.part == error.part && one.extent == Extent::All && one.effect.is_lead();
     let sum: f64 = errors.iter().filter(is_like).map(|one| one.value).sum();
-    let most = error.value.abs();
-    vec![most, -most, (-sum).clamp(-most, most)]
+    let [least, most] = error.ends();
+    vec![most, least, (-sum).clamp(least, most)]
 }
 
 /// The places of an error, or of its flank sides.
@@ -102,8 +102,11 @@ fn choices(error: &ExtendedError, leads: &[f64], places: &Places) -> Vec<Vec<Vec
         return vec![signs.iter().flat_map(|error| choices(error, leads, places)).flatten().collect()];
     }
     match error.effect {
+        ErrorEffect::Size if error.extent == Extent::Each => {
+            vec![error.ends().map(|value| vec![places.every(value)]).to_vec()]
+        }
         ErrorEffect::Size => vec![places.of_teeth(error.value, error.extent)],
-        ErrorEffect::Pitch { cap, .. } => places.of_pitch(error.value, error.extent, cap),
+        ErrorEffect::Pitch { cap, .. } => places.of_pitch(error, cap),
         ErrorEffect::RackLead(_) | ErrorEffect::PinionLead { .. } => places.of_lead(error.value, error.extent, leads),
     }
 }
@@ -160,7 +163,8 @@ impl Places {
                 far.into_iter().chain(self.runs(&self.teeth, 2, value)).map(one).collect()
             }
             Extent::All => vec![one(self.every(value))],
-            Extent::Each | Extent::Total => [value.abs(), -value.abs()].map(|value| one(self.every(value))).to_vec(),
+            // each tooth its own, or both flank sides: not of one value
+            Extent::Each | Extent::Total => Vec::new(),
         }
     }
 
@@ -172,13 +176,14 @@ impl Places {
         [FlankSide::Left, FlankSide::Right].map(of_side).to_vec()
     }
 
-    fn of_pitch(&self, value: f64, extent: Extent, cap: Option<f64>) -> Vec<Vec<Vec<Run>>> {
+    fn of_pitch(&self, error: &ExtendedError, cap: Option<f64>) -> Vec<Vec<Vec<Run>>> {
+        let ExtendedError { value, extent, .. } = *error;
         if extent == Extent::Total {
             return [FlankSide::Left, FlankSide::Right].map(|side| self.of_total(value.abs(), side)).to_vec();
         }
         let mut choices = match (self.part, extent) {
             (Part::Rack, Extent::All) if cap.is_none() => vec![vec![self.every(value)]],
-            (_, Extent::Each) => self.of_each_pitch(value.abs()),
+            (_, Extent::Each) => self.of_each_pitch(error.ends()),
             (Part::Rack, Extent::One) => {
                 self.single(&self.steps).into_iter().map(|on| vec![Run::of(on, on, value)]).collect()
             }
@@ -227,32 +232,33 @@ impl Places {
         choices
     }
 
-    /// Steps of either sign: a run of one sign among others of the other one or of none.
-    fn of_each_pitch(&self, value: f64) -> Vec<Vec<Run>> {
+    /// Steps between two values: a run of one among others of the other one, or of next to none.
+    fn of_each_pitch(&self, [least, most]: [f64; 2]) -> Vec<Vec<Run>> {
         let (first, last) = (*self.steps.start(), *self.steps.end());
-        let mut choices = vec![Vec::new()];
-        for run in [value, -value].into_iter().flat_map(|value| self.runs(&self.steps, 1, value)) {
-            for others in [0.0, -run.value] {
+        let nothing = 0.0_f64.clamp(least, most);
+        let mut choices = if nothing == 0.0 { vec![Vec::new()] } else { Vec::new() };
+        for run in [most, least].into_iter().flat_map(|value| self.runs(&self.steps, 1, value)) {
+            for others in [nothing, least + most - run.value] {
                 let runs = [Run::of(first, run.first - 1, others), run, Run::of(run.last + 1, last, others)];
                 let runs = runs.into_iter().filter(|run| run.count() > 0 && run.value != 0.0).collect();
-                choices.extend(self.closed(runs, value));
+                choices.extend(self.closed(runs, [least, most]));
             }
         }
         if self.part == Part::Pinion {
-            choices.extend(self.there_and_back(value, 1..=self.z / 2));
+            choices.extend(self.there_and_back(most.min(-least).max(0.0), 1..=self.z / 2));
         }
         choices
     }
 
     /// With the other steps of a turn, which take back what these add up to, if they can.
-    fn closed(&self, mut runs: Vec<Run>, value: f64) -> Option<Vec<Run>> {
+    fn closed(&self, mut runs: Vec<Run>, [least, most]: [f64; 2]) -> Option<Vec<Run>> {
         if self.part == Part::Rack {
             return Some(runs);
         }
         let sum: f64 = runs.iter().map(|run| run.count() as f64 * run.value).sum();
         let back = Run::of(self.steps.end() + 1, self.steps.start() + self.z - 1, 0.0);
         let each = if sum == 0.0 { 0.0 } else { -sum / back.count().max(0) as f64 };
-        (each.abs() <= value && back.count() >= 0).then(|| {
+        ((least..=most).contains(&each) && back.count() >= 0).then(|| {
             runs.push(Run { value: each, ..back });
             runs
         })

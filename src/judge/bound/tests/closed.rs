@@ -6,7 +6,7 @@ use crate::formula::Law;
 use crate::gear::{Pair, PairData, PinionData, RackData};
 use crate::judge::bound::{
     AssumedHeight, Basis, Bound, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair, HeightFrom, Knowledge,
-    KnownPairs, KnownTeeth, NoBound, Note, Range, moments::moments, sum::bound,
+    KnownPairs, KnownTeeth, NoBound, Note, Range, sum::bound,
 };
 use crate::mesh::Support;
 use crate::quantity::{Angle, Length};
@@ -65,23 +65,18 @@ fn tolerances_hold_errors_of_either_sign() {
     assert!(held > 400, "{held}");
 }
 
-/// Of a size either way the mean is nothing; what a step does that carries for a share of the stroke, it does for that share.
+/// A tolerance whose sign is not known scatters over what either sign does.
 #[test]
-fn the_spread_of_a_tolerance_is_that_of_both_signs() {
+fn a_tolerance_of_all_teeth_alike_scatters() {
     let pair = reproduction::pair().unwrap();
-    let of = |kind, extent| {
-        let error = error(&pair, kind, extent, 0.03).of_either_sign();
-        let knowledge = Knowledge { basis: &Basis::default(), pair: None };
-        moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap()
-    };
-    let size = of(0, Extent::All);
-    near(size.mean_mm, 0.0);
-    near(size.deviation_mm, 0.01);
-    // without geometry a step is taken to carry always: a folded normal
-    let gain = 0.03 / (2.0 * trig::tan(19.9 * DEGREE));
-    let step = of(1, Extent::One);
-    near(step.mean_mm, gain * (2.0 / std::f64::consts::PI).sqrt() / 3.0);
-    near(step.deviation_mm, gain * (1.0 - 2.0 / std::f64::consts::PI).sqrt() / 3.0);
+    let rss =
+        |kind, extent| Basis::default().together(&[error(&pair, kind, extent, 0.03).of_either_sign()]).rss.unwrap();
+    let size = rss(0, Extent::All);
+    near(size.lower, -0.03);
+    near(size.upper, 0.03);
+    let step = rss(1, Extent::One);
+    let alone = Basis::default().alone(&error(&pair, 1, Extent::One, 0.03)).unwrap();
+    near(step.upper, alone.upper_mm);
 }
 
 /// z = 20, straight teeth, α_n = 20°, short rack teeth: at times one tooth carries alone.
@@ -258,28 +253,27 @@ fn what_a_known_pair_is_for() {
     assert!(rolling.lower_mm == rolling.raw_lower_mm && rolling.raw_lower_mm <= fixed.raw_lower_mm);
 }
 
-/// σ√(2/π) and σ√(1 − 2/π) of |x|, σ a third of the tolerance; a step acts during a share of the stroke.
+/// A measured error enters with its bound, tolerances with the root of their squares; steps on every pitch add as squares.
 #[test]
-fn mean_and_spread_for_a_statistical_sum() {
+fn what_scatters_in_a_statistical_sum() {
     let pair = spur();
-    let of_one = |error: ExtendedError| {
-        let pairs = KnownPairs::new(GivenPair::plain(pair));
-        let known = pairs.for_errors(&[error], None).unwrap();
-        let knowledge = Knowledge { basis: &Basis::default(), pair: Some(known) };
-        let found = moments(&error, bound(&[error], &knowledge).errors[0], &knowledge).unwrap();
-        (found.mean_mm, found.deviation_mm)
-    };
-    assert_eq!(of_one(error(&pair, 0, Extent::All, -0.03)), (-0.03, 0.0));
-    assert_eq!(of_one(error(&pair, 0, Extent::Each, 0.03)), (0.0, 0.01));
+    let rss = |errors: &[ExtendedError]| of(pair, errors).combined.rss;
+    let measured = [error(&pair, 0, Extent::All, 0.01), error(&pair, 1, Extent::One, 0.02)];
+    assert_eq!((rss(&measured), rss(&[])), (Err(NoBound::NothingScatters), Err(NoBound::NothingScatters)));
+    let tolerances = [error(&pair, 0, Extent::Each, 0.03), error(&pair, 3, Extent::Each, 0.04)];
+    let found = rss(&tolerances).unwrap();
+    near(found.lower, -0.05);
+    near(found.upper, 0.05);
+    let bound = of(pair, &measured).combined.range.unwrap();
+    let both = rss(&[measured, tolerances].concat()).unwrap();
+    assert!((both.lower - (bound.lower - 0.05)).abs() < 1e-6 && (both.upper - (bound.upper + 0.05)).abs() < 1e-6);
+    let step = error(&pair, 1, Extent::Each, 0.02);
+    let alone = of(pair, &[step]).errors[0].unwrap();
     let g = 0.02 / (2.0 * trig::tan(20.0 * DEGREE));
-    let (mean, deviation) = of_one(error(&pair, 1, Extent::Each, 0.02));
-    near(mean, 0.265_961_520_267_621_8 * g);
-    near(deviation, 0.200_936_803_059_955_2 * g);
-    let path = crate::judge::bound::ContactPath::nominal(&pair);
-    let share = (path.ratio - 2.0 * path.offset - 1.0).clamp(0.0, 1.0);
-    let (mean, deviation) = of_one(error(&pair, 1, Extent::One, 0.02));
-    near(mean, share * g);
-    near(deviation, (share * (1.0 - share)).sqrt() * g);
+    near(rss(&[step]).unwrap().upper, (alone.raw_upper_mm * g).sqrt().min(alone.upper_mm));
+    // without geometry nobody knows how many add up, unless their total is limited
+    assert_eq!(unknown(&[step]).combined.rss, Err(NoBound::TeethInContactUnknown));
+    near(unknown(&[step.within_total(0.004)]).combined.rss.unwrap().upper, 0.4 * g);
 }
 
 /// A limit on a single error is held against this range.
@@ -317,13 +311,4 @@ fn teeth_whose_mesh_is_not_solved_have_no_bound() {
     let total = |solved| Basis { known_teeth: teeth(solved), ..Basis::default() }.bound(&[]).combined.range;
     assert_eq!(total(true), Ok(Range { lower: -0.01, upper: 0.02 }));
     assert_eq!(total(false), Err(NoBound::NotSolved));
-}
-
-#[test]
-fn a_statistical_sum_of_steps_says_that_they_always_act() {
-    let pair = spur();
-    let one = [error(&pair, 1, Extent::One, 0.02)];
-    assert_eq!(unknown(&one).statistical_notes, [Note::StepsAlwaysAct]);
-    assert!(of(pair, &one).statistical_notes.is_empty());
-    assert!(unknown(&[error(&pair, 0, Extent::All, 0.02)]).statistical_notes.is_empty());
 }

@@ -2,6 +2,7 @@
 
 mod beside;
 mod closed;
+mod coverage;
 pub(in crate::judge) mod property;
 pub(in crate::judge) mod random;
 mod tight;

@@ -2,7 +2,7 @@
 
 use super::random::{self, Random};
 use crate::judge::bound::sum::bound;
-use crate::judge::bound::{Basis, ErrorRange, ExtendedError, Extent, GivenPair, Knowledge, KnownPairs};
+use crate::judge::bound::{Basis, ErrorRange, ExtendedError, Extent, GivenGeometry, GivenPair, Knowledge, KnownPairs};
 use crate::judge::reached::reached;
 use crate::parallel;
 
@@ -16,7 +16,7 @@ struct Tried {
     plain: bool,
 }
 
-fn kind_of(error: &ExtendedError) -> usize {
+pub(super) fn kind_of(error: &ExtendedError) -> usize {
     let text = format!("{:?}", error.effect);
     let unit = ["Size", "Pitch", "RackLead", "PinionLead"].iter().position(|name| text.starts_with(name)).unwrap();
     unit * 5 + Extent::EVERY.iter().position(|&extent| extent == error.extent).unwrap()
@@ -67,4 +67,37 @@ fn the_upper_end_of_one_error_is_reached() {
     println!("{reached} of {} reach their upper end", results.len());
     assert!(10 * plain.iter().filter(|tried| tried.reached).count() >= 9 * plain.len());
     assert!(10 * reached >= 9 * results.len());
+}
+
+/// How wide the bound is against what a search reaches, of one error and of several: `stack.md` has these figures.
+#[test]
+fn how_tight_the_bound_of_several_errors_is() {
+    const SPECS: usize = 60;
+    let ratio = |count: u32, seed: usize| {
+        let mut random = Random(seed as u64 ^ 0x6d61_6e79 ^ u64::from(count) << 32);
+        let pair = random::pair(&mut random);
+        let errors: Vec<_> = (0..count).map(|_| random::error(&mut random, &pair).error).collect();
+        let given = GivenPair::plain(pair);
+        let basis = Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..Basis::default() };
+        let (range, found) = (basis.together(&errors).range.ok()?, reached(&errors, &given).ok()??);
+        let width = found.upper_mm - found.lower_mm;
+        (width > 1e-4).then_some((range.upper - range.lower) / width)
+    };
+    let long = std::env::var("RACKMESH_LONG_TESTS").is_ok_and(|value| value == "1");
+    let specs = if long { 5 * SPECS } else { SPECS };
+    for (count, most) in [(1, 1.1), (2, 1.5), (3, 1.8)] {
+        let (ratios, _) = parallel::map(parallel::cores(), specs, || (), |(), seed| ratio(count, seed));
+        let mut ratios: Vec<f64> = ratios.into_iter().flatten().collect();
+        ratios.sort_by(f64::total_cmp);
+        let at = |share: f64| ratios[(share * (ratios.len() - 1) as f64) as usize];
+        println!(
+            "{count} errors, {} specs: {:.2} {:.2} {:.2} {:.2}",
+            ratios.len(),
+            at(0.25),
+            at(0.5),
+            at(0.75),
+            at(0.95)
+        );
+        assert!(at(0.5) <= most, "{count} errors: {}", at(0.5));
+    }
 }
