@@ -17,7 +17,7 @@ use crate::deviation::{DeviationKind, DeviationValues};
 use crate::evaluation::{too_near, worse};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
-use crate::judge::rule::{self, Ends};
+use crate::judge::rule::{self, Conformance, Ends};
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::table::{Block, Fault};
@@ -321,8 +321,8 @@ impl<'a> Results<'a> {
         let plan = self.plan;
         let index = plan.limits.iter().position(|(other, _)| *other == on)?;
         let known = self.uncertainty_on(on, row).unwrap_or(known);
-        let linear = || ends(plan, &known.spreads, on, self.judged(on, row)?)?.conformance(&plan.limits[index].1);
-        known.inside(index).or_else(linear)
+        let ends = self.judged(on, row).and_then(|result| ends(plan, &known.spreads, on, result));
+        Some(Conformance::of(&plan.limits[index].1, ends.as_ref(), known.inside(index))?.probability)
     }
 
     /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0.

@@ -152,10 +152,13 @@ fn by_mesh(meshed: Result<&Meshed, &str>) -> String {
 fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) -> Option<ResultCell<'static>> {
     let known = results.uncertainty(row)?;
     Some(match output {
-        Output::Standard(of) => ResultCell::Number(spread_of(plan, &known.spreads, *of)?.standard_mm),
+        Output::Standard(of) => {
+            let spread = spread_of(plan, &known.spreads, *of)?;
+            ResultCell::Number(spread.dof.map(|_| spread.standard_mm)?)
+        }
         Output::Expanded(of) => {
             let spread = spread_of(plan, &known.spreads, *of)?;
-            ResultCell::Number(spread.coverage_factor * spread.standard_mm)
+            ResultCell::Number(spread.coverage_factor? * spread.standard_mm)
         }
         Output::Conformance(on) => ResultCell::Number(results.conformance(known, *on, row)?),
         Output::Simulated(of, statistic) => {

@@ -195,10 +195,10 @@ pub fn tolerance(u: f64, digits: u32) -> f64 {
 /// Whether a linear result agrees with a simulated one (JCGM 101, clause 8).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Validation {
-    /// Half-width U of the linear 95 % interval.
-    pub linear_half_width: f64,
+    /// Half-width U of the linear 95 % interval; `None` where there is none.
+    pub linear_half_width: Option<f64>,
     /// d_low and d_high: distances of the ends of both intervals.
-    pub distances: (f64, f64),
+    pub distances: Option<(f64, f64)>,
     /// δ, which neither may exceed.
     pub tolerance: f64,
     /// Whether neither does.
@@ -210,9 +210,9 @@ pub struct Validation {
 pub fn validate(linear: &Linear, simulation: &Simulation, digits: u32) -> Validation {
     let half = linear.half_width_mm(PROBABILITY);
     let (low, high) = simulation.symmetric;
-    let distances = ((linear.value_mm - half - low).abs(), (linear.value_mm + half - high).abs());
+    let distances = half.map(|half| ((linear.value_mm - half - low).abs(), (linear.value_mm + half - high).abs()));
     let tolerance = tolerance(simulation.standard, digits);
-    let validated = distances.0 <= tolerance && distances.1 <= tolerance;
+    let validated = distances.is_some_and(|(low, high)| low <= tolerance && high <= tolerance);
     Validation { linear_half_width: half, distances, tolerance, validated }
 }
 

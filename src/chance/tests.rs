@@ -365,7 +365,7 @@ fn one_end_that_differs_is_not_validated() {
         value_mm: 0.5,
         standard_mm: 2.0,
         dof: Some(f64::INFINITY),
-        coverage_factor: 2.0,
+        coverage_factor: Some(2.0),
         contributions: Vec::new(),
         folded: Vec::new(),
     };

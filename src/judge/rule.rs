@@ -118,8 +118,8 @@ pub struct Ends {
 /// How an end is distributed beyond its value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tail {
-    /// Effective degrees of freedom of its standard uncertainty.
-    pub dof: f64,
+    /// Effective degrees of freedom of its standard uncertainty; `None` where that is not known.
+    pub dof: Option<f64>,
     /// How many magnitudes so near to 0 are in it that either sign of them may count; `None` where inputs are correlated, so that
     /// other signs may be wider.
     pub folds: Option<u8>,
@@ -127,22 +127,24 @@ pub struct Tail {
 
 impl Tail {
     /// A normal distribution.
-    pub const NORMAL: Self = Self { dof: f64::INFINITY, folds: Some(0) };
+    pub const NORMAL: Self = Self { dof: Some(f64::INFINITY), folds: Some(0) };
 
     /// The probability, at most, that the end lies so many standard uncertainties beyond its value, Q: either sign of n
-    /// magnitudes makes 2ⁿ normal ends, each of which is as far at most. Student's t for finite degrees of freedom.
-    fn beyond(self, distance: f64) -> Option<f64> {
-        let folds = self.folds?;
+    /// magnitudes makes 2ⁿ normal ends, each of which is as far at most. Student's t for finite degrees of freedom. Nothing lies
+    /// beyond a limit that is not there.
+    fn beyond(self, distance: Option<f64>) -> Option<f64> {
+        let Some(distance) = distance else { return Some(0.0) };
+        let (folds, dof) = (self.folds?, self.dof?);
         if distance.is_infinite() {
             return Some(if distance > 0.0 { 0.0 } else { 1.0 });
         }
-        let of_one = if self.dof.is_finite() { student_cdf(-distance, self.dof) } else { normal_cdf(-distance) };
+        let of_one = if dof.is_finite() { student_cdf(-distance, dof) } else { normal_cdf(-distance) };
         Some((f64::from(1_u32 << folds) * of_one).min(1.0))
     }
 }
 
 impl Ends {
-    /// A single value.
+    /// A single value, normally distributed.
     #[must_use]
     pub const fn value(value_mm: f64, standard_mm: f64) -> Self {
         Self {
@@ -156,39 +158,40 @@ impl Ends {
         }
     }
 
+    /// Whether nothing is known of how an end is distributed.
+    fn is_unknown(&self) -> bool {
+        self.lower_tail.dof.is_none() || self.upper_tail.dof.is_none()
+    }
+
     /// Whether its conformance is known exactly: otherwise it is at least so probable.
     #[must_use]
     pub fn is_normal(&self) -> bool {
         [self.lower_tail, self.upper_tail] == [Tail::NORMAL; 2]
     }
 
-    /// How far both ends are inside their limits, in standard uncertainties.
-    fn distances(&self, limit: &Limit) -> (f64, f64) {
-        let reduced = |distance: Option<f64>, standard: f64| match distance {
-            None => f64::INFINITY,
+    /// How far both ends are inside their limits, in standard uncertainties; `None` where there is no limit.
+    fn distances(&self, limit: &Limit) -> (Option<f64>, Option<f64>) {
+        let reduced = |distance: f64, standard: f64| match standard {
             // on the limit is inside
-            Some(distance) if standard == 0.0 => {
-                if distance >= 0.0 {
-                    f64::INFINITY
-                } else {
-                    f64::NEG_INFINITY
-                }
-            }
-            Some(distance) => distance / standard,
+            0.0 if distance >= 0.0 => f64::INFINITY,
+            0.0 => f64::NEG_INFINITY,
+            _ => distance / standard,
         };
-        let below = limit.lower.map(|lower| self.lower_mm - lower.mm());
-        let above = limit.upper.map(|upper| upper.mm() - self.upper_mm);
-        (reduced(below, self.lower_standard_mm), reduced(above, self.upper_standard_mm))
+        let below = limit.lower.map(|lower| reduced(self.lower_mm - lower.mm(), self.lower_standard_mm));
+        let above = limit.upper.map(|upper| reduced(upper.mm() - self.upper_mm, self.upper_standard_mm));
+        (below, above)
     }
 
     /// The probability that both ends lie inside `limit`, both taken as jointly normal; at least that, if they are not.
-    /// `None` where nothing is known of an end that correlated inputs have.
+    /// `None` where nothing is known of an end that correlated inputs have, and where "at least" says nothing.
     #[must_use]
     pub fn conformance(&self, limit: &Limit) -> Option<f64> {
         let (h, k) = self.distances(limit);
         if !self.is_normal() {
-            return Some((1.0 - self.lower_tail.beyond(h)? - self.upper_tail.beyond(k)?).max(0.0));
+            let least = 1.0 - self.lower_tail.beyond(h)? - self.upper_tail.beyond(k)?;
+            return (least > 0.0).then_some(least);
         }
+        let [h, k] = [h, k].map(|distance| distance.unwrap_or(f64::INFINITY));
         // the lower end must not be too low and the upper one not too high: of opposite sense
         let rho = -self.correlation;
         let is_one = rho < -1.0 + 1e-9;
@@ -202,10 +205,9 @@ impl Ends {
             Verdict::Pass => self.conformance(limit).is_some_and(|probability| probability >= ISO_14253_PROBABILITY),
             Verdict::Fail => {
                 let (low, high) = self.distances(limit);
-                let is_beyond = |distance: f64, tail: Tail| {
-                    Tail { folds: Some(0), ..tail }
-                        .beyond(-distance)
-                        .is_some_and(|risk| risk <= 1.0 - ISO_14253_PROBABILITY)
+                let is_beyond = |distance: Option<f64>, tail: Tail| {
+                    let risk = distance.and_then(|inside| Tail { folds: Some(0), ..tail }.beyond(Some(-inside)));
+                    risk.is_some_and(|risk| risk <= 1.0 - ISO_14253_PROBABILITY)
                 };
                 is_beyond(low, self.lower_tail) || is_beyond(high, self.upper_tail)
             }
@@ -226,6 +228,19 @@ pub struct Conformance {
 }
 
 impl Conformance {
+    /// As simulated, else by the linear result; `None` where neither tells anything.
+    #[must_use]
+    pub fn of(limit: &Limit, ends: Option<&Ends>, simulated: Option<f64>) -> Option<Self> {
+        match (counting(ends, simulated), ends) {
+            (Some(probability), _) => Some(Self { probability, simulated: true, is_least: false }),
+            (None, Some(ends)) => {
+                let is_least = !ends.is_normal();
+                ends.conformance(limit).map(|probability| Self { probability, simulated: false, is_least })
+            }
+            (None, None) => None,
+        }
+    }
+
     /// The specific consumer's risk: that the part, accepted, does not conform.
     #[must_use]
     pub fn consumer_risk(&self) -> f64 {
@@ -252,8 +267,7 @@ pub struct Decision {
 }
 
 /// Decides about one limit: `result` from its lower to its upper end is exact, `ends` is the same with its uncertainty,
-/// `simulated` the probability of conformance if it was simulated. Without uncertainty `iso14253` has a guard band of
-/// 0.
+/// `simulated` the probability of conformance if it was simulated. Without either `iso14253` decides nothing.
 ///
 /// # Errors
 /// [`QuantityError`] if a guard band is beyond the range of numbers.
@@ -264,17 +278,13 @@ pub fn decide(
     ends: Option<&Ends>,
     simulated: Option<f64>,
 ) -> Result<Decision, QuantityError> {
-    let conformance = match (simulated, ends) {
-        (Some(probability), _) => Some(Conformance { probability, simulated: true, is_least: false }),
-        (None, Some(ends)) => ends.conformance(limit).map(|probability| Conformance {
-            probability,
-            simulated: false,
-            is_least: !ends.is_normal(),
-        }),
-        (None, None) => None,
-    };
     let (verdict, guard) = verdict(rule, limit, result, ends, simulated)?;
-    Ok(Decision { guard, conformance, verdict })
+    Ok(Decision { guard, conformance: Conformance::of(limit, ends, simulated), verdict })
+}
+
+/// A simulated probability, which counts unless what was drawn cancels.
+fn counting(ends: Option<&Ends>, simulated: Option<f64>) -> Option<f64> {
+    simulated.filter(|_| !ends.is_some_and(Ends::is_unknown))
 }
 
 /// The verdict on a result, from its lower to its upper end, with the uncertainties of both, or its simulated
@@ -291,7 +301,7 @@ pub(crate) fn verdict(
     simulated: Option<f64>,
 ) -> Result<(Verdict, Option<(Length, Length)>), QuantityError> {
     let band = |standard_mm: f64| Length::nearest(ISO_14253_FACTOR * standard_mm * 1e12, "the guard band");
-    let guard = match (rule, simulated) {
+    let guard = match (rule, counting(ends, simulated)) {
         (Rule::Iso14253, Some(probability)) if probability >= ISO_14253_PROBABILITY => {
             return Ok((Verdict::Pass, None));
         }
@@ -299,10 +309,10 @@ pub(crate) fn verdict(
             return Ok((Verdict::Fail, None));
         }
         (Rule::Iso14253, Some(_)) => return Ok((Verdict::Indeterminate, None)),
-        (Rule::Iso14253, None) => {
-            let of = |standard: fn(&Ends) -> f64| band(ends.map_or(0.0, standard));
-            Some((of(|ends| ends.lower_standard_mm)?, of(|ends| ends.upper_standard_mm)?))
-        }
+        (Rule::Iso14253, None) => match ends {
+            Some(ends) => Some((band(ends.lower_standard_mm)?, band(ends.upper_standard_mm)?)),
+            None => return Ok((Verdict::Indeterminate, None)),
+        },
         (Rule::Simple, _) => None,
         (Rule::Guard(guard), _) => Some((*guard, *guard)),
     };
@@ -415,9 +425,9 @@ mod tests {
             assert!(decision.verdict != Pass || probability >= Some(ISO_14253_PROBABILITY), "{probability:?}");
             decision.verdict
         };
-        let few = |dof: f64| Tail { dof, ..Tail::NORMAL };
+        let few = |dof: f64| Tail { dof: Some(dof), ..Tail::NORMAL };
         let folded = |folds: u8| Tail { folds: Some(folds), ..Tail::NORMAL };
-        let correlated = Tail { folds: None, ..Tail::NORMAL };
+        let (correlated, cancelled) = (Tail { folds: None, ..Tail::NORMAL }, Tail { dof: None, ..Tail::NORMAL });
         for (value, u, lower, tail, expected) in [
             (0.0, 0.003, "", Tail::NORMAL, Pass),
             // 90.4 % between both
@@ -429,6 +439,8 @@ mod tests {
             (0.0, 0.0023, "", folded(2), Indeterminate),
             (0.0, 0.0022, "", folded(2), Pass),
             (0.0, 0.0, "", correlated, Indeterminate),
+            (0.0, 0.0, "", cancelled, Indeterminate),
+            (0.010, 0.0, "", cancelled, Indeterminate),
             // Student's t with 4 degrees of freedom: 2.13 u
             (0.0, 0.0024, "", few(4.0), Indeterminate),
             (0.0, 0.0023, "", few(4.0), Pass),

@@ -139,7 +139,7 @@ impl Report for PartsReport<'_> {
             Some(interval.map_or_else(|_| "open".to_owned(), |interval| millimetres(end(interval).mm())))
         };
         let uncertainty = |part: &PartRow, end: fn(&Propagation) -> &Linear| {
-            part.uncertainty.as_ref().map(|part| micrometres(end(&part.propagation).expanded_mm()))
+            part.uncertainty.as_ref().and_then(|part| end(&part.propagation).expanded_mm()).map(micrometres)
         };
         let of_kind = |part: &PartRow, kind| {
             let delta_cd = part.evaluation.as_ref().and_then(|evaluation| delta_cd(evaluation, kind));

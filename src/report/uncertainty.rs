@@ -94,17 +94,18 @@ impl UncertaintyPart {
     fn result_table(&self) -> Block {
         let results = self.results();
         let with_dof = results.iter().any(|result| result.linear.dof.is_none_or(f64::is_finite));
-        let if_uncertain = |linear: &Linear, text: String| (linear.standard_mm > 0.0).then_some(text);
+        let known = |linear: &Linear| linear.dof.map(|_| linear.standard_mm);
+        let factor = |linear: &Linear| linear.coverage_factor.filter(|_| linear.standard_mm > 0.0);
         Table::of(results)
             .text("uncertainty of", |of| of.name.clone())
             .number("ΔCD\n[mm]", |of| millimetres(of.linear.value_mm))
-            .number("u\n[µm]", |of| micrometres(of.linear.standard_mm))
-            .number("k", |of| if_uncertain(of.linear, format!("{:.2}", of.linear.coverage_factor)))
-            .number("U = k u\n[µm]", |of| if_uncertain(of.linear, micrometres(of.linear.expanded_mm())))
+            .number("u\n[µm]", |of| known(of.linear).map_or_else(|| "not known".to_owned(), micrometres))
+            .number("k", |of| factor(of.linear).map(|k| format!("{k:.2}")))
+            .number("U = k u\n[µm]", |of| factor(of.linear).and(of.linear.expanded_mm()).map(micrometres))
             .column_if(with_dof, Column::number("ν_eff"), |of| match of.linear.dof {
                 Some(dof) if dof.is_finite() => format!("{dof:.1}"),
                 Some(_) => "∞".to_owned(),
-                None => "unknown".to_owned(),
+                None => "not known".to_owned(),
             })
             .text("linear", |of| if of.linear.folded.is_empty() { "yes" } else { "no: near 0" })
             .block()
@@ -155,9 +156,10 @@ impl UncertaintyPart {
     pub(super) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         let upper = &self.propagation.upper;
-        if upper.dof.is_none() {
+        if upper.dof.is_none() || self.propagation.lower.dof.is_none() {
             notes.push(
-                "correlated inputs have finite degrees of freedom, for which there is no formula: k = 2 is taken"
+                "correlated contributions cancel: coefficients are not known to the digits that u would then have, and \
+                 verdicts that need it are open"
                     .to_owned(),
             );
         }
@@ -250,9 +252,9 @@ impl UncertaintyPart {
             json!({
                 "of": key,
                 "delta_cd_mm": tidy(linear.value_mm),
-                "standard_uncertainty_mm": tidy(linear.standard_mm),
+                "standard_uncertainty_mm": linear.dof.map(|_| tidy(linear.standard_mm)),
                 "coverage_factor": linear.coverage_factor,
-                "expanded_uncertainty_mm": tidy(linear.expanded_mm()),
+                "expanded_uncertainty_mm": linear.expanded_mm().map(tidy),
                 "effective_degrees_of_freedom": linear.dof,
                 "linear": linear.folded.is_empty(),
                 "folded": linear.folded.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
@@ -305,8 +307,8 @@ fn simulation_json(simulated: &Simulation, validation: &Validation) -> Value {
         "shortest_95_mm": { "lower": tidy(simulated.shortest.0), "upper": tidy(simulated.shortest.1) },
         "end_standard_error_mm": { "lower": simulated.end_errors.0, "upper": simulated.end_errors.1 },
         "linear_half_width_mm": validation.linear_half_width,
-        "distance_lower_mm": validation.distances.0,
-        "distance_upper_mm": validation.distances.1,
+        "distance_lower_mm": validation.distances.map(|(lower, _)| lower),
+        "distance_upper_mm": validation.distances.map(|(_, upper)| upper),
         "tolerance_mm": validation.tolerance,
         "linear_validated": validation.validated,
     })

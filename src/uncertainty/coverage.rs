@@ -6,22 +6,17 @@ use crate::statistics::student_quantile;
 /// The coverage probability of `k = 2` for a normal distribution, erf(√2).
 pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
 
-/// The Welch-Satterthwaite formula: ν_eff = u⁴ / Σ (c_i u_i)⁴ / ν_i for independent contributions c_i u_i; infinite
-/// where every ν_i is. Influence: JCGM 100:2008, clause G.4.1.
+/// Effective degrees of freedom of a combined uncertainty u of which each input has the share w_i = a_i Σ_j r_ij a_j / u², with
+/// a_i = c_i u_i and ν_i degrees of freedom; infinite where every ν_i is.
+///
+/// To first order δu / u = Σ w_i δu_i / u_i, and the standard deviation of δu_i / u_i is 1 / √(2 ν_i). Estimates u_i that are
+/// independent, as those of independent inputs are, give 1 / ν = Σ w_i² / ν_i, which is the Welch-Satterthwaite formula (JCGM
+/// 100:2008, clause G.4.1). Else 1 / √ν ≤ Σ |w_i| / √ν_i, whatever goes together, and ν is taken at this end; at least 1.
 #[must_use]
-pub fn effective_dof(combined: f64, contributions: &[f64], dofs: &[f64]) -> f64 {
-    if combined == 0.0 {
-        return f64::INFINITY;
-    }
-    let sum: f64 = contributions
-        .iter()
-        .zip(dofs)
-        .map(|(contribution, dof)| {
-            let share = contribution / combined;
-            share * share * share * share / dof
-        })
-        .sum();
-    1.0 / sum
+pub fn effective_dof(shares: &[f64], dofs: &[f64], independent: bool) -> f64 {
+    let terms = shares.iter().zip(dofs).map(|(share, dof)| share.abs() / dof.sqrt());
+    let relative: f64 = if independent { terms.map(|term| term * term).sum() } else { terms.sum::<f64>().powi(2) };
+    (1.0 / relative).max(1.0)
 }
 
 /// The coverage factor k of 95.45 %: 2, or Student's t at `dof` degrees of freedom, rounded down to a whole number.

@@ -137,7 +137,8 @@ impl VariedError {
 #[derive(Debug, Clone)]
 pub(crate) struct VariedPair {
     pub(crate) source: Influence,
-    by: f64,
+    /// That of its size.
+    pub(crate) uncertainty: Uncertainty,
     /// `None` if so much leaves no pair.
     below: Option<Basis>,
     above: Option<Basis>,
@@ -154,14 +155,15 @@ impl VariedPair {
                 let given = pairs.given().varied(|data| resize(data, by)).ok()?;
                 Some(Basis { geometry: GivenGeometry::Known(KnownPairs::new(given)), ..basis.clone() })
             };
-            (by > 0.0).then(|| Self { source: *source, by, below: off(-by), above: off(by) })
+            (by > 0.0).then(|| Self { source: *source, uncertainty: *uncertainty, below: off(-by), above: off(by) })
         };
         uncertainties.inputs().iter().filter_map(of).collect()
     }
 
     /// How much the ends of such a pair differ from those of the nominal one, per unit of the size, if it is off that way.
     pub(crate) fn slope(&self, up: bool, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
-        let (basis, by) = if up { (&self.above, self.by) } else { (&self.below, -self.by) };
+        let by = self.uncertainty.standard;
+        let (basis, by) = if up { (&self.above, by) } else { (&self.below, -by) };
         basis.as_ref().map_or(NO_RANGE, ends).with(nominal, |varied, nominal| (varied - nominal) / by)
     }
 

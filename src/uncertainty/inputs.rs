@@ -129,10 +129,24 @@ impl Uncertainties {
         (!self.factor.is_empty()).then_some(self.factor.as_slice())
     }
 
-    /// Whether two inputs, by index, are correlated.
+    /// Whether an input, by index, is correlated with another one.
     pub(super) fn correlated(&self, i: usize) -> bool {
         let n = self.inputs.len();
         (0..n).any(|j| j != i && self.correlation[i * n + j] != 0.0)
+    }
+
+    /// Whether two of the inputs that contribute to a result are correlated.
+    pub(super) fn correlates(&self, contributions: &[f64]) -> bool {
+        let n = self.inputs.len();
+        let counts = |i: usize, j: usize| contributions[i] != 0.0 && contributions[j] != 0.0;
+        !self.factor.is_empty() && (0..n).any(|i| (0..i).any(|j| counts(i, j) && self.correlation[i * n + j] != 0.0))
+    }
+
+    /// a_i Σ_j r_ij a_j of each contribution a_i = c_i u_i, which add up to u².
+    pub(super) fn terms(&self, contributions: &[f64]) -> Vec<f64> {
+        let n = self.inputs.len();
+        let sum = |i: usize| (0..n).map(|j| contributions[j] * self.correlation[i * n + j]).sum::<f64>();
+        contributions.iter().enumerate().map(|(i, contribution)| contribution * sum(i)).collect()
     }
 
     /// The quantities that are correlated with another one.

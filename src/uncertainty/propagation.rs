@@ -17,7 +17,7 @@ use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_sl
 use super::result::KINDS;
 use super::{
     EndWeights, FOLD, InputContribution, Linear, Propagation, Spread, Spreads, TeethSensitivity, Uncertainties,
-    UncertaintyError,
+    Uncertainty, UncertaintyError,
 };
 use crate::deviation::{DeviationKind, Extent};
 use crate::formula::over_pin::OverPin;
@@ -257,13 +257,17 @@ impl Propagator {
         let away = if value < 0.0 { -VARIED_BY } else { VARIED_BY };
         let slope = steepest_within(self.standard(of), over(away), over);
         let of_law = of.law.slope(value, self.model);
-        let mut of_pair_mm = Range::default();
+        let slope = Range { lower: slope.lower / of_law, upper: slope.upper / of_law };
+        let mut weights = EndWeights { slope, of_pair_mm: Range::default(), pair_dof: f64::INFINITY };
         for pair in &self.pairs {
             let steepest = pair.steepest(here, |basis| alone(value, basis));
-            let standard = self.uncertainties.of(pair.source).map_or(0.0, |uncertainty| uncertainty.standard);
-            of_pair_mm = of_pair_mm.with(steepest, |sum, slope| sum + slope.abs() * standard);
+            let Uncertainty { standard, dof, .. } = pair.uncertainty;
+            weights.of_pair_mm = weights.of_pair_mm.with(steepest, |sum, slope| sum + slope.abs() * standard);
+            if weights.of_pair_mm != Range::default() {
+                weights.pair_dof = weights.pair_dof.min(dof);
+            }
         }
-        EndWeights { slope: Range { lower: slope.lower / of_law, upper: slope.upper / of_law }, of_pair_mm }
+        weights
     }
 
     /// ∂(both ends)/∂x of one input.
@@ -330,22 +334,22 @@ impl Propagator {
                 *derivative = 0.0;
             }
         }
-        let dof = self.dof(gradient, standard_mm);
+        let dof = self.dof(&self.contributions(&gradient.by_input), standard_mm);
         let is_correlated = || (0..gradient.by_input.len()).any(|input| self.uncertainties.correlated(input));
         Spread {
             standard_mm,
             coverage_factor: self.coverage_factor(dof),
             gauge_mm2: self.variance(&gauge),
             folds: (gradient.folded.is_empty() || !is_correlated()).then_some(gradient.folded.len() as u8),
-            dof: dof.map_or(f64::INFINITY, whole_dof),
+            dof: dof.map(whole_dof),
         }
     }
 
     fn linear(&self, value_mm: f64, gradient: &Gradient) -> Linear {
         let variance = self.variance(&gradient.by_input);
         let standard_mm = variance.sqrt();
-        let dof = self.dof(gradient, standard_mm);
         let contributions = self.contributions(&gradient.by_input);
+        let dof = self.dof(&contributions, standard_mm);
         let inputs = self.uncertainties.inputs().iter().zip(&gradient.by_input).zip(&contributions);
         let contributions = inputs
             .filter(|((_, derivative), _)| **derivative != 0.0)
@@ -368,21 +372,26 @@ impl Propagator {
         }
     }
 
-    /// Effective degrees of freedom; `None` where correlated inputs have finite ones, for which there is no formula.
-    fn dof(&self, gradient: &Gradient, standard_mm: f64) -> Option<f64> {
-        if self.dofs.is_empty() {
+    /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
+    fn dof(&self, contributions: &[f64], standard_mm: f64) -> Option<f64> {
+        /// What u may lose against the sum of all contributions: a correlation coefficient is not known to more digits.
+        const CANCELLED: f64 = 1e-6;
+        let is_correlated = self.uncertainties.correlates(contributions);
+        let all: f64 = contributions.iter().map(|contribution| contribution.abs()).sum();
+        if is_correlated && standard_mm <= CANCELLED * all {
+            return None;
+        }
+        if self.dofs.is_empty() || all == 0.0 {
             return Some(f64::INFINITY);
         }
-        let contributions = self.contributions(&gradient.by_input);
-        let counts = |i: usize| contributions[i] != 0.0 && self.dofs[i].is_finite();
-        let correlated = (0..contributions.len()).any(|i| counts(i) && self.uncertainties.correlated(i));
-        (!correlated).then(|| effective_dof(standard_mm, &contributions, &self.dofs))
+        let terms = self.uncertainties.terms(contributions);
+        let shares: Vec<_> = terms.iter().map(|term| term / (standard_mm * standard_mm)).collect();
+        Some(effective_dof(&shares, &self.dofs, !is_correlated))
     }
 
-    fn coverage_factor(&self, dof: Option<f64>) -> f64 {
-        let dof = dof.unwrap_or(f64::INFINITY);
-        let kept = self.factors.get(whole_dof(dof) as usize);
-        kept.copied().unwrap_or_else(|| coverage_factor(dof))
+    fn coverage_factor(&self, dof: Option<f64>) -> Option<f64> {
+        let kept = |dof: f64| self.factors.get(whole_dof(dof) as usize).copied();
+        dof.map(|dof| kept(dof).unwrap_or_else(|| coverage_factor(dof)))
     }
 
     fn end_correlation(&self, gradients: &Gradients, lower: &Spread, upper: &Spread) -> f64 {

@@ -35,11 +35,10 @@ pub struct Linear {
     pub value_mm: f64,
     /// Standard uncertainty u(y), mm.
     pub standard_mm: f64,
-    /// Effective degrees of freedom ν_eff; `None` where correlated inputs have finite ones, for which there is no
-    /// formula.
+    /// Effective degrees of freedom ν_eff; `None` where correlated contributions cancel, so that u(y) is not known.
     pub dof: Option<f64>,
-    /// Coverage factor k.
-    pub coverage_factor: f64,
+    /// Coverage factor k; `None` with ν_eff.
+    pub coverage_factor: Option<f64>,
     /// One per input that this result depends on.
     pub contributions: Vec<InputContribution>,
     /// Errors so near to zero that the magnitude of what they do is not linear: u(y) is an upper bound there.
@@ -47,17 +46,16 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// The expanded uncertainty U = k u(y), mm.
+    /// The expanded uncertainty U = k u(y), mm; `None` where u(y) is not known.
     #[must_use]
-    pub fn expanded_mm(&self) -> f64 {
-        self.coverage_factor * self.standard_mm
+    pub fn expanded_mm(&self) -> Option<f64> {
+        Some(self.coverage_factor? * self.standard_mm)
     }
 
-    /// The half-width of the interval that contains the value with `probability`.
+    /// The half-width of the interval that contains the value with `probability`; `None` where u(y) is not known.
     #[must_use]
-    pub fn half_width_mm(&self, probability: f64) -> f64 {
-        let dof = self.dof.unwrap_or(f64::INFINITY);
-        self.standard_mm * student_quantile(0.5 + 0.5 * probability, whole_dof(dof))
+    pub fn half_width_mm(&self, probability: f64) -> Option<f64> {
+        Some(self.standard_mm * student_quantile(0.5 + 0.5 * probability, whole_dof(self.dof?)))
     }
 }
 
@@ -68,6 +66,8 @@ pub struct EndWeights {
     pub slope: Range,
     /// What uncertain sizes of the pair add to the standard uncertainty, at most, mm.
     pub of_pair_mm: Range,
+    /// The fewest degrees of freedom of these sizes: contributions that add up as magnitudes have no fewer together.
+    pub pair_dof: f64,
 }
 
 /// The uncertainty of one result.
@@ -75,14 +75,14 @@ pub struct EndWeights {
 pub struct Spread {
     /// Standard uncertainty u, mm.
     pub standard_mm: f64,
-    /// Coverage factor k.
-    pub coverage_factor: f64,
+    /// Coverage factor k; `None` with the degrees of freedom.
+    pub coverage_factor: Option<f64>,
     /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
     pub gauge_mm2: f64,
     /// How many errors are so near to zero that the result is not linear; `None` if some are and inputs are correlated.
     pub folds: Option<u8>,
-    /// Effective degrees of freedom; infinite where there is no formula for them.
-    pub dof: f64,
+    /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
+    pub dof: Option<f64>,
 }
 
 impl Spread {
@@ -112,7 +112,7 @@ impl Spreads {
     pub fn ends(&self, error: Option<usize>, result: Interval) -> Ends {
         let (lower_standard_mm, upper_standard_mm, correlation) = match error {
             Some(index) => {
-                let (EndWeights { slope, of_pair_mm }, of_error) =
+                let (EndWeights { slope, of_pair_mm, .. }, of_error) =
                     (self.weights[index], self.errors[index].standard_mm);
                 let standard = slope.with(of_pair_mm, |slope, of_pair| slope.abs() * of_error + of_pair);
                 let both = slope.lower * slope.upper;
@@ -122,7 +122,10 @@ impl Spreads {
         };
         let (lower_mm, upper_mm) = (result.lower.mm(), result.upper.mm());
         let [lower_tail, upper_tail] = match error {
-            Some(index) => [self.errors[index].tail(); 2],
+            Some(index) => {
+                let tail = self.errors[index].tail();
+                [Tail { dof: tail.dof.map(|dof| dof.min(self.weights[index].pair_dof)), ..tail }; 2]
+            }
             None => [self.lower.tail(), self.upper.tail()],
         };
         Ends { lower_mm, upper_mm, lower_standard_mm, upper_standard_mm, correlation, lower_tail, upper_tail }

@@ -193,17 +193,56 @@ fn the_ends_at_no_error() {
 /// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
 /// there is no ν_eff, for those results that depend on it.
 #[test]
-fn correlated_inputs_of_few_degrees_of_freedom_have_no_effective_one() {
+fn a_result_of_one_input_has_its_degrees_of_freedom() {
     let errors = five("0.012", "0.0255");
     let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
     let pitch = Influence::Error(DeviationKind::RackPitch);
     let few = |dof| Uncertainty { dof, ..Uncertainty::standard(0.001) };
     let inputs = vec![(a, few(5.0)), (b, Uncertainty::standard(0.002)), (pitch, few(7.0))];
     let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, 0.5)]).unwrap()).unwrap();
-    let dof = |index: usize| result.errors[index].1.dof;
-    assert_eq!((dof(0), dof(3)), (None, Some(f64::INFINITY)));
-    assert!((dof(1).unwrap() - 7.0).abs() < 1e-12);
-    assert_eq!((result.upper.dof, result.upper.coverage_factor), (None, 2.0));
+    let dof = |index: usize| result.errors[index].1.dof.unwrap();
+    for (index, expected) in [(0, 5.0), (1, 7.0), (3, f64::INFINITY)] {
+        assert!(dof(index) == expected || (dof(index) / expected - 1.0).abs() < 1e-12, "{index}");
+    }
+}
+
+/// Two sizes of all teeth, which add up, with u, ν and correlation: ν of their sum.
+fn dof_of_two([u_a, u_b]: [f64; 2], [dof_a, dof_b]: [f64; 2], r: f64) -> Option<f64> {
+    let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
+    let errors = [Law::rack_over_roller(), Law::pinion_radial()]
+        .map(|law| PartDeviation::new(law, length("0.05")).with_extent(Extent::All));
+    let of = |standard, dof| Uncertainty { dof, ..Uncertainty::standard(standard) };
+    let inputs = vec![(a, of(u_a, dof_a)), (b, of(u_b, dof_b))];
+    let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[(a, b, r)]).unwrap()).unwrap().upper;
+    assert_eq!(result.coverage_factor, result.dof.map(coverage_factor));
+    result.dof
+}
+
+#[test]
+fn degrees_of_freedom_of_correlated_inputs() {
+    let (same, never) = ([0.001; 2], f64::INFINITY);
+    for (u, dofs, r, expected) in [
+        (same, [5.0; 2], 1.0, 5.0),
+        (same, [4.0; 2], 1.0, 4.0),
+        (same, [4.0; 2], 1e-9, 4.0),
+        (same, [4.0; 2], -0.5, 4.0),
+        // independent: Welch-Satterthwaite
+        (same, [4.0; 2], 0.0, 8.0),
+        ([0.002, 0.001], [never, 4.0], 0.0, 4.0 * 25.0),
+        // w = 2/7 by hand: (4 + 1 + 2), of which 1 + 1 is the second's
+        ([0.002, 0.001], [never, 4.0], 0.5, 4.0 * 12.25),
+        // terms of both signs, w = 2 and −1: 4/9 is below 1
+        ([0.002, 0.001], [4.0; 2], -1.0, 1.0),
+        ([0.002, 0.001], [90.0; 2], -1.0, 10.0),
+        (same, [never; 2], 0.5, never),
+    ] {
+        let found = dof_of_two(u, dofs, r).unwrap();
+        assert!(found == expected || (found / expected - 1.0).abs() < 1e-6, "{u:?} {dofs:?} {r}: {found}");
+    }
+    // whatever the degrees of freedom, what cancels is not known
+    for dofs in [[4.0; 2], [never; 2]] {
+        assert_eq!(dof_of_two(same, dofs, -1.0), None);
+    }
 }
 
 /// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
@@ -227,7 +266,8 @@ fn the_end_gauge_of_jcgm_100_h1() {
     let (terms, dofs) = ([25.0, 9.7, 2.9, 16.6], [18.0, 25.6, 50.0, 2.0]);
     let u = terms.iter().map(|t| t * t).sum::<f64>().sqrt();
     assert_eq!(format!("{u:.0}"), "32");
-    let dof = effective_dof(u, &terms, &dofs);
+    let shares = terms.map(|term| (term / u) * (term / u));
+    let dof = effective_dof(&shares, &dofs, true);
     assert_eq!(format!("{:.0}", dof.floor()), "16");
     let k = student_quantile(0.995, dof.floor());
     assert_eq!(format!("{k:.2}"), "2.92");
@@ -248,7 +288,7 @@ fn contributions_add_up_in_squares() {
     let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     let shares: f64 = result.upper.contributions.iter().filter_map(|c| c.share).sum();
     assert!((shares - 1.0).abs() < 1e-12);
-    assert_eq!(result.upper.coverage_factor, 2.0);
+    assert_eq!(result.upper.coverage_factor, Some(2.0));
     assert!(result.upper.folded.is_empty());
     // steps and leads act either way: what they add to one end they take from the other, all but the over-roller error
     let variance = |standard: f64| standard * standard;
@@ -314,7 +354,7 @@ fn degrees_of_freedom_widen_the_interval() {
     let result = propagate(&part(&errors), &uncertainties).unwrap().upper;
     assert_eq!(result.dof, Some(4.0));
     // JCGM 100:2008, Table G.2: 2.87
-    assert_eq!(format!("{:.2}", result.coverage_factor), "2.87");
+    assert_eq!(format!("{:.2}", result.coverage_factor.unwrap()), "2.87");
 }
 
 #[test]
@@ -349,7 +389,7 @@ fn nine_degrees_of_freedom_less_an_ulp_are_nine() {
         value_mm: 0.0,
         standard_mm: 0.5,
         dof: Some(dof),
-        coverage_factor: coverage_factor(dof),
+        coverage_factor: Some(coverage_factor(dof)),
         contributions: Vec::new(),
         folded: Vec::new(),
     };

@@ -329,7 +329,7 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     let mut row = Vec::new();
     let mut add = |name: &str, linear: &Linear| {
         row.push((format!("{name}_standard_uncertainty_mm"), number(linear.standard_mm)));
-        row.push((format!("{name}_expanded_uncertainty_mm"), number(linear.expanded_mm())));
+        row.push((format!("{name}_expanded_uncertainty_mm"), number(linear.expanded_mm().unwrap())));
     };
     for (kind, linear) in &propagation.errors {
         add(&format!("delta_cd_{}", kind.key()), linear);
