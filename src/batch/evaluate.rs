@@ -51,7 +51,7 @@ impl<'a> Evaluator<'a> {
         keeps_rejects: bool,
         stop: &'a AtomicBool,
     ) -> Self {
-        let quantities = if plan.request.statistics { plan.quantities().count() } else { 0 };
+        let quantities = if plan.request.statistics { plan.quantities_kept() } else { Vec::new() };
         Self {
             plan,
             layout,
@@ -59,7 +59,7 @@ impl<'a> Evaluator<'a> {
             written: RowWriter::new(plan),
             rejects: Vec::new(),
             tally: Tally::default(),
-            statistics: (0..quantities).map(|_| Statistics::default()).collect(),
+            statistics: quantities.into_iter().map(|quantity| quantity.statistics).collect(),
             results: None,
             errors: ChangingErrors::new(&plan.basis, plan.sources.iter().map(|source| source.extended).collect()),
             meshes: Meshes::new(stop),

@@ -83,5 +83,5 @@ pub use parquet::ParquetRows;
 pub use plan::{Plan, refuse_without_uncertainty};
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError};
-pub use statistics::{QUANTILES, Statistics};
+pub use statistics::{MOST_TESTED, QUANTILES, Statistics};
 pub use teeth::{JudgedTeeth, Teeth, TeethJudge, TeethRequest};

@@ -170,7 +170,9 @@ impl Quantity {
     /// A result without a value so far, and the limit that it is held against.
     pub(super) fn new(name: String, on: Option<LimitTarget>, limit: Option<&Limit>) -> Self {
         let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
-        Self { name, on, limits: limit.map_or((None, None), ends), statistics: Statistics::default() }
+        // capability is that of what has a limit
+        let statistics = if limit.is_some() { Statistics::of_kept_values() } else { Statistics::default() };
+        Self { name, on, limits: limit.map_or((None, None), ends), statistics }
     }
 
     /// Whether it is held against a limit.

@@ -243,6 +243,12 @@ impl Plan {
         self.basis.bound(&errors).notes.into_iter().chain(nothing_scatters).collect()
     }
 
+    /// Whether a limit on all errors together is judged.
+    #[must_use]
+    pub fn judges_the_sum(&self) -> bool {
+        self.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
+    }
+
     /// Why no part has a range that is written or judged, whatever its values.
     #[must_use]
     pub fn open(&self) -> Option<NoBound> {

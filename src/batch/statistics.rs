@@ -3,7 +3,8 @@
 //! Count, smallest, largest, sum and sum of squares are exact, in integers of 1e-12 mm: mean and standard
 //! deviation are rounded once, do not depend on the order or number of workers, and do not lose digits
 //! where the spread is small against the mean. Quantiles come from a histogram of which each bin is 1/1024
-//! of its values wide at most, so they are within 0.05 % of a value.
+//! of its values wide at most, so they are within 0.05 % of a value. Whether values are normally distributed needs
+//! the values themselves: so many of them are kept where that is asked.
 
 use crate::quantity::{FM_PER_MM, Length};
 use crate::statistics::LengthMoments;
@@ -12,6 +13,9 @@ use crate::statistics::capability::{FEWEST_PARTS, Normality};
 /// Bits of a magnitude behind its leading one that tell its bin: bins are 1/1024 of their values wide at most.
 const BIN_BITS: u32 = 10;
 
+/// So many values are tested for a normal distribution, and no more of them are kept.
+pub const MOST_TESTED: usize = 100_000;
+
 /// Statistics of values given some at a time.
 #[derive(Debug, Clone)]
 pub struct Statistics {
@@ -19,6 +23,8 @@ pub struct Statistics {
     smallest: i64,
     largest: i64,
     histogram: Histogram,
+    /// The values, 1e-12 mm; `None` where they are not wanted, or too many.
+    values: Option<Vec<i64>>,
     /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
     gauge: (u128, u64),
     /// From value to value, where that is followed.
@@ -75,6 +81,7 @@ impl Default for Statistics {
             smallest: i64::MAX,
             largest: i64::MIN,
             histogram: Histogram::default(),
+            values: None,
             gauge: (0, 0),
             moving: MovingRange::default(),
         }
@@ -82,6 +89,20 @@ impl Default for Statistics {
 }
 
 impl Statistics {
+    /// Of no values, which are kept as they come.
+    pub(super) fn of_kept_values() -> Self {
+        Self { values: Some(Vec::new()), ..Self::default() }
+    }
+
+    /// Keeps more values, if values are kept and these are not too many.
+    fn keep(&mut self, more: impl ExactSizeIterator<Item = i64>) {
+        self.values = self.values.take().filter(|values| values.len() + more.len() <= MOST_TESTED);
+        self.values.iter_mut().for_each(|values| values.reserve(more.len()));
+        if let Some(values) = &mut self.values {
+            values.extend(more);
+        }
+    }
+
     /// Takes values.
     pub(super) fn add(&mut self, values: &[Length]) {
         self.moments.merge(&LengthMoments::of(values));
@@ -91,6 +112,7 @@ impl Statistics {
             self.histogram.add(units);
         }
         (self.smallest, self.largest) = (smallest, largest);
+        self.keep(values.iter().map(|value| value.fm()));
     }
 
     /// Takes what measuring contributes to the variance of a value, mm².
@@ -117,21 +139,14 @@ impl Statistics {
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64))
     }
 
-    /// Whether the values look normally distributed; `None` where there are fewer than ten, or the mean is so far from
-    /// 0 that the quantiles' bins are too wide for the spread.
+    /// Whether the values look normally distributed; `None` where there are fewer than ten or more than
+    /// [`MOST_TESTED`], or where they are all the same.
     #[must_use]
     pub fn normality(&self) -> Option<Normality> {
-        let (mean, deviation) = self.mean_mm().zip(self.standard_deviation_mm())?;
-        if self.count() < FEWEST_PARTS as u64 || deviation == 0.0 {
-            return None;
-        }
-        // half the width of a bin to both sides of its middle, at least half a unit
-        let edges = |(middle, count): (f64, u64)| {
-            let half = (middle.abs() / f64::from(2 << BIN_BITS)).max(0.5e-12);
-            (middle - half, middle + half, count)
-        };
-        let groups: Vec<_> = self.bins().map(edges).collect();
-        Normality::of_groups(&groups, mean, deviation)
+        let (mean, deviation) = self.moments.mean_fm().zip(self.moments.standard_deviation_fm())?;
+        let kept = self.values.as_ref().filter(|values| values.len() >= FEWEST_PARTS && deviation > 0.0)?;
+        let mut values: Vec<_> = kept.iter().map(|value| *value as f64).collect();
+        Some(Normality::of_values(&mut values, mean, deviation))
     }
 
     /// Takes what another has.
@@ -140,6 +155,10 @@ impl Statistics {
         self.largest = self.largest.max(other.largest);
         self.moments.merge(&other.moments);
         self.gauge = (self.gauge.0.saturating_add(other.gauge.0), self.gauge.1 + other.gauge.1);
+        match &other.values {
+            Some(more) => self.keep(more.iter().copied()),
+            None => self.values = None,
+        }
         if other.count() > 0 {
             self.histogram.merge(&other.histogram, other.smallest, other.largest);
         }
@@ -287,6 +306,9 @@ impl Histogram {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::normal_quantile;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::{Rng as _, SeedableRng as _};
 
     fn of(values: impl IntoIterator<Item = i64>) -> Statistics {
         let mut statistics = Statistics::default();
@@ -348,6 +370,60 @@ mod tests {
             let statistics = of(values);
             let (low, high) = (statistics.min_mm().unwrap(), statistics.max_mm().unwrap().next_up());
             assert_eq!(statistics.histogram(low, high, 40).iter().sum::<u64>(), 3, "{values:?}");
+        }
+    }
+
+    /// A thousand draws from a normal distribution that A*² of the values does not contradict: bins of a thousandth of the
+    /// value, an eighth of the spread, did.
+    #[test]
+    fn normality_of_a_lot_far_from_zero() {
+        let lot = include_str!("../../tests/specs/normal-lot.csv").lines().skip(1);
+        let fm = |line: &str| line.split_once(',')?.1.parse::<Length>().ok().map(|um| um.fm() / 1000);
+        let values: Vec<_> = lot.map(|line| Length::from_fm(fm(line).expect(line))).collect();
+        let (mut whole, mut rest) = (Statistics::of_kept_values(), Statistics::of_kept_values());
+        whole.add(&values[..300]);
+        rest.add(&values[300..]);
+        whole.merge(&rest);
+        let found = whole.normality().unwrap();
+        assert_eq!(format!("{:.4} {:.3}", found.anderson_darling, found.p_value), "0.4034 0.356");
+        assert!(of([1, 2, 3].repeat(10)).normality().is_none());
+    }
+
+    #[test]
+    fn more_values_than_are_kept_are_not_tested() {
+        let most: Vec<_> = (0..MOST_TESTED as i64).map(Length::from_fm).collect();
+        let mut statistics = Statistics::of_kept_values();
+        statistics.add(&most);
+        assert!(statistics.normality().unwrap().rejected());
+        let mut merged = statistics.clone();
+        statistics.add(&most[..1]);
+        assert_eq!((statistics.normality(), statistics.values.as_ref()), (None, None));
+        merged.merge(&of([5]));
+        assert_eq!(merged.normality(), None);
+        statistics.merge(&Statistics::of_kept_values());
+        assert_eq!(statistics.normality(), None);
+    }
+
+    /// Of 400 normal lots of each size, whatever mean and spread, 2 to 8 % are contradicted at 5 %.
+    #[test]
+    fn normal_lots_are_contradicted_as_often_as_they_should() {
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(45);
+        // in the middle of 2³² cells
+        let mut uniform = || (f64::from(generator.next_u32()) + 0.5) / 4_294_967_296.0;
+        for parts in [30, 300, 3000] {
+            let contradicted = (0..400).filter(|lot| {
+                // means of −0.1 to 0.1 mm, standard deviations of 0.01 µm to 0.1 mm
+                let mean = 0.2 * uniform() - 0.1;
+                let deviation = libm::pow(10.0, -5.0 + f64::from(lot % 5));
+                let mut statistics = Statistics::of_kept_values();
+                let values: Vec<_> = (0..parts)
+                    .map(|_| Length::from_mm(mean + deviation * normal_quantile(uniform())).unwrap())
+                    .collect();
+                statistics.add(&values);
+                statistics.normality().unwrap().rejected()
+            });
+            let contradicted = contradicted.count();
+            assert!((8..=32).contains(&contradicted), "{parts}: {contradicted} of 400");
         }
     }
 

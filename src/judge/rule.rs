@@ -409,6 +409,54 @@ mod tests {
         assert!((ends.conformance(&open).unwrap() - normal_cdf(2.0)).abs() < 1e-12);
     }
 
+    /// JCGM 106:2012, table 1 (clause 7.3): how many standard uncertainties inside a one-sided limit a value lies for a
+    /// probability of conformance.
+    #[test]
+    fn jcgm_106_one_sided_limits() {
+        let open = Limit { lower: None, upper: Some(length("0.05")) };
+        for (z, probability) in [(0.84, 0.80), (1.28, 0.90), (1.64, 0.95), (2.33, 0.99), (3.09, 0.999)] {
+            let found = Ends::value(0.05 - 0.001 * z, 0.001).conformance(&open).unwrap();
+            // the printed z has two decimals
+            let half_a_digit = 0.005 / (std::f64::consts::TAU).sqrt() * libm::exp(-0.5 * (z - 0.005) * (z - 0.005));
+            assert!((found - probability).abs() <= half_a_digit, "{z}: {found}");
+        }
+    }
+
+    /// JCGM 106:2012, equation (21), and its resistors of 1500 Ω ± 0.2 Ω with a standard deviation of 0.12 Ω: 10 % lie outside.
+    /// In thousandths of a mm for Ω.
+    #[test]
+    fn jcgm_106_two_sided_limits() {
+        let limit = Limit { lower: Some(length("1.4998")), upper: Some(length("1.5002")) };
+        let inside = Ends::value(1.5, 0.000_12).conformance(&limit).unwrap();
+        assert_eq!(format!("{:.0} %", 100.0 * (1.0 - inside)), "10 %");
+    }
+
+    /// ILAC-G8:09/2019, clauses 4.2.1 to 4.2.3 (page 9 and after): simple acceptance, w = 0, passes up to the limit with up to 50 %
+    /// of false acceptance; a guard band w = U = 2 u passes up to TL − w with 2.5 % at most, fails above TL + w and leaves
+    /// a conditional result between.
+    #[test]
+    fn ilac_g8_cases() {
+        use Verdict::{Fail, Indeterminate, Pass};
+        let (limit, u) = (Limit { lower: None, upper: Some(length("0.05")) }, 0.001);
+        for (rule, value, expected) in [
+            ("simple", "0.05", Pass),
+            ("simple", "0.050001", Fail),
+            ("guard=2um", "0.048", Pass),
+            ("guard=2um", "0.048001", Indeterminate),
+            ("guard=2um", "0.05", Indeterminate),
+            ("guard=2um", "0.052", Indeterminate),
+            ("guard=2um", "0.052001", Fail),
+        ] {
+            let ends = Ends::value(length(value).mm(), u);
+            let result = Interval::value(length(value));
+            let decision = decide(&rule.parse().unwrap(), &limit, result, Some(&ends), None).unwrap();
+            assert_eq!(decision.verdict, expected, "{rule} {value}");
+            let false_acceptance = decision.conformance.unwrap().consumer_risk();
+            let most = if rule == "simple" { 0.5 } else { 0.025 };
+            assert!(expected != Pass || false_acceptance <= most + 1e-12, "{rule} {value}: {false_acceptance}");
+        }
+    }
+
     /// What is inside by 1.65 u passes only with 95 % behind it: two limits, a magnitude near 0 and few degrees of freedom
     /// take some away.
     #[test]

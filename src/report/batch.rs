@@ -3,10 +3,11 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::evaluation::{assumed, assumptions};
 use super::number::{ends, grouped, millimetres, unsigned};
 use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Report, Table, fact, judged_without, titled};
-use crate::batch::{Capability, Counts, Outcome, Part, Plan, QUANTILES, Quantity};
+use crate::batch::{Capability, Counts, MOST_TESTED, Outcome, Part, Plan, QUANTILES, Quantity};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
@@ -29,6 +30,8 @@ pub struct Basis {
     pub without: Vec<DeviationKind>,
     /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
     pub is_all_placed: bool,
+    /// What verdicts take for granted of what is not known.
+    pub assumes: Vec<String>,
 }
 
 impl Basis {
@@ -43,6 +46,7 @@ impl Basis {
             unjudged: plan.unjudged.clone(),
             without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
             is_all_placed: plan.is_all_placed,
+            assumes: assumptions(&plan.bound_notes(), plan.judges_the_sum()),
         }
     }
 
@@ -239,7 +243,7 @@ impl<'a> BatchReport<'a> {
                     normality.p_value
                 )),
                 None if result.capability.ppk.is_some() => notes.push(format!(
-                    "{}: its mean is too far from 0 for its spread to tell whether it is normally distributed.",
+                    "{}: not tested whether it is normally distributed: that needs at most {MOST_TESTED} values.",
                     result.shown()
                 )),
                 None => {}
@@ -284,7 +288,7 @@ impl<'a> BatchReport<'a> {
                 1 => "the part is".to_owned(),
                 parts => format!("all {} parts are", grouped(parts)),
             };
-            (Some(Verdict::Pass), format!("{parts} inside the limits {judged_by}"))
+            (Some(Verdict::Pass), format!("{parts} inside the limits{} {judged_by}", assumed(&self.basis.assumes)))
         };
         Block::Verdict(verdict, sentence)
     }
@@ -369,6 +373,7 @@ impl Report for BatchReport<'_> {
             "stack": self.basis.stack.map(Stack::name),
             "judged_by": judged_by.name(),
             "rule": self.basis.rule.to_string(),
+            "assumes": self.basis.assumes,
             "counts": named.collect::<Map<_, Value>>(),
             "results": self.results,
             "worst": worst.iter().map(part_fact).collect::<Vec<_>>(),

@@ -191,7 +191,8 @@ impl EvaluationReport<'_> {
             count => format!("all {count} limits are met"),
         };
         let by = format!("{}{}", evaluation.judged_by, rule_words(&self.evaluation.rule));
-        Some(Block::Verdict(Some(Verdict::Pass), format!("{count} (judged by {by}){without}")))
+        let assumed = assumed(&assumptions_of(evaluation));
+        Some(Block::Verdict(Some(Verdict::Pass), format!("{count}{assumed} (judged by {by}){without}")))
     }
 }
 
@@ -199,6 +200,31 @@ impl EvaluationReport<'_> {
 const OF_KNOWN_TEETH: &str = "the exact mesh of the known teeth, all strokes at which they can carry";
 /// Where errors are when it is said what they reach.
 pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
+
+/// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
+#[must_use]
+pub fn assumptions(notes: &[Note], sum_is_judged: bool) -> Vec<String> {
+    let clause = |note: &Note| match note {
+        Note::OwnCurveAt(0.0) => sum_is_judged.then(|| "the error-free pair has ΔCD = 0".to_owned()),
+        Note::OwnCurveAt(mm) => sum_is_judged.then(|| format!("the error-free pair has ΔCD = {} mm", plain(tidy(*mm)))),
+        Note::AssumedHeight(AssumedHeight { mm, .. }) => {
+            Some(format!("flanks touch within {} mm of the reference plane", plain(tidy(*mm))))
+        }
+        _ => None,
+    };
+    notes.iter().filter_map(clause).collect()
+}
+
+/// The same of an evaluation.
+pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<String> {
+    let sum_is_judged = evaluation.limits.iter().any(|check| check.on == LimitTarget::CenterDistance);
+    assumptions(&evaluation.notes, sum_is_judged)
+}
+
+/// What a pass takes for granted, as part of its sentence.
+pub(super) fn assumed(assumptions: &[String]) -> String {
+    if assumptions.is_empty() { String::new() } else { format!(" if {}", assumptions.join(" and ")) }
+}
 
 /// What a bound rests on, a remark each.
 #[must_use]
@@ -386,6 +412,7 @@ impl Report for EvaluationReport<'_> {
             "reason": evaluation
                 .open_because()
                 .or_else(|| evaluation.limits.iter().find_map(|check| beyond_reach(check, evaluation))),
+            "assumes": assumptions_of(evaluation),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
             "mesh": self.mesh.as_ref().map(|MeshPart { stroke_mm: (from, to), summary, notes }| json!({
                 "from_mm": from,
@@ -443,7 +470,8 @@ impl Report for EvaluationReport<'_> {
         blocks.push(self.combination_table());
         blocks.extend(self.limit_table());
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
-        blocks.extend(UncertaintyPart::decision_blocks(&self.evaluation.rule, &self.evaluation.limits));
+        let (rule, is_uncertain) = (&self.evaluation.rule, self.uncertainty.is_some());
+        blocks.extend(UncertaintyPart::decision_blocks(rule, &self.evaluation.limits, is_uncertain));
         blocks.extend(self.rests_on.iter().cloned().chain(self.evaluation.note_of_unsolved()).map(Block::Remark));
         blocks.extend(self.class_notes().map(Block::Note));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);

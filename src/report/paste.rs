@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::evaluation::{assumed, assumptions_of};
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
 use super::{
@@ -94,6 +95,7 @@ impl Report for PartsReport<'_> {
                 };
                 part["judged_by"] = evaluation.map(|evaluation| evaluation.judged_by.name()).into();
                 part["judged_mm"] = json!(evaluation.and_then(|evaluation| evaluation.judged.ok()));
+                part["assumes"] = json!(evaluation.map(assumptions_of));
                 if let Some(uncertainty) = &row.uncertainty {
                     part["uncertainty"] = uncertainty.json();
                 }
@@ -173,7 +175,11 @@ impl Report for PartsReport<'_> {
             let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
             let indeterminate = self.count(Verdict::Indeterminate);
             let open = self.rows.len() - unread - pass - fail - indeterminate;
-            let mut sentence = format!("{pass} of {} parts are within the limits", self.rows.len());
+            let passed = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
+            let mut assumptions =
+                passed.filter(|evaluation| evaluation.verdict == Some(Verdict::Pass)).map(assumptions_of);
+            let assumed = assumptions.next().map(|of_first| assumed(&of_first)).unwrap_or_default();
+            let mut sentence = format!("{pass} of {} parts are within the limits{assumed}", self.rows.len());
             for (count, what) in
                 [(indeterminate, "indeterminate"), (open, "without a verdict"), (unread, "could not be read")]
             {

@@ -201,30 +201,34 @@ impl UncertaintyPart {
         notes
     }
 
-    /// What a decision rule made of each limit.
-    pub(super) fn decision_blocks(rule: &Rule, checks: &[LimitCheck]) -> Vec<Block> {
+    /// What a decision rule made of each limit, of results with an uncertainty or without.
+    pub(super) fn decision_blocks(rule: &Rule, checks: &[LimitCheck], is_uncertain: bool) -> Vec<Block> {
         let decided: Vec<_> = checks.iter().filter_map(|check| Some((check, check.decision.as_ref()?))).collect();
         if decided.is_empty() {
             return Vec::new();
         }
-        let known = decided.iter().any(|(_, decision)| decision.conformance.is_some());
-        let risk = |decision: &Decision, of: fn(&Conformance) -> f64, bound: &str| {
-            let known = decision.conformance.as_ref()?;
-            Some(format!("{}{}", if known.is_least { bound } else { "" }, probability(of(known))))
+        let risk = |decision: &Decision, of: fn(&Conformance) -> f64, bound: &str| match &decision.conformance {
+            Some(known) => format!("{}{}", if known.is_least { bound } else { "" }, probability(of(known))),
+            None => "not known".to_owned(),
         };
         let table = Table::of(&decided)
             .text("decision on", |(check, _)| check.on.to_string())
             .number("guard band\n[µm]", |(_, decision)| guard_text(decision))
-            .column_if(known, Column::number("conforms"), |(_, decision)| risk(decision, |c| c.probability, "≥ "))
-            .column_if(known, Column::number("consumer's risk\nif accepted"), |(_, decision)| {
+            .column_if(is_uncertain, Column::number("conforms"), |(_, decision)| {
+                risk(decision, |c| c.probability, "≥ ")
+            })
+            .column_if(is_uncertain, Column::number("consumer's risk\nif accepted"), |(_, decision)| {
                 risk(decision, Conformance::consumer_risk, "≤ ")
             })
-            .column_if(known, Column::number("producer's risk\nif rejected"), |(_, decision)| {
+            .column_if(is_uncertain, Column::number("producer's risk\nif rejected"), |(_, decision)| {
                 risk(decision, Conformance::producer_risk, "≥ ")
             })
             .text(format!("by {}", rule.in_words()), |(_, decision)| decision.verdict.name());
         let mut blocks = vec![table.block()];
         blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
+        if is_uncertain && decided.iter().any(|(_, decision)| decision.conformance.is_none()) {
+            blocks.push(Block::Remark(NOT_KNOWN.to_owned()));
+        }
         blocks
     }
 
@@ -285,6 +289,10 @@ impl UncertaintyPart {
         })
     }
 }
+
+/// Why a probability of conformance is not known, and the remedy.
+const NOT_KNOWN: &str = "not known: values near 0, few degrees of freedom or correlations leave no bound on the probability of \
+                         conformance that says anything: --monte-carlo counts it, where inputs that go together are normal";
 
 /// The columns of CSV that a result's uncertainty has.
 pub(super) const COLUMNS: &str = "standard_uncertainty_mm expanded_uncertainty_mm coverage_factor \

@@ -16,6 +16,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
+use crate::uncertainty::Influence;
 
 /// `[batch]`.
 #[derive(Debug, Clone, Default)]
@@ -217,6 +218,8 @@ impl Spec {
                 spec.extents.push((*kind, extent));
             }
         }
+        let is_replaced = |kind: &DeviationKind| in_table.contains(kind) && self.of_readings.contains(kind);
+        spec.uncertainties.retain(|(source, _)| !matches!(source, Influence::Error(kind) if is_replaced(kind)));
         spec
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::keys;
+use super::keys::{self, READINGS};
 use super::reader::{SectionReader, TEXT};
 use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
@@ -62,6 +62,9 @@ pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
         read_entry(reader, kind, spec);
     }
     spec.extents = of_each(|kind| read_extent(reader, kind));
+    let has_readings =
+        |kind: &DeviationKind| reader.entry(kind.key()).is_some_and(|entry| entry.contains_key(READINGS));
+    spec.of_readings = DeviationKind::ALL.into_iter().filter(has_readings).collect();
 }
 
 /// Whether an entry has nothing but this key, or none, and what makes no value.
@@ -213,13 +216,27 @@ fn value_or_ends(
 /// The keys that the table form of an error may have, in the combinations that make an error.
 pub(super) fn error_table_forms(kind: DeviationKind) -> &'static [&'static [&'static str]] {
     match kind {
-        DeviationKind::RackOverRoller => {
-            &[&["value"], &["measured", "nominal"], &["measured", "roller"], &["nominal"], &["class"]]
-        }
-        DeviationKind::RackLead => {
-            &[&["value"], &["measured", "nominal"], &["f_h_beta", "length"], &["nominal"], &["class"]]
-        }
-        _ => &[&["value"], &["measured", "nominal"], &["nominal"], &["class"]],
+        DeviationKind::RackOverRoller => &[
+            &["value"],
+            &["measured", "nominal"],
+            &["measured", "roller"],
+            &["nominal"],
+            &["class"],
+            &[READINGS],
+            &[READINGS, "nominal"],
+            &[READINGS, "roller"],
+        ],
+        DeviationKind::RackLead => &[
+            &["value"],
+            &["measured", "nominal"],
+            &["f_h_beta", "length"],
+            &["nominal"],
+            &["class"],
+            &[READINGS],
+            &[READINGS, "nominal"],
+            &[READINGS, "length"],
+        ],
+        _ => &[&["value"], &["measured", "nominal"], &["nominal"], &["class"], &[READINGS], &[READINGS, "nominal"]],
     }
 }
 
@@ -283,15 +300,31 @@ fn read_error_table(
         }
         return entry.get("class").and_then(|value| reader.class_value(value)).map(WrittenError::Class).map(Entry::of);
     }
+    let readings = match entry.get(READINGS) {
+        Some(values) => {
+            let is_angle = kind == DeviationKind::RackLead && !form.contains(&"length");
+            Some(reader.readings(kind.key(), entry, values, is_angle)?)
+        }
+        None => None,
+    };
+    // the mean of readings stands for what is measured
+    let get = |name: &str| {
+        let mean = readings.as_ref().map(|readings| &readings.mean);
+        entry.get(name).or_else(|| mean.filter(|_| ["value", "measured", "f_h_beta"].contains(&name)))
+    };
+    let note = |reader: &mut SectionReader<'_>, span: Range<usize>, degrees_per_mm: Option<f64>| match &readings {
+        Some(readings) => reader.note_readings(readings, noted, degrees_per_mm),
+        None => reader.note_uncertainty(kind.key(), entry, span, noted, degrees_per_mm).unwrap_or_default(),
+    };
     let is_tolerance = form == ["value"] && entry.get("value").is_some_and(|value| value.get_ref().is_table());
-    if form != ["f_h_beta", "length"] && !is_tolerance {
+    if !form.contains(&"length") && !is_tolerance {
         // of a nominal value alone, that of the measured values to come
         let place = entry.get("nominal").filter(|_| form == ["nominal"]).map_or(span.clone(), Spanned::span);
-        reader.note_uncertainty(kind.key(), entry, place, noted, None);
+        note(reader, place, None);
     }
-    let mut length = |name: &str| reader.length_value(name, entry.get(name)?);
+    let mut length = |name: &str| reader.length_value(name, get(name)?);
     match form {
-        ["f_h_beta", "length"] => {
+        [_, "length"] => {
             let (slope, over) = (length("f_h_beta")?, length("length")?);
             if let Some(doubt) = plausible::evaluation_length(over) {
                 let diagnostic = Diagnostic::error(Code::Implausible, format!("`length` of {}: {doubt}", kind.key()));
@@ -302,24 +335,24 @@ fn read_error_table(
                     // d(atan(f/L))/df = L/(L² + f²)
                     let (f, l) = (slope.mm(), over.mm());
                     let degrees_per_mm = l.to_degrees() / (l * l + f * f);
-                    reader.note_uncertainty(kind.key(), entry, span, noted, Some(degrees_per_mm));
+                    note(reader, span, Some(degrees_per_mm));
                     Some(Entry { evaluation_length: Some(over), ..Entry::of(WrittenError::Value(tangent)) })
                 }
                 Err(error) => reader.refuse(Diagnostic::error(Code::OutOfDomain, error.to_string()), span),
             }
         }
-        ["measured", "roller"] => {
+        [_, "roller"] => {
             let measured = length("measured");
             let roller = entry.get("roller")?;
             let roller = reader.uncertain("roller", roller, Some(Influence::Roller))?;
-            let roller = reader.length_value("roller", roller)?;
+            let roller = reader.length_value("roller", &roller)?;
             let roller_span = entry.get("roller").map_or(span, Spanned::span);
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(Entry::of(WrittenError::OverRoller { measured: measured?, roller }))
         }
-        ["value"] => value_or_ends(reader, kind, entry, entry.get("value")?).map(Entry::of),
+        ["value" | READINGS] => value_or_ends(reader, kind, entry, get("value")?).map(Entry::of),
         _ => {
-            let mut value = |name: &str| value_of(reader, kind, name, entry.get(name)?);
+            let mut value = |name: &str| value_of(reader, kind, name, get(name)?);
             let (measured, nominal) = (value("measured"), value("nominal")?);
             let value = measured.map(|measured| WrittenError::Value(measured.less(nominal)));
             let nominal = entry.get("nominal").map(|written| Located { value: nominal, span: written.span() });

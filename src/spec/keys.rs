@@ -265,6 +265,9 @@ pub(crate) const MEASURED_AT: &str = "measured_at";
 /// In an entry of `[errors]`, beside its value or alone, of a column or of `[budget]`: on which teeth an error is.
 pub(crate) const EXTENT: &str = "extent";
 
+/// In place of a measured value: repeated readings, whose mean counts and whose spread is its uncertainty.
+pub(crate) const READINGS: &str = "values";
+
 /// The keys of an uncertainty, beside the value that it is of.
 pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
 
@@ -354,7 +357,8 @@ section! {
     ERRORS = "errors",
     "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
      error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
-     which teeth; total presumes cumulative deviations with a mean of zero." {
+     which teeth; total presumes cumulative deviations with a mean of zero. { values = [25.011, 25.013, 25.012], … } in \
+     place of a measured value: repeated readings, their mean with u = s/√n and n − 1 degrees of freedom." {
         "rack_over_roller", of(Kind::Error(DeviationKind::RackOverRoller)),
             "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
         "rack_pitch", of(Kind::Error(DeviationKind::RackPitch)), "Pitch error of the rack, along its axis.";

@@ -132,6 +132,8 @@ pub struct Spec {
     pub scatter: ScatterSection,
     /// The uncertainties, wherever they stand.
     pub uncertainties: Vec<(Influence, Located<Uncertainty>)>,
+    /// The errors whose uncertainty is that of readings, and of no other value.
+    pub of_readings: Vec<DeviationKind>,
     /// `[[correlation]]`
     pub correlations: Vec<Located<WrittenCorrelation>>,
     /// What the teeth do that the spec knows one by one, once their mesh is solved: see [`Spec::with_known_teeth`].

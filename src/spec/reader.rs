@@ -1,6 +1,7 @@
 //! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the
 //! sections; never ends at the first problem and requires no key.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::ops::Range;
 use std::str::FromStr;
@@ -89,8 +90,9 @@ impl<'a> SectionReader<'a> {
         let written = self.table.get(name)?;
         let written = match key.kind {
             Kind::Length(_) | Kind::Angle(_) => self.uncertain(name, written, Influence::of_gear(key.path))?,
-            _ => written,
+            _ => Cow::Borrowed(written),
         };
+        let written = written.as_ref();
         let span = written.span();
         let value = match key.kind {
             Kind::Text | Kind::File => Value::Text(self.text_value(name, written, TEXT)?.to_owned()),

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::errors::{error_table_forms, has_circle, is_of_a_part};
 use super::keys::{
-    AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, MEASURED_AT, SECTIONS, Section, TOP, UNCERTAINTY_KEYS,
+    AnyKey, EVERY_PART, EXTENT, Kind, LARGEST_CLASS, MEASURED_AT, READINGS, SECTIONS, Section, TOP, UNCERTAINTY_KEYS,
 };
 use crate::deviation::{Countable, DeviationKind, Extent};
 use crate::quantity::{AngleUnit, Domain, LengthUnit, spelling_pattern};
@@ -134,6 +134,7 @@ fn forms(mut forms: Vec<Value>, source: Option<Influence>) -> Vec<Value> {
         let mut properties = uncertainty_properties();
         properties.insert("value".to_owned(), json!({ "anyOf": forms }));
         forms.push(closed(properties, &["value"]));
+        forms.push(closed(json!({ READINGS: readings() }), &[READINGS]));
     }
     forms
 }
@@ -152,6 +153,11 @@ fn uncertainty_properties() -> Map<String, Value> {
             (name.to_owned(), schema)
         })
         .collect()
+}
+
+/// Repeated readings.
+fn readings() -> Value {
+    json!({ "type": "array", "items": { "anyOf": [{ "type": "number" }, { "type": "string" }] }, "minItems": 2 })
 }
 
 /// The extents that an error that counts these may have.
@@ -181,11 +187,15 @@ fn error(kind: DeviationKind) -> Value {
         let value = |name: &str| match name {
             "class" => grade(),
             "value" => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }, ends()] }),
+            READINGS => readings(),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };
         let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
         if *form != ["class"] {
             properties.extend(beside(kind));
+            if form[0] == READINGS {
+                UNCERTAINTY_KEYS.iter().for_each(|key| drop(properties.remove(*key)));
+            }
         }
         if is_of_a_part(form) {
             properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));

@@ -3,12 +3,13 @@
 //! A measured error or a size of the gear may be a table: `{ value = "20 deg", u = "0.02 deg" }`, or with the measured
 //! and nominal values of an error. The reader calls this for the keys that follow the value.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::keys::{self, UNCERTAINTY_KEYS};
+use super::keys::{self, READINGS, UNCERTAINTY_KEYS};
 use super::reader::{SectionReader, unknown};
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
@@ -21,6 +22,14 @@ use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, Un
 const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
                     \"triangular\", \"arcsine\" or \"normal\"";
 
+/// Repeated readings of one quantity.
+pub(super) struct Readings {
+    /// Their mean, as if it were written in their place.
+    pub(super) mean: Spanned<DeValue<'static>>,
+    /// That of the mean, mm or degrees.
+    uncertainty: Uncertainty,
+}
+
 /// A correlation as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrittenCorrelation {
@@ -31,23 +40,79 @@ pub struct WrittenCorrelation {
 }
 
 impl SectionReader<'_> {
-    /// The value under a key that may carry an uncertainty: of a table, its `value`, and the rest is noted.
+    /// The value under a key that may carry an uncertainty: of a table, its `value` or the mean of its readings, and the
+    /// rest is noted.
     pub(super) fn uncertain<'v, 't>(
         &mut self,
         name: &str,
         value: &'v Spanned<DeValue<'t>>,
         source: Option<Influence>,
-    ) -> Option<&'v Spanned<DeValue<'t>>> {
-        let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else { return Some(value) };
-        let known = UNCERTAINTY_KEYS.into_iter().chain(["value"]);
+    ) -> Option<Cow<'v, Spanned<DeValue<'t>>>> {
+        let (DeValue::Table(table), Some(source)) = (value.get_ref(), source) else {
+            return Some(Cow::Borrowed(value));
+        };
+        let known = UNCERTAINTY_KEYS.into_iter().chain(["value", READINGS]);
         self.knows_keys(name, table, &known, &format!("write {name} = {{ value = …, u = … }}"))?;
+        if let Some(values) = table.get(READINGS) {
+            let readings = self.readings(name, table, values, source.is_angle())?;
+            self.note_readings(&readings, source, None);
+            return Some(Cow::Owned(readings.mean));
+        }
         let Some(inner) = table.get("value") else {
             let diagnostic = Diagnostic::error(Code::BadUncertainty, format!("`{name}` is a table without a value"))
                 .help(format!("write {name} = {{ value = …, u = … }}"));
             return self.refuse(diagnostic, value.span());
         };
         self.note_uncertainty(name, table, value.span(), source, None);
-        Some(inner)
+        Some(Cow::Borrowed(inner))
+    }
+
+    /// Reads repeated readings under a key of a table: their mean with s/√n and n − 1 degrees of freedom (JCGM 100, 4.2).
+    pub(super) fn readings(
+        &mut self,
+        name: &str,
+        table: &DeTable<'_>,
+        values: &Spanned<DeValue<'_>>,
+        is_angle: bool,
+    ) -> Option<Readings> {
+        let bad = |problem: &str, help: &str| {
+            Diagnostic::error(Code::BadUncertainty, format!("`{READINGS}` of `{name}`: {problem}")).help(help)
+        };
+        let DeValue::Array(written) = values.get_ref() else {
+            return self.wrong_type(READINGS, values, "a list of readings");
+        };
+        if let Some(key) =
+            ["value", "measured", "f_h_beta"].into_iter().chain(UNCERTAINTY_KEYS).find(|key| table.contains_key(*key))
+        {
+            let problem = format!("`{key}` stands beside readings, whose mean and spread say the same");
+            return self.refuse(bad(&problem, "leave one of both out"), values.span());
+        }
+        let read = |reader: &mut Self| -> Option<Vec<f64>> {
+            written.iter().map(|value| reader.base_value(READINGS, value, is_angle)).collect()
+        };
+        let readings = read(self)?;
+        let n = readings.len() as f64;
+        let [first, _, ..] = readings[..] else {
+            let help = "give two readings or more, or `value = …` with `u = …`";
+            return self.refuse(bad("one reading says nothing of its uncertainty", help), values.span());
+        };
+        // from the first one, so that no digit is lost
+        let off = readings.iter().map(|reading| reading - first).sum::<f64>() / n;
+        let squares: f64 = readings.iter().map(|reading| (reading - first - off) * (reading - first - off)).sum();
+        if squares == 0.0 {
+            let help = "they are as uncertain as their last digit at least: give `value = …` with `u = …`";
+            return self.refuse(bad("all readings are the same", help), values.span());
+        }
+        let mean = Spanned::new(values.span(), DeValue::String((first + off).to_string().into()));
+        let standard = (squares / (n - 1.0) / n).sqrt();
+        Some(Readings { mean, uncertainty: Uncertainty { dof: n - 1.0, ..Uncertainty::standard(standard) } })
+    }
+
+    /// Notes the uncertainty of readings; of an angle that is written as a length, `degrees_per_mm` takes it to the angle's unit.
+    pub(super) fn note_readings(&mut self, readings: &Readings, source: Influence, degrees_per_mm: Option<f64>) {
+        let standard = readings.uncertainty.standard * degrees_per_mm.unwrap_or(1.0);
+        let value = Uncertainty { standard, ..readings.uncertainty };
+        self.uncertainties.push((source, Located { value, span: readings.mean.span() }));
     }
 
     /// Reads the uncertainty in a table, if it has one; of an angle that is written as a length, `degrees_per_mm` takes it
@@ -333,12 +398,61 @@ mod tests {
         assert!((slope / expected - 1.0).abs() < 1e-12);
         let angle = standard("rack_lead = { value = \"1 arcmin\", u = \"6 arcsec\" }", lead).standard;
         assert!((angle - 6.0 / 3600.0).abs() < 1e-15);
+        // readings: s = 1 µm, of three
+        let of_three = 0.001 / 3.0_f64.sqrt();
+        for (entry, source, expected) in [
+            ("rack_pitch = { values = [0.011, \"13 um\", 0.012] }", pitch, of_three),
+            ("rack_pitch = { values = [6.301, 6.303, 6.302], nominal = 6.29 }", pitch, of_three),
+            (
+                "rack_lead = { values = [\"7 um\", \"9 um\", \"8 um\"], length = 20 }",
+                lead,
+                of_three * 20.0 / (400.0 + 0.008 * 0.008) * 180.0 / std::f64::consts::PI,
+            ),
+            ("rack_lead = { values = [0.011, 0.013, 0.012] }", lead, of_three),
+            (
+                "rack_over_roller = { measured = 25.5, roller = { values = [4, 4.002, 4.001] } }",
+                Influence::Roller,
+                of_three,
+            ),
+        ] {
+            let found = standard(entry, source);
+            assert!((found.standard / expected - 1.0).abs() < 1e-9 && found.dof == 2.0, "{entry}: {found:?}");
+        }
         // sizes of the gear, and the roller
         let face = standard("rack_lead = 0.01", Influence::FaceWidth);
         assert!((face.standard - 0.3 / 3.0_f64.sqrt()).abs() < 1e-15);
         let over_roller = "rack_over_roller = { measured = 25.5, roller = { value = 4, u = \"0.5 um\" }, u = 0.001 }";
         assert_eq!(standard(over_roller, Influence::Roller).standard, 0.0005);
         assert_eq!(standard(over_roller, Influence::Error(DeviationKind::RackOverRoller)).standard, 0.001);
+    }
+
+    #[test]
+    fn readings_that_say_no_uncertainty_are_refused() {
+        for (entry, problem) in [
+            ("{ values = [0.012] }", "one reading says nothing of its uncertainty"),
+            ("{ values = [] }", "one reading says nothing of its uncertainty"),
+            ("{ values = [0.012, 0.012, 0.012] }", "all readings are the same"),
+            ("{ values = [0.012, 0.013], u = 0.001 }", "`u` stands beside readings"),
+            ("{ values = 0.012 }", "`values` is a number; a list of readings is needed"),
+            ("{ values = [0.012, true] }", "`values` is true or false"),
+        ] {
+            let spec = format!("[errors]\npinion_radial = {entry}\n");
+            let found = Spec::parse("test", &spec).expect_err(entry).to_string();
+            assert!(found.contains(problem), "{entry}: {found}");
+        }
+    }
+
+    /// The mean of readings is exact, and their uncertainty is no other value's.
+    #[test]
+    fn readings_are_of_their_own_value() {
+        let text = "[errors]\nrack_over_roller = { values = [25.011, 25.013, 25.012], nominal = 25 }\n";
+        let spec = Spec::parse("test", text).unwrap();
+        let [error] = &spec.part_deviations().unwrap()[..] else { panic!("there is one error") };
+        assert_eq!(error.value().base(), 0.012);
+        assert!(spec.is_uncertain(DeviationKind::RackOverRoller));
+        let of_table = spec.for_columns(&[DeviationKind::RackOverRoller]);
+        assert!(!of_table.is_uncertain(DeviationKind::RackOverRoller));
+        assert!(spec.for_columns(&[DeviationKind::RackPitch]).is_uncertain(DeviationKind::RackOverRoller));
     }
 
     #[test]

@@ -37,4 +37,5 @@ mod table_properties;
 mod tables;
 mod teeth;
 mod through;
+mod unknowns;
 mod verdicts;

@@ -291,6 +291,7 @@ impl Args {
             unjudged: Vec::new(),
             without: Vec::new(),
             is_all_placed: false,
+            assumes: Vec::new(),
         }
     }
 
@@ -402,6 +403,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
         without: Vec::new(),
         is_all_placed: false,
+        assumes: Vec::new(),
     }
 }
 
