@@ -225,7 +225,12 @@ fn a_table_of_no_row_or_one_is_summed_up_in_plain_words() {
     let one = batch(&[SPEC, "--summary"], b"part_id,over_roller,dp\nA,25,0\n");
     let page = text(&one.stdout);
     assert!(page.contains("\n1 part is too few for capability indices"), "{page}");
-    assert!(page.ends_with("PASS: the part is inside the limits (judged by worst case)\n"), "{page}");
+    assert!(
+        page.ends_with(
+            "PASS: the part is inside the limits if the error-free pair has ΔCD = 0 (judged by worst case)\n"
+        ),
+        "{page}"
+    );
 }
 
 #[test]
