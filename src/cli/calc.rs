@@ -462,7 +462,9 @@ impl Asked<'_> {
                 output.remark(&worst_case);
             }
             let said = if is_asked || printed.is_worse() { &rests_on[..] } else { &[] };
-            said.iter().for_each(|note| output.remark(&noted(note)));
+            for note in said {
+                output.remark(&noted(note));
+            }
         }
         let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
         Ok(if is_open && is_asked { Status::Undecided } else { Status::Pass })

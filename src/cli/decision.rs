@@ -88,7 +88,7 @@ impl JudgeArgs {
         errors: &[PartDeviation],
         basis: &Basis,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let Some(solved) = self.solved(spec) else { return self.judged_by(None, spec, errors, basis) };
+        let Some(solved) = solved(spec) else { return self.judged_by(None, spec, errors, basis) };
         let by_mesh = self.judged_by(Some(solved), spec, errors, basis)?;
         if by_mesh.0.passes() {
             return Ok(by_mesh);
@@ -108,16 +108,10 @@ impl JudgeArgs {
         if by_bound.0.passes() {
             return Ok(by_bound);
         }
-        match self.solved(spec) {
+        match solved(spec) {
             Some(solved) => self.judged_by(Some(solved), spec, errors, basis),
             None => Ok(by_bound),
         }
-    }
-
-    /// What the exact mesh says if it is to judge.
-    fn solved(&self, spec: &Spec) -> Option<Result<SolvedTeeth, String>> {
-        spec.limit_on(LimitTarget::CenterDistance)?;
-        spec.solved()
     }
 
     fn judged_by(
@@ -213,6 +207,12 @@ const EXAMPLE: &str = "give the errors one, such as `rack_pitch = { value = \"12
 fn unsimulated(error: &MonteCarloError) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoMonteCarlo, error.to_string());
     if *error == MonteCarloError::NothingUncertain { diagnostic.help(EXAMPLE) } else { diagnostic }
+}
+
+/// What the exact mesh says if it is to judge.
+fn solved(spec: &Spec) -> Option<Result<SolvedTeeth, String>> {
+    spec.limit_on(LimitTarget::CenterDistance)?;
+    spec.solved()
 }
 
 #[cfg(test)]

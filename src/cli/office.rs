@@ -23,7 +23,7 @@ pub(super) struct OfficeRows<W> {
 
 enum Kind {
     /// A workbook is written in one go, at the end.
-    Book(Book),
+    Book(Box<Book>),
     Qdas(QdasRows),
 }
 
@@ -32,7 +32,7 @@ impl<W: Write + Send> OfficeRows<W> {
     pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
         let kind = match target::ending(path).as_str() {
             "dfq" => Kind::Qdas(QdasRows::new(part, limits)),
-            _ => Kind::Book(Book::new("rackmesh")?),
+            _ => Kind::Book(Box::new(Book::new("rackmesh")?)),
         };
         Ok(Self { out, kind, rest: Vec::new() })
     }

@@ -68,7 +68,8 @@ impl ResultUnit {
             Unit::Length(unit) => Length::from_fm(1_000_000).in_unit(unit),
             Unit::Angle(unit) => Angle::from_nas(3_600_000).in_unit(unit),
         };
-        (0..12).find(|decimals| 10_f64.powi(-*decimals) <= steps * (1.0 + 1e-9)).unwrap_or(12) as usize
+        let finest = |decimal: f64| decimal <= steps * (1.0 + 1e-9);
+        std::iter::successors(Some(1.0), |decimal| Some(decimal / 10.0)).take(12).position(finest).unwrap_or(12)
     }
 }
 

@@ -92,6 +92,7 @@ pub enum Format {
 }
 
 /// How a table is drawn on a screen.
+#[expect(clippy::struct_excessive_bools, reason = "each is a property of the screen by itself")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Screen {
     /// Columns available; `None` if the output is not a screen and lines may be as long as they are.

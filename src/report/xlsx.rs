@@ -13,7 +13,7 @@ const MOST_ROWS: u32 = 1_048_576;
 
 /// A workbook with one sheet: the first row is its header, cells that are numbers are numbers, all others are text.
 pub struct Book {
-    book: Workbook,
+    workbook: Workbook,
     rows: u32,
     /// How wide the widest cell of each column is, in pixels.
     widths: Vec<u32>,
@@ -25,10 +25,10 @@ impl Book {
     /// # Errors
     /// If there is no temporary file.
     pub fn new(sheet: &str) -> io::Result<Self> {
-        let mut book = Workbook::new();
-        let page = book.add_worksheet_with_constant_memory().map_err(io::Error::other)?;
+        let mut workbook = Workbook::new();
+        let page = workbook.add_worksheet_with_constant_memory().map_err(io::Error::other)?;
         page.set_name(sheet).and_then(|page| page.set_freeze_panes(1, 0)).map_err(io::Error::other)?;
-        Ok(Self { book, rows: 0, widths: Vec::new() })
+        Ok(Self { workbook, rows: 0, widths: Vec::new() })
     }
 
     /// Adds a row.
@@ -40,7 +40,7 @@ impl Book {
             return Err(io::Error::other("a sheet has 1,048,576 rows, and there are more: write .csv or .parquet"));
         }
         let header = Format::new().set_bold();
-        let page = self.book.worksheet_from_index(0).map_err(io::Error::other)?;
+        let page = self.workbook.worksheet_from_index(0).map_err(io::Error::other)?;
         self.widths.resize(self.widths.len().max(row.len()), 0);
         for ((column, cell), width) in (0..).zip(row).zip(&mut self.widths) {
             let format = (self.rows == 0).then_some(&header);
@@ -56,11 +56,11 @@ impl Book {
     /// # Errors
     /// If it cannot be written.
     pub fn save(mut self, out: impl Write + Send) -> io::Result<()> {
-        let page = self.book.worksheet_from_index(0).map_err(io::Error::other)?;
+        let page = self.workbook.worksheet_from_index(0).map_err(io::Error::other)?;
         for (column, width) in (0..).zip(self.widths) {
             page.set_column_width_pixels(column, width).map_err(io::Error::other)?;
         }
-        self.book.save_to_writer(out).map_err(|error| match error {
+        self.workbook.save_to_writer(out).map_err(|error| match error {
             XlsxError::IoError(error) => error,
             error => io::Error::other(error),
         })

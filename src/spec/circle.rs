@@ -57,7 +57,7 @@ impl PitchCircle {
 impl Spec {
     /// Scales the pitch of the pinion in `[errors]`, and its uncertainty, to the reference circle, and finds on which circle
     /// values of a table were measured.
-    pub(super) fn to_reference_circle(&mut self) -> Result<(), Diagnostics> {
+    pub(super) fn scale_to_reference_circle(&mut self) -> Result<(), Diagnostics> {
         let kind = DeviationKind::PinionPitch;
         let of_column = self.batch_column(kind).and_then(|column| column.value.measured_at.clone());
         let Some(given) = self.measured_at.clone().or(of_column.clone()) else { return Ok(()) };

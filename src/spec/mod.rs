@@ -176,7 +176,7 @@ impl Spec {
         let mut spec = Self::read(&table, &source, &mut diagnostics);
         pair::complete(&mut spec.values, &source, &mut diagnostics);
         if diagnostics.is_empty() {
-            diagnostics.extend(spec.to_reference_circle().err().into_iter().flat_map(|problems| problems.0));
+            diagnostics.extend(spec.scale_to_reference_circle().err().into_iter().flat_map(|problems| problems.0));
         }
         if diagnostics.is_empty() {
             let impossible = spec.impossibilities();
@@ -277,7 +277,9 @@ pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
     const MOST: usize = 110_000_000;
     let memory = || -> usize {
         let mut counts = [0_usize; 256];
-        text.iter().for_each(|byte| counts[usize::from(*byte)] += 1);
+        for byte in text {
+            counts[usize::from(*byte)] += 1;
+        }
         MARKS.iter().map(|(mark, bytes)| counts[usize::from(*mark)] * bytes).sum()
     };
     let problem = match text.len() > LARGEST_SPEC {

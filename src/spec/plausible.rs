@@ -58,7 +58,9 @@ impl Spec {
         found.retain(|doubted| doubted.doubt.is_impossible == (severity == Severity::Error));
         found.sort_by_key(|doubted| doubted.span.start);
         let mut diagnostics = Found::default();
-        found.iter().for_each(|doubted| diagnostics.add(|| self.diagnostic(doubted)));
+        for doubted in &found {
+            diagnostics.add(|| self.diagnostic(doubted));
+        }
         diagnostics.sorted(|_| ())
     }
 

@@ -194,7 +194,9 @@ fn error(kind: DeviationKind) -> Value {
         if *form != ["class"] {
             properties.extend(beside(kind));
             if form[0] == READINGS {
-                UNCERTAINTY_KEYS.iter().for_each(|key| drop(properties.remove(*key)));
+                for key in UNCERTAINTY_KEYS {
+                    properties.remove(key);
+                }
             }
         }
         if is_of_a_part(form) {

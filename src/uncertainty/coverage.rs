@@ -15,7 +15,12 @@ pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
 #[must_use]
 pub fn effective_dof(shares: &[f64], dofs: &[f64], independent: bool) -> f64 {
     let terms = shares.iter().zip(dofs).map(|(share, dof)| share.abs() / dof.sqrt());
-    let relative: f64 = if independent { terms.map(|term| term * term).sum() } else { terms.sum::<f64>().powi(2) };
+    let relative: f64 = if independent {
+        terms.map(|term| term * term).sum()
+    } else {
+        let sum: f64 = terms.sum();
+        sum * sum
+    };
     (1.0 / relative).max(1.0)
 }
 

@@ -20,7 +20,7 @@ impl Inputs {
         let folder = std::env::temp_dir().join(format!("rackmesh-through-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let inputs = Self(folder);
-        let toml = STEERING.chars().map(|c| format!("\\u{:04x}", u32::from(c))).collect::<String>();
+        let toml = STEERING.chars().map(|c| format!("\\u{:04x}", u32::from(c))).collect::<Vec<_>>().concat();
         inputs.write("title.toml", &format!("title = \"a{toml}b\\n::error::c\"\n{SPEC}"));
         inputs.write("plain.toml", SPEC);
         inputs.write("key.toml", &format!("{SPEC}[errors.\"x{toml}\"]\nvalue = 1\n"));
@@ -168,7 +168,7 @@ fn a_text_that_a_spreadsheet_would_compute_is_text() {
 #[test]
 fn many_problems_are_counted() {
     let inputs = Inputs::new();
-    let unknown: String = (0..2_000).map(|index| format!("k{index} = 1\n")).collect();
+    let unknown = (0..2_000).map(|index| format!("k{index} = 1\n")).collect::<Vec<_>>().concat();
     inputs.write("many.toml", &format!("[errors]\n{unknown}"));
     let said = String::from_utf8(inputs.outputs(&["eval", "many.toml"]).remove(1).1).unwrap();
     assert_eq!(said.matches("has no key").count(), 100);

@@ -21,7 +21,7 @@ enum Kept {
     /// Of a Parquet file, which has an end of its own.
     Parquet(Box<ParquetRows>),
     /// Of a workbook or a Q-DAS file.
-    Office(OfficeRows<Box<dyn Write + Send>>),
+    Office(Box<OfficeRows<Box<dyn Write + Send>>>),
 }
 
 /// Files that are written.
@@ -124,7 +124,11 @@ impl Args {
         let kept = match &mut file {
             Some(file) if is_office(&shown(path)) => {
                 let title = spec.title.as_deref().unwrap_or("rackmesh");
-                Some(Kept::Office(OfficeRows::new(&shown(path), file.take_writer(), (title, &spec.limits()))?))
+                Some(Kept::Office(Box::new(OfficeRows::new(
+                    &shown(path),
+                    file.take_writer(),
+                    (title, &spec.limits()),
+                )?)))
             }
             _ => None,
         };
@@ -143,12 +147,12 @@ impl Args {
 /// Rejected rows are the bytes of the table: a name that says otherwise is refused, and so are the process's own streams, for
 /// what shows them would obey what stands in them.
 fn refuse_other_place(path: &Path) -> Result<(), Failure> {
+    const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
     if target::is_own_stream(path) {
         let message =
             format!("--rejects {}: rejected rows are copied byte by byte, which only a file takes safely", shown(path));
         return Err(Diagnostic::usage(message).help("give the name of a file").into());
     }
-    const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
     let ending = target::ending(path);
     if !OTHERS.contains(&ending.as_str()) {
         return Ok(());

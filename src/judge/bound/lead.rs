@@ -300,13 +300,11 @@ impl Leads {
 /// From what to what a lead turns tooth lines, so many times.
 #[inline]
 pub(super) fn values_of(error: &ExtendedError, gain: f64) -> Range {
-    match error.nearer_end {
-        None => within(gain * error.value, error.extent),
-        Some(_) => {
-            let [lower, upper] = error.ends();
-            Range { lower: gain * lower, upper: gain * upper }
-        }
+    if error.nearer_end.is_none() {
+        return within(gain * error.value, error.extent);
     }
+    let [lower, upper] = error.ends();
+    Range { lower: gain * lower, upper: gain * upper }
 }
 
 /// From what to what a lead of this value and extent turns tooth lines.

@@ -34,8 +34,16 @@ impl Normality {
             (2.0 * index as f64 + 1.0) * (libm::log(normal_cdf(z(low))) + libm::log(normal_cdf(-z(high))))
         });
         let statistic = -n - terms.sum::<f64>() / n;
-        let moment = |power: i32| values.iter().map(|value| (value - mean).powi(power)).sum::<f64>() / n;
-        Self::with_statistic(n, statistic, [2, 3, 4].map(moment))
+        let mut moments = [0.0; 3];
+        for value in values {
+            let off = *value - mean;
+            let mut power = off;
+            for moment in &mut moments {
+                power *= off;
+                *moment += power / n;
+            }
+        }
+        Self::with_statistic(n, statistic, moments)
     }
 
     /// With the p-value of D'Agostino and Stephens, *Goodness-of-Fit Techniques* (1986), table 4.9, for mean and

@@ -109,7 +109,9 @@ fn what_is_written_is_read_again() {
         ValueRow { name: "P2", values: vec![None, Some(f64::NAN)], remark: "no\nlead" },
     ];
     let mut written = definition_lines(&part, "judged without rack_lead", &columns);
-    rows.into_iter().for_each(|row| written.extend(row_lines(&row)));
+    for row in rows {
+        written.extend(row_lines(&row));
+    }
     let text = crate::table::decode(&written);
     assert!(text.contains("\r\nK1900/1 judged without rack_lead\r\n"), "{text}");
     let qdas = read(&[("back.dfq", &text)]).unwrap();

@@ -6,7 +6,7 @@ use crate::gear::Pair;
 use crate::judge::bound::error::ErrorEffect;
 use crate::judge::bound::{Basis, ExtendedError, Extent, GivenGeometry, GivenPair, KnownPairs, Range};
 use crate::judge::reached::placed::{BySide, Placed};
-use crate::mesh::Sampler;
+use crate::mesh::{MeshPoint, Sampler};
 use crate::parallel;
 
 /// Specs of each mix in the ordinary run, and in the long one.
@@ -101,7 +101,9 @@ fn within(random: &mut Random, count: usize, total: f64, part: Part) -> Vec<f64>
     let mut places: Vec<f64> = (0..count).map(|_| total * random.unit()).collect();
     if part == Part::Pinion {
         let mean = places.iter().sum::<f64>() / count as f64;
-        places.iter_mut().for_each(|place| *place -= mean);
+        for place in &mut places {
+            *place -= mean;
+        }
     }
     places
 }
@@ -113,10 +115,14 @@ fn walk(random: &mut Random, count: usize, drawn: &Drawn, (middle, half): (f64, 
     let cap = drawn.cap.unwrap_or(f64::INFINITY);
     if part == Part::Pinion {
         let mean = steps.iter().sum::<f64>() / count as f64;
-        steps.iter_mut().for_each(|step| *step -= mean);
+        for step in &mut steps {
+            *step -= mean;
+        }
         // within the tolerance still
         let largest = steps.iter().fold(half.max(1e-12), |largest, step| largest.max(step.abs()));
-        steps.iter_mut().for_each(|step| *step *= half / largest);
+        for step in &mut steps {
+            *step *= half / largest;
+        }
     }
     let mut place = 0.0;
     let mut places: Vec<f64> = Vec::with_capacity(count);
@@ -130,7 +136,9 @@ fn walk(random: &mut Random, count: usize, drawn: &Drawn, (middle, half): (f64, 
         let (low, high) =
             places.iter().fold((0.0_f64, 0.0_f64), |(low, high), &place| (low.min(place), high.max(place)));
         let share = (cap / (high - low).max(1e-12)).min(1.0);
-        places.iter_mut().for_each(|place| *place *= share);
+        for place in &mut places {
+            *place *= share;
+        }
     }
     places
 }
@@ -169,7 +177,9 @@ fn covered(seed: u64, mix: Mix) -> Option<Covered> {
     let (mut values, mut low, mut high, mut beyond) = (0, 0, 0, 0.0_f64);
     for _ in 0..RACKS[usize::from(alike)] {
         let mut placed = Placed::new(&pair);
-        tolerances.iter().for_each(|drawn| put(&mut placed, &mut random, drawn));
+        for drawn in &tolerances {
+            put(&mut placed, &mut random, drawn);
+        }
         for drawn in &others {
             let share = if alike { normal(&mut random, 1.0) } else { 1.0 };
             let error = drawn.error.with_value(share * drawn.error.value);
@@ -180,7 +190,7 @@ fn covered(seed: u64, mix: Mix) -> Option<Covered> {
         for _ in 0..STROKES[usize::from(alike)] {
             let (first, last) = if mix == Mix::Tolerances { TRAVEL } else { NEAR };
             let stroke = random.range(first, last) * pair.rack().pitch_mm;
-            let Some(point) = sampler.at(stroke).ok().filter(|point| point.is_solved()) else { continue };
+            let Some(point) = sampler.at(stroke).ok().filter(MeshPoint::is_solved) else { continue };
             values += 1;
             beyond = beyond.max(point.delta_cd_mm - range.upper).max(range.lower - point.delta_cd_mm);
             low += usize::from(point.delta_cd_mm < rss.lower - 1e-9);
