@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn text_is_escaped() {
-        assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\u{fffd}&#10;");
+        assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\\u0001&#10;");
         let mut text = String::new();
         let place = RowPlace { file: "a,b.csv".into(), line: 7, record: 1, in_words: None };
         command(&mut text, "error", &place, "part 1:2", "50 %\nout: of");

@@ -122,8 +122,8 @@ impl Scene {
     /// ΔCD of each error, and the lower and upper end of all, mm.
     pub(crate) fn delta_cd(&self) -> Vec<f64> {
         let errors = self.errors();
-        let Interval { lower, upper } =
-            self.basis().bound_of(&errors).combined.nearest().unwrap().interval(self.stack).unwrap();
+        let combined = self.basis().bound_of(&errors).combined.nearest().unwrap();
+        let Interval { lower, upper } = combined.interval(combined.judged(self.stack)).unwrap();
         let each = errors.iter().map(|error| error.delta_cd(self.model).unwrap().mm());
         each.chain([lower.mm(), upper.mm()]).collect()
     }
