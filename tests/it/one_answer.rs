@@ -218,11 +218,15 @@ fn eval_mesh_and_batch_never_differ() {
         }
         held += 1;
         let (lower, upper) = judged(&mesh);
+        let is_slow = !is_long() && (rolls || has_form);
         for (limits, expected) in [
             (limits(lower - APART, upper + APART), "pass"),
             (limits(lower + APART, upper + APART), "fail"),
             (limits(lower - APART, upper - APART), "fail"),
-        ] {
+        ]
+        .into_iter()
+        .take(if is_slow { 1 } else { 3 })
+        {
             let text = format!("{}{limits}", part.of_errors);
             let (eval, mesh) = (ask("eval", &[], &text).unwrap(), ask("mesh", &["--to", "1"], &text).unwrap());
             assert_eq!((&eval["verdict"], &mesh["verdict"]), (&expected.into(), &expected.into()), "{seed}: {text}");
