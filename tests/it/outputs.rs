@@ -352,16 +352,45 @@ fn a_signal_is_obeyed_wherever_the_time_goes() {
         ends(command.spawn().unwrap(), *signal, line);
         assert_eq!(fs::read_to_string(path("study.json")).unwrap(), OLD, "{line}");
     }
-    let kept = |name: &str| fs::read_to_string(path(name)).unwrap_or_default();
-    assert!(kept("rows.csv.partial").ends_with('\n'));
-    assert!(kept("report.xml").contains("the run was interrupted"), "{}", kept("report.xml"));
-    assert!(kept("study.json.partial").contains("\"racks\""));
-    assert!(kept("run.svg.partial").starts_with("<svg"));
+    let report = fs::read_to_string(path("report.xml")).unwrap();
+    assert!(report.contains("the run was interrupted"), "{report}");
     let complete = ["rows.csv", "other.csv", "page.html", "run.svg"].map(|name| folder.join(name).exists());
     assert_eq!(complete, [false; 4]);
     let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     assert_eq!(names.filter(|name| name.starts_with('.')).count(), 0);
     fs::remove_dir_all(&folder).unwrap();
+}
+
+/// What an interrupted run has made stands beside the old file, whole as far as it goes.
+#[test]
+fn what_an_interrupted_run_has_made_is_kept() {
+    /// A slow machine has made nothing after a second.
+    const PAUSES: [u64; 6] = [0, 1, 2, 4, 8, 16];
+    let kept = |written: &'static Written, line: &str, is_whole: fn(&str) -> bool| {
+        let tried = Tried::new(written, "kept");
+        let partial = tried.folder.join(format!("{}.partial", written.file));
+        for pause in PAUSES {
+            fs::write(tried.out(), OLD).unwrap();
+            let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+            command.args(line.split(' ')).arg(tried.out());
+            let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+            wait_for_work(&child);
+            std::thread::sleep(Duration::from_secs(pause));
+            ends(child, SIGNALS[1], line);
+            assert_eq!(fs::read_to_string(tried.out()).unwrap(), OLD, "{line}");
+            if let Ok(made) = fs::read_to_string(&partial) {
+                assert!(is_whole(&made), "{line}: {made}");
+                return;
+            }
+        }
+        panic!("{line}: nothing is kept");
+    };
+    let of = |id: &str, command: &str| {
+        WRITTEN.iter().find(|written| (written.command, written.id) == (command, id)).expect("it is tried")
+    };
+    kept(of("plot", "simulate"), "simulate examples/mesh.toml --step 0.0001 --plot", |made| made.ends_with("</svg>\n"));
+    let is_study = |made: &str| serde_json::from_str::<serde_json::Value>(made).is_ok();
+    kept(of("study", "monte-carlo"), "monte-carlo examples/scatter.toml --racks 1000000 --study", is_study);
 }
 
 /// At most one file stays for each that is written, under a name that tells whose it is; the next run removes it.
