@@ -14,7 +14,8 @@ use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{
-    ASIDES_KEPT, AsideReading, Block, Extremes, Place, Reading, Rejection, Rows, add_rejections, cell_text,
+    ASIDES_KEPT, AsideReading, Block, Contradiction, Extremes, LeftOut, Place, Reading, Rejection, Rows,
+    add_rejections, cell_text, join_left_out,
 };
 
 /// How many rows there were, and what became of them.
@@ -261,6 +262,17 @@ impl Duplicates {
         }
     }
 
+    /// The refusal of a table in which no part may be there twice.
+    pub(crate) fn refusal(&self) -> Option<Contradiction> {
+        let name = self.first.first()?;
+        Some(Contradiction {
+            line: 0,
+            column: "part_id".to_owned(),
+            message: format!("part `{}` is there twice", shown(name)),
+            help: "take one of them out; or say that each counts: [table] repeats = \"all\"",
+        })
+    }
+
     /// The warning, if there is reason for one.
     #[must_use]
     pub fn note(&self) -> Option<String> {
@@ -312,6 +324,8 @@ pub(super) struct Total<'a> {
     pub(super) rejections: Vec<Rejection>,
     /// What rows called by a statistic are held against.
     pub(super) extremes: Extremes,
+    /// The rules of the table's contract, with what each left out so far.
+    pub(super) left_out: Vec<LeftOut>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
     pub(super) request: &'a Request,
@@ -352,6 +366,7 @@ impl Total<'_> {
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }
+        join_left_out(&mut self.left_out, &block.left_out);
         self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
         self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);

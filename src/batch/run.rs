@@ -66,7 +66,7 @@ impl<'a> Batch<'a> {
         stop: &AtomicBool,
         progress: &mut dyn FnMut(&Progress),
     ) -> Result<(), RunError> {
-        let Table { name, reading, encoding, place, pieces, header_raw, has_id, .. } = table;
+        let Table { name, mut reading, encoding, place, pieces, header_raw, has_id, refuses_repeats, .. } = table;
         let plan = self.plan;
         let names = || write::header(&plan.column_names(), plan.request.format);
         self.ledger.start(names, encoding, &header_raw).map_err(RunError::Write)?;
@@ -82,6 +82,7 @@ impl<'a> Batch<'a> {
             asides: Vec::new(),
             rejections: Vec::new(),
             extremes: Extremes::default(),
+            left_out: std::mem::take(&mut reading.left_out),
             doubted: Default::default(),
             request: &plan.request,
         };
@@ -121,11 +122,14 @@ impl<'a> Batch<'a> {
         let SharedRun { queue, order, ended, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let Total { asides, rejections, doubted, extremes, .. } = order.total;
+        let Total { asides, rejections, doubted, extremes, left_out, .. } = order.total;
+        reading.left_out = left_out;
         // rows that are still to come may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
         let last = extremes.contradiction(&rows).filter(|_| is_whole);
         let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
+        let twice = self.ledger.outcome.duplicates.refusal().filter(|_| refuses_repeats && is_whole);
+        let failure = failure.or(twice.map(RunError::Contradiction));
         let outcome = &mut self.ledger.outcome;
         outcome.bytes = bytes_before + waiting.queue.bytes_read();
         for worker in statistics.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -134,7 +138,6 @@ impl<'a> Batch<'a> {
             }
         }
         outcome.interrupted |= stop.load(Ordering::Relaxed);
-        let mut reading = reading;
         reading.asides.extend(asides);
         reading.notes.extend(rejections.iter().map(|rejection| rejection.in_words(&name)));
         reading.notes.extend(layout.doubts(plan, &name, &doubted));

@@ -291,6 +291,7 @@ impl Args {
         output: &mut Output,
     ) -> Result<Vec<PartRow>, Failure> {
         let name = Arc::clone(&table.name);
+        let refuses_repeats = table.refuses_repeats;
         let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
         read.spec.refuse_both_ways(kinds)?;
         read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
@@ -333,9 +334,7 @@ impl Args {
                 });
             }
         }
-        let mut duplicates = Duplicates::default();
-        duplicates.add(rows.iter().map(|row| row.name.as_bytes()));
-        read.reading.notes.extend(duplicates.note().map(|note| format!("{name}: {note}")));
+        tell_duplicates(&rows, refuses_repeats, &name, &mut read.reading)?;
         for ((kind, title), count) in kinds.iter().zip(&titles).zip(doubted).filter(|(_, count)| *count > 0) {
             let column = DoubtedColumn { usual, is_lead: *kind == DeviationKind::RackLead, count };
             read.reading.notes.push(format!("{name}: `{title}`: {column}"));
@@ -455,4 +454,20 @@ fn errors_of(
         (value, _) => value,
     };
     kinds.iter().enumerate().map(|(column, kind)| (*kind, scaled(*kind, block.values(column).at(index)))).collect()
+}
+
+/// Says which parts have one name; a contract refuses them unless it says that a part may be there twice.
+fn tell_duplicates(
+    rows: &[PartRow],
+    refuses_repeats: bool,
+    name: &str,
+    reading: &mut Reading,
+) -> Result<(), Diagnostic> {
+    let mut duplicates = Duplicates::default();
+    duplicates.add(rows.iter().map(|row| row.name.as_bytes()));
+    if let Some(twice) = duplicates.refusal().filter(|_| refuses_repeats) {
+        return Err(Diagnostic::error(Code::BadTable, format!("{name}: {}", twice.message)).help(twice.help));
+    }
+    reading.notes.extend(duplicates.note().map(|note| format!("{name}: {note}")));
+    Ok(())
 }

@@ -7,7 +7,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opener, ReadArgs};
 use super::{signals, target};
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::quantity::shown;
 use crate::report::{Block, Format, Report, Table, reading_blocks, remarks};
@@ -56,10 +56,20 @@ impl Args {
             match opener.open(path) {
                 Ok(opened) => {
                     let lines = part_id(&opened.table.reading).into_iter().chain(opened.table.mapping());
+                    // what a contract reads needs no other word
+                    let lines = lines.filter(|_| !opened.table.reading.is_by_contract());
                     lines.for_each(|line| add_line(&mut mapping, line, path));
-                    strangers.extend(opened.table.strangers);
-                    readings.push(opened.table.reading);
                     notes.extend(opened.notes);
+                    strangers.extend(opened.table.strangers.iter().cloned());
+                    if opened.table.reading.is_by_contract() {
+                        let name = Arc::clone(&opened.table.name);
+                        match opened.table.account() {
+                            Ok(reading) => readings.push(reading),
+                            Err(error) => failed.push(Diagnostic::unreadable(&name, &error)),
+                        }
+                    } else {
+                        readings.push(opened.table.reading);
+                    }
                 }
                 Err(failure) => failed.extend(tables::diagnostics(failure)),
             }

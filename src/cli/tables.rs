@@ -17,7 +17,8 @@ use crate::judge::Rule;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
-    Container, DecimalMark, Encoding, Field, Orientation, Reading, Source, Stranger, Table, Want, refusal,
+    Container, DecimalMark, Encoding, Field, Layout, Orientation, Parts, Pattern, Reading, Source, Stranger, Table,
+    Want, refusal,
 };
 
 /// How files are to be read.
@@ -124,10 +125,37 @@ impl ReadArgs {
         want.decimal = self.decimal.or(want.decimal);
         (want.separator, want.encoding) = (self.separator, self.encoding);
         (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
+        if let Some(layout) = &want.layout {
+            if !self.fields.is_empty() {
+                return Err(Diagnostic::usage(
+                    "--as is for tables without headings, and [table] names those of others",
+                )
+                .into());
+            }
+            want.layout = Some(Arc::new(self.added_to(layout)));
+        }
         if let Some(range) = &self.range {
             want.range = range.parse().map_err(|problem| Diagnostic::usage(format!("--range: {problem}")))?;
         }
         Ok(want)
+    }
+}
+
+impl ReadArgs {
+    /// A contract with what the user says of the file.
+    fn added_to(&self, layout: &Layout) -> Layout {
+        let ignored = self.ignore.iter().map(|pattern| Pattern::of_heading(pattern));
+        let parts = self.parts.map(|parts| match parts {
+            Orientation::Rows => Parts::Rows,
+            Orientation::Columns => Parts::Columns,
+        });
+        Layout {
+            parts: parts.or(layout.parts),
+            decimal: self.decimal.or(layout.decimal),
+            part_id: self.id.clone().or_else(|| layout.part_id.clone()),
+            ignore: layout.ignore.iter().cloned().chain(ignored).collect(),
+            ..layout.clone()
+        }
     }
 }
 

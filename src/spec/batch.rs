@@ -1,8 +1,9 @@
 //! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use crate::table::{DecimalMark, Field, GivenColumn, ValueKind, Want};
+use crate::table::{DecimalMark, Field, GivenColumn, Layout, ValueKind, Want};
 use std::ops::Range;
+use std::sync::Arc;
 
 use toml::de::DeValue;
 
@@ -31,6 +32,8 @@ pub struct BatchSection {
     pub decimal: Option<DecimalMark>,
     /// Whether columns that are not understood are not used, once every error has its column.
     pub others_ignored: bool,
+    /// The contract of `[table]`, which takes the place of `[batch]`.
+    pub layout: Option<Arc<Layout>>,
 }
 
 /// One entry of `[batch.columns]`.
@@ -97,7 +100,7 @@ fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located
     })
 }
 
-fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
+pub(super) fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
     match kind {
         DeviationKind::RackLead => reader.get(keys::ANGLE_NOMINAL).map(|nominal| nominal.map(DeviationValue::Angle)),
         _ => reader.get(keys::LENGTH_NOMINAL).map(|nominal| nominal.map(DeviationValue::Length)),
@@ -106,7 +109,7 @@ fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Locate
 
 impl SectionReader<'_> {
     /// The unit of a column.
-    fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
+    pub(super) fn column_unit(&mut self, name: &str, of_lead: bool) -> Option<Located<Unit>> {
         let value = self.table.get(name)?;
         let symbol = self.text_value(name, value, "a unit in quotes, such as \"um\",")?;
         // ″ is an arcsecond on a lead error, and an inch on any other
@@ -125,7 +128,7 @@ impl SectionReader<'_> {
     }
 
     /// The texts of a list; none if it is not there.
-    fn texts(&mut self, name: &str) -> Vec<Located<String>> {
+    pub(super) fn texts(&mut self, name: &str) -> Vec<Located<String>> {
         let Some(value) = self.table.get(name) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
             self.wrong_type::<()>(name, value, "a list of texts in quotes, such as [\"Temperature*\"],");
@@ -184,6 +187,7 @@ impl Spec {
             ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
             decimal: self.batch.decimal,
             others_ignored: self.batch.others_ignored,
+            layout: self.batch.layout.clone(),
             by_uncertainty: self.get(keys::DECISION_RULE).is_some_and(|rule| rule.needs_uncertainty()),
             ..Want::default()
         }

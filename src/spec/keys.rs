@@ -38,6 +38,13 @@ pub(crate) enum Kind {
     File,
     /// A list of texts.
     Texts,
+    /// A list of patterns for lines, some of which say how many lines they may leave out.
+    LineRules,
+    /// A nominal value, or the heading of a column of them.
+    NominalOrHeading {
+        /// Whether it is an angle.
+        is_angle: bool,
+    },
     /// The unit of a column of lengths; of a column of lead errors, a unit of angle or, of f_Hβ, of length.
     ColumnUnit {
         /// Whether the column holds lead errors.
@@ -564,6 +571,97 @@ section! {
     }
 }
 
+/// The keys that name columns beside that of an error's values, with what they hold.
+pub(crate) const BESIDE: [&str; 5] = ["deviation", "upper", "lower", "uncertainty", "units"];
+
+const fn beside(name: &'static str, doc: &'static str) -> AnyKey {
+    key(name, Kind::Text, doc)
+}
+
+/// The keys of a column by contract, whose errors are on these.
+const fn table_column(of: Countable, is_lead: bool) -> [AnyKey; 10] {
+    [
+        COLUMN_NAME.any,
+        key("unit", Kind::ColumnUnit { of_lead: is_lead }, "Unit of its numbers, if its heading says none."),
+        key(
+            "nominal",
+            Kind::NominalOrHeading { is_angle: is_lead },
+            "Nominal value of what was measured, or the heading of a column of them.",
+        ),
+        beside("deviation", "Heading of a column of deviations, held against measured less nominal."),
+        beside("upper", "Heading of a column of upper limits, which are read and judge nothing."),
+        beside("lower", "Heading of a column of lower limits, which are read and judge nothing."),
+        beside("uncertainty", "Heading of a column of uncertainties, which are read and judge nothing."),
+        beside("units", "Heading of a column of units."),
+        COLUMN_KIND.any,
+        column_extent(of),
+    ]
+}
+
+/// The same with one key more.
+const fn and_key(keys: &[AnyKey; 10], last: AnyKey) -> [AnyKey; 11] {
+    let mut all = [last; 11];
+    let mut at = 0;
+    while at < keys.len() {
+        all[at] = keys[at];
+        at += 1;
+    }
+    all
+}
+
+const TABLE_SIZE: Section =
+    section("table.columns.(size)", "A column of sizes.", &table_column(Countable::Space, false));
+const TABLE_PITCH: Section =
+    section("table.columns.rack_pitch", "A column of pitches.", &table_column(Countable::Pitch, false));
+const TABLE_PINION_PITCH: Section = section(
+    "table.columns.pinion_pitch",
+    "A column of the pinion's single pitch deviations.",
+    &and_key(&table_column(Countable::Pitch, false), COLUMN_MEASURED_AT.any),
+);
+const TABLE_SLOPE: Section = section(
+    "table.columns.pinion_lead",
+    "A column of helix slope deviations f_Hβ.",
+    &table_column(Countable::Tooth, false),
+);
+const TABLE_ANGLE: Section = section(
+    "table.columns.rack_lead",
+    "A column of angles, or of helix slope deviations f_Hβ.",
+    &and_key(&table_column(Countable::Tooth, true), EVALUATION_LENGTH.any),
+);
+
+pub(crate) const TABLE_COLUMNS: Section = section(
+    "table.columns",
+    "What the columns of a table are, whose headings do not say it by themselves.",
+    &[
+        PART_ID.any,
+        key("rack_over_roller", Kind::Table(&TABLE_SIZE), "The rack's over-roller measure or error."),
+        key("rack_pitch", Kind::Table(&TABLE_PITCH), "The rack's pitch or pitch error."),
+        key("rack_lead", Kind::Table(&TABLE_ANGLE), "The rack's lead angle, its error, or f_Hβ."),
+        key("pinion_radial", Kind::Table(&TABLE_SIZE), "The pinion's radial measure or error."),
+        key("pinion_pitch", Kind::Table(&TABLE_PINION_PITCH), "The pinion's single pitch deviation."),
+        key("pinion_lead", Kind::Table(&TABLE_SLOPE), "The pinion's helix slope deviation f_Hβ."),
+    ],
+);
+
+section! {
+    TABLE = "table", "The contract of tables with values of parts: every column and line is read, or left out by a rule." {
+        "columns", of(Kind::Table(&TABLE_COLUMNS)), "What columns are, whose headings do not say it by themselves.";
+        TABLE_PARTS: &'static str = "parts", word(&["rows", "columns"]),
+            "Whether each part is a row or a column. Default: found from the headings.";
+        TABLE_DECIMAL: &'static str = "decimal", word(&["comma", "point"]),
+            "What stands before decimals. Default: the only mark by which every number can be read.";
+        TABLE_SEPARATOR: String = "separator", text(),
+            "What separates cells: a character, or tab. Default: the only one under which the headings are known.";
+        "ignore", of(Kind::Texts),
+            "Headings of columns that are not used: `*` stands for any characters, and case counts.";
+        "ignore_lines", of(Kind::LineRules),
+            "Lines that belong to no part: `#` stands for a number or a date, too; cells stand between semicolons.";
+        "comments", of(Kind::Texts), "Comments, text boxes and metadata of a file that are not used.";
+        TABLE_OTHERS: &'static str = "others", word(&["ignore"]), "Every further column is not used.";
+        TABLE_REPEATS: &'static str = "repeats", word(&["all"]), "A part may be there more than once, and each is judged.";
+    }
+}
+
 const FRACTION: Domain = Domain {
     name: "fraction of conforming assemblies",
     symbol: "P",
@@ -593,4 +691,4 @@ section! {
 
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, SIMULATION, SCATTER];
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, TABLE, SIMULATION, SCATTER];

@@ -30,6 +30,7 @@ mod scatter;
 mod schema;
 mod set;
 mod simulation;
+mod table;
 mod template;
 mod uncertainty;
 mod value;
@@ -211,6 +212,7 @@ impl Spec {
         sections.diagnostics.extend(spec.roll_axis_alone());
         sections.read(&keys::ERRORS, |reader| errors::read(reader, &mut spec));
         sections.read(&keys::BATCH, |reader| spec.batch = batch::read(reader));
+        table::read(&mut sections, &mut spec);
         sections.diagnostics.extend(spec.other_extents());
         sections.read(&keys::BUDGET, |reader| {
             reader.values(&mut spec.values);

@@ -65,6 +65,12 @@ fn property(key: &AnyKey) -> Value {
         Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
         Kind::Spread { is_angle, class } => spread(is_angle, class.is_some()),
         Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Kind::LineRules => {
+            let most = json!({ "type": "integer", "minimum": 0 });
+            let rule = closed(json!({ "like": { "type": "string" }, "at_most": most }), &["like"]);
+            json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, rule] } })
+        }
+        Kind::NominalOrHeading { .. } => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         Kind::ColumnUnit { of_lead } => {
             let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
             let angles = AngleUnit::ALL.into_iter().filter(|_| of_lead).flat_map(AngleUnit::spellings);

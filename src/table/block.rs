@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::cell::Record;
 use super::encoding::text;
+use super::ledger::{Tally, join};
 use super::reading::{AsideReading, Reading};
 use super::rejection::Rejection;
 use crate::deviation::{DeviationValue, DeviationValues};
@@ -14,6 +15,14 @@ use crate::deviation::{DeviationValue, DeviationValues};
 pub(crate) struct Span {
     pub(crate) start: u32,
     pub(crate) end: u32,
+}
+
+/// A cell that a rule leaves out, of a row that may yet be read otherwise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unsettled {
+    pub(crate) rule: usize,
+    pub(crate) place: usize,
+    pub(crate) span: Span,
 }
 
 /// Why a row is no part.
@@ -74,6 +83,12 @@ pub struct Block {
     pub(crate) ends: Vec<Option<[DeviationValue; 2]>>,
     /// What is said against parts, the first of each column.
     pub(crate) rejections: Vec<Rejection>,
+    /// What each rule of a contract left out, by its number.
+    pub(crate) left_out: Vec<Tally>,
+    /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
+    pub(crate) doubtful: Vec<(usize, u64)>,
+    /// What is left out of the row that is being read.
+    pub(crate) unsettled: Vec<Unsettled>,
     /// Records in all.
     pub(crate) record_count: u64,
     /// Lines of the table up to the block's end.
@@ -93,9 +108,25 @@ impl Block {
         self.lines.len()
     }
 
+    /// Takes what is left out of a row that is read.
+    pub(crate) fn settle_left_out(&mut self, line: u64) {
+        let unsettled = std::mem::take(&mut self.unsettled);
+        for Unsettled { rule, place, span } in &unsettled {
+            let text = text(&self.text[span.start as usize..span.end as usize]);
+            tally(&mut self.left_out, *rule).add(line, *place, text.trim());
+        }
+        self.unsettled = unsettled;
+    }
+
+    /// What a rule left out in these rows.
+    pub(crate) fn tally(&mut self, rule: usize) -> &mut Tally {
+        tally(&mut self.left_out, rule)
+    }
+
     /// Adds what rows say besides their values to how their table was read.
     pub(crate) fn tell(&self, reading: &mut Reading) {
         reading.asides.extend(self.asides.iter().cloned());
+        join(&mut reading.left_out, &self.left_out);
         for rejection in &self.rejections {
             let note = rejection.in_words(&reading.file);
             let is_new = !reading.notes.contains(&note);
@@ -174,6 +205,13 @@ impl Block {
         let row = self.rows().saturating_sub(1);
         self.faults.push(Fault { row, column, is_missing, text: text.to_owned(), message });
     }
+}
+
+fn tally(tallies: &mut Vec<Tally>, rule: usize) -> &mut Tally {
+    if tallies.len() <= rule {
+        tallies.resize(rule + 1, Tally::default());
+    }
+    &mut tallies[rule]
 }
 
 /// A place in a text; a block's is far below 4 GiB.

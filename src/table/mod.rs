@@ -48,15 +48,20 @@ mod chunk;
 mod column;
 mod companions;
 mod container;
+mod contract;
+mod dictionary;
 mod encoding;
 mod fixed;
 mod gathered;
 mod grid;
+mod layout;
+mod ledger;
 mod lines;
 mod measured;
 mod names;
 mod number;
 mod parquet;
+mod pattern;
 mod pieces;
 pub mod qdas;
 mod reading;
@@ -78,8 +83,11 @@ pub use block::{Block, Contradiction, Fault};
 pub use container::{Container, Source};
 pub use encoding::{Encoding, decode};
 pub use grid::Separator;
+pub use layout::{DeclaredColumn, Layout, LineRule, Parts};
+pub use ledger::{LeftOut, Tally};
 pub use names::{Field, UnknownField, ValueKind};
 pub use number::DecimalMark;
+pub use pattern::Pattern;
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use strangers::{Stranger, refusal};
@@ -88,6 +96,7 @@ pub use want::{GivenColumn, Orientation, Want};
 
 pub(crate) use column::{Column, Nominal, unit_of};
 pub(crate) use encoding::text as cell_text;
+pub(crate) use ledger::join as join_left_out;
 pub(crate) use names::is_called;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use reading::ASIDES_KEPT;
@@ -125,6 +134,8 @@ pub struct Table {
     pub is_teeth: bool,
     /// Whether parts have names.
     pub has_id: bool,
+    /// Whether no part may be there twice.
+    pub(crate) refuses_repeats: bool,
     /// The names of all columns, where rows are parts.
     pub titles: Vec<String>,
     pub(crate) columns: Vec<Column>,
@@ -213,6 +224,7 @@ impl Table {
             to_be_named: sorted.to_be_named,
             is_teeth: understood.is_teeth,
             has_id: shape.ids.is_some(),
+            refuses_repeats: false,
             columns: understood.columns.clone(),
             index_field: shape.index_field,
             pinion_teeth: want.pinion_teeth,
@@ -262,6 +274,19 @@ impl Table {
                 Some(Ok(std::mem::take(&mut piece.block)))
             }
         })
+    }
+
+    /// How it is read, with what its contract leaves out of all its rows.
+    ///
+    /// # Errors
+    /// If it cannot be read to its end.
+    pub(crate) fn account(self) -> Result<Reading, std::io::Error> {
+        let mut reading = self.reading.clone();
+        let needed = vec![true; self.columns.len()];
+        for block in self.rows(Wanted { needed, ..Wanted::default() }) {
+            join_left_out(&mut reading.left_out, &block?.left_out);
+        }
+        Ok(reading)
     }
 
     /// All of its rows, with every column read.
@@ -342,6 +367,11 @@ fn named_only(title: &str, role: &str) -> ColumnReading {
 }
 
 fn column_reading(measurement: &Measurement, column: &Column) -> ColumnReading {
+    ColumnReading { unit: Some(units(measurement, column).join(" or ")), ..column_reading_of(column) }
+}
+
+/// How a column is read, whatever units single rows have.
+fn column_reading_of(column: &Column) -> ColumnReading {
     let is_angle = column.field.is_angle();
     let holds = match (column.nominal, column.holds) {
         (Nominal::None, Some(ValueKind::Deviation)) => "deviation",
@@ -352,7 +382,7 @@ fn column_reading(measurement: &Measurement, column: &Column) -> ColumnReading {
     ColumnReading {
         title: column.title.clone(),
         role: column.kind.map_or(column.field.key(), DeviationKind::key).to_owned(),
-        unit: Some(units(measurement, column).join(" or ")),
+        unit: Some(column.unit.symbol().to_owned()),
         unit_is_assumed: column.unit_from == UnitFrom::Key,
         holds: Some(if is_slope { "f_Hβ" } else { holds }),
         nominal: match column.nominal {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::block::Block;
 use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
+use super::contract::Contract;
 use super::gathered::gathered;
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows};
 use super::rows::{Extremes, Rows, Setup, Wanted};
@@ -106,6 +107,17 @@ impl Pieces {
         let block = (!are_rows).then(|| Box::new(gathered(understood)));
         let queue = Queue { source: Source::Block(block), records: 0, lines: 0 };
         Self { setup: Setup::of(understood, want), are_rows, queue }
+    }
+
+    /// Those of a closed table whose rows are still to be given.
+    pub(crate) fn of_setup(setup: Setup) -> Self {
+        let queue = Queue { source: Source::Block(None), records: 0, lines: 0 };
+        Self { setup, are_rows: true, queue }
+    }
+
+    /// The contract of a closed table.
+    pub(crate) fn contract(&self) -> Option<&Contract> {
+        self.setup.contract.as_deref()
     }
 
     fn give(&mut self, source: Source) {

@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::ledger::LeftOut;
 use super::names::names_page;
 use crate::quantity::shown;
 
@@ -40,6 +41,9 @@ pub struct Reading {
     pub asides: Vec<AsideReading>,
     /// What was assumed, and what is worth a look.
     pub notes: Vec<String>,
+    /// The rules of the contract, with what each left out; none without a contract.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
 }
 
 /// How one column was read.
@@ -78,6 +82,12 @@ pub struct AsideReading {
 }
 
 impl Reading {
+    /// Whether the table was read by a contract, so that everything in it has an owner.
+    #[must_use]
+    pub fn is_by_contract(&self) -> bool {
+        !self.left_out.is_empty()
+    }
+
     /// What is to be known before the result is trusted: what is worth a look, and which units are assumed.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -85,7 +95,10 @@ impl Reading {
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
         let assumed = self.sentence("units assumed, because nothing tells them:", &assumed.collect::<Vec<_>>(), "");
-        self.notes.iter().cloned().chain(assumed).chain(self.missing_page()).collect()
+        let used = self.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string);
+        let left_out = self.sentence("left out:", &used.collect::<Vec<_>>(), "");
+        let pages = self.missing_page().filter(|_| self.left_out.is_empty());
+        self.notes.iter().cloned().chain(assumed).chain(left_out).chain(pages).collect()
     }
 
     /// That lines beside the rows count more pages than there are: `Seite 1 von 2`, and no second one.
@@ -119,7 +132,10 @@ impl Reading {
         let not_used = self.not_used.iter().map(|unused| format!("`{}`", unused.title));
         let lines = if self.asides.len() == 1 { "line" } else { "lines" };
         let more = if self.asides.len() > SHOWN { " and more" } else { "" };
+        let unused = self.left_out.iter().filter(|rule| rule.tally.count == 0 && rule.rule.ends_with('`'));
+        let unused: Vec<_> = unused.map(|rule| rule.rule.clone()).collect();
         let said = [
+            self.sentence("rules that leave out nothing:", &unused, ""),
             self.sentence(&format!("no part of the table: {lines}"), &asides.collect::<Vec<_>>(), more),
             self.sentence("not used:", &not_used.collect::<Vec<_>>(), ""),
         ];

@@ -3,6 +3,7 @@
 //! workers share it.
 
 mod aside;
+mod contract;
 mod contradiction;
 mod extremes;
 mod stored;
@@ -11,11 +12,13 @@ pub(crate) use extremes::Extremes;
 pub(crate) use stored::stored_record;
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use super::block::{Block, Contradiction, Span, line_of, span_end};
+use super::block::{Block, Contradiction, Span, Unsettled, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
+use super::contract::Contract;
 use super::encoding::text;
 use super::grid::Separator;
 use super::reading::AsideReading;
@@ -41,6 +44,10 @@ struct PlainColumn {
 #[derive(Debug, Clone, Copy)]
 enum PlainField {
     Skipped,
+    /// Left out by the rule of that number.
+    LeftOut(usize),
+    /// Without a heading: nothing may stand there.
+    Nameless,
     Id,
     /// The first that is no value, where parts have no names.
     Label,
@@ -86,6 +93,8 @@ pub(crate) struct Setup {
     pub(crate) names: PartNames,
     /// What the user leaves out.
     pub(crate) want: Want,
+    /// The contract by which rows are read, if there is one.
+    pub(crate) contract: Option<Arc<Contract>>,
 }
 
 /// What is wanted of rows besides their values.
@@ -117,6 +126,31 @@ impl Setup {
             remarks: shape.remarks(want),
             names: shape.part_names(),
             want: want.clone(),
+            contract: None,
+        }
+    }
+
+    /// Of a closed table; `separator` is that of a text with one.
+    pub(crate) fn by_contract(
+        contract: Arc<Contract>,
+        columns: Vec<Column>,
+        titles: Vec<String>,
+        id: Option<usize>,
+        separator: Option<u8>,
+        want: &Want,
+    ) -> Self {
+        Self {
+            columns,
+            titles,
+            id,
+            index: None,
+            separator: separator.unwrap_or(b','),
+            is_even: separator.is_some(),
+            watched: Vec::new(),
+            remarks: Vec::new(),
+            names: PartNames::default(),
+            want: want.clone(),
+            contract: Some(contract),
         }
     }
 }
@@ -130,8 +164,13 @@ impl PlainRow {
         for column in columns {
             *row.fields.get_mut(column.place)? = PlainField::Value(*column);
         }
+        if let Some(contract) = &setup.contract {
+            contract.plain_fields(&mut row.fields);
+        }
         if let Some(id) = setup.id {
             *row.fields.get_mut(id)? = PlainField::Id;
+        } else if setup.contract.is_some() {
+            // rows without names are told by their values alone
         } else if let Some(field) = row.fields.iter_mut().find(|field| matches!(field, PlainField::Skipped)) {
             *field = PlainField::Label;
         }
@@ -142,6 +181,10 @@ impl PlainRow {
 impl Rows {
     pub(crate) fn new(setup: Setup, wanted: Wanted) -> Self {
         let mut rows = Self { setup, wanted, plain_columns: None, plain: None };
+        if rows.setup.contract.is_some() {
+            // what nobody reads is not owned
+            rows.wanted.needed = vec![true; rows.setup.columns.len()];
+        }
         let is_plain = rows.setup.index.is_none() && rows.wanted.copied.is_empty() && rows.setup.watched.is_empty();
         let column = |(number, column): (usize, &Column)| {
             Some(PlainColumn { number, place: column.place, numbers: column.plain()? })
@@ -223,11 +266,18 @@ impl Rows {
     #[inline]
     fn plain_row(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
         // a line without a character is no record
-        if matches!(block.text[unread.start], b'\n' | b'\r') {
+        let first = block.text[unread.start];
+        if matches!(first, b'\n' | b'\r')
+            || self.setup.contract.as_ref().is_some_and(|contract| contract.may_cover(first))
+        {
             return None;
         }
         let start = block.rows();
+        block.unsettled.clear();
         let next = self.plain_fields(row, unread, block);
+        if next.is_some() && !block.unsettled.is_empty() {
+            block.settle_left_out(block.line_count + 1);
+        }
         if next.is_none() {
             for values in &mut block.values {
                 values.truncate(start);
@@ -239,7 +289,7 @@ impl Rows {
 
     #[inline]
     fn plain_fields(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
-        let Block { text, values, names, .. } = block;
+        let Block { text, values, names, unsettled, .. } = block;
         let (bytes, mut at) = (&text[..unread.end], unread.start);
         let last = row.fields.len() - 1;
         for (index, field) in row.fields.iter().enumerate() {
@@ -264,7 +314,16 @@ impl Rows {
                 if self.setup.remarks.iter().any(|remarks| remarks.place == index && remarks.is_new(text)) {
                     return None;
                 }
-                let says_what = matches!(field, PlainField::Id | PlainField::Label);
+                match (&self.setup.contract, field) {
+                    (Some(_), PlainField::LeftOut(rule)) => {
+                        let span = Span { start: span_end(start), end: span_end(at) };
+                        unsettled.push(Unsettled { rule: *rule, place: index, span });
+                    }
+                    (Some(_), PlainField::Nameless) if !text.trim_ascii().is_empty() => return None,
+                    (Some(_), PlainField::Id) if !Contract::is_plain_name(text) => return None,
+                    _ => {}
+                }
+                let says_what = self.setup.contract.is_none() && matches!(field, PlainField::Id | PlainField::Label);
                 if says_what
                     && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`' | b'~') || may_be_statistic(text))
                 {
@@ -314,6 +373,9 @@ impl Rows {
 
     /// A record with its cells found: a part, or why it is none.
     fn row(&self, record: &Record, raw: Span, block: &mut Block) {
+        if let Some(contract) = &self.setup.contract {
+            return self.owned_row(contract, record, raw, block);
+        }
         if record.cells.iter().all(Cell::is_empty) {
             block.blank_lines += 1;
             return;
@@ -487,7 +549,7 @@ pub(crate) fn take_index(block: &mut Block, cell: &Cell) {
 }
 
 /// The cells of a record, as [`grid`](super::grid) cuts them.
-fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
+pub(crate) fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
     let cell = |field: &Field| Cell::of_text(text(&field.content(bytes)).trim(), 0..0);
     fields.iter().map(cell).collect()
 }

@@ -1,6 +1,8 @@
 //! A table that is text. A short one is read as a whole, whatever its shape; a long one with a row per part is understood
 //! from its start, and its rows are streamed. Called by [`Container::table`](super::Container::table).
 
+mod contract;
+
 use std::io::Read;
 use std::sync::Arc;
 
@@ -74,6 +76,9 @@ impl Text {
     }
 
     pub(crate) fn table(mut self, want: &Want) -> Result<Table, Diagnostics> {
+        if let Some(layout) = &want.layout {
+            return self.by_contract(layout, want);
+        }
         let mut want = want.clone();
         want.separator = want.separator.or(self.stated);
         let (mut bytes, mut is_all) = self.start(START)?;

@@ -1,6 +1,8 @@
 //! Tables of files whose cells are typed: workbooks, Q-DAS files, Parquet. Their columns are found from the first records,
 //! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
 
+mod typed_by_contract;
+
 use super::Table;
 use super::cell::{Cell, Content, Record};
 use super::column::{Column, SMALLEST_DIGIT, UnitFrom};
@@ -46,6 +48,9 @@ struct Sheets {
 }
 
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
+    if let Some(layout) = &want.layout {
+        return typed_by_contract::workbook(book, layout, want);
+    }
     let all_sheets = book.sheets();
     let Sheets { read: Sheet { name: sheet, head, .. }, others } = sheets(&mut book, want)?;
     let records = book.records(&sheet, want.range);
@@ -285,6 +290,12 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
 }
 
 pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
+    if want.layout.is_some() {
+        let message = format!("{name} is a Q-DAS file, which is not read by [table] yet");
+        return Err(Diagnostic::error(Code::BadTable, message)
+            .help("name its characteristics in [batch.columns]")
+            .into());
+    }
     let (left_out, remarks, parts) = (qdas.left_out.clone(), qdas.remarks.clone(), qdas.parts.clone());
     let want = &with_nominals(&qdas, want)?;
     let want = &*want.of_part(parts.iter().flat_map(|part| [part.name.clone(), part.kind.clone()]));
@@ -407,6 +418,9 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
 }
 
 pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+    if let Some(layout) = &want.layout {
+        return typed_by_contract::parquet(name, file, layout, want);
+    }
     let not_used = not_read(&file, want)?;
     let read = file.columns.iter().filter(|column| column.is_read());
     let titles: Vec<_> = read.map(|column| column.name.clone()).collect();
@@ -478,6 +492,12 @@ fn header(titles: &[String]) -> Record {
     Record::new(titles.iter().map(|title| Cell::from(Content::of_text(title))).collect(), 0)
 }
 
+/// The first rows of stored columns as records, below their names.
+fn head_records(titles: &[String], head: &[Option<Stored<'_>>]) -> Vec<Record> {
+    let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
+    std::iter::once(header(titles)).chain((0..rows).map(|row| stored_record(head, row, 0))).collect()
+}
+
 /// A table of stored columns, of which these are the first rows; all of them are given later.
 pub(crate) fn stored_table(
     name: &str,
@@ -486,9 +506,10 @@ pub(crate) fn stored_table(
     head: &[Option<Stored<'_>>],
     want: &Want,
 ) -> Result<Table, Diagnostics> {
-    let mut records = vec![header(titles)];
-    let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
-    records.extend((0..rows).map(|row| stored_record(head, row, 0)));
+    if let Some(layout) = &want.layout {
+        return typed_by_contract::stored(name, format, titles, head, (layout, want));
+    }
+    let records = head_records(titles, head);
     let understood = understand_records(name, &records, want)?;
     let mut table = Table::new(name, format, &understood, want);
     table.reading.header_line = None;

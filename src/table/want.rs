@@ -2,8 +2,10 @@
 //! Filled by the spec and the command line; asked by every step of the reading.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::encoding::Encoding;
+use super::layout::Layout;
 use super::names::{
     Field, ValueKind, is_called, is_total, part_in_title, repeats_value, says_deviation, says_which, split_unit,
 };
@@ -98,6 +100,8 @@ pub struct Want {
     pub part: Option<Part>,
     /// Whether each row is a tooth or a space; found from the names unless given.
     pub teeth: Option<bool>,
+    /// The contract by which a table with values of parts is read, if there is one.
+    pub layout: Option<Arc<Layout>>,
 }
 
 impl Want {

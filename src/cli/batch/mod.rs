@@ -416,7 +416,8 @@ pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Optio
         Err(RunError::Contradiction(contradiction)) => {
             let Contradiction { line, column, message, help } = contradiction;
             let column = if column.is_empty() { column } else { format!(", column `{column}`") };
-            let message = format!("{}, line {line}{column}: {message}; the run ends here", stream::name(path));
+            let line = if line == 0 { String::new() } else { format!(", line {line}") };
+            let message = format!("{}{line}{column}: {message}; the run ends here", stream::name(path));
             Ok(Some(Diagnostic::error(Code::BadTable, message).help(help)))
         }
     }

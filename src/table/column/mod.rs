@@ -1,9 +1,11 @@
 //! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
 
 mod beside;
+mod declared;
 mod nominal;
 mod unit;
 
+pub(crate) use declared::Declared;
 pub(crate) use unit::{UnitFrom, behind_name, fitting};
 
 use std::cmp::Ordering;

@@ -15,6 +15,7 @@ use ::parquet::data_type::{ByteArray, DataType, Int96};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::metadata::ColumnChunkMetaData;
 use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
+use bytes::Bytes;
 
 use super::cell::Content;
 use super::stored::{Stored, number};
@@ -27,12 +28,17 @@ use pages::CheckedPages;
 /// Rows that are read together: their columns stay near at hand.
 pub(crate) const ROWS_TOGETHER: usize = 1 << 11;
 
+/// Reads the stored bytes of a column in a group.
+type StoredBytes = Box<dyn Fn(&ColumnChunkMetaData) -> Option<Bytes> + Send>;
+
 /// A Parquet file that was opened.
 pub struct ParquetTable {
     name: String,
     /// Bytes of the file.
     length: u64,
     reader: Box<dyn FileReader>,
+    /// The stored bytes of a column in a group.
+    bytes: StoredBytes,
     /// Its columns, in their order.
     pub(crate) columns: Vec<StoredColumn>,
     /// The group of rows that is read next.
@@ -43,6 +49,24 @@ pub struct ParquetTable {
     left: usize,
     /// How many rows of the file were read.
     before: u64,
+}
+
+/// A source of bytes that can be read from two places.
+pub(crate) trait Again: Sized {
+    /// The same source once more.
+    fn again(&self) -> std::io::Result<Self>;
+}
+
+impl Again for std::fs::File {
+    fn again(&self) -> std::io::Result<Self> {
+        self.try_clone()
+    }
+}
+
+impl Again for Bytes {
+    fn again(&self) -> std::io::Result<Self> {
+        Ok(self.clone())
+    }
 }
 
 /// Some rows of a file.
@@ -58,9 +82,14 @@ impl ParquetTable {
     ///
     /// # Errors
     /// If it is no Parquet file, or an encrypted one.
-    pub(crate) fn open<R: ChunkReader + 'static>(name: &str, source: R) -> Result<Self, Diagnostic> {
+    pub(crate) fn open<R: ChunkReader + Again + 'static>(name: &str, source: R) -> Result<Self, Diagnostic> {
         check_marks(name, &source)?;
         let length = source.len();
+        let again = source.again().map_err(|error| Diagnostic::unreadable(name, &error))?;
+        let bytes = Box::new(move |chunk: &ColumnChunkMetaData| {
+            let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
+            again.get_bytes(u64::try_from(start).ok()?, usize::try_from(chunk.compressed_size()).ok()?).ok()
+        });
         let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut columns = column::columns(reader.metadata().file_metadata().schema_descr());
         for column in &mut columns {
@@ -71,7 +100,7 @@ impl ParquetTable {
             }
         }
         let (reader, open) = (Box::new(reader), Vec::new());
-        Ok(Self { name: name.to_owned(), length, reader, columns, group: 0, open, left: 0, before: 0 })
+        Ok(Self { name: name.to_owned(), length, reader, bytes, columns, group: 0, open, left: 0, before: 0 })
     }
 
     /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
@@ -82,6 +111,24 @@ impl ParquetTable {
         let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
         let mut schemas = pairs.filter(|pair| pair.key == "ARROW:schema").filter_map(|pair| pair.value.as_ref());
         schemas.any(|schema| KEYS.iter().any(|key| schema.contains(key)))
+    }
+
+    /// What the file says of its columns besides their names and values, without what pandas and Arrow write for themselves: keys and
+    /// values.
+    pub(crate) fn remarks(&self) -> impl Iterator<Item = (&str, &str)> {
+        let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
+        let is_own = |key: &str| matches!(key, "pandas" | "ARROW:schema");
+        let pairs = pairs.filter(move |pair| !is_own(&pair.key));
+        pairs.map(|pair| (pair.key.as_str(), pair.value.as_deref().unwrap_or_default()))
+    }
+
+    /// The stored bytes of a column, by its place in the schema, group by group; nothing is unpacked.
+    pub(crate) fn stored_bytes(&self, place: usize) -> Vec<Bytes> {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        let root = |leaf: usize| schema.get_column_root_idx(leaf);
+        let leaves = || (0..schema.num_columns()).filter(|leaf| root(*leaf) == place);
+        let groups = self.reader.metadata().row_groups().iter();
+        groups.flat_map(|group| leaves().filter_map(|leaf| (self.bytes)(group.column(leaf)))).collect()
     }
 
     /// Whether the values of the columns that can be read lie in the file.

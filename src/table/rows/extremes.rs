@@ -17,6 +17,8 @@ pub(crate) struct Extremes {
     ends: Vec<Option<[DeviationValue; 2]>>,
     rows: usize,
     pub(crate) doubted: Vec<Record>,
+    /// Lines that rules left out and that could be parts, by the number of the rule among those for lines.
+    doubtful: Vec<(usize, u64)>,
 }
 
 impl Extremes {
@@ -29,6 +31,7 @@ impl Extremes {
             *ends = all.first().zip(all.last()).map(|(least, most)| [*least, *most]);
         }
         self.rows += block.lines.len();
+        self.doubtful.extend(&block.doubtful);
         let doubted = std::mem::take(&mut self.doubted).into_iter().chain(block.statistics.iter().cloned());
         // more values contradict less
         self.doubted = doubted.filter(|record| rows.false_statistic(record, self).is_some()).collect();
@@ -36,6 +39,9 @@ impl Extremes {
 
     /// What contradicts the values of all rows.
     pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
+        if let Some(contract) = &rows.setup.contract {
+            return contract.too_many(&self.doubtful);
+        }
         self.doubted.first().and_then(|record| rows.false_statistic(record, self))
     }
 }

@@ -1,0 +1,140 @@
+//! A column whose role, unit and companions are known: by a contract, or by the dictionary. Nothing is guessed here.
+
+use super::nominal::near;
+use super::{Column, Companion, Nominal, Problem, Stated, UnitFrom, evaluated, unit_of};
+use crate::deviation::plausible::Reach;
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::{Angle, Unit, shown};
+use crate::table::cell::{Cell, Content};
+use crate::table::companions::Companions;
+use crate::table::names::{Field, Role, ValueKind};
+use crate::table::number::DecimalMark;
+use crate::table::want::Want;
+
+/// What is known of a column.
+#[derive(Debug, Clone)]
+pub(crate) struct Declared {
+    pub(crate) kind: DeviationKind,
+    pub(crate) title: String,
+    pub(crate) place: usize,
+    pub(crate) unit: Unit,
+    pub(crate) unit_from: UnitFrom,
+    /// Whether its name says that it holds deviations.
+    pub(crate) is_deviation: bool,
+    /// The decimal mark; `None` while no number has decimals.
+    pub(crate) mark: Option<DecimalMark>,
+    /// Where its companions stand, with the unit of their headings.
+    pub(crate) beside: Vec<(Role, usize, Option<Unit>)>,
+}
+
+impl Column {
+    /// The column of what is known of it.
+    ///
+    /// # Errors
+    /// A nominal value that is missing, or contradicts what the column holds.
+    pub(crate) fn declared(of: &Declared, want: &Want) -> Result<Self, Diagnostics> {
+        let given = want.given(of.kind);
+        let holds = given.and_then(|given| given.holds);
+        if of.is_deviation && holds == Some(ValueKind::Measured) {
+            let message = format!("`{}` holds deviations by its name, and measured values by the spec", of.title);
+            return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong").into());
+        }
+        let mut beside = Companions::default();
+        for (role, place, unit) in &of.beside {
+            beside.set(*role, Some(Companion { place: *place, unit: unit.unwrap_or(of.unit) }));
+        }
+        let mut column = Self {
+            field: Field::Error(of.kind),
+            kind: Some(of.kind),
+            title: of.title.clone(),
+            place: of.place,
+            unit: of.unit,
+            unit_from: of.unit_from,
+            holds: if of.is_deviation { Some(ValueKind::Deviation) } else { holds },
+            nominal: Nominal::None,
+            evaluated: Stated::None,
+            stated: None,
+            farthest: Reach::possible(want.module),
+            module: want.module,
+            tolerance: None,
+            mark: of.mark.unwrap_or(DecimalMark::Point),
+            mark_is_open: of.mark.is_none(),
+            beside,
+        };
+        if column.field.is_angle() && matches!(of.unit, Unit::Length(_)) {
+            column.evaluated = evaluated(given.and_then(|given| given.length), want, &of.title)?;
+        } else {
+            column.take_declared_nominal(want)?;
+        }
+        Ok(column)
+    }
+
+    fn take_declared_nominal(&mut self, want: &Want) -> Result<(), Diagnostics> {
+        if self.holds == Some(ValueKind::Deviation) {
+            return Ok(());
+        }
+        let kind = self.kind.and_then(|kind| want.given(kind));
+        let given = kind.and_then(|given| given.nominal.clone()).transpose()?;
+        if self.beside.get(Role::Nominal).is_some() {
+            (self.nominal, self.stated) = (Nominal::Beside, given);
+        } else if let Some(nominal) = given {
+            self.farthest = near(nominal, self.farthest);
+            self.nominal = Nominal::Fixed(nominal);
+        } else if self.holds == Some(ValueKind::Measured) {
+            let message = format!("`{}` holds measured values, and nothing tells their nominal value", self.title);
+            let help = "give it in the spec, or a column of nominal values: nominal = \"…\"";
+            return Err(Diagnostic::error(Code::MissingKey, message).help(help).into());
+        }
+        Ok(())
+    }
+
+    /// The deviation that a cell means, which holds a number, its unit if any, and nothing else; `None` if it says that there is
+    /// none.
+    pub(crate) fn value(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<DeviationValue>, Problem> {
+        if cell.is_missing() {
+            return Ok(None);
+        }
+        self.is_number_alone(cell, self.unit_of_row(beside.get(Role::Unit).copied())?)?;
+        for role in [Role::Nominal, Role::Deviation] {
+            if let Some(cell) = beside.get(role).filter(|cell| !cell.is_missing()) {
+                self.is_number_alone(cell, self.unit_beside(role))?;
+            }
+        }
+        self.read(cell, beside)
+    }
+
+    /// Whether a cell holds a number with the table's decimal mark, and no unit but that one.
+    fn is_number_alone(&self, cell: &Cell, unit: Unit) -> Result<(), Problem> {
+        let Content::Text(text) = &cell.content else { return Ok(()) };
+        let bad = |what: String| Err(Problem::Bad(format!("`{}` {what}", shown(text))));
+        let has = |mark: DecimalMark| text.contains(char::from(mark.byte()));
+        let other = if self.mark == DecimalMark::Point { DecimalMark::Comma } else { DecimalMark::Point };
+        if self.mark_is_open && (has(self.mark) || has(other)) {
+            return bad(
+                "has decimals, and no number before it told the decimal mark: say it, decimal = \"comma\"".to_owned()
+            );
+        }
+        if has(other) {
+            return bad(format!("has a {}, and the table's numbers have a decimal {}", other.word(), self.mark.word()));
+        }
+        if matches!(unit, Unit::Angle(_)) && text.parse::<Angle>().is_ok() && text.contains(['°', '′', '\'']) {
+            return Ok(());
+        }
+        let end = text.rfind(|c: char| c.is_numeric() || c == '.' || c == ',').map_or(0, |at| at + 1);
+        let end = (end..=text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
+        let (number, behind) = (&text[..end], text[end..].trim());
+        if number.contains(|c: char| {
+            c.is_alphabetic() && !matches!(c, 'e' | 'E') || matches!(c, '±' | '/' | '(' | '<' | '>' | '~' | '=' | '*')
+        }) {
+            return bad("is not a number alone".to_owned());
+        }
+        let own = unit_of(behind, self.field.is_angle());
+        match own {
+            _ if behind.is_empty() => Ok(()),
+            Some(own) if own == unit => Ok(()),
+            Some(own) => bad(format!("is in {}, and the column in {}", own.symbol(), unit.symbol())),
+            None => bad("is not a number alone".to_owned()),
+        }
+    }
+}

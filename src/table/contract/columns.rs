@@ -1,0 +1,175 @@
+//! The columns of values of a table by contract: their units, of which all that speak agree, and the decimal mark, which is
+//! declared or the only one by which every number can be read.
+
+use super::heading::{Matched, key};
+use super::open::Open;
+use super::owner::Owner;
+use crate::deviation::DeviationKind;
+use crate::diagnostic::Diagnostics;
+use crate::quantity::{AngleUnit, LengthUnit, Unit};
+use crate::table::cell::{Cell, Content, Record};
+use crate::table::column::{Column, Declared, UnitFrom, unit_of};
+use crate::table::dictionary::{Role, lookup};
+use crate::table::layout::Layout;
+use crate::table::names::{Field, Role as Beside};
+use crate::table::number::DecimalMark;
+use crate::table::want::Want;
+
+/// Finds the columns of values; what is missing is added to what is open. `units` is the line of units below the heading.
+pub(crate) fn columns(
+    matched: &mut Matched,
+    units: Option<&Record>,
+    rows: &[Record],
+    layout: &Layout,
+    want: &Want,
+) -> (Vec<Column>, Option<DecimalMark>) {
+    let mut declared = Vec::new();
+    for place in 0..matched.owners.len() {
+        let Some(Owner::Role(Role::Value(kind))) = matched.owners[place] else { continue };
+        declared.extend(one(matched, place, kind, units, rows, want));
+    }
+    let with = |mark: Option<DecimalMark>| -> Result<Vec<Column>, Diagnostics> {
+        let each = declared.iter().map(|declared| Column::declared(&Declared { mark, ..declared.clone() }, want));
+        let (mut columns, mut problems) = (Vec::new(), Vec::new());
+        each.for_each(|column| match column {
+            Ok(column) => columns.push(column),
+            Err(found) => problems.extend(found.0),
+        });
+        if problems.is_empty() { Ok(columns) } else { Err(Diagnostics(problems)) }
+    };
+    let mark = layout.decimal.map_or_else(|| mark(with, rows), |mark| Ok(Some(mark)));
+    match mark.and_then(|mark| with(mark).map(|columns| (columns, mark)).map_err(wrong)) {
+        Ok(found) => found,
+        Err(open) => {
+            matched.open.extend(open);
+            (Vec::new(), None)
+        }
+    }
+}
+
+/// Problems of the spec as what is wrong with a table.
+fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
+    let open = |problem: crate::diagnostic::Diagnostic| Open::Wrong {
+        what: problem.message,
+        help: problem.help.unwrap_or_default(),
+    };
+    problems.into_iter().map(open).collect()
+}
+
+/// One column; `None` if nothing tells its unit.
+fn one(
+    matched: &mut Matched,
+    place: usize,
+    kind: DeviationKind,
+    units: Option<&Record>,
+    rows: &[Record],
+    want: &Want,
+) -> Option<Declared> {
+    let (title, name) = (matched.titles[place].clone(), matched.headings[place].name.clone());
+    let meaning = lookup(&name).filter(|meaning| meaning.role == Role::Value(kind));
+    let is_angle = Field::Error(kind).is_angle();
+    let beside = beside(matched, kind, is_angle);
+    let of_row = units.map(|units| units.cell(place).text().into_owned()).filter(|unit| !unit.is_empty());
+    let mut said = Vec::new();
+    for symbol in matched.headings[place].unit.clone().into_iter().chain(of_row) {
+        let Some(unit) = unit_of(&symbol, is_angle) else {
+            let what =
+                format!("`{title}`: `{symbol}` is no unit of {}", if is_angle { "an angle" } else { "a length" });
+            matched.open.push(Open::Wrong { what, help: "correct the unit".to_owned() });
+            return None;
+        };
+        said.push((unit, UnitFrom::Table));
+    }
+    said.extend(want.given(kind).and_then(|given| given.unit).map(|unit| (unit, UnitFrom::Spec)));
+    let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
+    if let Some((_, at, _)) = unit_column {
+        let first = rows.iter().map(|row| row.cell(*at)).find(|cell| !cell.is_missing());
+        said.extend(first.and_then(|cell| unit_of(&cell.text(), is_angle)).map(|unit| (unit, UnitFrom::Beside)));
+    }
+    if said.is_empty() && meaning.is_some_and(|meaning| meaning.is_key) {
+        let default = if is_angle { Unit::Angle(AngleUnit::Degree) } else { Unit::Length(LengthUnit::Millimetre) };
+        said.push((default, UnitFrom::Key));
+    }
+    let is_deviation = meaning.is_some_and(|meaning| meaning.is_deviation);
+    let with = |unit: Unit, unit_from| {
+        let (title, beside) = (title.clone(), beside.clone());
+        Declared { kind, title, place, unit, unit_from, is_deviation, mark: None, beside }
+    };
+    let Some((unit, from)) = said.first().copied() else {
+        let units = plausible(&|unit| with(unit, UnitFrom::Spec), is_angle, rows, want);
+        matched.open.push(Open::Unit { key: kind.key(), title, units });
+        return None;
+    };
+    if said.iter().any(|(other, _)| *other != unit) {
+        let words: Vec<_> = said.iter().map(|(unit, _)| unit.symbol()).collect();
+        let what = format!("the unit of `{title}` ({}) is {}", key(Role::Value(kind)), words.join(" and "));
+        matched.open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
+        return None;
+    }
+    Some(with(unit, from))
+}
+
+/// The columns beside that of an error, with their places and the units of their headings.
+fn beside(matched: &Matched, kind: DeviationKind, is_angle: bool) -> Vec<(Beside, usize, Option<Unit>)> {
+    let owners = matched.owners.iter().zip(&matched.headings).enumerate();
+    let beside = owners.filter_map(|(place, (owner, heading))| match owner {
+        Some(Owner::Role(Role::Beside(of, beside))) if *of == kind => {
+            Some((*beside, place, heading.unit.as_deref().and_then(|unit| unit_of(unit, is_angle))))
+        }
+        _ => None,
+    });
+    beside.collect()
+}
+
+/// The units in which every number of a column may be one of its values.
+fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], want: &Want) -> Vec<&'static str> {
+    let symbols = if is_angle { ["deg", "arcmin", "um"] } else { ["mm", "um", "in"] };
+    let is_read = |symbol: &&'static str| {
+        let Some(unit) = unit_of(symbol, is_angle) else { return false };
+        DecimalMark::ALL.into_iter().any(|mark| {
+            let column = Column::declared(&Declared { mark: Some(mark), ..with(unit) }, want);
+            column.is_ok_and(|column| {
+                let mut cells = rows.iter().map(|row| (row.cell(column.place), column.beside_in(row)));
+                cells.all(|(cell, beside)| column.value(cell, beside).is_ok())
+            })
+        })
+    };
+    symbols.into_iter().filter(is_read).collect()
+}
+
+/// The decimal mark by which every number can be read, or most of them if none can all be; `None` if no number has one.
+///
+/// # Errors
+/// If both marks read every number and give other values, or as many.
+fn mark(
+    with: impl Fn(Option<DecimalMark>) -> Result<Vec<Column>, Diagnostics>,
+    rows: &[Record],
+) -> Result<Option<DecimalMark>, Vec<Open>> {
+    let [point, comma] = [DecimalMark::Point, DecimalMark::Comma].map(|mark| with(Some(mark)));
+    let columns = [point.map_err(wrong)?, comma.map_err(wrong)?];
+    let is_marked = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',']));
+    let (mut numbers, mut strict, mut lenient, mut example) = (0u64, [0u64; 2], [0u64; 2], None);
+    for row in rows {
+        for (number, point) in columns[0].iter().enumerate() {
+            let cell = row.cell(point.place);
+            if !is_marked(cell) || cell.is_missing() || !cell.is_number() {
+                continue;
+            }
+            numbers += 1;
+            for (side, columns) in columns.iter().enumerate() {
+                let column = &columns[number];
+                strict[side] += u64::from(column.value(cell, column.beside_in(row)).is_ok());
+                lenient[side] += u64::from(column.read(cell, column.beside_in(row)).is_ok());
+            }
+            example.get_or_insert_with(|| cell.text().into_owned());
+        }
+    }
+    let Some(example) = example else { return Ok(None) };
+    match [lenient[0] == numbers, lenient[1] == numbers] {
+        [true, false] => Ok(Some(DecimalMark::Point)),
+        [false, true] => Ok(Some(DecimalMark::Comma)),
+        [false, false] if strict[0] > strict[1] => Ok(Some(DecimalMark::Point)),
+        [false, false] if strict[0] < strict[1] => Ok(Some(DecimalMark::Comma)),
+        _ => Err(vec![Open::Mark { example }]),
+    }
+}

@@ -1,0 +1,153 @@
+//! The line of headings, and the owner of each column: what the contract declares, then an exact rule, then the dictionary, then
+//! patterns, then the rule for all others.
+
+use super::open::Open;
+use super::owner::{Owner, line_of};
+use crate::table::cell::{Cell, Record};
+use crate::table::dictionary::{Heading, Meaning, Role, lookup};
+use crate::table::layout::Layout;
+use crate::table::names::Role as Beside;
+
+/// A table whose columns are looked at.
+#[derive(Debug, Default)]
+pub(crate) struct Matched {
+    /// By place; `None` of a column that nobody owns.
+    pub(crate) owners: Vec<Option<Owner>>,
+    pub(crate) headings: Vec<Heading>,
+    pub(crate) titles: Vec<String>,
+    /// The heading, as a line.
+    pub(crate) heading: String,
+    pub(crate) line: u64,
+    /// Everything that has no owner so far.
+    pub(crate) open: Vec<Open>,
+}
+
+/// The role of a heading in any table: what the contract declares, or the dictionary knows.
+fn role(title: &str, layout: &Layout) -> Option<(Role, Option<Meaning>)> {
+    let heading = Heading::of(title);
+    if let Some(role) = layout.declared(title, &heading.name) {
+        return Some((role, None));
+    }
+    if layout.ignores(title, &heading.name, usize::MAX - 1, true).is_some() {
+        return None;
+    }
+    lookup(&heading.name).map(|meaning| (meaning.role, Some(meaning)))
+}
+
+/// The roles of the cells of a record that are headings.
+pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout) -> impl Iterator<Item = Role> + 'r {
+    let filled = record.cells.iter().filter(|cell| !cell.is_empty() && !cell.is_number());
+    filled.filter_map(|cell| Some(role(&cell.text(), layout)?.0))
+}
+
+/// How many headings of a record have a role, if it is a line of headings: one of them is of an error, and nothing is a number.
+fn score(record: &Record, layout: &Layout) -> Option<usize> {
+    if record.cells.iter().any(Cell::is_number) {
+        return None;
+    }
+    let found: Vec<Role> = roles(record, layout).collect();
+    found.iter().any(|role| matches!(role, Role::Value(_))).then_some(found.len())
+}
+
+/// The place of the line of headings, and how many roles it has: the first with two of them, or else the first with one.
+pub(crate) fn find(records: &[Record], layout: &Layout) -> Option<(usize, usize)> {
+    let headings = || {
+        let each = records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
+        each.filter_map(|(at, record)| Some((at, score(record, layout)?)))
+    };
+    headings().find(|(_, score)| *score > 1).or_else(|| headings().next())
+}
+
+/// Gives each column of a heading its owner. `below` are rows, to show what is not owned.
+pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout) -> Matched {
+    let titles: Vec<String> = heading.filled().iter().map(|cell| cell.text().into_owned()).collect();
+    let width = below.iter().map(|record| record.filled().len()).chain([titles.len()]).max().unwrap_or(0);
+    let mut found = Matched { heading: line_of(heading), line: heading.line, ..Matched::default() };
+    let mut roles: Vec<(Role, String)> = Vec::new();
+    for place in 0..width {
+        let title = titles.get(place).cloned().unwrap_or_default();
+        let named = Heading::of(&title);
+        let owner = owner(&title, &named.name, place, layout);
+        if let Ok(Some(Owner::Role(role))) = owner {
+            if let Some((_, other)) = roles.iter().find(|(other, _)| *other == role) {
+                found.open.push(Open::Twice { key: key(role), titles: [other.clone(), title.clone()] });
+            }
+            roles.push((role, title.clone()));
+        }
+        let first = || {
+            let cells = below.iter().map(|record| record.cell(place).text().into_owned());
+            cells.filter(|text| !text.is_empty()).take(3).collect::<Vec<_>>()
+        };
+        match &owner {
+            // beyond the heading, a cell rejects its row
+            Ok(Some(Owner::Nameless)) if place < titles.len() && !first().is_empty() => {
+                found.open.push(Open::Column { place, title: title.clone(), first: first() });
+            }
+            Ok(Some(_)) => {}
+            Ok(None) => found.open.push(Open::Column { place, title: title.clone(), first: first() }),
+            Err(open) => found.open.push(open.clone()),
+        }
+        if place < titles.len() {
+            found.owners.push(owner.unwrap_or_default());
+            found.headings.push(named);
+        }
+    }
+    for (role, name) in layout.promised().filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {
+        found.open.push(Open::Missing { key: key(role), name: name.to_owned() });
+    }
+    found.titles = titles;
+    found
+}
+
+/// The owner of a column; nobody if neither a role nor a rule has it.
+///
+/// # Errors
+/// A pattern that would leave out a heading that is known.
+fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Option<Owner>, Open> {
+    if let Some(role) = layout.declared(title, name) {
+        return Ok(Some(Owner::Role(role)));
+    }
+    if let Some(rule) = layout.ignores(title, name, place, true) {
+        return Ok(Some(Owner::Rule(rule)));
+    }
+    if title.is_empty() {
+        return Ok(Some(layout.ignores(title, name, place, false).map_or(Owner::Nameless, Owner::Rule)));
+    }
+    let known = lookup(name).map(|meaning| meaning.role);
+    if let Some(role) = known.filter(|role| !layout.names(*role)) {
+        return Ok(Some(Owner::Role(role)));
+    }
+    match layout.ignores(title, name, place, false) {
+        Some(rule) if known.is_some() => {
+            Err(Open::Pattern { pattern: layout.ignore[rule].text().to_owned(), title: title.to_owned() })
+        }
+        Some(rule) => Ok(Some(Owner::Rule(rule))),
+        None => Ok((layout.ignores_others && lookup(name).is_none()).then(|| Owner::Rule(layout.others()))),
+    }
+}
+
+/// What a role is called.
+pub(crate) fn key(role: Role) -> String {
+    match role {
+        Role::PartId => "part_id".to_owned(),
+        Role::Value(kind) => kind.key().to_owned(),
+        Role::Beside(kind, beside) => format!("{} of {}", beside_word(beside), kind.key()),
+    }
+}
+
+/// What stands beside a value, in a word.
+pub(crate) const fn beside_word(beside: Beside) -> &'static str {
+    match beside {
+        Beside::Deviation => "deviation",
+        Beside::Nominal => "nominal",
+        Beside::Upper => "upper",
+        Beside::Lower => "lower",
+        Beside::Uncertainty => "uncertainty",
+        Beside::Unit => "unit",
+        Beside::Length => "length",
+        Beside::Measured => "actual",
+        Beside::Part => "part_id",
+        Beside::Name => "name",
+        Beside::Status => "status",
+    }
+}

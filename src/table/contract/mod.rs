@@ -1,0 +1,218 @@
+//! Tables that are read by a contract: each column is a role or left out by a rule, and each line is a part, left out by a rule,
+//! or rejected. What has no owner ends the run with all of it listed. Called for tables whose spec has a `[table]`.
+//!
+//! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark, `account` says
+//! what is not owned; [`Contract::close`] is the only way to a table that can be read.
+
+mod account;
+mod columns;
+mod heading;
+mod open;
+mod owner;
+mod table;
+
+pub(crate) use account::refused;
+pub(crate) use open::Open;
+pub(crate) use owner::{Owner, line_of};
+pub(crate) use table::{File, Found, found, is_in_rows, of_records, score};
+
+use std::sync::Arc;
+
+use super::cell::{Cell, Record};
+use super::layout::Layout;
+use super::ledger::{LeftOut, Tally};
+use heading::Matched;
+
+/// A table of which every column has an owner. Only this one can be read.
+#[derive(Debug, Clone)]
+pub(crate) struct Contract {
+    layout: Arc<Layout>,
+    pub(crate) owners: Vec<Owner>,
+    /// The heading, as a line.
+    heading: String,
+    /// The first bytes of lines that a rule may leave out; `None` if any may be.
+    first_bytes: Option<Vec<u8>>,
+}
+
+/// The names of statistics and limits, which are none of parts.
+const NO_PART_NAMES: [&str; 38] = [
+    "mean",
+    "average",
+    "avg",
+    "max",
+    "min",
+    "maximum",
+    "minimum",
+    "median",
+    "range",
+    "sigma",
+    "std",
+    "stdev",
+    "sum",
+    "total",
+    "cp",
+    "cpk",
+    "nominal",
+    "target",
+    "usl",
+    "lsl",
+    "ucl",
+    "lcl",
+    "upper limit",
+    "lower limit",
+    "mittelwert",
+    "mittel",
+    "spannweite",
+    "streuung",
+    "standardabweichung",
+    "summe",
+    "soll",
+    "sollwert",
+    "nennwert",
+    "toleranz",
+    "moyenne",
+    "平均",
+    "最大",
+    "最小",
+];
+
+impl Contract {
+    /// Closes a table: every column has an owner.
+    ///
+    /// # Errors
+    /// Everything that has none.
+    pub(crate) fn close(layout: &Arc<Layout>, matched: Matched) -> Result<Self, Vec<Open>> {
+        let Matched { owners, heading, open, .. } = matched;
+        let owners: Vec<Owner> = owners.into_iter().flatten().collect();
+        if !open.is_empty() {
+            return Err(open);
+        }
+        let first_bytes = layout.ignore_lines.iter().map(|rule| rule.pattern.first_byte()).collect();
+        Ok(Self { layout: Arc::clone(layout), owners, heading, first_bytes })
+    }
+
+    /// The columns that a rule leaves out, with the rule.
+    pub(crate) fn left_out(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let rule =
+            |(place, owner): (usize, &Owner)| if let Owner::Rule(rule) = owner { Some((place, *rule)) } else { None };
+        self.owners.iter().enumerate().filter_map(rule)
+    }
+
+    /// Whether a column has no heading, and so no cells: also one beyond the heading.
+    pub(crate) fn is_nameless(&self, place: usize) -> bool {
+        matches!(self.owners.get(place), None | Some(Owner::Nameless))
+    }
+
+    /// Whether a line may be one that a rule leaves out, by its first byte.
+    pub(crate) fn may_cover(&self, first: u8) -> bool {
+        // a quote stands before the text
+        self.first_bytes.as_ref().is_none_or(|bytes| bytes.contains(&first) || first == b'"' && !bytes.is_empty())
+    }
+
+    /// The rule that leaves out a line, by its place among those for lines.
+    pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
+        self.layout.covering(record)
+    }
+
+    /// How many lines that could be parts a rule may leave out.
+    pub(crate) fn at_most(&self, line_rule: usize) -> u64 {
+        self.layout.ignore_lines[line_rule].at_most
+    }
+
+    /// The number of a rule for lines.
+    pub(crate) fn rule_of_line(&self, line_rule: usize) -> usize {
+        self.layout.rule_of_line(line_rule)
+    }
+
+    /// Whether a record is the heading again.
+    pub(crate) fn is_heading(&self, record: &Record) -> bool {
+        line_of(record) == self.heading
+    }
+
+    /// Whether a record is another heading: two or more of its cells are.
+    pub(crate) fn is_other_heading(&self, record: &Record) -> bool {
+        record.numbers() == 0 && heading::roles(record, &self.layout).take(2).count() == 2
+    }
+
+    /// What is wrong with the name of a part; `None` if it is one.
+    pub(crate) fn no_name(name: &Cell) -> Option<String> {
+        let text = name.text();
+        if name.is_missing() {
+            return Some("the part has no name".to_owned());
+        }
+        let is_none = NO_PART_NAMES.contains(&text.trim().to_lowercase().as_str());
+        is_none.then(|| {
+            format!("`{text}` is no part's name: leave the line out, ignore_lines = [\"{text}*\"], or give the part another name")
+        })
+    }
+
+    /// Whether a name needs no closer look: none of those that are no parts has a digit.
+    pub(crate) fn is_plain_name(name: &[u8]) -> bool {
+        name.iter().any(u8::is_ascii_digit)
+    }
+
+    /// The number of the rule for headings that are repeated.
+    pub(crate) fn repeated_headings(&self) -> usize {
+        self.layout.repeated_headings()
+    }
+
+    /// The number of the rule for what stands beside values.
+    pub(crate) fn beside_values(&self) -> usize {
+        self.layout.beside_values()
+    }
+
+    /// Whether a part may be there twice.
+    pub(crate) fn may_repeat(&self) -> bool {
+        self.layout.may_repeat
+    }
+}
+
+impl Layout {
+    /// The rule that leaves out a line, by its place among those for lines. A heading is never left out.
+    fn covering(&self, record: &Record) -> Option<usize> {
+        if self.ignore_lines.is_empty() || heading::roles(record, self).take(2).count() == 2 {
+            return None;
+        }
+        let line = line_of(record);
+        self.ignore_lines.iter().position(|rule| rule.pattern.fits(&line))
+    }
+
+    pub(crate) fn rule_of_line(&self, line_rule: usize) -> usize {
+        self.ignore.len() + line_rule
+    }
+
+    pub(crate) fn rule_of_comment(&self, comment: usize) -> usize {
+        self.ignore.len() + self.ignore_lines.len() + comment
+    }
+
+    /// The rule for every further column.
+    pub(crate) fn others(&self) -> usize {
+        self.rule_of_comment(self.comments.len())
+    }
+
+    /// What the format leaves out: headings that are repeated.
+    pub(crate) fn repeated_headings(&self) -> usize {
+        self.others() + 1
+    }
+
+    /// What stands beside values, is read and judges nothing.
+    pub(crate) fn beside_values(&self) -> usize {
+        self.others() + 2
+    }
+
+    /// Sheets that are not read.
+    pub(crate) fn other_sheets(&self) -> usize {
+        self.others() + 3
+    }
+
+    /// All rules by their number, with nothing left out so far.
+    fn rules(&self) -> Vec<LeftOut> {
+        let quoted = |what: &str, text: &str| format!("{what}`{text}`");
+        let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
+        let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));
+        let comments = self.comments.iter().map(|rule| quoted("comments ", rule.text()));
+        let own = ["others", "headings again", "beside values", "other sheets"].map(str::to_owned);
+        let all = ignored.chain(lines).chain(comments).chain(own);
+        all.map(|rule| LeftOut { rule, tally: Tally::default() }).collect()
+    }
+}

@@ -1,0 +1,64 @@
+//! What of a table has no owner.
+
+use crate::quantity::shown;
+
+/// Something that a role or a rule has to own before a table is read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Open {
+    /// A column without a role or a rule.
+    Column { place: usize, title: String, first: Vec<String> },
+    /// A line that is no part.
+    Line { line: u64, text: String },
+    /// A comment or a text box of a workbook.
+    Comment { place: String, text: String },
+    /// Sheets of which none is chosen.
+    Sheets { names: Vec<String> },
+    /// A column of values of which nothing tells the unit; those in which its numbers may be.
+    Unit { key: &'static str, title: String, units: Vec<&'static str> },
+    /// Two columns with one role.
+    Twice { key: String, titles: [String; 2] },
+    /// A pattern that would leave out a heading of the dictionary.
+    Pattern { pattern: String, title: String },
+    /// A heading that the contract names and the table lacks.
+    Missing { key: String, name: String },
+    /// No heading has the role of an error.
+    NoValues { titles: Vec<String> },
+    /// Nothing tells the decimal mark.
+    Mark { example: String },
+    /// Nothing tells what separates the cells.
+    Separator { names: Vec<String> },
+    /// Something else that is wrong, with what to do.
+    Wrong { what: String, help: String },
+}
+
+impl Open {
+    /// What is not owned, in a line.
+    pub(crate) fn in_words(&self) -> String {
+        let listed =
+            |texts: &[String]| texts.iter().map(|text| format!("`{}`", shown(text))).collect::<Vec<_>>().join(", ");
+        match self {
+            Self::Column { place, title, first } if title.is_empty() => {
+                format!("column {} has no heading: {}", place + 1, first.join(", "))
+            }
+            Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
+            Self::Line { line, text } => format!("line {line}: {}", shown(text)),
+            Self::Comment { place, text } => format!("{place}: {}", shown(text)),
+            Self::Sheets { names } => format!("several sheets have cells: {}", listed(names)),
+            Self::Unit { key, title, .. } => format!("`{}` is {key}, and nothing tells its unit", shown(title)),
+            Self::Twice { key, titles } => format!("{} are both {key}", listed(titles)),
+            Self::Pattern { pattern, title } => {
+                format!(
+                    "`{pattern}` would leave out `{}`, whose meaning is known: leave it out by its whole name",
+                    shown(title)
+                )
+            }
+            Self::Missing { key, name } => format!("there is no `{}`, which is to be {key}", shown(name)),
+            Self::NoValues { titles } => format!("no column is known as that of an error: {}", listed(titles)),
+            Self::Mark { example } => {
+                format!("`{}` has a decimal mark or one of thousands, and nothing tells which", shown(example))
+            }
+            Self::Separator { names } => format!("cells may be separated by {}", names.join(" or by ")),
+            Self::Wrong { what, .. } => what.clone(),
+        }
+    }
+}

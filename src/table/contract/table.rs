@@ -1,0 +1,293 @@
+//! From records to a closed table, whatever file they are of.
+
+use std::sync::Arc;
+
+use super::Contract;
+use super::account::refused;
+use super::columns::columns;
+use super::heading::{Matched, beside_word, find, key, matched};
+use super::open::Open;
+use super::owner::{Owner, line_of};
+use crate::diagnostic::Diagnostics;
+use crate::table::Table;
+use crate::table::cell::Record;
+use crate::table::column::{Column, UnitFrom};
+use crate::table::dictionary::Role;
+use crate::table::encoding::Encoding;
+use crate::table::grid::only_units;
+use crate::table::layout::{Layout, Parts};
+use crate::table::ledger::{LeftOut, Tally, join};
+use crate::table::names::Role as Beside;
+use crate::table::pieces::{Pieces, Place};
+use crate::table::reading::{ColumnReading, Reading};
+use crate::table::rows::Setup;
+use crate::table::want::Want;
+use crate::table::{column_reading_of, named_only};
+
+/// What is known of a file besides its records.
+pub(crate) struct File<'f> {
+    pub(crate) name: &'f str,
+    pub(crate) format: &'static str,
+    /// What has no owner outside the records, such as a comment.
+    pub(crate) open: Vec<Open>,
+    /// What rules left out there, by the number of the rule.
+    pub(crate) left_out: Vec<(usize, String)>,
+    /// Whether the last cells of a row stand where its separators say.
+    pub(crate) separator: Option<u8>,
+}
+
+/// A closed table, without its rows, and the record with which they begin.
+pub(crate) struct Found {
+    pub(crate) table: Table,
+    /// The records before the first row.
+    pub(crate) above: usize,
+    /// The place of the heading among them.
+    pub(crate) heading: usize,
+    /// Rows of parts in columns, or of characteristics, as rows of parts.
+    pub(crate) turned: Option<Vec<Record>>,
+}
+
+impl<'f> File<'f> {
+    /// A file of which nothing but its records is known.
+    pub(crate) fn new(name: &'f str, format: &'static str) -> Self {
+        Self { name, format, open: Vec::new(), left_out: Vec::new(), separator: None }
+    }
+}
+
+/// How many roles the heading of some records has; 0 if there is none.
+pub(crate) fn score(records: &[Record], layout: &Layout) -> usize {
+    orientation(records, layout).map_or(0, |(_, score)| score)
+}
+
+/// Whether parts are in rows, and how many roles the heading has.
+fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, usize)> {
+    let tried = [Parts::Rows, Parts::Columns].into_iter();
+    let mut tried = tried.filter(|parts| layout.parts.is_none_or(|declared| declared == *parts));
+    tried.find_map(|parts| {
+        let turned = if parts == Parts::Columns { turned(records, layout) } else { Vec::new() };
+        let rows = if parts == Parts::Columns { &turned } else { records };
+        Some((parts, find(rows, layout)?.1))
+    })
+}
+
+/// The columns of records as rows, without lines that a rule leaves out; a row has the number of its column.
+fn turned(records: &[Record], layout: &Layout) -> Vec<Record> {
+    let kept: Vec<&Record> = records.iter().filter(|record| layout.covering(record).is_none()).collect();
+    let width = kept.iter().map(|record| record.filled().len()).max().unwrap_or(0);
+    let row =
+        |place: usize| Record::new(kept.iter().map(|record| record.cell(place).clone()).collect(), place as u64 + 1);
+    (0..width).map(row).collect()
+}
+
+/// Whether the parts of a table stand in rows, by its first records.
+pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
+    orientation(records, layout).is_none_or(|(parts, _)| parts == Parts::Rows)
+}
+
+/// Finds the columns of a table by its first records, or by all of them where parts are not in rows.
+///
+/// # Errors
+/// Everything that has no owner, at once.
+pub(crate) fn found(
+    file: &File<'_>,
+    records: &[Record],
+    layout: &Arc<Layout>,
+    want: &Want,
+) -> Result<Found, Diagnostics> {
+    let parts = orientation(records, layout).map_or(Parts::Rows, |(parts, _)| parts);
+    let mut left_out = Tallies::new(layout);
+    for (rule, text) in &file.left_out {
+        left_out.add(*rule, 0, 0, text);
+    }
+    let mut open = file.open.clone();
+    let turned = (parts == Parts::Columns).then(|| turned(records, layout));
+    if turned.is_some() {
+        left_out.lines(records, layout);
+    }
+    let rows = turned.as_deref().unwrap_or(records);
+    let at = find(rows, layout).map(|(at, _)| at);
+    let (heading, is_known) = (at.unwrap_or_else(|| likely_heading(rows, layout)), at.is_some());
+    if turned.is_none() {
+        left_out.lines(&rows[..heading.min(rows.len())], layout);
+    }
+    open.extend(rows.iter().take(heading).filter_map(|record| unowned(record, layout)));
+    let units = rows.get(heading + 1).filter(|units| only_units(&units.cells).is_some());
+    let first = heading + 1 + usize::from(units.is_some());
+    let nothing = Record::default();
+    let below: Vec<Record> = rows.iter().skip(first).filter(|row| layout.covering(row).is_none()).cloned().collect();
+    let mut matched = matched(rows.get(heading).unwrap_or(&nothing), &below, layout);
+    if !is_known {
+        matched.open.insert(0, Open::NoValues { titles: matched.titles.clone() });
+    }
+    matched.open.splice(0..0, open);
+    let (columns, mark) = columns(&mut matched, units, &below, layout, want);
+    if let Some(units) = units {
+        own_units(units, &mut matched, &mut left_out);
+    }
+    left_out.headings(&matched);
+    let titles = matched.titles.clone();
+    let line = matched.line;
+    let contract = Contract::close(layout, matched).map_err(|open| refused(file.name, layout, &open))?;
+    let reading = Reading {
+        file: file.name.to_owned(),
+        format: file.format,
+        decimal_mark: mark.map(crate::table::DecimalMark::word),
+        parts_in: if parts == Parts::Columns { "columns" } else { "rows" },
+        header_line: Some(line).filter(|line| *line > 0 && parts == Parts::Rows),
+        unit_counted: "part",
+        columns: column_readings(&contract, &titles, &columns),
+        left_out: left_out.rules,
+        ..Reading::default()
+    };
+    let table = table(file, reading, Arc::new(contract), titles, columns, want);
+    Ok(Found { table, above: first, heading, turned })
+}
+
+/// Where the headings may stand, of records of which no line has any that is known: to show what has no owner.
+fn likely_heading(records: &[Record], layout: &Layout) -> usize {
+    let uncovered = || records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
+    let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
+    let likely = uncovered().find(|(_, record)| is_likely(record)).or_else(|| uncovered().next());
+    likely.map_or(0, |(at, _)| at)
+}
+
+/// A line above a table that no rule leaves out.
+fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
+    let is_open = !record.filled().is_empty() && layout.covering(record).is_none();
+    is_open.then(|| Open::Line { line: record.line, text: line_of(record) })
+}
+
+/// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it.
+fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
+    for (place, cell) in units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_empty()) {
+        match matched.owners.get(place) {
+            Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
+            Some(Some(Owner::Role(Role::Value(_)))) => {}
+            Some(Some(Owner::Role(Role::Beside(..)))) => left_out.add(left_out.beside, units.line, place, &cell.text()),
+            _ => {
+                let what = format!("line {}: `{}` is a unit of no value", units.line, cell.text());
+                matched.open.push(Open::Wrong { what, help: String::new() });
+            }
+        }
+    }
+}
+
+/// What each rule left out so far.
+pub(crate) struct Tallies {
+    pub(crate) rules: Vec<LeftOut>,
+    beside: usize,
+}
+
+impl Tallies {
+    fn new(layout: &Layout) -> Self {
+        Self { rules: layout.rules(), beside: layout.beside_values() }
+    }
+
+    pub(crate) fn add(&mut self, rule: usize, line: u64, place: usize, text: &str) {
+        let mut tallies = vec![Tally::default(); self.rules.len()];
+        tallies[rule].add(line, place, text);
+        join(&mut self.rules, &tallies);
+    }
+
+    /// The lines that rules leave out.
+    pub(crate) fn lines(&mut self, records: &[Record], layout: &Layout) {
+        for record in records {
+            if let Some(rule) = layout.covering(record) {
+                self.add(layout.rule_of_line(rule), record.line, 0, &line_of(record));
+            }
+        }
+    }
+
+    /// The headings of columns that rules leave out.
+    fn headings(&mut self, matched: &Matched) {
+        for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
+            if let Some(Owner::Rule(rule)) = owner {
+                self.add(*rule, matched.line, place, title);
+            }
+        }
+    }
+}
+
+fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -> Vec<ColumnReading> {
+    let each = contract.owners.iter().zip(titles).enumerate();
+    let read = each.filter_map(|(place, (owner, title))| match owner {
+        Owner::Role(Role::Value(_)) => {
+            let column = columns.iter().find(|column| column.place == place)?;
+            let by_key = column.unit_from == UnitFrom::Key;
+            let unit = format!("{}{}", column.unit.symbol(), if by_key { ", by its key" } else { "" });
+            Some(ColumnReading { unit: Some(unit), unit_is_assumed: false, ..column_reading_of(column) })
+        }
+        Owner::Role(Role::Beside(kind, beside @ (Beside::Upper | Beside::Lower | Beside::Uncertainty))) => {
+            Some(named_only(title, &format!("{} of {}, not judged", beside_word(*beside), kind.key())))
+        }
+        Owner::Role(role) => Some(named_only(title, &key(*role))),
+        Owner::Rule(_) | Owner::Nameless => None,
+    });
+    read.collect()
+}
+
+fn table(
+    file: &File<'_>,
+    reading: Reading,
+    contract: Arc<Contract>,
+    titles: Vec<String>,
+    columns: Vec<Column>,
+    want: &Want,
+) -> Table {
+    let id = contract.owners.iter().position(|owner| *owner == Owner::Role(Role::PartId));
+    let may_repeat = contract.may_repeat();
+    let setup = Setup::by_contract(contract, columns.clone(), titles.clone(), id, file.separator, want);
+    Table {
+        name: file.name.into(),
+        reading,
+        strangers: Vec::new(),
+        to_be_named: Vec::new(),
+        is_teeth: false,
+        has_id: id.is_some(),
+        refuses_repeats: !may_repeat,
+        header_raw: crate::table::block::line_of(titles.iter()),
+        titles,
+        columns,
+        index_field: None,
+        pinion_teeth: want.pinion_teeth,
+        encoding: Encoding::PLAIN,
+        place: Place::Line,
+        pieces: Pieces::of_setup(setup),
+    }
+}
+
+/// A table of records that are all there or follow, the first of which are these.
+///
+/// # Errors
+/// Everything that has no owner, at once.
+pub(crate) fn of_records(
+    file: &File<'_>,
+    head: Vec<Record>,
+    rest: impl Iterator<Item = Result<Record, crate::diagnostic::Diagnostic>> + Send + 'static,
+    layout: &Arc<Layout>,
+    want: &Want,
+) -> Result<Table, Diagnostics> {
+    let (mut head, mut rest) = (head, rest);
+    let is_streamed = is_in_rows(&head, layout);
+    if !is_streamed {
+        head.extend(rest.by_ref().collect::<Result<Vec<_>, _>>()?);
+    }
+    let Found { mut table, above, turned, .. } = found(file, &head, layout, want)?;
+    match turned {
+        Some(rows) => {
+            table.place = Place::Record;
+            table.titles = Vec::new();
+            table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
+        }
+        None => table.pieces.give_records(head.into_iter().skip(above).map(Ok).chain(rest), None),
+    }
+    Ok(table)
+}
+
+impl Table {
+    /// The columns that a rule leaves out: the rule, the place in the file where `places` says that, and the heading.
+    pub(crate) fn left_out_columns(&self, places: &[usize]) -> Vec<(usize, usize, String)> {
+        let left_out = self.pieces.contract().into_iter().flat_map(Contract::left_out);
+        left_out.map(|(place, rule)| (rule, places[place], self.titles[place].clone())).collect()
+    }
+}

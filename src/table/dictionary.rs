@@ -1,0 +1,171 @@
+//! What whole headings mean: one list that a reviewer can read in five minutes (`dictionary.txt`), and the keys. A heading
+//! means what its whole text says, or nothing; no part of a heading, no likeness and no order counts.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+use super::names::{Role as Beside, plain_widths};
+use crate::deviation::DeviationKind;
+use crate::quantity::Unit;
+
+/// What a column or a characteristic is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// The part's name.
+    PartId,
+    /// The measured value or the deviation of an error.
+    Value(DeviationKind),
+    /// What stands beside the value of an error in a column of its own.
+    Beside(DeviationKind, Beside),
+}
+
+/// What a heading says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Meaning {
+    pub(crate) role: Role,
+    /// Whether the values are deviations by their name.
+    pub(crate) is_deviation: bool,
+    /// Whether it is the role's key.
+    pub(crate) is_key: bool,
+}
+
+/// A heading and the unit that is split off it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Heading {
+    /// The name, as the table writes it.
+    pub(crate) name: String,
+    /// The unit, known or not.
+    pub(crate) unit: Option<String>,
+}
+
+static DICTIONARY: LazyLock<HashMap<String, Meaning>> = LazyLock::new(|| {
+    let of_key = |kind: DeviationKind| (kind.key().to_owned(), meaning(Role::Value(kind), false, true));
+    let keys =
+        DeviationKind::ALL.into_iter().map(of_key).chain([("part_id".to_owned(), meaning(Role::PartId, false, true))]);
+    let rows = rows().filter_map(|(written, headings)| {
+        let (role, is_deviation) =
+            written.trim().strip_suffix(" deviation").map_or((written.trim(), false), |role| (role, true));
+        Some(headings.split(", ").map(normal).zip(std::iter::repeat(meaning(role_of(role)?, is_deviation, false))))
+    });
+    keys.chain(rows.flatten()).collect()
+});
+
+/// The rows of the list: a role and its headings.
+fn rows() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let lines = include_str!("dictionary.txt").lines().filter(|line| !line.starts_with('#'));
+    lines.filter_map(|line| line.split_once(';'))
+}
+
+const fn meaning(role: Role, is_deviation: bool, is_key: bool) -> Meaning {
+    Meaning { role, is_deviation, is_key }
+}
+
+/// The role of a row of the list.
+fn role_of(written: &str) -> Option<Role> {
+    let value = || DeviationKind::ALL.into_iter().find(|kind| kind.key() == written).map(Role::Value);
+    Some(Role::PartId).filter(|_| written == "part_id").or_else(value)
+}
+
+/// What the name of a heading means, if its whole text is in the list or is a key.
+pub(crate) fn lookup(name: &str) -> Option<Meaning> {
+    DICTIONARY.get(&normal(name)).copied()
+}
+
+/// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
+/// or a dot at its end.
+pub(crate) fn normal(name: &str) -> String {
+    let plain: Vec<char> = plain_widths(name).to_lowercase().chars().collect();
+    let is_letter = |at: Option<usize>| at.and_then(|at| plain.get(at)).is_some_and(|c| c.is_alphabetic());
+    let joins = |at: usize| plain[at] == '-' && is_letter(at.checked_sub(1)) && is_letter(Some(at + 1));
+    let spaced = (0..plain.len()).map(|at| if joins(at) || plain[at] == '.' { ' ' } else { plain[at] });
+    let text: String = spaced.collect();
+    text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches([':', ' ']).to_owned()
+}
+
+impl Heading {
+    /// Splits the unit off a heading: what stands in square brackets at its end is one, known or not; what stands in round
+    /// ones, or behind a blank, a slash, a comma or an underscore, is one if it is known.
+    pub(crate) fn of(title: &str) -> Self {
+        let text = plain_widths(title);
+        let text = text.trim().trim_end_matches(':').trim_end();
+        let within = |open: char, close: char| text.strip_suffix(close)?.rsplit_once(open);
+        let is_known = |unit: &str| Unit::from_symbol(unit).is_some();
+        let bracketed = within('[', ']').or_else(|| within('(', ')').filter(|(_, unit)| is_known(in_words(unit))));
+        // `in` may be the word, `m` a name and `min` the least
+        let is_clear =
+            |unit: &str| is_known(unit) && !matches!(unit, "in" | "IN" | "m" | "M" | "min" | "\"" | "'" | "sec");
+        let split =
+            bracketed.or_else(|| text.rsplit_once([' ', '/', '_', ',']).filter(|(_, unit)| is_clear(unit.trim())));
+        let Some((name, unit)) = split.filter(|(name, _)| !name.trim().is_empty()) else {
+            return Self { name: text.to_owned(), unit: None };
+        };
+        let name = name.trim_end_matches([' ', ',', '/']);
+        let name = name.strip_suffix(" in").unwrap_or(name).trim_end();
+        Self { name: name.to_owned(), unit: Some(in_words(unit).to_owned()) }
+    }
+}
+
+/// `in µm` is µm.
+fn in_words(unit: &str) -> &str {
+    let unit = unit.trim();
+    unit.strip_prefix("in ").unwrap_or(unit).trim()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_headings_have_a_meaning_and_nothing_else() {
+        let role = |name: &str| lookup(name).map(|meaning| meaning.role);
+        for (name, expected) in [
+            ("part_id", Some(Role::PartId)),
+            ("Teile-Nr.:", Some(Role::PartId)),
+            ("Teil-Nr.", Some(Role::PartId)),
+            ("SERIAL NO.", Some(Role::PartId)),
+            ("Rollenmaß", Some(Role::Value(DeviationKind::RackOverRoller))),
+            ("Rack pitch error", Some(Role::Value(DeviationKind::RackPitch))),
+            ("ﾗｯｸﾋﾟｯﾁ", Some(Role::Value(DeviationKind::RackPitch))),
+            ("Istwert", None),
+            ("pitch", None),
+            ("fp", None),
+            ("Rollenmaß 2", None),
+            ("Rollenmaß links", None),
+            ("", None),
+        ] {
+            assert_eq!(role(name), expected, "{name}");
+        }
+        assert!(lookup("rack_pitch").unwrap().is_key && lookup("Rack pitch error").unwrap().is_deviation);
+    }
+
+    #[test]
+    fn the_list_has_no_heading_twice_and_stays_short() {
+        let rows: Vec<_> = rows().collect();
+        assert!(rows.iter().all(|(role, _)| role_of(role.trim().trim_end_matches(" deviation").trim()).is_some()));
+        let headings: Vec<_> = rows.iter().flat_map(|(_, headings)| headings.split(", ")).map(normal).collect();
+        let distinct: std::collections::HashSet<_> = headings.iter().collect();
+        assert_eq!(headings.len(), distinct.len());
+        assert!(rows.len() <= 60 && headings.len() <= 220, "{} rows, {} headings", rows.len(), headings.len());
+    }
+
+    #[test]
+    fn units_of_headings() {
+        for (title, name, unit) in [
+            ("Teilung [µm]", "Teilung", Some("µm")),
+            ("Teilung (µm)", "Teilung", Some("µm")),
+            ("Teilung [in µm]", "Teilung", Some("µm")),
+            ("Teilung in µm", "Teilung", Some("µm")),
+            ("Teilung, µm:", "Teilung", Some("µm")),
+            ("pitch_um", "pitch", Some("um")),
+            ("rack_pitch", "rack_pitch", None),
+            ("Temp. [°C]", "Temp.", Some("°C")),
+            ("Kraft (N)", "Kraft (N)", None),
+            ("check in", "check in", None),
+            ("mm", "mm", None),
+            ("[mm]", "[mm]", None),
+            ("", "", None),
+        ] {
+            assert_eq!(Heading::of(title), Heading { name: name.to_owned(), unit: unit.map(str::to_owned) }, "{title}");
+        }
+    }
+}

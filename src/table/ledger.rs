@@ -1,0 +1,162 @@
+//! Who owns each cell. A cell is owned by what reads it: a role, or a rule that a person wrote or a format that says so. What
+//! nobody has read is not owned, and a row with such a cell is rejected, a table with such a column refused.
+
+use std::cell::Cell as Shared;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+use twox_hash::XxHash64;
+
+use super::cell::{Cell, Record};
+use crate::quantity::shown;
+
+/// How many texts of each rule are shown.
+const SHOWN: usize = 3;
+
+/// What a rule left out.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// How many cells or lines that are not blank.
+    pub count: u64,
+    /// The first texts.
+    pub first: Vec<String>,
+    /// A digest of all texts with their places, whatever their order.
+    #[serde(serialize_with = "in_hexadecimal")]
+    pub digest: u64,
+}
+
+/// A rule that a person wrote, or that a format has, and what it left out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// The rule, as it is written.
+    pub rule: String,
+    #[serde(flatten)]
+    pub(crate) tally: Tally,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references on")]
+fn in_hexadecimal<S: Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&format_args!("{digest:016x}"))
+}
+
+impl Tally {
+    /// Takes a text that stands at a line and a place of it; a blank one is nothing.
+    pub(crate) fn add(&mut self, line: u64, place: usize, text: &str) {
+        if !text.is_empty() {
+            self.count += 1;
+            self.digest = self.digest.wrapping_add(digest(line, place, text.as_bytes()));
+            if self.first.len() < SHOWN {
+                self.first.push(text.to_owned());
+            }
+        }
+    }
+
+    /// Takes what follows.
+    pub(crate) fn join(&mut self, next: &Self) {
+        self.count += next.count;
+        self.digest = self.digest.wrapping_add(next.digest);
+        let room = SHOWN - self.first.len();
+        self.first.extend(next.first.iter().take(room).cloned());
+    }
+}
+
+/// `` `Temp*` 12 cells (20,1, 20,2, 20,2, …) 1a2b3c4d ``
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Tally { count, first, digest } = &self.tally;
+        let texts: Vec<_> = first.iter().map(|text| shown(text)).collect();
+        let more = if *count > SHOWN as u64 { ", …" } else { "" };
+        match count {
+            0 => write!(f, "{} nothing", self.rule),
+            1 => write!(f, "{} 1 text ({}) {:08x}", self.rule, texts.concat(), digest >> 32),
+            count => write!(f, "{} {count} texts ({}{more}) {:08x}", self.rule, texts.join(", "), digest >> 32),
+        }
+    }
+}
+
+/// Adds what each rule left out in more of a table.
+pub(crate) fn join(left_out: &mut [LeftOut], next: &[Tally]) {
+    left_out.iter_mut().zip(next).for_each(|(rule, next)| rule.tally.join(next));
+}
+
+/// The digest of a text at its place.
+pub(crate) fn digest(line: u64, place: usize, text: &[u8]) -> u64 {
+    /// Lines have their digests apart, however many cells they have.
+    const PLACES: u64 = 1 << 32;
+    XxHash64::oneshot(line.wrapping_mul(PLACES).wrapping_add(place as u64), text)
+}
+
+/// The cells of one record, each of which is owned by what reads it.
+pub(crate) struct RowLedger<'r> {
+    record: &'r Record,
+    is_read: Vec<Shared<bool>>,
+}
+
+/// A cell that nobody has read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Unowned<'r> {
+    pub(crate) place: usize,
+    pub(crate) cell: &'r Cell,
+}
+
+impl<'r> RowLedger<'r> {
+    /// Of a record of which nothing is read.
+    pub(crate) fn new(record: &'r Record) -> Self {
+        Self { record, is_read: vec![Shared::new(false); record.cells.len()] }
+    }
+
+    /// Reads the cell at a place, whose owner is the caller from now on.
+    pub(crate) fn read(&self, place: usize) -> &'r Cell {
+        if let Some(is_read) = self.is_read.get(place) {
+            is_read.set(true);
+        }
+        self.record.cell(place)
+    }
+
+    /// Whether every cell that is not blank was read.
+    ///
+    /// # Errors
+    /// The first that was not.
+    pub(crate) fn close(self) -> Result<(), Unowned<'r>> {
+        let cells = self.record.cells.iter().zip(self.is_read).enumerate();
+        let mut unread = cells.filter(|(_, (cell, is_read))| !is_read.get() && !cell.is_empty());
+        unread.next().map_or(Ok(()), |(place, (cell, _))| Err(Unowned { place, cell }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_nobody_reads_is_not_owned() {
+        let cell = |text: &str| Cell::of_text(text, 0..0);
+        let record = Record::new(vec![cell("P1"), cell(""), cell("25,011"), cell("412")], 2);
+        let ledger = RowLedger::new(&record);
+        assert_eq!(ledger.read(0).text(), "P1");
+        assert!(ledger.read(7).is_empty());
+        ledger.read(2);
+        assert_eq!(ledger.close().unwrap_err().place, 3);
+    }
+
+    #[test]
+    fn digests_tell_texts_and_places() {
+        let tally = |texts: &[(u64, &str)]| {
+            let mut tally = Tally::default();
+            for (line, text) in texts {
+                tally.add(*line, 1, text);
+            }
+            tally
+        };
+        let both = tally(&[(1, "20,1"), (2, "20,2"), (3, "")]);
+        assert_eq!(both.count, 2);
+        let mut joined = tally(&[(1, "20,1")]);
+        joined.join(&tally(&[(2, "20,2")]));
+        assert_eq!(joined, both);
+        for other in [tally(&[(1, "20,2"), (2, "20,1")]), tally(&[(1, "20,1"), (2, "20,3")]), tally(&[(1, "20,1")])] {
+            assert_ne!(other.digest, both.digest);
+        }
+        let told = LeftOut { rule: "`Temp*`".to_owned(), tally: tally(&[(1, "20,1")]) };
+        assert_eq!(told.to_string(), "`Temp*` 1 text (20,1) 5d69b1d7");
+    }
+}

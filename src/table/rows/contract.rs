@@ -1,0 +1,130 @@
+//! Rows of a closed table: each cell is owned by what reads it, and a row with any other cell is rejected.
+
+use super::super::block::{Block, Contradiction, Span};
+use super::super::cell::{Cell, Record};
+use super::super::contract::{Contract, Owner, line_of};
+use super::super::ledger::RowLedger;
+use super::super::reading::AsideReading;
+use super::contradiction::contradiction;
+use super::{Column, PlainField, Problem, Rows, put, start, swallowed};
+use crate::deviation::DeviationValue;
+use crate::quantity::shown;
+use crate::table::companions::Companions;
+
+impl Contract {
+    /// Tells who owns the fields of a line of plain numbers.
+    pub(super) fn plain_fields(&self, fields: &mut [PlainField]) {
+        for (field, owner) in fields.iter_mut().zip(&self.owners) {
+            match (&field, owner) {
+                (PlainField::Skipped, Owner::Rule(rule)) => *field = PlainField::LeftOut(*rule),
+                (PlainField::Skipped, Owner::Nameless) => *field = PlainField::Nameless,
+                _ => {}
+            }
+        }
+    }
+
+    /// The first line that a rule leaves out, that could be a part, and that is one more than the rule says.
+    pub(super) fn too_many(&self, doubtful: &[(usize, u64)]) -> Option<Contradiction> {
+        let is_beyond = |(at, (rule, _)): &(usize, &(usize, u64))| {
+            let before = doubtful[..*at].iter().filter(|(other, _)| other == rule).count() as u64;
+            before >= self.at_most(*rule)
+        };
+        let (_, (rule, line)) = doubtful.iter().enumerate().find(is_beyond)?;
+        let most = self.at_most(*rule);
+        Some(Contradiction {
+            line: *line,
+            column: String::new(),
+            message: format!("a rule leaves out a line that could be a part, and {most} of them at most"),
+            help: "say how many such lines there may be: ignore_lines = [{ like = \"…\", at_most = 1 }]",
+        })
+    }
+}
+
+impl Rows {
+    /// A record of a closed table: a part, a line that a rule leaves out, the heading again, or a row that is rejected.
+    pub(super) fn owned_row(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
+        if record.cells.iter().all(Cell::is_empty) {
+            block.blank_lines += 1;
+            return;
+        }
+        if let Some(rule) = contract.covering(record) {
+            if self.could_be_part(record) {
+                block.doubtful.push((rule, record.line));
+            }
+            return no_part(contract.rule_of_line(rule), record, block);
+        }
+        if contract.is_heading(record) {
+            return no_part(contract.repeated_headings(), record, block);
+        }
+        if contract.is_other_heading(record) {
+            let message = format!("another heading stands here: {}", record.in_words());
+            let found = contradiction(record, None, message, "give tables with other columns one by one");
+            block.contradiction.get_or_insert(found);
+            return;
+        }
+        self.part(contract, record, raw, block);
+    }
+
+    /// Whether a line has a value that can be read in every column of values.
+    fn could_be_part(&self, record: &Record) -> bool {
+        let has_value =
+            |column: &Column| matches!(column.value(record.cell(column.place), column.beside_in(record)), Ok(Some(_)));
+        self.setup.columns.iter().all(has_value)
+    }
+
+    /// A row that is a part, or rejected.
+    pub(super) fn part(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
+        let ledger = RowLedger::new(record);
+        let name = self.setup.id.map(|place| ledger.read(place));
+        let read = |column: &Column| -> Result<Option<DeviationValue>, Problem> {
+            let beside: Companions<&Cell> = column.beside.map(|companion| Some(ledger.read(companion.place)));
+            column.value(ledger.read(column.place), beside)
+        };
+        let values: Vec<_> = self.setup.columns.iter().map(|column| (column, read(column))).collect();
+        for column in &self.setup.columns {
+            for companion in column.beside.iter() {
+                let text = record.cell(companion.place).text();
+                block.tally(contract.beside_values()).add(record.line, companion.place, &text);
+            }
+        }
+        for (place, rule) in contract.left_out() {
+            block.tally(rule).add(record.line, place, &ledger.read(place).text());
+        }
+        let surplus = ledger.close().err().map(|unowned| {
+            format!("`{}` stands in column {}, which has no heading", shown(&unowned.cell.text()), unowned.place + 1)
+        });
+        let wrong = swallowed(record, self.setup.separator)
+            .map(|line| format!("a cell holds a line break and then `{line}`: a quote may be missing"))
+            .or(surplus)
+            .or_else(|| name.and_then(Contract::no_name));
+        if let Some(message) = wrong {
+            return self.refuse(record.line, raw, block, &record.in_words(), message);
+        }
+        start(record.line, raw, block);
+        if let Some(name) = name {
+            let name = block.append(name.text().as_bytes());
+            block.names.push(name);
+        }
+        for place in &self.wanted.copied {
+            let copied = block.append(record.cell(*place).text().as_bytes());
+            block.copied.push(copied);
+        }
+        for (number, (column, value)) in values.into_iter().enumerate() {
+            put(block, number, column, record.cell(column.place), value.map_err(rejected));
+        }
+    }
+}
+
+/// Takes a line that is no part.
+fn no_part(rule: usize, record: &Record, block: &mut Block) {
+    block.tally(rule).add(record.line, 0, &line_of(record));
+    block.asides.push(AsideReading { line: record.line, text: record.in_words() });
+}
+
+/// A cell with another decimal mark rejects its row, and nothing else.
+fn rejected(problem: Problem) -> Problem {
+    match problem {
+        Problem::Mark { what, .. } => Problem::Bad(what),
+        other => other,
+    }
+}

@@ -1,0 +1,136 @@
+//! Workbooks, Parquet files and stored columns that are read by a contract.
+
+use std::sync::Arc;
+
+use super::{HEAD, head_records};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::shown;
+use crate::table::Table;
+use crate::table::contract::{File, Found, Open, found, of_records, refused};
+use crate::table::layout::Layout;
+use crate::table::ledger::{Tally, digest};
+use crate::table::parquet::{ParquetTable, Unread};
+use crate::table::pieces::Place;
+use crate::table::stored::Stored;
+use crate::table::want::Want;
+use crate::table::workbook::{Shown, Workbook};
+
+/// The table of a workbook: of the sheet that is named, or of the only one with cells.
+pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) -> Result<Table, Diagnostics> {
+    let all = book.sheets();
+    let mut filled = Vec::new();
+    for name in book.candidates(want.sheet.as_deref())? {
+        if !book.head(&name, want.range, 1)?.is_empty() {
+            filled.push(name);
+        }
+    }
+    let sheet = match filled.as_slice() {
+        [] => return Err(Diagnostic::error(Code::BadTable, "no sheet of the workbook has cells").into()),
+        [sheet] => sheet.clone(),
+        _ => return Err(refused(&book.called(""), layout, &[Open::Sheets { names: filled }])),
+    };
+    let head = book.head(&sheet, want.range, HEAD)?;
+    let records = book.records(&sheet, want.range);
+    let name = records.name.clone();
+    let mut file = File::new(&name, "workbook");
+    for comment in &records.comments {
+        let text = comment.text.lines().collect::<Vec<_>>().join(" ");
+        match layout.comments.iter().position(|rule| rule.fits(&text)) {
+            Some(rule) => file.left_out.push((layout.rule_of_comment(rule), format!("{}: {text}", comment.place))),
+            None => file.open.push(Open::Comment { place: comment.place.clone(), text }),
+        }
+    }
+    let others = all.into_iter().filter(|other| *other != sheet);
+    file.left_out.extend(others.map(|other| (layout.other_sheets(), other)));
+    let mut table = of_records(&file, head.clone(), records.records.skip(head.len()), layout, want)?;
+    if let Some(problem) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &table)) {
+        return Err(problem.into());
+    }
+    table.place = if table.reading.parts_in == "columns" { Place::Record } else { Place::SheetRow };
+    table.reading.notes.extend(records.hidden.map(|hidden| format!("{name}: read like the others: {hidden}")));
+    Ok(table)
+}
+
+/// The refusal of numbers in a column that is read, or names of parts, that their format strikes through or shows with something
+/// else than their unit.
+fn shown_otherwise(name: &str, shown: &Shown, table: &Table) -> Option<Diagnostic> {
+    let in_rows = table.reading.parts_in == "rows";
+    let mut columns = table.columns.iter().filter(|column| !in_rows || column.place == shown.column);
+    let text = &shown.style.text;
+    let is_other = |unit: &str| !text.is_empty() && text.trim() != unit;
+    let column = columns.find(|column| shown.style.is_struck_through || is_other(column.unit.symbol()))?;
+    let how = if shown.style.is_struck_through {
+        "struck through".to_owned()
+    } else {
+        format!("shown with `{}`", crate::quantity::shown(text))
+    };
+    let message = format!("{name}, row {}: a cell of `{}` is {how} by its format", shown.row, column.title);
+    let help = "show its numbers plainly, or leave the row out of the table";
+    Some(Diagnostic::error(Code::BadTable, message).help(help))
+}
+
+/// The table of a Parquet file. Columns that a rule leaves out are not unpacked: their stored bytes make the digest.
+pub(super) fn parquet(
+    name: &str,
+    mut file: ParquetTable,
+    layout: &Arc<Layout>,
+    want: &Want,
+) -> Result<Table, Diagnostics> {
+    file.check()?;
+    let mut of = File::new(name, "Parquet");
+    let mut unread = Vec::new();
+    for (place, column) in file.columns.iter().enumerate() {
+        let Err(why) = &column.leaf else { continue };
+        let rule =
+            [true, false].into_iter().find_map(|exactly| layout.ignores(&column.name, &column.name, place, exactly));
+        if let Some(rule) = rule.or_else(|| layout.ignores_others.then(|| layout.others())) {
+            unread.push((rule, place, column.name.clone()));
+        } else {
+            let (Unread::Type(why) | Unread::Packing(why)) = why;
+            of.open.push(Open::Column { place, title: column.name.clone(), first: vec![format!("it is {why}")] });
+        }
+    }
+    let of_fields = file.has_units_of_fields().then(|| "units of fields in the schema".to_owned());
+    for text in file.remarks().map(|(key, value)| format!("{key}: {value}")).chain(of_fields) {
+        match layout.comments.iter().position(|rule| rule.fits(&text)) {
+            Some(rule) => of.left_out.push((layout.rule_of_comment(rule), text)),
+            None => of.open.push(Open::Comment { place: "metadata".to_owned(), text: shown(&text) }),
+        }
+    }
+    let places: Vec<usize> = (0..file.columns.len()).filter(|place| file.columns[*place].is_read()).collect();
+    let titles: Vec<String> = places.iter().map(|place| file.columns[*place].name.clone()).collect();
+    let head = file.next(&vec![true; titles.len()], HEAD)?.map_or_else(Vec::new, |head| head.columns);
+    file.rewind();
+    let Found { mut table, turned, .. } = found(&of, &head_records(&titles, &head), layout, want)?;
+    if turned.is_some() {
+        let message = format!("{name}: the parts of a Parquet file are its rows");
+        return Err(Diagnostic::error(Code::BadTable, message).into());
+    }
+    for (rule, place, title) in unread.into_iter().chain(table.left_out_columns(&places)) {
+        let stored = file
+            .stored_bytes(place)
+            .iter()
+            .zip(0..)
+            .fold(0, |sum: u64, (bytes, group)| sum.wrapping_add(digest(group, place, bytes)));
+        let tally = Tally { count: 1, first: vec![title], digest: stored };
+        table.reading.left_out[rule].tally.join(&tally);
+    }
+    table.reading.header_line = None;
+    table.place = Place::Record;
+    table.pieces.give_file(file);
+    Ok(table)
+}
+
+/// A table of stored columns, of which these are the first rows.
+pub(super) fn stored(
+    name: &str,
+    format: &'static str,
+    titles: &[String],
+    head: &[Option<Stored<'_>>],
+    (layout, want): (&Arc<Layout>, &Want),
+) -> Result<Table, Diagnostics> {
+    let Found { mut table, .. } = found(&File::new(name, format), &head_records(titles, head), layout, want)?;
+    table.reading.header_line = None;
+    table.place = Place::Record;
+    Ok(table)
+}
