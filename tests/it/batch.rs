@@ -202,7 +202,7 @@ fn what_a_message_shows_of_a_field_is_short_and_as_written() {
     let messages = text(&output.stderr);
     assert!(messages.len() < 1500 && !messages.contains(escape), "{messages}");
     assert!(messages.contains(&format!("`{}…` is not a number", &long[..60])), "{messages}");
-    assert!(messages.contains("`\\u{1b}[31m7` is not a number with a decimal comma\n"), "{messages}");
+    assert!(messages.contains("`\\u001b[31m7` is not a number with a decimal comma\n"), "{messages}");
     let comma = batch(&[SPEC, "--decimal", "comma"], b"part_id;over_roller;dp\nA;25,01;0\nB;1,2,3;0\n");
     let messages = text(&comma.stderr);
     assert!(messages.contains("`1,2,3` is not a number with a decimal comma\n"), "{messages}");
@@ -255,7 +255,7 @@ fn a_field_of_100_mb_is_refused_in_little_memory() {
     let output = child.wait_with_output().expect("the program ends");
     assert!(text(&output.stderr).contains("the row is longer than 256 KiB"), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("5 rows: 3 pass, 1 fail, 1 rejected"), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,0.000000,0.000000,pass,\n"));
+    assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,,,pass,\n"));
     // what the program holds in the middle of the field; the pages of its own file are larger in a test build
     if let Some(held) = status.lines().find_map(|line| line.strip_prefix("RssAnon:")) {
         let kib: u64 = held.trim().trim_end_matches(" kB").parse().expect("a number");

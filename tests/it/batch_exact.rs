@@ -334,8 +334,9 @@ fn uncertain_by_eval(values: &[String; 5], stack: Stack, rule: &Rule) -> Vec<(St
     for (kind, linear) in &propagation.errors {
         add(&format!("delta_cd_{}", kind.key()), linear);
     }
-    add(&format!("{}_lower", stack.name()), &propagation.lower);
-    add(&format!("{}_upper", stack.name()), &propagation.upper);
+    // without anything that scatters the worst case is judged
+    add(&format!("{}_lower", evaluation.stack.name()), &propagation.lower);
+    add(&format!("{}_upper", evaluation.stack.name()), &propagation.upper);
     row.push(("linear".to_owned(), propagation.upper.folded.is_empty().to_string()));
     for check in &evaluation.limits {
         // unknown of correlated values near 0
