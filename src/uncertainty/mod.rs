@@ -18,6 +18,7 @@ pub use crate::formula::Influence;
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use distribution::{Distribution, Uncertainty};
 pub use inputs::{Uncertainties, UncertaintyError};
+#[cfg(feature = "spec")]
 pub(crate) use propagation::WITHIN;
 pub use propagation::{Point, Propagator, UncertainPart, propagate};
 pub use result::{EndWeights, InputContribution, Linear, Propagation, Spread, Spreads};
