@@ -85,7 +85,7 @@ impl Mesh {
         Ok(curve)
     }
 
-    /// The same curve in pieces of some [`PIECE`] first steps, in rising order; each begins behind the last point of the
+    /// The same curve in pieces of some `PIECE` first steps, in rising order; each begins behind the last point of the
     /// one before. Memory does not depend on how long the stroke is.
     ///
     /// # Errors
