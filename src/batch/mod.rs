@@ -44,7 +44,7 @@
 //! let (outcome, _) = batch.finish();
 //! assert_eq!((outcome.counts.pass, outcome.counts.fail), (1, 1));
 //! let rows = String::from_utf8(rows).expect("CSV is text");
-//! assert_eq!(rows.lines().nth(1), Some("P1,0.013100,0.013100,0.013100,0.013100,0.013100,pass,"));
+//! assert_eq!(rows.lines().nth(1), Some("P1,0.013100,0.013100,0.013100,,,pass,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
