@@ -4,8 +4,7 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::names::{Role as Beside, plain_widths};
-use crate::deviation::DeviationKind;
+use super::names::{Field, Role as Beside, plain_widths};
 use crate::quantity::Unit;
 
 /// What a column or a characteristic is.
@@ -13,10 +12,14 @@ use crate::quantity::Unit;
 pub(crate) enum Role {
     /// The part's name.
     PartId,
-    /// The measured value or the deviation of an error.
-    Value(DeviationKind),
-    /// What stands beside the value of an error in a column of its own.
-    Beside(DeviationKind, Beside),
+    /// The measured value or the deviation of an error, or of a space or tooth.
+    Value(Field),
+    /// What stands beside such a value in a column of its own.
+    Beside(Field, Beside),
+    /// The number of a space or tooth.
+    Index(Field),
+    /// What it is of the characteristic that its row names.
+    Of(Beside),
 }
 
 /// What a heading says.
@@ -38,16 +41,25 @@ pub(crate) struct Heading {
     pub(crate) unit: Option<String>,
 }
 
-static DICTIONARY: LazyLock<HashMap<String, Meaning>> = LazyLock::new(|| {
-    let of_key = |kind: DeviationKind| (kind.key().to_owned(), meaning(Role::Value(kind), false, true));
-    let keys =
-        DeviationKind::ALL.into_iter().map(of_key).chain([("part_id".to_owned(), meaning(Role::PartId, false, true))]);
-    let rows = rows().filter_map(|(written, headings)| {
-        let (role, is_deviation) =
-            written.trim().strip_suffix(" deviation").map_or((written.trim(), false), |role| (role, true));
-        Some(headings.split(", ").map(normal).zip(std::iter::repeat(meaning(role_of(role)?, is_deviation, false))))
-    });
-    keys.chain(rows.flatten()).collect()
+/// What the headings of a table are looked up for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Form {
+    /// Values of parts: headings of columns, or names of characteristics.
+    Parts,
+    /// Values of spaces or teeth.
+    Teeth,
+    /// The columns of a table with a row per characteristic.
+    Characteristics,
+}
+
+static DICTIONARY: LazyLock<HashMap<(Form, String), Meaning>> = LazyLock::new(|| {
+    let mut found = HashMap::new();
+    for (written, headings) in rows() {
+        let Some((form, role, is_deviation)) = role_of(written) else { continue };
+        found.extend(headings.split(", ").map(|name| ((form, normal(name)), meaning(role, is_deviation, false))));
+    }
+    found.extend(keys());
+    found
 });
 
 /// The rows of the list: a role and its headings.
@@ -56,19 +68,50 @@ fn rows() -> impl Iterator<Item = (&'static str, &'static str)> {
     lines.filter_map(|line| line.split_once(';'))
 }
 
+/// The keys, which are headings of their own.
+fn keys() -> impl Iterator<Item = ((Form, String), Meaning)> {
+    Field::ALL.into_iter().flat_map(|field| {
+        let (form, role) = match field {
+            Field::PartId => (Form::Parts, Role::PartId),
+            Field::Error(_) => (Form::Parts, Role::Value(field)),
+            _ if field.is_index() => (Form::Teeth, Role::Index(field)),
+            _ => (Form::Teeth, Role::Value(field)),
+        };
+        let own = ((form, field.key().to_owned()), meaning(role, field.is_deviation(), true));
+        let of_tooth = form == Form::Teeth && !field.is_index();
+        let deviation = of_tooth.then(|| ((form, format!("{}_deviation", field.key())), meaning(role, true, true)));
+        std::iter::once(own).chain(deviation)
+    })
+}
+
 const fn meaning(role: Role, is_deviation: bool, is_key: bool) -> Meaning {
     Meaning { role, is_deviation, is_key }
 }
 
-/// The role of a row of the list.
-fn role_of(written: &str) -> Option<Role> {
-    let value = || DeviationKind::ALL.into_iter().find(|kind| kind.key() == written).map(Role::Value);
-    Some(Role::PartId).filter(|_| written == "part_id").or_else(value)
+/// What a row of the list is of, its role, and whether its values are deviations.
+fn role_of(written: &str) -> Option<(Form, Role, bool)> {
+    let (name, is_deviation) =
+        written.trim().strip_suffix(" deviation").map_or((written.trim(), false), |name| (name, true));
+    if let Some(beside) = name.strip_prefix("characteristic ") {
+        return Some((Form::Characteristics, Role::Of(Beside::of_key(beside)?), false));
+    }
+    let field: Field = name.parse().ok()?;
+    Some(match field {
+        Field::PartId => (Form::Parts, Role::PartId, false),
+        Field::Error(_) => (Form::Parts, Role::Value(field), is_deviation),
+        _ if field.is_index() => (Form::Teeth, Role::Index(field), false),
+        _ => (Form::Teeth, Role::Value(field), is_deviation || field.is_deviation()),
+    })
 }
 
-/// What the name of a heading means, if its whole text is in the list or is a key.
-pub(crate) fn lookup(name: &str) -> Option<Meaning> {
-    DICTIONARY.get(&normal(name)).copied()
+/// What the name of a heading means, if its whole text is in the list or is a key; an underscore is a blank. What names parts and
+/// their errors does so in any table.
+pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
+    let normal = normal(name);
+    let apart = normal.replace('_', " ");
+    let of = |form: Form| [&normal, &apart].into_iter().find_map(|name| DICTIONARY.get(&(form, name.clone())).copied());
+    let of_parts = || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
+    of(form).or_else(of_parts)
 }
 
 /// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
@@ -114,18 +157,19 @@ fn in_words(unit: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::DeviationKind;
 
     #[test]
     fn whole_headings_have_a_meaning_and_nothing_else() {
-        let role = |name: &str| lookup(name).map(|meaning| meaning.role);
+        let role = |name: &str| lookup(Form::Parts, name).map(|meaning| meaning.role);
         for (name, expected) in [
             ("part_id", Some(Role::PartId)),
             ("Teile-Nr.:", Some(Role::PartId)),
             ("Teil-Nr.", Some(Role::PartId)),
             ("SERIAL NO.", Some(Role::PartId)),
-            ("Rollenmaß", Some(Role::Value(DeviationKind::RackOverRoller))),
-            ("Rack pitch error", Some(Role::Value(DeviationKind::RackPitch))),
-            ("ﾗｯｸﾋﾟｯﾁ", Some(Role::Value(DeviationKind::RackPitch))),
+            ("Rollenmaß", Some(Role::Value(Field::Error(DeviationKind::RackOverRoller)))),
+            ("Rack pitch error", Some(Role::Value(Field::Error(DeviationKind::RackPitch)))),
+            ("ﾗｯｸﾋﾟｯﾁ", Some(Role::Value(Field::Error(DeviationKind::RackPitch)))),
             ("Istwert", None),
             ("pitch", None),
             ("fp", None),
@@ -135,17 +179,25 @@ mod tests {
         ] {
             assert_eq!(role(name), expected, "{name}");
         }
-        assert!(lookup("rack_pitch").unwrap().is_key && lookup("Rack pitch error").unwrap().is_deviation);
+        assert!(
+            lookup(Form::Parts, "rack_pitch").unwrap().is_key
+                && lookup(Form::Parts, "Rack pitch error").unwrap().is_deviation
+        );
     }
 
     #[test]
     fn the_list_has_no_heading_twice_and_stays_short() {
         let rows: Vec<_> = rows().collect();
-        assert!(rows.iter().all(|(role, _)| role_of(role.trim().trim_end_matches(" deviation").trim()).is_some()));
-        let headings: Vec<_> = rows.iter().flat_map(|(_, headings)| headings.split(", ")).map(normal).collect();
+        let headings: Vec<_> = rows
+            .iter()
+            .flat_map(|(role, headings)| {
+                let form = role_of(role).unwrap_or_else(|| panic!("{role}")).0;
+                headings.split(", ").map(move |name| (form, normal(name)))
+            })
+            .collect();
         let distinct: std::collections::HashSet<_> = headings.iter().collect();
         assert_eq!(headings.len(), distinct.len());
-        assert!(rows.len() <= 60 && headings.len() <= 220, "{} rows, {} headings", rows.len(), headings.len());
+        assert!(rows.len() <= 60 && headings.len() <= 300, "{} rows, {} headings", rows.len(), headings.len());
     }
 
     #[test]

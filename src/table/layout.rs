@@ -2,10 +2,9 @@
 //! layout of its own and by options; obeyed by the reader.
 
 use super::dictionary::Role;
-use super::names::Role as Beside;
+use super::names::{Field, Role as Beside};
 use super::number::DecimalMark;
 use super::pattern::Pattern;
-use crate::deviation::DeviationKind;
 
 /// Where the values of a part stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,8 +27,8 @@ pub struct LineRule {
 /// The columns of an error, by their headings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeclaredColumn {
-    /// The error.
-    pub kind: DeviationKind,
+    /// The error, or the size of a space or tooth.
+    pub field: Field,
     /// What the column of its values is called; `None` if the dictionary finds it.
     pub name: Option<String>,
     /// What the columns beside it are called, with what they hold.
@@ -64,16 +63,10 @@ pub struct Layout {
 impl DeclaredColumn {
     /// The columns of an error; those beside that of its values by the keys of a spec.
     #[must_use]
-    pub fn new(kind: DeviationKind, name: Option<String>, beside: Vec<(&'static str, String)>) -> Self {
-        let role = |key| match key {
-            "nominal" => Beside::Nominal,
-            "deviation" => Beside::Deviation,
-            "upper" => Beside::Upper,
-            "lower" => Beside::Lower,
-            "uncertainty" => Beside::Uncertainty,
-            _ => Beside::Unit,
-        };
-        Self { kind, name, beside: beside.into_iter().map(|(key, name)| (role(key), name)).collect() }
+    pub fn new(field: impl Into<Field>, name: Option<String>, beside: Vec<(&'static str, String)>) -> Self {
+        let role = |key| if key == "units" { Beside::Unit } else { Beside::of_key(key).unwrap_or(Beside::Unit) };
+        let beside = beside.into_iter().map(|(key, name)| (role(key), name)).collect();
+        Self { field: field.into(), name, beside }
     }
 }
 
@@ -85,9 +78,9 @@ impl Layout {
             return Some(Role::PartId);
         }
         self.columns.iter().find_map(|column| {
-            let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.kind));
+            let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.field));
             let beside = || column.beside.iter().find(|(_, name)| is_called(name));
-            own.or_else(|| beside().map(|(beside, _)| Role::Beside(column.kind, *beside)))
+            own.or_else(|| beside().map(|(beside, _)| Role::Beside(column.field, *beside)))
         })
     }
 
@@ -95,17 +88,17 @@ impl Layout {
     pub(crate) fn names(&self, role: Role) -> bool {
         match role {
             Role::PartId => self.part_id.is_some(),
-            Role::Value(kind) => self.columns.iter().any(|column| column.kind == kind && column.name.is_some()),
-            Role::Beside(..) => false,
+            Role::Value(field) => self.columns.iter().any(|column| column.field == field && column.name.is_some()),
+            Role::Beside(..) | Role::Index(_) | Role::Of(_) => false,
         }
     }
 
     /// The headings that the contract names and a table must have.
     pub(crate) fn promised(&self) -> impl Iterator<Item = (Role, &str)> {
         let columns = self.columns.iter().flat_map(|column| {
-            let own = column.name.as_deref().map(|name| (Role::Value(column.kind), name));
+            let own = column.name.as_deref().map(|name| (Role::Value(column.field), name));
             own.into_iter()
-                .chain(column.beside.iter().map(|(beside, name)| (Role::Beside(column.kind, *beside), name.as_str())))
+                .chain(column.beside.iter().map(|(beside, name)| (Role::Beside(column.field, *beside), name.as_str())))
         });
         self.part_id.as_deref().map(|name| (Role::PartId, name)).into_iter().chain(columns)
     }

@@ -2,8 +2,8 @@
 
 use super::nominal::near;
 use super::{Column, Companion, Nominal, Problem, Stated, UnitFrom, evaluated, unit_of};
+use crate::deviation::DeviationValue;
 use crate::deviation::plausible::Reach;
-use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Unit, shown};
 use crate::table::cell::{Cell, Content};
@@ -15,7 +15,8 @@ use crate::table::want::Want;
 /// What is known of a column.
 #[derive(Debug, Clone)]
 pub(crate) struct Declared {
-    pub(crate) kind: DeviationKind,
+    /// The error, or the size of a space or tooth.
+    pub(crate) field: Field,
     pub(crate) title: String,
     pub(crate) place: usize,
     pub(crate) unit: Unit,
@@ -34,7 +35,8 @@ impl Column {
     /// # Errors
     /// A nominal value that is missing, or contradicts what the column holds.
     pub(crate) fn declared(of: &Declared, want: &Want) -> Result<Self, Diagnostics> {
-        let given = want.given(of.kind);
+        let kind = if let Field::Error(kind) = of.field { Some(kind) } else { None };
+        let given = kind.and_then(|kind| want.given(kind));
         let holds = given.and_then(|given| given.holds);
         if of.is_deviation && holds == Some(ValueKind::Measured) {
             let message = format!("`{}` holds deviations by its name, and measured values by the spec", of.title);
@@ -45,8 +47,8 @@ impl Column {
             beside.set(*role, Some(Companion { place: *place, unit: unit.unwrap_or(of.unit) }));
         }
         let mut column = Self {
-            field: Field::Error(of.kind),
-            kind: Some(of.kind),
+            field: of.field,
+            kind,
             title: of.title.clone(),
             place: of.place,
             unit: of.unit,

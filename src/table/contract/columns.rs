@@ -4,12 +4,11 @@
 use super::heading::{Matched, key};
 use super::open::Open;
 use super::owner::Owner;
-use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostics;
 use crate::quantity::{AngleUnit, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::column::{Column, Declared, UnitFrom, unit_of};
-use crate::table::dictionary::{Role, lookup};
+use crate::table::dictionary::{Form, Role, lookup};
 use crate::table::layout::Layout;
 use crate::table::names::{Field, Role as Beside};
 use crate::table::number::DecimalMark;
@@ -25,8 +24,8 @@ pub(crate) fn columns(
 ) -> (Vec<Column>, Option<DecimalMark>) {
     let mut declared = Vec::new();
     for place in 0..matched.owners.len() {
-        let Some(Owner::Role(Role::Value(kind))) = matched.owners[place] else { continue };
-        declared.extend(one(matched, place, kind, units, rows, want));
+        let Some(Owner::Role(Role::Value(field))) = matched.owners[place] else { continue };
+        declared.extend(one(matched, place, field, units, rows, want));
     }
     let with = |mark: Option<DecimalMark>| -> Result<Vec<Column>, Diagnostics> {
         let each = declared.iter().map(|declared| Column::declared(&Declared { mark, ..declared.clone() }, want));
@@ -60,15 +59,15 @@ fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
 fn one(
     matched: &mut Matched,
     place: usize,
-    kind: DeviationKind,
+    field: Field,
     units: Option<&Record>,
     rows: &[Record],
     want: &Want,
 ) -> Option<Declared> {
     let (title, name) = (matched.titles[place].clone(), matched.headings[place].name.clone());
-    let meaning = lookup(&name).filter(|meaning| meaning.role == Role::Value(kind));
-    let is_angle = Field::Error(kind).is_angle();
-    let beside = beside(matched, kind, is_angle);
+    let meaning = lookup(Form::Parts, &name).filter(|meaning| meaning.role == Role::Value(field));
+    let is_angle = field.is_angle();
+    let beside = beside(matched, field, is_angle);
     let of_row = units.map(|units| units.cell(place).text().into_owned()).filter(|unit| !unit.is_empty());
     let mut said = Vec::new();
     for symbol in matched.headings[place].unit.clone().into_iter().chain(of_row) {
@@ -80,7 +79,7 @@ fn one(
         };
         said.push((unit, UnitFrom::Table));
     }
-    said.extend(want.given(kind).and_then(|given| given.unit).map(|unit| (unit, UnitFrom::Spec)));
+    said.extend(field.kind().and_then(|kind| want.given(kind)?.unit).map(|unit| (unit, UnitFrom::Spec)));
     let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
     if let Some((_, at, _)) = unit_column {
         let first = rows.iter().map(|row| row.cell(*at)).find(|cell| !cell.is_missing());
@@ -93,16 +92,16 @@ fn one(
     let is_deviation = meaning.is_some_and(|meaning| meaning.is_deviation);
     let with = |unit: Unit, unit_from| {
         let (title, beside) = (title.clone(), beside.clone());
-        Declared { kind, title, place, unit, unit_from, is_deviation, mark: None, beside }
+        Declared { field, title, place, unit, unit_from, is_deviation, mark: None, beside }
     };
     let Some((unit, from)) = said.first().copied() else {
         let units = plausible(&|unit| with(unit, UnitFrom::Spec), is_angle, rows, want);
-        matched.open.push(Open::Unit { key: kind.key(), title, units });
+        matched.open.push(Open::Unit { key: field.key(), title, units });
         return None;
     };
     if said.iter().any(|(other, _)| *other != unit) {
         let words: Vec<_> = said.iter().map(|(unit, _)| unit.symbol()).collect();
-        let what = format!("the unit of `{title}` ({}) is {}", key(Role::Value(kind)), words.join(" and "));
+        let what = format!("the unit of `{title}` ({}) is {}", key(Role::Value(field)), words.join(" and "));
         matched.open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
         return None;
     }
@@ -110,10 +109,10 @@ fn one(
 }
 
 /// The columns beside that of an error, with their places and the units of their headings.
-fn beside(matched: &Matched, kind: DeviationKind, is_angle: bool) -> Vec<(Beside, usize, Option<Unit>)> {
+fn beside(matched: &Matched, field: Field, is_angle: bool) -> Vec<(Beside, usize, Option<Unit>)> {
     let owners = matched.owners.iter().zip(&matched.headings).enumerate();
     let beside = owners.filter_map(|(place, (owner, heading))| match owner {
-        Some(Owner::Role(Role::Beside(of, beside))) if *of == kind => {
+        Some(Owner::Role(Role::Beside(of, beside))) if *of == field => {
             Some((*beside, place, heading.unit.as_deref().and_then(|unit| unit_of(unit, is_angle))))
         }
         _ => None,

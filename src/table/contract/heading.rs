@@ -4,9 +4,8 @@
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use crate::table::cell::{Cell, Record};
-use crate::table::dictionary::{Heading, Meaning, Role, lookup};
+use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
 use crate::table::layout::Layout;
-use crate::table::names::Role as Beside;
 
 /// A table whose columns are looked at.
 #[derive(Debug, Default)]
@@ -31,7 +30,7 @@ fn role(title: &str, layout: &Layout) -> Option<(Role, Option<Meaning>)> {
     if layout.ignores(title, &heading.name, usize::MAX - 1, true).is_some() {
         return None;
     }
-    lookup(&heading.name).map(|meaning| (meaning.role, Some(meaning)))
+    lookup(Form::Parts, &heading.name).map(|meaning| (meaning.role, Some(meaning)))
 }
 
 /// The roles of the cells of a record that are headings.
@@ -113,7 +112,7 @@ fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Optio
     if title.is_empty() {
         return Ok(Some(layout.ignores(title, name, place, false).map_or(Owner::Nameless, Owner::Rule)));
     }
-    let known = lookup(name).map(|meaning| meaning.role);
+    let known = lookup(Form::Parts, name).map(|meaning| meaning.role);
     if let Some(role) = known.filter(|role| !layout.names(*role)) {
         return Ok(Some(Owner::Role(role)));
     }
@@ -122,7 +121,9 @@ fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Optio
             Err(Open::Pattern { pattern: layout.ignore[rule].text().to_owned(), title: title.to_owned() })
         }
         Some(rule) => Ok(Some(Owner::Rule(rule))),
-        None => Ok((layout.ignores_others && lookup(name).is_none()).then(|| Owner::Rule(layout.others()))),
+        None => {
+            Ok((layout.ignores_others && lookup(Form::Parts, name).is_none()).then(|| Owner::Rule(layout.others())))
+        }
     }
 }
 
@@ -130,24 +131,8 @@ fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Optio
 pub(crate) fn key(role: Role) -> String {
     match role {
         Role::PartId => "part_id".to_owned(),
-        Role::Value(kind) => kind.key().to_owned(),
-        Role::Beside(kind, beside) => format!("{} of {}", beside_word(beside), kind.key()),
-    }
-}
-
-/// What stands beside a value, in a word.
-pub(crate) const fn beside_word(beside: Beside) -> &'static str {
-    match beside {
-        Beside::Deviation => "deviation",
-        Beside::Nominal => "nominal",
-        Beside::Upper => "upper",
-        Beside::Lower => "lower",
-        Beside::Uncertainty => "uncertainty",
-        Beside::Unit => "unit",
-        Beside::Length => "length",
-        Beside::Measured => "actual",
-        Beside::Part => "part_id",
-        Beside::Name => "name",
-        Beside::Status => "status",
+        Role::Value(field) | Role::Index(field) => field.key().to_owned(),
+        Role::Beside(field, beside) => format!("{} of {}", beside.key(), field.key()),
+        Role::Of(beside) => beside.key().to_owned(),
     }
 }

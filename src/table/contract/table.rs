@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Contract;
 use super::account::refused;
 use super::columns::columns;
-use super::heading::{Matched, beside_word, find, key, matched};
+use super::heading::{Matched, find, key, matched};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use crate::diagnostic::Diagnostics;
@@ -218,7 +218,7 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
             Some(ColumnReading { unit: Some(unit), unit_is_assumed: false, ..column_reading_of(column) })
         }
         Owner::Role(Role::Beside(kind, beside @ (Beside::Upper | Beside::Lower | Beside::Uncertainty))) => {
-            Some(named_only(title, &format!("{} of {}, not judged", beside_word(*beside), kind.key())))
+            Some(named_only(title, &format!("{} of {}, not judged", beside.key(), kind.key())))
         }
         Owner::Role(role) => Some(named_only(title, &key(*role))),
         Owner::Rule(_) | Owner::Nameless => None,

@@ -104,6 +104,11 @@ impl Field {
         )
     }
 
+    /// Whether its values are deviations, whatever it is called.
+    pub(crate) const fn is_deviation(self) -> bool {
+        matches!(self, Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
+    }
+
     /// Whether its values are angles.
     #[must_use]
     pub const fn is_angle(self) -> bool {
@@ -119,6 +124,12 @@ impl Field {
             Self::Radial => Some(DeviationKind::PinionRadial),
             Self::PartId | Self::Space | Self::Position | Self::Tooth | Self::LeftPitch | Self::RightPitch => None,
         }
+    }
+}
+
+impl From<DeviationKind> for Field {
+    fn from(kind: DeviationKind) -> Self {
+        Self::Error(kind)
     }
 }
 

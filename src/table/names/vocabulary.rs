@@ -39,6 +39,41 @@ pub(crate) enum Role {
 }
 
 impl Role {
+    /// The key by which a contract names it.
+    pub(crate) const fn key(self) -> &'static str {
+        match self {
+            Self::Deviation => "deviation",
+            Self::Nominal => "nominal",
+            Self::Upper => "upper",
+            Self::Lower => "lower",
+            Self::Uncertainty => "uncertainty",
+            Self::Unit => "unit",
+            Self::Length => "length",
+            Self::Measured => "actual",
+            Self::Part => "part_id",
+            Self::Name => "name",
+            Self::Status => "status",
+        }
+    }
+
+    /// That of a key.
+    pub(crate) fn of_key(key: &str) -> Option<Self> {
+        const ALL: [Role; 11] = [
+            Role::Deviation,
+            Role::Nominal,
+            Role::Upper,
+            Role::Lower,
+            Role::Uncertainty,
+            Role::Unit,
+            Role::Length,
+            Role::Measured,
+            Role::Part,
+            Role::Name,
+            Role::Status,
+        ];
+        ALL.into_iter().find(|role| role.key() == key)
+    }
+
     /// Whether it says something of a value that stands elsewhere.
     pub(crate) fn is_beside_value(self) -> bool {
         matches!(self, Self::Nominal | Self::Deviation | Self::Upper | Self::Lower | Self::Uncertainty)
