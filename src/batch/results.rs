@@ -124,6 +124,11 @@ impl<'a> Results<'a> {
             });
         }
         results.judge(|results, verdicts, limit| results.judge_by_mesh(verdicts, limit, deviations, meshes));
+        for row in block.failed.iter().filter(|row| !results.refusals.contains_key(row)) {
+            if let Some(verdict) = results.verdicts.get_mut(*row) {
+                *verdict = Some(Verdict::Fail);
+            }
+        }
         if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
             results.cut(first + 1);
         }

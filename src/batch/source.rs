@@ -134,7 +134,7 @@ pub(super) fn missing(spec: &Spec, table: &Table, kind: DeviationKind) -> Diagno
         kind.key()
     ));
     match column {
-        Some(column) => diagnostic.at(&spec.source, column.span.clone(), "promised here"),
+        Some(column) => diagnostic.at(spec.source_of_columns(), column.span.clone(), "promised here"),
         None => diagnostic,
     }
 }

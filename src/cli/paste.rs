@@ -15,8 +15,8 @@ use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, Unjudged};
-use crate::judge::LimitTarget;
 use crate::judge::bound::Basis;
+use crate::judge::{LimitTarget, Verdict};
 use crate::report::{
     self, EvaluationReport, Format, PartRow, PartsReport, Report, SpacesReport, UncertaintyPart, WithReading,
 };
@@ -118,7 +118,7 @@ impl Args {
 
     /// The spec, and the file that is written, begun.
     fn begin(&self, output: &mut Output) -> Result<(Arc<Spec>, Option<Target>), Failure> {
-        let spec = self.set.read_spec(&self.spec, output)?;
+        let spec = self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?;
         let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &ENDINGS)?;
             Target::create(path, &self.inputs(&spec))
@@ -139,7 +139,9 @@ impl Args {
 
     /// The files that are read.
     fn inputs(&self, spec: &Spec) -> Vec<PathBuf> {
-        spec_files::inputs(spec, &self.spec, &[self.file.clone().unwrap_or_else(|| "-".into())])
+        let block = self.file.clone().unwrap_or_else(|| "-".into());
+        let files: Vec<PathBuf> = self.reading.layout_file().into_iter().cloned().chain([block]).collect();
+        spec_files::inputs(spec, &self.spec, &files)
     }
 
     fn open(&self, spec: &Arc<Spec>, output: &mut Output) -> Result<Opened, Failure> {
@@ -324,7 +326,10 @@ impl Args {
                 }
                 let values = || errors_of(&read.spec, kinds, &block, index);
                 let judged = faults.is_empty().then(|| self.evaluate(read, &basis, &values(), is_alone)).transpose()?;
-                let (evaluation, uncertainty) = judged.unzip();
+                let (mut evaluation, uncertainty) = judged.unzip();
+                if let Some(evaluation) = evaluation.as_mut().filter(|_| block.failed.contains(&index)) {
+                    evaluation.verdict = Some(Verdict::Fail);
+                }
                 let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
                 rows.push(PartRow {
                     name: part.unwrap_or_else(|| (rows.len() + 1).to_string()),

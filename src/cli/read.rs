@@ -43,10 +43,11 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let is_spec = |path: &&PathBuf| target::ending(path) == "toml";
         let named = self.spec.as_ref().or(self.files.iter().find(is_spec));
-        let spec = Arc::new(match named {
+        let spec = match named {
             Some(path) => self.set.read_spec(path, output)?,
             None => self.set.without_file(output)?,
-        });
+        };
+        let spec = Arc::new(self.reading.laid_out(spec)?);
         let interruption = signals::signals(output);
         let opener =
             Opener { only_shown: true, ..Opener::new(&self.reading, &spec, Model::Exact, interruption.stop()) };

@@ -67,8 +67,9 @@ pub(super) struct Args {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         spec_files::refuse_shared_input(&self.spec, &self.files)?;
-        let spec = self.set.read_spec(&self.spec, output)?;
-        let inputs = spec_files::inputs(&spec, &self.spec, &self.files);
+        let spec = self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?;
+        let files: Vec<PathBuf> = self.reading.layout_file().into_iter().chain(&self.files).cloned().collect();
+        let inputs = spec_files::inputs(&spec, &self.spec, &files);
         let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &["html", "htm"])?;
             Target::create(path, &inputs)

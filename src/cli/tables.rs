@@ -17,8 +17,8 @@ use crate::judge::Rule;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
-    Container, DecimalMark, Encoding, Field, Layout, Orientation, Parts, Pattern, Reading, Source, Stranger, Table,
-    Want, refusal,
+    ColumnOption, Container, DecimalMark, Encoding, Field, Layout, LineRule, Orientation, PartNames, Parts, Pattern,
+    Reading, Source, Stranger, Table, Want, refusal,
 };
 
 /// How files are to be read.
@@ -38,12 +38,21 @@ pub(super) struct ReadArgs {
     /// Leave out columns and lines of this name, `*` for any characters.
     #[arg(long, value_name = "PATTERN")]
     ignore: Vec<String>,
+    /// Leave out lines such as `Date: #`, where `#` is a number or a date.
+    #[arg(long, value_name = "PATTERN")]
+    ignore_lines: Vec<String>,
+    /// What a column is, such as `rack_pitch=CHR_017[um]`.
+    #[arg(long, value_name = "KEY=NAME")]
+    column: Vec<ColumnOption>,
+    /// A file with the `[table]` of a supplier, for any number of specs.
+    #[arg(long, value_name = "FILE")]
+    layout: Option<PathBuf>,
     /// The column that names the part.
     #[arg(long, value_name = "NAME")]
     id: Option<String>,
-    /// What columns without names hold, such as `part_id,rack_pitch`.
+    /// The headings of a table without any, such as `part_id,rack_pitch[um]`.
     #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
-    fields: Vec<Field>,
+    headings: Vec<String>,
     /// Whether each part is a row or a column.
     #[arg(long, value_enum, value_name = "WHERE")]
     parts: Option<Orientation>,
@@ -121,18 +130,14 @@ impl ReadArgs {
             want.own.push((id.clone(), Field::PartId));
         }
         want.ignored.extend(self.ignore.iter().cloned());
-        want.fields.clone_from(&self.fields);
         want.decimal = self.decimal.or(want.decimal);
         (want.separator, want.encoding) = (self.separator, self.encoding);
         (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
-        if let Some(layout) = &want.layout {
-            if !self.fields.is_empty() {
-                return Err(Diagnostic::usage(
-                    "--as is for tables without headings, and [table] names those of others",
-                )
-                .into());
-            }
-            want.layout = Some(Arc::new(self.added_to(layout)));
+        if want.layout.is_some() || self.says_layout() {
+            want.layout = Some(Arc::new(self.added_to(&want.layout.take().unwrap_or_default())));
+        } else {
+            let field = |name: &String| name.parse::<Field>().map_err(|error| Diagnostic::usage(error.to_string()));
+            want.fields = self.headings.iter().map(field).collect::<Result<_, _>>()?;
         }
         if let Some(range) = &self.range {
             want.range = range.parse().map_err(|problem| Diagnostic::usage(format!("--range: {problem}")))?;
@@ -142,6 +147,24 @@ impl ReadArgs {
 }
 
 impl ReadArgs {
+    /// The spec with the layout that stands in a file of its own.
+    pub(super) fn laid_out(&self, spec: Spec) -> Result<Spec, Failure> {
+        let Some(path) = &self.layout else { return Ok(spec) };
+        let name = shown(path);
+        let text = std::fs::read_to_string(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        Ok(spec.with_layout(&name, &text)?)
+    }
+
+    /// The file of the layout, if there is one.
+    pub(super) fn layout_file(&self) -> Option<&PathBuf> {
+        self.layout.as_ref()
+    }
+
+    /// Whether options say what only a contract can.
+    fn says_layout(&self) -> bool {
+        !(self.column.is_empty() && self.ignore_lines.is_empty())
+    }
+
     /// A contract with what the user says of the file.
     fn added_to(&self, layout: &Layout) -> Layout {
         let ignored = self.ignore.iter().map(|pattern| Pattern::of_heading(pattern));
@@ -149,13 +172,20 @@ impl ReadArgs {
             Orientation::Rows => Parts::Rows,
             Orientation::Columns => Parts::Columns,
         });
-        Layout {
+        let lines = self.ignore_lines.iter().map(|line| LineRule { pattern: Pattern::of_line(line), at_most: 0 });
+        let mut all = Layout {
             parts: parts.or(layout.parts),
             decimal: self.decimal.or(layout.decimal),
-            part_id: self.id.clone().or_else(|| layout.part_id.clone()),
+            headings: self.headings.clone(),
+            part_id: self.id.clone().map(PartNames::Column).or_else(|| layout.part_id.clone()),
             ignore: layout.ignore.iter().cloned().chain(ignored).collect(),
+            ignore_lines: layout.ignore_lines.iter().cloned().chain(lines).collect(),
             ..layout.clone()
+        };
+        for option in &self.column {
+            all.declare(option);
         }
+        all
     }
 }
 

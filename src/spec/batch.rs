@@ -13,7 +13,7 @@ use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
@@ -34,6 +34,8 @@ pub struct BatchSection {
     pub others_ignored: bool,
     /// The contract of `[table]`, which takes the place of `[batch]`.
     pub layout: Option<Arc<Layout>>,
+    /// The file that says it, if it is another than the spec.
+    pub source: Option<Arc<Source>>,
 }
 
 /// One entry of `[batch.columns]`.
@@ -53,6 +55,15 @@ pub struct BatchColumn {
     pub extent: Option<Located<Extent>>,
     /// The diameter of the circle on which its values were measured, of the pinion's pitch.
     pub measured_at: Option<Located<Length>>,
+}
+
+impl BatchSection {
+    /// Whether the spec says anything of tables.
+    fn is_written(&self) -> bool {
+        let Self { part_id, columns, ignore, decimal, others_ignored, layout, source: _ } = self;
+        let says_something = part_id.is_some() || decimal.is_some() || *others_ignored || layout.is_some();
+        says_something || !columns.is_empty() || !ignore.is_empty()
+    }
 }
 
 /// Reads `[batch]`.
@@ -155,9 +166,35 @@ impl Spec {
                 in_errors.value, in_column.value
             );
             let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
-            Some(diagnostic.at(&self.source, in_column.span.clone(), ""))
+            Some(diagnostic.at(self.source_of_columns(), in_column.span.clone(), ""))
         });
         contradicted.collect()
+    }
+
+    /// The same spec with the `[table]` of a file of its own.
+    ///
+    /// # Errors
+    /// Every problem found in that file; and if the spec has one, too.
+    pub fn with_layout(&self, name: &str, text: &str) -> Result<Self, Diagnostics> {
+        let batch = super::table::file(name, text)?;
+        if self.batch.is_written() {
+            let message = format!("{name} has a [table], and {} has one, too", self.source.name);
+            return Err(Diagnostic::usage(message).help("leave one of them out").into());
+        }
+        let mut spec = Self { batch, ..self.clone() };
+        let problems = spec.other_extents();
+        if !problems.is_empty() {
+            return Err(Diagnostics(problems));
+        }
+        if spec.pitch_circle.is_none() {
+            spec.scale_to_reference_circle()?;
+        }
+        Ok(spec)
+    }
+
+    /// The file that says what columns are.
+    pub(crate) fn source_of_columns(&self) -> &Arc<Source> {
+        self.batch.source.as_ref().unwrap_or(&self.source)
     }
 
     /// The entry of `[batch.columns]` for an error.
@@ -293,7 +330,7 @@ impl Spec {
         let nominal = in_column.or(said_of(&self.nominals, kind));
         let refused = |code, holds, span: &Range<usize>, help| {
             let message = format!("the column of `{}` holds {holds}", kind.key());
-            Err(Diagnostic::error(code, message).at(&self.source, span.clone(), "").help(help).into())
+            Err(Diagnostic::error(code, message).at(self.source_of_columns(), span.clone(), "").help(help).into())
         };
         match (stated, nominal, self.roller_of(kind)) {
             (Some(stated), ..) if stated.value == "deviation" => in_column.map_or(Ok(None), |nominal| {
@@ -350,7 +387,7 @@ impl Spec {
 
     /// Where the spec speaks of an error.
     fn place_of(&self, kind: DeviationKind) -> Option<Range<usize>> {
-        let column = self.batch_column(kind).map(|column| column.span.clone());
+        let column = self.batch_column(kind).filter(|_| self.batch.source.is_none()).map(|column| column.span.clone());
         let error = || said_of(&self.errors, kind).map(|error| error.span.clone());
         let nominal = || said_of(&self.nominals, kind).map(|nominal| nominal.span.clone());
         column.or_else(error).or_else(nominal)

@@ -40,6 +40,10 @@ pub(crate) enum Kind {
     Texts,
     /// A list of patterns for lines, some of which say how many lines they may leave out.
     LineRules,
+    /// The heading of a column with the parts' names, or a pattern of lines that have them.
+    PartId,
+    /// A list of whole numbers.
+    Starts,
     /// A nominal value, or the heading of a column of them.
     NominalOrHeading {
         /// Whether it is an angle.
@@ -629,11 +633,26 @@ const TABLE_ANGLE: Section = section(
     &and_key(&table_column(Countable::Tooth, true), EVALUATION_LENGTH.any),
 );
 
+pub(crate) const TABLE_STATUS: Section = section(
+    "table.columns.status",
+    "The decision of a measuring program: a part whose text is neither accepted nor rejected has no verdict.",
+    &[
+        COLUMN_NAME.any,
+        key("accept", Kind::Texts, "Texts of parts that are judged by their values."),
+        key("reject", Kind::Texts, "Texts of parts that fail."),
+    ],
+);
+
 pub(crate) const TABLE_COLUMNS: Section = section(
     "table.columns",
     "What the columns of a table are, whose headings do not say it by themselves.",
     &[
-        PART_ID.any,
+        key(
+            "part_id",
+            Kind::PartId,
+            "Heading of the column that names the part, or { line = \"Part: *\" } for a line above its rows.",
+        ),
+        key("status", Kind::Table(&TABLE_STATUS), "The column of the measuring program's decision."),
         key("rack_over_roller", Kind::Table(&TABLE_SIZE), "The rack's over-roller measure or error."),
         key("rack_pitch", Kind::Table(&TABLE_PITCH), "The rack's pitch or pitch error."),
         key("rack_lead", Kind::Table(&TABLE_ANGLE), "The rack's lead angle, its error, or f_Hβ."),
@@ -658,7 +677,12 @@ section! {
             "Lines that belong to no part: `#` stands for a number or a date, too; cells stand between semicolons.";
         "comments", of(Kind::Texts), "Comments, text boxes and metadata of a file that are not used.";
         TABLE_OTHERS: &'static str = "others", word(&["ignore"]), "Every further column is not used.";
-        TABLE_REPEATS: &'static str = "repeats", word(&["all"]), "A part may be there more than once, and each is judged.";
+        TABLE_REPEATS: &'static str = "repeats", word(&["all", "last"]),
+            "A part may be there more than once: each row is judged, or the last.";
+        TABLE_UNITS: String = "units", text(),
+            "The line of units, such as \"line 8\". Default: the one below the headings, if it has nothing but units.";
+        "starts", of(Kind::Starts),
+            "In which column of characters each cell of a text of fixed width starts: [0, 12, 24].";
     }
 }
 

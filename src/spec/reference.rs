@@ -56,6 +56,8 @@ fn in_words(kind: Kind) -> String {
         Kind::Limit => "\"±0.05\", or { lower, upper }",
         Kind::Texts => "a list of texts",
         Kind::LineRules => "a list of texts, or of { like, at_most }",
+        Kind::PartId => "a heading, or { line }",
+        Kind::Starts => "a list of whole numbers",
         Kind::NominalOrHeading { is_angle: false } => "a length, mm, or a heading",
         Kind::NominalOrHeading { is_angle: true } => "an angle, degrees, or a heading",
         Kind::ColumnUnit { of_lead: false } => "a unit of length",

@@ -70,6 +70,10 @@ fn property(key: &AnyKey) -> Value {
             let rule = closed(json!({ "like": { "type": "string" }, "at_most": most }), &["like"]);
             json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, rule] } })
         }
+        Kind::PartId => {
+            json!({ "anyOf": [{ "type": "string" }, closed(json!({ "line": { "type": "string" } }), &["line"])] })
+        }
+        Kind::Starts => json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } }),
         Kind::NominalOrHeading { .. } => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         Kind::ColumnUnit { of_lead } => {
             let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);

@@ -3,16 +3,18 @@
 use std::sync::Arc;
 
 use toml::Spanned;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
 use super::batch::{BatchColumn, BatchSection, nominal};
 use super::errors::{has_circle, of_each, read_extent_value};
+use super::found::Found;
 use super::keys::{self, BESIDE, Section};
 use super::reader::SectionReader;
-use super::{Located, Spec};
+use super::{Located, Spec, syntax_error};
 use crate::deviation::DeviationKind;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::table::{DecimalMark, DeclaredColumn, Layout, LineRule, Parts, Pattern};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::quantity::shown;
+use crate::table::{DecimalMark, DeclaredColumn, Layout, LineRule, PartNames, Parts, Pattern, Repeats, StatusColumn};
 
 /// Reads `[table]`, if it is there.
 pub(super) fn read(sections: &mut SectionReader<'_>, spec: &mut Spec) {
@@ -25,12 +27,47 @@ pub(super) fn read(sections: &mut SectionReader<'_>, spec: &mut Spec) {
     sections.inner(&keys::TABLE, inner, |reader| spec.batch = section(reader));
 }
 
+/// Reads a file that holds `[table]` and nothing else, for any number of specs.
+///
+/// # Errors
+/// Every problem found in the text.
+pub(super) fn file(name: &str, text: &str) -> Result<BatchSection, Diagnostics> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let source = Arc::new(Source::new(name, text));
+    let (top, errors) = DeTable::parse_recoverable(text);
+    if let Some(error) = errors.first() {
+        return Err(syntax_error(&source, error).into());
+    }
+    let (mut found, mut uncertainties) = (Found::default(), Vec::new());
+    let top = top.into_inner();
+    let mut reader = SectionReader {
+        source: &source,
+        section: &keys::TOP,
+        table: &top,
+        diagnostics: &mut found,
+        uncertainties: &mut uncertainties,
+    };
+    for (key, _) in top.iter().filter(|(key, _)| key.get_ref().as_ref() != keys::TABLE.name) {
+        let message = format!("a layout holds [table] and nothing else: here is `{}`", shown(key.get_ref()));
+        reader.report(Diagnostic::error(Code::UnknownKey, message), key.span());
+    }
+    let mut batch = None;
+    match reader.entry(keys::TABLE.name) {
+        Some(inner) => reader.inner(&keys::TABLE, inner, |reader| batch = Some(section(reader))),
+        None => reader.report(Diagnostic::error(Code::MissingKey, "a layout holds [table], and here is none"), 0..0),
+    }
+    match batch {
+        Some(batch) if found.is_empty() => Ok(BatchSection { source: Some(Arc::clone(&source)), ..batch }),
+        _ => Err(Diagnostics(found.sorted(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start)))),
+    }
+}
+
 fn section(reader: &mut SectionReader<'_>) -> BatchSection {
-    let mut declared = Vec::new();
+    let (mut declared, mut part_id, mut status) = (Vec::new(), None, None);
     let columns = reader.table("columns", &keys::TABLE_COLUMNS, |reader| {
-        let part_id = reader.get(keys::PART_ID).map(|id| id.value);
-        let columns = of_each(|kind| column(reader, kind, &mut declared));
-        BatchSection { part_id, columns, ..BatchSection::default() }
+        part_id = part_names(reader);
+        status = status_column(reader);
+        of_each(|kind| column(reader, kind, &mut declared))
     });
     let columns = columns.map(|columns| columns.value).unwrap_or_default();
     let decimal = reader.get(keys::TABLE_DECIMAL).map(|mark| match mark.value {
@@ -41,20 +78,97 @@ fn section(reader: &mut SectionReader<'_>) -> BatchSection {
         "columns" => Parts::Columns,
         _ => Parts::Rows,
     });
+    let repeats = reader.get(keys::TABLE_REPEATS).map(|repeats| match repeats.value {
+        "last" => Repeats::Last,
+        _ => Repeats::All,
+    });
     let patterns = |texts: Vec<Located<String>>| texts.iter().map(|text| Pattern::of_heading(&text.value)).collect();
     let layout = Layout {
         parts,
         separator: separator(reader),
+        starts: starts(reader),
         decimal,
-        part_id: columns.part_id.clone(),
+        headings: Vec::new(),
+        units: units(reader),
+        part_id: part_id.clone(),
         columns: declared,
+        status,
         ignore: patterns(reader.texts("ignore")),
         ignore_lines: line_rules(reader),
         comments: patterns(reader.texts("comments")),
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
-        may_repeat: reader.get(keys::TABLE_REPEATS).is_some(),
+        repeats: repeats.unwrap_or_default(),
     };
-    BatchSection { decimal, layout: Some(Arc::new(layout)), ..columns }
+    let part_id = part_id.and_then(|names| if let PartNames::Column(name) = names { Some(name) } else { None });
+    BatchSection { decimal, part_id, columns, layout: Some(Arc::new(layout)), ..BatchSection::default() }
+}
+
+/// Where the names of parts stand.
+fn part_names(reader: &mut SectionReader<'_>) -> Option<PartNames> {
+    const NAME: &str = "part_id";
+    let needed = "a heading in quotes, or { line = \"Part: *\" },";
+    let value = reader.table.get(NAME)?;
+    let DeValue::Table(table) = value.get_ref() else {
+        return reader.text_value(NAME, value, needed).map(|name| PartNames::Column(name.to_owned()));
+    };
+    reader.knows_keys(NAME, table, &["line"].into_iter(), "its key is line")?;
+    let Some(line) = table.get("line") else { return reader.wrong_type(NAME, value, needed) };
+    let text = reader.text_value("line", line, needed)?;
+    if text.matches('*').count() != 1 {
+        let message = "`line` must have one `*`, which stands for the part's name";
+        return reader.refuse(Diagnostic::error(Code::WrongType, message), line.span());
+    }
+    Some(PartNames::Line(Pattern::of_heading(text)))
+}
+
+/// The column of a measuring program's decision.
+fn status_column(reader: &mut SectionReader<'_>) -> Option<StatusColumn> {
+    let span = reader.table.get("status")?.span();
+    let status = reader.table("status", &keys::TABLE_STATUS, |reader| {
+        let texts = |texts: Vec<Located<String>>| texts.into_iter().map(|text| text.value).collect();
+        let name = reader.get(keys::COLUMN_NAME).map(|name| name.value);
+        name.map(|name| StatusColumn {
+            name,
+            accept: texts(reader.texts("accept")),
+            reject: texts(reader.texts("reject")),
+        })
+    });
+    let status = status?.value;
+    if status.is_none() {
+        let message = "`status` needs the heading of its column: name = \"…\"";
+        reader.report(Diagnostic::error(Code::MissingKey, message), span);
+    }
+    status
+}
+
+/// The number of the line of units: `"line 8"`.
+fn units(reader: &mut SectionReader<'_>) -> Option<u64> {
+    let written = reader.get(keys::TABLE_UNITS)?;
+    let number = written.value.strip_prefix("line ").and_then(|number| number.trim().parse().ok());
+    if number.is_none() {
+        let message = "`units` must name a line, such as \"line 8\"";
+        reader.report(Diagnostic::error(Code::WrongType, message), written.span);
+    }
+    number
+}
+
+/// Where cells of a text of fixed width start, each behind the one before it.
+fn starts(reader: &mut SectionReader<'_>) -> Vec<usize> {
+    const NAME: &str = "starts";
+    let needed = "a list of whole numbers that grow, such as [0, 12, 24],";
+    let Some(value) = reader.table.get(NAME) else { return Vec::new() };
+    let whole = |entry: &Spanned<DeValue<'_>>| match entry.get_ref() {
+        DeValue::Integer(number) => number.as_str().parse::<usize>().ok(),
+        _ => None,
+    };
+    let starts: Option<Vec<usize>> = value.get_ref().as_array().and_then(|list| list.iter().map(whole).collect());
+    match starts.filter(|starts| starts.is_sorted_by(|one, next| one < next)) {
+        Some(starts) => starts,
+        None => {
+            reader.wrong_type::<()>(NAME, value, needed);
+            Vec::new()
+        }
+    }
 }
 
 fn separator(reader: &mut SectionReader<'_>) -> Option<u8> {
@@ -113,11 +227,13 @@ fn column(
             let Some(value) = reader.table.get(key) else { continue };
             beside.extend(reader.text_value(key, value, "a heading in quotes").map(|name| (key, name.to_owned())));
         }
-        declared.push(DeclaredColumn::new(kind, name.clone(), beside));
         let is_lead = kind == DeviationKind::RackLead;
+        let unit = reader.column_unit("unit", is_lead);
+        let unit_value = unit.as_ref().map(|unit| unit.value);
+        declared.push(DeclaredColumn::new(kind, name.clone(), unit_value, beside));
         BatchColumn {
             name,
-            unit: reader.column_unit("unit", is_lead),
+            unit,
             length: if is_lead { reader.get(keys::EVALUATION_LENGTH) } else { None },
             nominal: if nominal_heading.is_some() { None } else { nominal(reader, kind) },
             kind: reader.get(keys::COLUMN_KIND),

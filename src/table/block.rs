@@ -89,6 +89,8 @@ pub struct Block {
     pub(crate) doubtful: Vec<(usize, u64)>,
     /// What is left out of the row that is being read.
     pub(crate) unsettled: Vec<Unsettled>,
+    /// The rows of parts that a measuring program rejects.
+    pub(crate) failed: Vec<usize>,
     /// Records in all.
     pub(crate) record_count: u64,
     /// Lines of the table up to the block's end.

@@ -12,6 +12,8 @@ use crate::quantity::Unit;
 pub(crate) enum Role {
     /// The part's name.
     PartId,
+    /// The decision of a measuring program.
+    Status,
     /// The measured value or the deviation of an error, or of a space or tooth.
     Value(Field),
     /// What stands beside such a value in a column of its own.

@@ -1,10 +1,15 @@
 //! The contract of a table: what its columns and lines are, as a person wrote or confirmed it. Made by the spec's `[table]`, by a
 //! layout of its own and by options; obeyed by the reader.
 
-use super::dictionary::Role;
+use std::str::FromStr;
+
+use super::column::unit_of;
+use super::dictionary::{Heading, Role};
 use super::names::{Field, Role as Beside};
 use super::number::DecimalMark;
 use super::pattern::Pattern;
+use crate::deviation::DeviationKind;
+use crate::quantity::Unit;
 
 /// Where the values of a part stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +18,28 @@ pub enum Parts {
     Rows,
     /// In a column.
     Columns,
+}
+
+impl Parts {
+    /// The word of a contract.
+    pub(crate) const fn word(self) -> &'static str {
+        match self {
+            Self::Rows => "rows",
+            Self::Columns => "columns",
+        }
+    }
+}
+
+/// What becomes of a part that is there more than once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Repeats {
+    /// The table is refused.
+    #[default]
+    Refused,
+    /// Each row is judged.
+    All,
+    /// The last row is judged, and the others are left out.
+    Last,
 }
 
 /// Lines that are no parts.
@@ -24,6 +51,15 @@ pub struct LineRule {
     pub at_most: u64,
 }
 
+/// Where the names of parts stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PartNames {
+    /// In the column of this heading.
+    Column(String),
+    /// In lines above the rows of each part; the name is what the pattern leaves open.
+    Line(Pattern),
+}
+
 /// The columns of an error, by their headings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeclaredColumn {
@@ -31,8 +67,21 @@ pub struct DeclaredColumn {
     pub field: Field,
     /// What the column of its values is called; `None` if the dictionary finds it.
     pub name: Option<String>,
+    /// The unit of its numbers, if the contract says it.
+    pub unit: Option<Unit>,
     /// What the columns beside it are called, with what they hold.
     pub(crate) beside: Vec<(Beside, String)>,
+}
+
+/// The column of a measuring program's decision.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct StatusColumn {
+    /// What it is called.
+    pub name: String,
+    /// Texts of parts that are judged by their values.
+    pub accept: Vec<String>,
+    /// Texts of parts that fail.
+    pub reject: Vec<String>,
 }
 
 /// The contract of a table.
@@ -42,12 +91,20 @@ pub struct Layout {
     pub parts: Option<Parts>,
     /// What separates cells of a text, if the contract says so.
     pub separator: Option<u8>,
+    /// In which column of characters each cell of a text of fixed width starts; none if the contract does not say so.
+    pub starts: Vec<usize>,
     /// The decimal mark, if the contract says so.
     pub decimal: Option<DecimalMark>,
-    /// What the column with the parts' names is called; `None` if the dictionary finds it.
-    pub part_id: Option<String>,
+    /// The headings of a file that has none.
+    pub headings: Vec<String>,
+    /// The line of units, if the contract says which.
+    pub units: Option<u64>,
+    /// Where the names of parts stand; `None` if the dictionary finds their column.
+    pub part_id: Option<PartNames>,
     /// What the columns of errors are called.
     pub columns: Vec<DeclaredColumn>,
+    /// The column of a measuring program's decision.
+    pub status: Option<StatusColumn>,
     /// Columns that are not used.
     pub ignore: Vec<Pattern>,
     /// Lines that belong to no part.
@@ -56,17 +113,54 @@ pub struct Layout {
     pub comments: Vec<Pattern>,
     /// Whether every further column is left out.
     pub ignores_others: bool,
-    /// Whether a part may be there twice, and each is judged.
-    pub may_repeat: bool,
+    /// What becomes of a part that is there more than once.
+    pub repeats: Repeats,
+}
+
+/// What an option says of a column: `rack_pitch=CHR_017[um]`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnOption {
+    /// The error; `None` if the column names the parts.
+    pub kind: Option<DeviationKind>,
+    /// The heading, without its unit.
+    pub name: String,
+    /// The unit, if it is written.
+    pub unit: Option<Unit>,
+}
+
+impl FromStr for ColumnOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, heading) = text.split_once('=').ok_or("write KEY=HEADING, such as rack_pitch=CHR_017[um]")?;
+        let kind = match key.trim() {
+            "part_id" => None,
+            key => Some(DeviationKind::ALL.into_iter().find(|kind| kind.key() == key).ok_or_else(|| {
+                format!("`{key}` is no column's key: they are part_id, {}", DeviationKind::keys(DeviationKind::ALL))
+            })?),
+        };
+        let heading = Heading::of(heading);
+        if heading.name.is_empty() {
+            return Err("the heading is missing".to_owned());
+        }
+        let is_angle = kind == Some(DeviationKind::RackLead);
+        let unit = heading.unit.map(|symbol| unit_of(&symbol, is_angle).ok_or(format!("`{symbol}` is no unit here")));
+        Ok(Self { kind, name: heading.name, unit: unit.transpose()? })
+    }
 }
 
 impl DeclaredColumn {
     /// The columns of an error; those beside that of its values by the keys of a spec.
     #[must_use]
-    pub fn new(field: impl Into<Field>, name: Option<String>, beside: Vec<(&'static str, String)>) -> Self {
+    pub fn new(
+        field: impl Into<Field>,
+        name: Option<String>,
+        unit: Option<Unit>,
+        beside: Vec<(&'static str, String)>,
+    ) -> Self {
         let role = |key| if key == "units" { Beside::Unit } else { Beside::of_key(key).unwrap_or(Beside::Unit) };
         let beside = beside.into_iter().map(|(key, name)| (role(key), name)).collect();
-        Self { field: field.into(), name, beside }
+        Self { field: field.into(), name, unit, beside }
     }
 }
 
@@ -74,8 +168,11 @@ impl Layout {
     /// The role that the contract gives to a heading, which is its whole text or that without the unit.
     pub(crate) fn declared(&self, title: &str, name: &str) -> Option<Role> {
         let is_called = |declared: &str| is_same(declared, title) || is_same(declared, name);
-        if self.part_id.as_deref().is_some_and(is_called) {
+        if matches!(&self.part_id, Some(PartNames::Column(declared)) if is_called(declared)) {
             return Some(Role::PartId);
+        }
+        if self.status.as_ref().is_some_and(|status| is_called(&status.name)) {
+            return Some(Role::Status);
         }
         self.columns.iter().find_map(|column| {
             let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.field));
@@ -87,8 +184,9 @@ impl Layout {
     /// Whether the contract names the heading of a role, so that the dictionary names no other.
     pub(crate) fn names(&self, role: Role) -> bool {
         match role {
-            Role::PartId => self.part_id.is_some(),
+            Role::PartId => matches!(self.part_id, Some(PartNames::Column(_))),
             Role::Value(field) => self.columns.iter().any(|column| column.field == field && column.name.is_some()),
+            Role::Status => self.status.is_some(),
             Role::Beside(..) | Role::Index(_) | Role::Of(_) => false,
         }
     }
@@ -100,7 +198,29 @@ impl Layout {
             own.into_iter()
                 .chain(column.beside.iter().map(|(beside, name)| (Role::Beside(column.field, *beside), name.as_str())))
         });
-        self.part_id.as_deref().map(|name| (Role::PartId, name)).into_iter().chain(columns)
+        let part = if let Some(PartNames::Column(name)) = &self.part_id { Some(name.as_str()) } else { None };
+        let status = self.status.as_ref().map(|status| (Role::Status, status.name.as_str()));
+        part.map(|name| (Role::PartId, name)).into_iter().chain(status).chain(columns)
+    }
+
+    /// The pattern of the lines that name the parts below them.
+    pub(crate) fn part_line(&self) -> Option<&Pattern> {
+        if let Some(PartNames::Line(pattern)) = &self.part_id { Some(pattern) } else { None }
+    }
+
+    /// Adds what an option says of a column, in place of what was said before.
+    pub fn declare(&mut self, option: &ColumnOption) {
+        let Some(kind) = option.kind else {
+            self.part_id = Some(PartNames::Column(option.name.clone()));
+            return;
+        };
+        match self.columns.iter_mut().find(|column| column.field == kind.into()) {
+            Some(column) => {
+                column.name = Some(option.name.clone());
+                column.unit = option.unit.or(column.unit);
+            }
+            None => self.columns.push(DeclaredColumn::new(kind, Some(option.name.clone()), option.unit, Vec::new())),
+        }
     }
 
     /// The rule that leaves out a column: an exact one, or else a pattern.

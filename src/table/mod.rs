@@ -83,7 +83,7 @@ pub use block::{Block, Contradiction, Fault};
 pub use container::{Container, Source};
 pub use encoding::{Encoding, decode};
 pub use grid::Separator;
-pub use layout::{DeclaredColumn, Layout, LineRule, Parts};
+pub use layout::{ColumnOption, DeclaredColumn, Layout, LineRule, PartNames, Parts, Repeats, StatusColumn};
 pub use ledger::{LeftOut, Tally};
 pub use names::{Field, UnknownField, ValueKind};
 pub use number::DecimalMark;

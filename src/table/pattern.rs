@@ -63,6 +63,13 @@ impl Pattern {
         true
     }
 
+    /// What the one `*` of a pattern without `#` stands for in a text that it fits.
+    pub(crate) fn left_open<'t>(&self, text: &'t str) -> Option<&'t str> {
+        let (before, behind) = self.text.split_once('*')?;
+        let inner = text.trim().strip_prefix(before)?.strip_suffix(behind)?.trim();
+        (!inner.is_empty()).then_some(inner)
+    }
+
     /// How many bytes at the start of a text a piece without `*` fits.
     fn piece(&self, piece: &str, text: &str) -> Option<usize> {
         let mut rest = text;

@@ -185,7 +185,9 @@ impl Rows {
             // what nobody reads is not owned
             rows.wanted.needed = vec![true; rows.setup.columns.len()];
         }
-        let is_plain = rows.setup.index.is_none() && rows.wanted.copied.is_empty() && rows.setup.watched.is_empty();
+        let has_status = rows.setup.contract.as_ref().is_some_and(|contract| contract.status().is_some());
+        let is_plain =
+            !has_status && rows.setup.index.is_none() && rows.wanted.copied.is_empty() && rows.setup.watched.is_empty();
         let column = |(number, column): (usize, &Column)| {
             Some(PlainColumn { number, place: column.place, numbers: column.plain()? })
         };

@@ -132,14 +132,15 @@ struct Ending<'a> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let junit = self.begin_report()?;
-        let spec = Arc::new(self.set.read_spec(&self.spec, output)?);
+        let spec = Arc::new(self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?);
         let mut files = self.files.clone();
         if files.is_empty() {
             files.push("-".into());
         }
         spec_files::refuse_shared_input(&self.spec, &files)?;
         let (rows_format, summary_format) = self.formats(output.screen().safe_csv)?;
-        let inputs = spec_files::inputs(&spec, &self.spec, &files);
+        let read: Vec<PathBuf> = self.reading.layout_file().into_iter().chain(&files).cloned().collect();
+        let inputs = spec_files::inputs(&spec, &self.spec, &read);
         let mut begun = self.begin(junit, &inputs, &spec)?;
         let interruption = signals::interrupted(output);
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());

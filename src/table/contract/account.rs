@@ -3,7 +3,9 @@
 use super::open::Open;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::table::dictionary::Heading;
-use crate::table::layout::{Layout, LineRule};
+use crate::table::layout::{DeclaredColumn, Layout, LineRule, PartNames, Repeats, StatusColumn};
+use crate::table::names::{Field, Role as Beside};
+use crate::table::pattern::Pattern;
 use crate::table::want::quoted;
 
 /// The refusal of a table that is not closed: what has no owner, and the lines of a contract that close it, as far as nothing has to
@@ -30,18 +32,14 @@ pub(crate) fn refused(name: &str, layout: &Layout, open: &[Open]) -> Diagnostics
 pub(crate) fn block(layout: &Layout, open: &[Open]) -> String {
     let mut ignore: Vec<String> = layout.ignore.iter().map(|rule| rule.text().to_owned()).collect();
     let mut lines: Vec<LineRule> = layout.ignore_lines.clone();
-    let (mut guesses, mut keys) = (Vec::new(), Vec::new());
+    let (mut guesses, mut keys) = (Vec::new(), own_keys(layout));
     let mut comments: Vec<String> = layout.comments.iter().map(|rule| rule.text().to_owned()).collect();
     for open in open {
         match open {
             Open::Column { place, title, .. } if title.is_empty() => ignore.push(format!("column {}", place + 1)),
             Open::Column { title, .. } => ignore.push(title.clone()),
-            Open::Line { text, .. } => {
-                let pattern = crate::table::Pattern::of_line(&generalised(text));
-                if !lines.iter().any(|rule| rule.pattern == pattern) {
-                    lines.push(LineRule { pattern, at_most: 0 });
-                }
-            }
+            Open::Line { text, .. } => add_line(&mut lines, &generalised(text), 0),
+            Open::Row { pattern, could_be_part, .. } => add_line(&mut lines, pattern, u64::from(*could_be_part)),
             Open::Comment { text, .. } => comments.push(text.lines().collect::<Vec<_>>().join(" ")),
             Open::Unit { key, title, units } => {
                 let name = quoted(&Heading::of(title).name);
@@ -55,7 +53,61 @@ pub(crate) fn block(layout: &Layout, open: &[Open]) -> String {
             Open::Sheets { .. } | Open::Pattern { .. } | Open::Missing { .. } | Open::Wrong { .. } => {}
         }
     }
-    written(&keys, &ignore, &lines, &comments) + &of_columns(&guesses)
+    let declared: Vec<String> = own_columns(layout, &guesses);
+    written(&keys, &ignore, &lines, &comments) + &of_columns(&declared, &guesses)
+}
+
+/// Adds a rule for lines, or to how many it may leave out.
+fn add_line(lines: &mut Vec<LineRule>, pattern: &str, doubtful: u64) {
+    let pattern = Pattern::of_line(pattern);
+    match lines.iter_mut().find(|rule| rule.pattern == pattern) {
+        Some(rule) => rule.at_most += doubtful,
+        None => lines.push(LineRule { pattern, at_most: doubtful }),
+    }
+}
+
+/// What the contract says of the table as a whole.
+fn own_keys(layout: &Layout) -> Vec<String> {
+    let parts = layout.parts.map(|parts| format!("parts = \"{}\"", parts.word()));
+    let separator = layout.separator.map(|byte| match byte {
+        b'\t' => "separator = \"tab\"".to_owned(),
+        byte => format!("separator = {}", quoted(&char::from(byte).to_string())),
+    });
+    let starts = (!layout.starts.is_empty()).then(|| format!("starts = {:?}", layout.starts));
+    let decimal = layout.decimal.map(|mark| format!("decimal = \"{}\"", mark.word()));
+    let units = layout.units.map(|line| format!("units = \"line {line}\""));
+    let repeats = match layout.repeats {
+        Repeats::Refused => None,
+        Repeats::All => Some("repeats = \"all\"".to_owned()),
+        Repeats::Last => Some("repeats = \"last\"".to_owned()),
+    };
+    let others = layout.ignores_others.then(|| "others = \"ignore\"".to_owned());
+    [parts, separator, starts, decimal, units, repeats, others].into_iter().flatten().collect()
+}
+
+/// What the contract says of columns, but for those of which a guess says more.
+fn own_columns(layout: &Layout, guesses: &[String]) -> Vec<String> {
+    let part = layout.part_id.as_ref().map(|names| match names {
+        PartNames::Column(name) => format!("part_id = {}", quoted(name)),
+        PartNames::Line(pattern) => format!("part_id = {{ line = {} }}", quoted(pattern.text())),
+    });
+    let list = |texts: &[String]| texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ");
+    let status = layout.status.as_ref().map(|StatusColumn { name, accept, reject }| {
+        format!("status = {{ name = {}, accept = [{}], reject = [{}] }}", quoted(name), list(accept), list(reject))
+    });
+    let column = |column: &DeclaredColumn| {
+        let name = column.name.iter().map(|name| format!("name = {}", quoted(name)));
+        let unit = column.unit.iter().map(|unit| format!("unit = \"{}\"", unit.symbol()));
+        let beside = column.beside.iter().map(|(beside, name)| {
+            let word = if *beside == Beside::Unit { "units" } else { beside.key() };
+            format!("{word} = {}", quoted(name))
+        });
+        let all: Vec<String> = name.chain(unit).chain(beside).collect();
+        (!all.is_empty()).then(|| format!("{} = {{ {} }}", column.field.key(), all.join(", ")))
+    };
+    let is_guessed = |field: Field| guesses.iter().any(|guess| guess.starts_with(&format!("{} = ", field.key())));
+    let columns = layout.columns.iter().filter(|column| !is_guessed(column.field)).filter_map(column);
+    part.into_iter().chain(status).chain(columns).collect()
 }
 
 fn written(keys: &[String], ignore: &[String], lines: &[LineRule], comments: &[String]) -> String {
@@ -76,13 +128,14 @@ fn written(keys: &[String], ignore: &[String], lines: &[LineRule], comments: &[S
     text + &list("comments", comments)
 }
 
-fn of_columns(guesses: &[String]) -> String {
-    let lines: Vec<_> = guesses.iter().map(|guess| format!("# {guess}   # a guess\n")).collect();
+fn of_columns(declared: &[String], guesses: &[String]) -> String {
+    let declared = declared.iter().map(|line| format!("{line}\n"));
+    let lines: Vec<_> = declared.chain(guesses.iter().map(|guess| format!("# {guess}   # a guess\n"))).collect();
     if lines.is_empty() { String::new() } else { format!("[table.columns]\n{}", lines.concat()) }
 }
 
 /// A line with `#` for each number; of one that may change, that is all that a rule should say.
-fn generalised(text: &str) -> String {
+pub(super) fn generalised(text: &str) -> String {
     let mut pattern = String::new();
     let mut rest = text.trim();
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
@@ -112,7 +165,7 @@ mod tests {
             ("", ""),
         ] {
             assert_eq!(generalised(text), pattern);
-            assert!(crate::table::Pattern::of_line(pattern).fits(text), "{text}");
+            assert!(Pattern::of_line(pattern).fits(text), "{text}");
         }
     }
 }

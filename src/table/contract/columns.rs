@@ -25,7 +25,7 @@ pub(crate) fn columns(
     let mut declared = Vec::new();
     for place in 0..matched.owners.len() {
         let Some(Owner::Role(Role::Value(field))) = matched.owners[place] else { continue };
-        declared.extend(one(matched, place, field, units, rows, want));
+        declared.extend(one(matched, (place, field), units, rows, (layout, want)));
     }
     let with = |mark: Option<DecimalMark>| -> Result<Vec<Column>, Diagnostics> {
         let each = declared.iter().map(|declared| Column::declared(&Declared { mark, ..declared.clone() }, want));
@@ -58,11 +58,10 @@ fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
 /// One column; `None` if nothing tells its unit.
 fn one(
     matched: &mut Matched,
-    place: usize,
-    field: Field,
+    (place, field): (usize, Field),
     units: Option<&Record>,
     rows: &[Record],
-    want: &Want,
+    (layout, want): (&Layout, &Want),
 ) -> Option<Declared> {
     let (title, name) = (matched.titles[place].clone(), matched.headings[place].name.clone());
     let meaning = lookup(Form::Parts, &name).filter(|meaning| meaning.role == Role::Value(field));
@@ -79,7 +78,9 @@ fn one(
         };
         said.push((unit, UnitFrom::Table));
     }
-    said.extend(field.kind().and_then(|kind| want.given(kind)?.unit).map(|unit| (unit, UnitFrom::Spec)));
+    let declared = layout.columns.iter().find(|column| column.field == field).and_then(|column| column.unit);
+    let given = declared.or_else(|| want.given(field.kind()?)?.unit);
+    said.extend(given.map(|unit| (unit, UnitFrom::Spec)));
     let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
     if let Some((_, at, _)) = unit_column {
         let first = rows.iter().map(|row| row.cell(*at)).find(|cell| !cell.is_missing());

@@ -40,7 +40,7 @@ pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout) -> impl Iterator
 }
 
 /// How many headings of a record have a role, if it is a line of headings: one of them is of an error, and nothing is a number.
-fn score(record: &Record, layout: &Layout) -> Option<usize> {
+pub(crate) fn score(record: &Record, layout: &Layout) -> Option<usize> {
     if record.cells.iter().any(Cell::is_number) {
         return None;
     }
@@ -50,6 +50,9 @@ fn score(record: &Record, layout: &Layout) -> Option<usize> {
 
 /// The place of the line of headings, and how many roles it has: the first with two of them, or else the first with one.
 pub(crate) fn find(records: &[Record], layout: &Layout) -> Option<(usize, usize)> {
+    if !layout.headings.is_empty() {
+        return Some((0, score(records.first()?, layout)?));
+    }
     let headings = || {
         let each = records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
         each.filter_map(|(at, record)| Some((at, score(record, layout)?)))
@@ -131,6 +134,7 @@ fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Optio
 pub(crate) fn key(role: Role) -> String {
     match role {
         Role::PartId => "part_id".to_owned(),
+        Role::Status => "status".to_owned(),
         Role::Value(field) | Role::Index(field) => field.key().to_owned(),
         Role::Beside(field, beside) => format!("{} of {}", beside.key(), field.key()),
         Role::Of(beside) => beside.key().to_owned(),

@@ -10,17 +10,21 @@ mod heading;
 mod open;
 mod owner;
 mod table;
+mod whole;
 
 pub(crate) use account::refused;
 pub(crate) use open::Open;
 pub(crate) use owner::{Owner, line_of};
-pub(crate) use table::{File, Found, found, is_in_rows, of_records, score};
+pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
+pub(crate) use whole::with_headings;
 
 use std::sync::Arc;
 
 use super::cell::{Cell, Record};
-use super::layout::Layout;
+use super::dictionary::Role;
+use super::layout::{Layout, Repeats, StatusColumn};
 use super::ledger::{LeftOut, Tally};
+use crate::quantity::shown;
 use heading::Matched;
 
 /// A table of which every column has an owner. Only this one can be read.
@@ -163,7 +167,32 @@ impl Contract {
 
     /// Whether a part may be there twice.
     pub(crate) fn may_repeat(&self) -> bool {
-        self.layout.may_repeat
+        self.layout.repeats == Repeats::All
+    }
+
+    /// The column of a measuring program's decision.
+    pub(crate) fn status(&self) -> Option<usize> {
+        self.owners.iter().position(|owner| *owner == Owner::Role(Role::Status))
+    }
+
+    /// What a measuring program decided: whether the part may pass.
+    ///
+    /// # Errors
+    /// If it says neither.
+    pub(crate) fn accepts(&self, text: &str) -> Result<bool, String> {
+        let status = self.layout.status.as_ref();
+        let is_among = |texts: fn(&StatusColumn) -> &Vec<String>| {
+            status.is_some_and(|status| texts(status).iter().any(|one| one.trim() == text))
+        };
+        match (is_among(|status| &status.accept), is_among(|status| &status.reject)) {
+            (true, false) => Ok(true),
+            (false, true) => Ok(false),
+            _ if text.is_empty() => Err("the status of the part is blank, so it has no verdict".to_owned()),
+            _ => Err(format!(
+                "the status `{}` is neither accepted nor rejected, so the part has no verdict",
+                shown(text)
+            )),
+        }
     }
 }
 
@@ -205,13 +234,19 @@ impl Layout {
         self.others() + 3
     }
 
+    /// Rows of parts that are there again below.
+    pub(crate) fn repeated_parts(&self) -> usize {
+        self.others() + 4
+    }
+
     /// All rules by their number, with nothing left out so far.
     fn rules(&self) -> Vec<LeftOut> {
         let quoted = |what: &str, text: &str| format!("{what}`{text}`");
         let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
         let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));
         let comments = self.comments.iter().map(|rule| quoted("comments ", rule.text()));
-        let own = ["others", "headings again", "beside values", "other sheets"].map(str::to_owned);
+        let own = ["others", "headings again", "beside values", "other sheets", "rows before the last of their part"]
+            .map(str::to_owned);
         let all = ignored.chain(lines).chain(comments).chain(own);
         all.map(|rule| LeftOut { rule, tally: Tally::default() }).collect()
     }

@@ -9,6 +9,8 @@ pub(crate) enum Open {
     Column { place: usize, title: String, first: Vec<String> },
     /// A line that is no part.
     Line { line: u64, text: String },
+    /// A row that is no part by its name, or because it has no value; whether it has a number for each value.
+    Row { line: u64, text: String, pattern: String, could_be_part: bool },
     /// A comment or a text box of a workbook.
     Comment { place: String, text: String },
     /// Sheets of which none is chosen.
@@ -42,6 +44,7 @@ impl Open {
             }
             Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
             Self::Line { line, text } => format!("line {line}: {}", shown(text)),
+            Self::Row { line, text, .. } => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),
             Self::Sheets { names } => format!("several sheets have cells: {}", listed(names)),
             Self::Unit { key, title, .. } => format!("`{}` is {key}, and nothing tells its unit", shown(title)),

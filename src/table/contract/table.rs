@@ -3,19 +3,21 @@
 use std::sync::Arc;
 
 use super::Contract;
-use super::account::refused;
+use super::account::{generalised, refused};
 use super::columns::columns;
 use super::heading::{Matched, find, key, matched};
 use super::open::Open;
 use super::owner::{Owner, line_of};
+use super::whole::{last_of_each, named, own_headings};
 use crate::diagnostic::Diagnostics;
 use crate::table::Table;
 use crate::table::cell::Record;
-use crate::table::column::{Column, UnitFrom};
+use crate::table::column::{Column, Nominal, UnitFrom, unit_of};
+use crate::table::companions::Companions;
 use crate::table::dictionary::Role;
 use crate::table::encoding::Encoding;
 use crate::table::grid::only_units;
-use crate::table::layout::{Layout, Parts};
+use crate::table::layout::{Layout, Parts, Repeats};
 use crate::table::ledger::{LeftOut, Tally, join};
 use crate::table::names::Role as Beside;
 use crate::table::pieces::{Pieces, Place};
@@ -43,7 +45,7 @@ pub(crate) struct Found {
     pub(crate) above: usize,
     /// The place of the heading among them.
     pub(crate) heading: usize,
-    /// Rows of parts in columns, or of characteristics, as rows of parts.
+    /// Rows that take the place of the records: of parts in columns, or with names that stood in lines.
     pub(crate) turned: Option<Vec<Record>>,
 }
 
@@ -79,6 +81,11 @@ fn turned(records: &[Record], layout: &Layout) -> Vec<Record> {
     (0..width).map(row).collect()
 }
 
+/// Whether a table is read as a whole, because a row says what another one is.
+pub(crate) fn needs_all(layout: &Layout) -> bool {
+    layout.part_line().is_some() || layout.repeats == Repeats::Last
+}
+
 /// Whether the parts of a table stand in rows, by its first records.
 pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
     orientation(records, layout).is_none_or(|(parts, _)| parts == Parts::Rows)
@@ -100,19 +107,30 @@ pub(crate) fn found(
         left_out.add(*rule, 0, 0, text);
     }
     let mut open = file.open.clone();
-    let turned = (parts == Parts::Columns).then(|| turned(records, layout));
-    if turned.is_some() {
+    open.extend(own_headings(records, layout));
+    let is_turned = parts == Parts::Columns;
+    let mut turned = if is_turned { Some(turned(records, layout)) } else { named(records, layout, &mut open) };
+    if is_turned {
         left_out.lines(records, layout);
     }
     let rows = turned.as_deref().unwrap_or(records);
     let at = find(rows, layout).map(|(at, _)| at);
     let (heading, is_known) = (at.unwrap_or_else(|| likely_heading(rows, layout)), at.is_some());
-    if turned.is_none() {
-        left_out.lines(&rows[..heading.min(rows.len())], layout);
+    let units = match layout.units {
+        Some(line) => rows.iter().position(|record| record.line == line),
+        None => Some(heading + 1).filter(|at| rows.get(*at).is_some_and(|units| only_units(&units.cells).is_some())),
+    };
+    let first = units.map_or(heading + 1, |at| (at + 1).max(heading + 1));
+    let before = || rows.iter().enumerate().take(first).filter(|(at, _)| *at != heading && Some(*at) != units);
+    if !is_turned {
+        before().for_each(|(_, record)| left_out.lines(std::slice::from_ref(record), layout));
     }
-    open.extend(rows.iter().take(heading).filter_map(|record| unowned(record, layout)));
-    let units = rows.get(heading + 1).filter(|units| only_units(&units.cells).is_some());
-    let first = heading + 1 + usize::from(units.is_some());
+    open.extend(before().filter_map(|(_, record)| unowned(record, layout)));
+    if let Some(line) = layout.units.filter(|_| units.is_none()) {
+        let what = format!("there is no line {line}, which is to have the units");
+        open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
+    }
+    let units = units.and_then(|at| rows.get(at));
     let nothing = Record::default();
     let below: Vec<Record> = rows.iter().skip(first).filter(|row| layout.covering(row).is_none()).cloned().collect();
     let mut matched = matched(rows.get(heading).unwrap_or(&nothing), &below, layout);
@@ -124,9 +142,16 @@ pub(crate) fn found(
     if let Some(units) = units {
         own_units(units, &mut matched, &mut left_out);
     }
+    open_to_others(&mut matched, &columns, &below, layout);
+    if !matched.open.is_empty() {
+        let no_parts = no_parts(&matched, &below, layout);
+        matched.open.extend(no_parts);
+    }
     left_out.headings(&matched);
     let titles = matched.titles.clone();
     let line = matched.line;
+    let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
+    turned = last_of_each(rows, first, id, layout, &mut left_out).or(turned);
     let contract = Contract::close(layout, matched).map_err(|open| refused(file.name, layout, &open))?;
     let reading = Reading {
         file: file.name.to_owned(),
@@ -163,13 +188,66 @@ fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
         match matched.owners.get(place) {
             Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
             Some(Some(Owner::Role(Role::Value(_)))) => {}
-            Some(Some(Owner::Role(Role::Beside(..)))) => left_out.add(left_out.beside, units.line, place, &cell.text()),
+            Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status))) => {
+                left_out.add(left_out.beside, units.line, place, &cell.text())
+            }
             _ => {
                 let what = format!("line {}: `{}` is a unit of no value", units.line, cell.text());
                 matched.open.push(Open::Wrong { what, help: String::new() });
             }
         }
     }
+}
+
+/// Gives back what the rule for all others takes and what has the nominal value and the unit of a column of values: it may be
+/// another measurement of the same.
+fn open_to_others(matched: &mut Matched, columns: &[Column], below: &[Record], layout: &Layout) {
+    for place in 0..matched.owners.len() {
+        if matched.owners[place] != Some(Owner::Rule(layout.others())) {
+            continue;
+        }
+        let unit = matched.headings[place].unit.as_deref();
+        let cells = || below.iter().map(|record| record.cell(place)).filter(|cell| !cell.is_missing());
+        let is_again = |column: &Column| {
+            matches!(column.nominal, Nominal::Fixed(nominal) if !nominal.is_zero())
+                && unit.is_none_or(|unit| unit_of(unit, column.field.is_angle()) == Some(column.unit))
+                && cells().next().is_some()
+                && cells().all(|cell| matches!(column.value(cell, Companions::default()), Ok(Some(_))))
+        };
+        if columns.iter().any(is_again) {
+            let first = cells().take(3).map(|cell| cell.text().into_owned()).collect();
+            let title = matched.titles[place].clone();
+            matched.open.push(Open::Column { place, title, first });
+        }
+    }
+}
+
+/// Rows that are no parts, to be shown with all else that has no owner: those with the name of a statistic, and lines of words.
+fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
+    let place_of = |role: Role| matched.owners.iter().position(|owner| *owner == Some(Owner::Role(role)));
+    let (id, is_value) =
+        (place_of(Role::PartId), |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(_)))));
+    let values: Vec<usize> = (0..matched.owners.len()).filter(|place| is_value(&matched.owners[*place])).collect();
+    let row = |record: &Record| {
+        let numbers = values.iter().filter(|place| record.cell(**place).is_number()).count();
+        let name = id.map(|place| record.cell(place)).filter(|name| !name.is_missing());
+        let statistic = name.filter(|name| Contract::no_name(name).is_some());
+        let is_line = || record.numbers() == 0 && record.filled().len() == 1 || record.cell(0).text().contains(':');
+        if super::heading::roles(record, layout).take(2).count() == 2
+            || statistic.is_none() && (numbers > 0 || !is_line())
+        {
+            return None;
+        }
+        let text = line_of(record);
+        let pattern = match statistic {
+            Some(name) if id == Some(0) && record.filled().len() > 1 => format!("{};*", name.text()),
+            Some(name) if id != Some(0) => format!("*{}*", name.text()),
+            _ => generalised(&text),
+        };
+        let could_be_part = statistic.is_some() && numbers == values.len();
+        Some(Open::Row { line: record.line, text, pattern, could_be_part })
+    };
+    below.iter().filter(|record| !record.filled().is_empty()).filter_map(row).collect()
 }
 
 /// What each rule left out so far.
@@ -268,15 +346,17 @@ pub(crate) fn of_records(
     want: &Want,
 ) -> Result<Table, Diagnostics> {
     let (mut head, mut rest) = (head, rest);
-    let is_streamed = is_in_rows(&head, layout);
+    let is_streamed = is_in_rows(&head, layout) && !needs_all(layout);
     if !is_streamed {
         head.extend(rest.by_ref().collect::<Result<Vec<_>, _>>()?);
     }
     let Found { mut table, above, turned, .. } = found(file, &head, layout, want)?;
     match turned {
         Some(rows) => {
-            table.place = Place::Record;
-            table.titles = Vec::new();
+            if table.reading.parts_in == "columns" {
+                table.place = Place::Record;
+                table.titles = Vec::new();
+            }
             table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
         }
         None => table.pieces.give_records(head.into_iter().skip(above).map(Ok).chain(rest), None),

@@ -87,6 +87,11 @@ impl Rows {
                 block.tally(contract.beside_values()).add(record.line, companion.place, &text);
             }
         }
+        let status = contract.status().map(|place| {
+            let text = ledger.read(place).text();
+            block.tally(contract.beside_values()).add(record.line, place, &text);
+            contract.accepts(text.trim())
+        });
         for (place, rule) in contract.left_out() {
             block.tally(rule).add(record.line, place, &ledger.read(place).text());
         }
@@ -96,11 +101,15 @@ impl Rows {
         let wrong = swallowed(record, self.setup.separator)
             .map(|line| format!("a cell holds a line break and then `{line}`: a quote may be missing"))
             .or(surplus)
-            .or_else(|| name.and_then(Contract::no_name));
+            .or_else(|| name.and_then(Contract::no_name))
+            .or_else(|| status.clone()?.err());
         if let Some(message) = wrong {
             return self.refuse(record.line, raw, block, &record.in_words(), message);
         }
         start(record.line, raw, block);
+        if status == Some(Ok(false)) {
+            block.failed.push(block.rows() - 1);
+        }
         if let Some(name) = name {
             let name = block.append(name.text().as_bytes());
             block.names.push(name);

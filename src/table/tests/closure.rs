@@ -68,7 +68,7 @@ const WORDS: [&str; 22] = [
 fn contract(grid: &str) -> Want {
     let column = |kind, name: &str, beside: &[(&'static str, &str)]| {
         let beside = beside.iter().map(|(key, name)| (*key, (*name).to_owned())).collect();
-        DeclaredColumn::new(kind, (!name.is_empty()).then(|| name.to_owned()), beside)
+        DeclaredColumn::new(kind, (!name.is_empty()).then(|| name.to_owned()), None, beside)
     };
     let mut columns = vec![column(DeviationKind::RackPitch, "CHR_017", &[])];
     if grid.contains("Soll") {

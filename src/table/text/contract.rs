@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::{LARGEST_WHOLE, START, Text};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::table::Table;
-use crate::table::cell::Record;
-use crate::table::contract::{File, Found, Open, found, is_in_rows, refused, score};
+use crate::table::cell::{Cell, Record};
+use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, refused, score, with_headings};
 use crate::table::encoding::text;
 use crate::table::grid::{Separator, records};
 use crate::table::layout::Layout;
@@ -22,6 +22,17 @@ struct Head {
     ends: Vec<usize>,
 }
 
+impl Head {
+    /// The same below a heading that the user gives.
+    fn below(mut self, heading: Option<Record>) -> Self {
+        if let Some(heading) = heading {
+            self.records.insert(0, heading);
+            self.ends.insert(0, 0);
+        }
+        self
+    }
+}
+
 impl Text {
     /// The table of a text by its contract.
     ///
@@ -32,7 +43,7 @@ impl Text {
         let declared = want.separator.or(layout.separator).or(self.stated);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
         let is_cut = matches!(head.separator, Separator::Character(_) | Separator::Lines);
-        let is_streamed = is_cut && is_in_rows(&head.records, layout);
+        let is_streamed = is_cut && is_in_rows(&head.records, layout) && !needs_all(layout);
         if !is_streamed && !is_all {
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
             if !is_all {
@@ -69,6 +80,9 @@ impl Text {
 
     /// The first records under the separator that there is.
     fn head(&self, bytes: &[u8], is_all: bool, declared: Option<u8>, layout: &Layout) -> Result<Head, Diagnostics> {
+        if !layout.starts.is_empty() {
+            return Ok(self.at_starts(bytes, layout));
+        }
         let candidates = [b'\t', b';', b'|', b','].into_iter().filter(|byte| bytes.contains(byte));
         let mut tried: Vec<Separator> = candidates.map(Separator::Character).collect();
         let written = text(bytes);
@@ -80,7 +94,7 @@ impl Text {
         if let Some(byte) = declared {
             tried = vec![Separator::Character(byte)];
         }
-        let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator));
+        let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator).below(with_headings(layout)));
         let mut heads: Vec<(usize, Head)> = heads.map(|head| (score(&head.records, layout), head)).collect();
         let most = heads.iter().map(|(score, _)| *score).max().unwrap_or(0);
         // where no heading is known, the separator that makes most cells shows what has no owner
@@ -100,11 +114,38 @@ impl Text {
                 heads.retain(|(_, head)| width(head) > 1);
             }
         }
+        if heads.len() > 1 && !layout.headings.is_empty() {
+            // the one under which most cells of values are numbers
+            let is_plain = |cell: &&Cell| {
+                cell.is_number() && cell.text().chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c))
+            };
+            let plain_cells =
+                |head: &Head| head.records.iter().flat_map(|record| &record.cells).filter(is_plain).count();
+            let most = heads.iter().map(|(_, head)| plain_cells(head)).max();
+            heads.retain(|(_, head)| Some(plain_cells(head)) == most);
+        }
         if heads.len() > 1 {
             let names = heads.iter().map(|(_, head)| head.separator.name()).collect();
             return Err(refused(&self.name, layout, &[Open::Separator { names }]));
         }
         Ok(heads.swap_remove(0).1)
+    }
+
+    /// The records of a text of fixed width whose columns start where the contract says. What stands before the first is a cell, too.
+    fn at_starts(&self, bytes: &[u8], layout: &Layout) -> Head {
+        let text = text(bytes);
+        let starts: Vec<usize> =
+            std::iter::once(0).chain(layout.starts.iter().copied().filter(|start| *start > 0)).collect();
+        let cells = |line: &str| {
+            let bytes: Vec<usize> = line.char_indices().map(|(at, _)| at).chain([line.len()]).collect();
+            let byte = |column: usize| bytes.get(column).copied().unwrap_or(line.len());
+            let ends = starts.iter().skip(1).map(|start| byte(*start)).chain([line.len()]);
+            let cells = starts.iter().zip(ends).map(|(start, end)| Cell::of_text(line[byte(*start)..end].trim(), 0..0));
+            cells.collect()
+        };
+        let records =
+            text.lines().zip(self.lines + 1..).map(|(line, number)| Record::new(cells(line), number)).collect();
+        Head { separator: Separator::AlignedBlanks, records, ends: Vec::new() }.below(with_headings(layout))
     }
 
     /// The whole records at the start.

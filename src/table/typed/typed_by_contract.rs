@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{HEAD, head_records};
+use super::{HEAD, head_records, whole};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::shown;
 use crate::table::Table;
-use crate::table::contract::{File, Found, Open, found, of_records, refused};
+use crate::table::contract::{File, Found, Open, found, needs_all, of_records, refused, with_headings};
 use crate::table::layout::Layout;
 use crate::table::ledger::{Tally, digest};
 use crate::table::parquet::{ParquetTable, Unread};
@@ -29,8 +29,10 @@ pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) ->
         [sheet] => sheet.clone(),
         _ => return Err(refused(&book.called(""), layout, &[Open::Sheets { names: filled }])),
     };
-    let head = book.head(&sheet, want.range, HEAD)?;
+    let mut head = book.head(&sheet, want.range, HEAD)?;
     let records = book.records(&sheet, want.range);
+    let (count, above) = (head.len(), with_headings(layout));
+    above.into_iter().for_each(|heading| head.insert(0, heading));
     let name = records.name.clone();
     let mut file = File::new(&name, "workbook");
     for comment in &records.comments {
@@ -42,7 +44,7 @@ pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) ->
     }
     let others = all.into_iter().filter(|other| *other != sheet);
     file.left_out.extend(others.map(|other| (layout.other_sheets(), other)));
-    let mut table = of_records(&file, head.clone(), records.records.skip(head.len()), layout, want)?;
+    let mut table = of_records(&file, head, records.records.skip(count), layout, want)?;
     if let Some(problem) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &table)) {
         return Err(problem.into());
     }
@@ -99,10 +101,18 @@ pub(super) fn parquet(
     }
     let places: Vec<usize> = (0..file.columns.len()).filter(|place| file.columns[*place].is_read()).collect();
     let titles: Vec<String> = places.iter().map(|place| file.columns[*place].name.clone()).collect();
-    let head = file.next(&vec![true; titles.len()], HEAD)?.map_or_else(Vec::new, |head| head.columns);
+    if !layout.headings.is_empty() {
+        let message = format!("{name} has headings, and --as is for tables without any");
+        return Err(Diagnostic::error(Code::Usage, message).help("leave --as out").into());
+    }
+    let head = if needs_all(layout) {
+        whole(name, &mut file, &titles)?
+    } else {
+        head_records(&titles, &file.next(&vec![true; titles.len()], HEAD)?.map_or_else(Vec::new, |head| head.columns))
+    };
     file.rewind();
-    let Found { mut table, turned, .. } = found(&of, &head_records(&titles, &head), layout, want)?;
-    if turned.is_some() {
+    let Found { mut table, above, turned, .. } = found(&of, &head, layout, want)?;
+    if table.reading.parts_in == "columns" {
         let message = format!("{name}: the parts of a Parquet file are its rows");
         return Err(Diagnostic::error(Code::BadTable, message).into());
     }
@@ -117,7 +127,10 @@ pub(super) fn parquet(
     }
     table.reading.header_line = None;
     table.place = Place::Record;
-    table.pieces.give_file(file);
+    match turned {
+        Some(rows) => table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None),
+        None => table.pieces.give_file(file),
+    }
     Ok(table)
 }
 

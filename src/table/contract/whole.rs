@@ -1,0 +1,95 @@
+//! What is done to the records of a table before their columns are found: headings that the user gives, names of parts that stand in
+//! lines, and rows of a part that is there again.
+
+use std::collections::HashMap;
+
+use super::heading::{matched, score};
+use super::open::Open;
+use super::owner::{Owner, line_of};
+use super::table::Tallies;
+use crate::quantity::shown;
+use crate::table::cell::{Cell, Record};
+use crate::table::dictionary::Role;
+use crate::table::layout::{Layout, Repeats};
+
+/// The heading that the user gives to a file without one.
+pub(crate) fn with_headings(layout: &Layout) -> Option<Record> {
+    let cells = layout.headings.iter().map(|heading| Cell::of_text(heading.trim(), 0..0)).collect();
+    (!layout.headings.is_empty()).then(|| Record::new(cells, 0))
+}
+
+/// That a file whose headings the user gives has some of its own.
+pub(super) fn own_headings(records: &[Record], layout: &Layout) -> Option<Open> {
+    let first = records.iter().skip(1).find(|record| layout.covering(record).is_none() && !record.filled().is_empty());
+    let first = first.filter(|_| !layout.headings.is_empty())?;
+    let known = super::heading::roles(first, layout).next()?;
+    let what = format!(
+        "line {} has a heading that is known, {}: --as is for tables without headings",
+        first.line,
+        super::heading::key(known)
+    );
+    Some(Open::Wrong { what, help: "leave --as out".to_owned() })
+}
+
+/// The records with the name of their part in a last column of its own, as lines above them say it.
+pub(super) fn named(records: &[Record], layout: &Layout, open: &mut Vec<Open>) -> Option<Vec<Record>> {
+    let pattern = layout.part_line()?;
+    let width = records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
+    let own = records.iter().find(|record| score(record, layout).is_some()).and_then(|heading| {
+        let owners = matched(heading, &[], layout).owners;
+        owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)))
+    });
+    let place = own.unwrap_or(width);
+    let (mut name, mut rows) = (String::new(), Vec::new());
+    for record in records {
+        if record.filled().is_empty() || layout.covering(record).is_some() {
+            rows.push(record.clone());
+            continue;
+        }
+        let line = line_of(record);
+        if let Some(found) = pattern.left_open(&line) {
+            found.clone_into(&mut name);
+            continue;
+        }
+        let mut cells = record.cells.clone();
+        cells.resize(cells.len().max(place + 1), Cell::default());
+        let text = if score(record, layout).is_some() { "part_id" } else { &name };
+        match own {
+            Some(_) if text == "part_id" && text != name => {}
+            Some(_) if !cells[place].is_empty() && cells[place].text() != name => {
+                let (said, name) = (shown(&cells[place].text()), shown(&name));
+                let what =
+                    format!("line {}: the part is `{said}`, and the line above its rows names `{name}`", record.line);
+                open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
+            }
+            _ => cells[place] = Cell::of_text(text, 0..0),
+        }
+        rows.push(Record { cells, ..record.clone() });
+    }
+    Some(rows)
+}
+
+/// The records without rows of parts that are there again below, which a rule leaves out.
+pub(super) fn last_of_each(
+    records: &[Record],
+    first: usize,
+    place: Option<usize>,
+    layout: &Layout,
+    left_out: &mut Tallies,
+) -> Option<Vec<Record>> {
+    let place = place.filter(|_| layout.repeats == Repeats::Last)?;
+    let name = |record: &Record| record.cell(place).text().trim().to_owned();
+    let is_row = |record: &Record| layout.covering(record).is_none() && !record.cell(place).is_missing();
+    let last: HashMap<String, u64> =
+        records[first..].iter().filter(|record| is_row(record)).map(|record| (name(record), record.line)).collect();
+    let mut kept = records[..first].to_vec();
+    for record in &records[first..] {
+        let is_before = is_row(record) && last.get(&name(record)).is_some_and(|line| *line != record.line);
+        if is_before && score(record, layout).is_none() {
+            left_out.add(layout.repeated_parts(), record.line, 0, &line_of(record));
+        } else {
+            kept.push(record.clone());
+        }
+    }
+    Some(kept)
+}
