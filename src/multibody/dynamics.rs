@@ -32,28 +32,17 @@
 //! that cannot roll takes 500. They resolve what happens; a tolerance ten times as large saves two thirds of them and
 //! moves the steady ΔCD by 0.3 µm.
 //!
-//! # Without losses
-//! Without damping and friction energy is an invariant, and its drift is kept below the parameters' `energy_tolerance`.
-//! The forces are the gradient of the energy, so steps of this scheme need only be short enough, until something rings
-//! that they would damp: then [`super::conserving`] follows it.
-//!
-//! # With losses
+//! # The balance of energy
 //! What a step damps of a vibration that it does not resolve is lost beside the contact's own damping, and is the drift. A
 //! step that adds more of it than a small share of what is driven, stored and lost is made again, shorter: at a tooth's
-//! first contact, mostly.
-//!
-//! # The explicit scheme
-//! Velocity Verlet; its step is bound by the largest frequency and damping rate of the present tangent.
+//! first contact, mostly. Without damping and friction a vibration never dies by itself and no step is made again for it:
+//! the drift then is what the scheme has damped.
 
-use std::ops::ControlFlow;
-
-use super::conserving::{Following, Step};
 use super::drive::{Drive, Driven};
 use super::energy::{Flow, Ledger};
 use super::load::Work;
 use super::newton::{Balance, Limits, newton};
-use super::outcome::{Energy, Outcome, RunEnd, Sample, Watch};
-use super::parameters::Integrator;
+use super::outcome::{Energy, Outcome, Watch};
 use super::state::{Coordinates, State};
 use super::{Scene, SimulationError};
 use crate::linear::solve;
@@ -75,73 +64,39 @@ const BALANCE: f64 = 1e-5;
 const ITERATIONS: u32 = 25;
 /// A step is made at most this much longer than the last one.
 const GROWTH: f64 = 4.0;
-/// One that follows a vibration at most this much: it is to be even.
-const STEADY: f64 = 1.25;
-/// Steps that damp are worth trying where they are so many times as long as those that follow vibrations.
-const WORTH: f64 = 8.0;
 /// Share of the step that the error would allow exactly.
 const SAFETY: f64 = 0.85;
-/// Share of the allowed drift that is planned with.
-const DRIFT: f64 = 0.3;
-/// Share of it that steps may lose which damp,
-const LOST: f64 = 0.8;
-/// and the share of the run below which, as where they would follow vibrations, the energy's error shortens none of
-/// them until that is lost.
-const FINE: f64 = 1e-6;
-/// Share of the largest of driven, stored and lost that a step of a run with losses may add to the drift, where that is
-/// more than the share of what circulates,
-const STEP: f64 = 3e-5;
+/// Share of what circulates that a step may lose or make up, where that is more than the energy tolerance's.
 const CIRCULATING: f64 = 1e-6;
-/// and the share of the run below which no step is shortened for it.
+/// Share of the run below which no step is shortened for its energy.
 const SHORT: f64 = 2e-7;
 /// The smallest step, as a share of the run.
 const SMALLEST: f64 = 1e-13;
-/// Share of the stability limit that the explicit scheme uses.
-const EXPLICIT: f64 = 0.5;
+
+/// One step's outcome.
+struct Step {
+    state: State,
+    /// Largest error of a position, mm.
+    error: f64,
+    gained: Flow,
+}
 
 impl Scene {
     /// The motion over the stroke, from rest in equilibrium.
     #[must_use]
     pub fn dynamic(&self, watch: &mut Watch<'_>) -> Outcome {
-        let mut work = Work::default();
-        let mut samples = Vec::with_capacity(self.intervals() as usize + 1);
-        let mut energy = None;
-        let end = match self.travel(&mut samples, &mut energy, &mut work, watch) {
-            Ok(end) => end,
-            Err(error) => RunEnd::Failed(error),
-        };
-        self.outcome(samples, energy, work.counters, end)
-    }
-
-    fn travel(
-        &self,
-        samples: &mut Vec<Sample>,
-        energy: &mut Option<Energy>,
-        work: &mut Work,
-        watch: &mut Watch<'_>,
-    ) -> Result<RunEnd, SimulationError> {
-        let mut run = MotionRun::new(self, work)?;
-        let mut take = |run: &MotionRun<'_>, work: &Work| {
-            let sample = self.sample(&run.here, work);
-            samples.push(sample);
-            *energy = Some(run.energy(&run.here, &run.ledger));
-            watch(&sample)
-        };
-        if take(&run, work) == ControlFlow::Break(()) {
-            return Ok(RunEnd::Interrupted);
-        }
-        run.step = run.first_step()?;
-        let last = self.intervals();
-        for index in 1..=last {
-            let until = run.drive.time(self.sample_stroke(index));
+        let mut begun = None;
+        self.record(watch, |index, work| {
+            let run = match &mut begun {
+                Some(run) => run,
+                none => none.insert(MotionRun::new(self, work)?),
+            };
+            let until = if index > 0 { run.drive.time(self.sample_stroke(index)) } else { 0.0 };
             while run.here.time < until {
                 run.advance(until, work)?;
             }
-            if take(&run, work) == ControlFlow::Break(()) && index < last {
-                return Ok(RunEnd::Interrupted);
-            }
-        }
-        Ok(RunEnd::Completed)
+            Ok((run.here, run.energy(&run.here, &run.ledger)))
+        })
     }
 
     /// The forces in a position at a velocity, the rack where and as fast as it is driven.
@@ -232,46 +187,6 @@ impl Scene {
         work.counters.iterations += u64::from(solution.iterations);
         solution.converged.then_some(solution.with)
     }
-
-    /// One velocity Verlet step; damping and friction see the velocity predicted by the old forces.
-    fn explicit(&self, drive: &Drive, from: &State, end: f64, work: &mut Work) -> Step {
-        let h = end - from.time;
-        let n = self.coordinates() as usize;
-        let rate = |f: &[f64; 3], i: usize| if i < n { f[i] / self.inertia[i] } else { 0.0 };
-        let half: [f64; 3] = std::array::from_fn(|i| from.v[i] + 0.5 * h * rate(&from.f, i));
-        let q = std::array::from_fn(|i| from.q[i] + h * half[i]);
-        let predicted = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&from.f, i));
-        let mut state = self.state(drive.at(end), q, predicted, work);
-        state.v = std::array::from_fn(|i| half[i] + 0.5 * h * rate(&state.f, i));
-        let gained = Flow::of(&[(from, 0.5 * h), (&state, 0.5 * h)]);
-        let finite = state.q.iter().chain(&state.v).all(|value| value.is_finite());
-        Step { state, error: if finite { 0.0 } else { f64::INFINITY }, gained }
-    }
-
-    /// The longest step that the explicit scheme should make from a state.
-    fn explicit_limit(&self, at: &State, total: f64) -> Result<f64, SimulationError> {
-        let n = self.coordinates() as usize;
-        let (mut square, mut rate) = (0.0_f64, 0.0_f64);
-        let scale = self.limits(0.0).scale;
-        for i in 0..n {
-            // Gershgorin's bound in lengths, as the unknowns are scaled
-            let mass = self.inertia[i] / (scale[i] * scale[i]);
-            let sum = |m: &[[f64; 3]; 3]| -> f64 { (0..n).map(|j| m[i][j].abs() / (scale[i] * scale[j])).sum() };
-            let closing = if i == 1 { self.closing(at.q[1]).1 } else { 0.0 };
-            square = square.max((sum(&at.contact.stiffness) + closing) / mass);
-            rate = rate.max(sum(&at.contact.damping) / mass);
-        }
-        let limit = EXPLICIT * 2.0 / (square.sqrt() + rate);
-        // while nothing touches, a contact may close at any time
-        let limit = limit.min(1e-3 * total);
-        let steps = (total - at.time) / limit;
-        let most = self.parameters.max_steps as f64;
-        if steps.is_finite() && steps <= most {
-            Ok(limit)
-        } else {
-            Err(SimulationError::TooStiffForExplicit { step_s: limit, steps })
-        }
-    }
 }
 
 /// A stage of a step of `h` seconds: the states that lead to it, with their weights, and where it is looked for.
@@ -293,20 +208,8 @@ struct MotionRun<'a> {
     here: State,
     before: Option<State>,
     ledger: Ledger,
-    following: Following,
     /// The next step, s.
     step: f64,
-    /// Whether the error of the energy is controlled, and whether energy is an invariant.
-    accounted: bool,
-    lossless: bool,
-}
-
-/// What a step adds to the drift of the energy over what it may add.
-#[derive(Default)]
-struct Drift {
-    share: f64,
-    /// Whether the run has none left to lose.
-    spent: bool,
 }
 
 impl<'a> MotionRun<'a> {
@@ -319,23 +222,13 @@ impl<'a> MotionRun<'a> {
         Ok(Self {
             scene,
             total: drive.time(scene.sample_stroke(scene.intervals())),
+            step: drive.time(scene.sample_stroke(1)),
             drive,
             start,
             here: start,
             before: None,
             ledger: Ledger::default(),
-            following: Following::default(),
-            step: 0.0,
-            accounted: p.energy_tolerance < 1.0,
-            lossless: p.damping == 0.0 && p.friction == 0.0,
         })
-    }
-
-    fn first_step(&self) -> Result<f64, SimulationError> {
-        match self.scene.parameters.integrator {
-            Integrator::Implicit => Ok(self.drive.time(self.scene.sample_stroke(1))),
-            Integrator::Explicit => self.scene.explicit_limit(&self.here, self.total),
-        }
     }
 
     /// Makes a step towards a time, or finds that it has to be shorter.
@@ -343,107 +236,56 @@ impl<'a> MotionRun<'a> {
         let (scene, here) = (self.scene, &self.here);
         let p = &scene.parameters;
         let left = until - here.time;
-        let longest = if self.following.is_on() { self.step.min(scene.following(here)) } else { self.step };
         // the rest in equal steps, none longer than allowed
-        let parts = (left / longest * (1.0 - 1e-9)).ceil().max(1.0);
+        let parts = (left / self.step * (1.0 - 1e-9)).ceil().max(1.0);
         let end = if parts <= 1.0 { until } else { here.time + left / parts };
         if work.counters.steps + work.counters.rejected >= p.max_steps {
             let steps = work.counters.steps;
             return Err(SimulationError::TooManySteps { time_s: here.time, stroke_mm: here.stroke, steps });
         }
         let h = end - here.time;
-        let made = match p.integrator {
-            Integrator::Implicit if self.following.is_on() => scene.conserving(&self.drive, here, end, work),
-            Integrator::Implicit => scene.implicit(&self.drive, here, self.before.as_ref(), end, work),
-            Integrator::Explicit => Some(scene.explicit(&self.drive, here, end, work)),
-        };
+        let made = scene.implicit(&self.drive, here, self.before.as_ref(), end, work);
         let ratio = made.as_ref().map_or(f64::INFINITY, |made| made.error / p.tolerance_mm);
-        let drift = made.as_ref().map_or_else(Drift::default, |made| self.drift(made));
-        let floor = if self.lossless && self.accounted {
-            scene.following(here).max(FINE * self.total)
-        } else {
-            SHORT * self.total
-        };
-        let too_large = ratio > 1.0 || (drift.share > 1.0 && (h > floor || drift.spent));
-        let Some(made) = made.filter(|_| !too_large) else {
+        let drift = made.as_ref().map_or(0.0, |made| self.lost(made));
+        let floor = SHORT * self.total;
+        let is_too_large = ratio > 1.0 || (drift > 1.0 && h > floor);
+        let Some(made) = made.filter(|_| !is_too_large) else {
             work.counters.rejected += 1;
-            return self.shorten(h, ratio, &drift, floor);
+            return self.shorten(h, ratio, if h > floor { drift } else { 0.0 });
         };
         work.counters.steps += 1;
-        self.following.count(h > WORTH * scene.following(&made.state));
         scene.check(made.state.stroke, &made.state.q, &made.state.contact)?;
         self.ledger.add(&made.gained, here.time < self.drive.run_up_s());
-        self.step = match p.integrator {
-            Integrator::Implicit => {
-                let most = if self.following.is_on() { STEADY } else { GROWTH };
-                let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, most);
-                by_error.min((h * (SAFETY / drift.share.sqrt()).clamp(0.2, most)).max(floor))
-            }
-            Integrator::Explicit => scene.explicit_limit(&made.state, self.total)?,
-        };
+        let by_error = h * (SAFETY / libm::cbrt(ratio)).clamp(0.2, GROWTH);
+        self.step = by_error.min((h * (SAFETY / drift.sqrt()).clamp(0.2, GROWTH)).max(floor));
         self.before = Some(std::mem::replace(&mut self.here, made.state));
         Ok(())
     }
 
     /// A step whose error or drift is too large is made again.
-    fn shorten(&mut self, h: f64, ratio: f64, drift: &Drift, floor: f64) -> Result<(), SimulationError> {
+    fn shorten(&mut self, h: f64, ratio: f64, drift: f64) -> Result<(), SimulationError> {
         // the error is of third order in the step, that of the work between second and first
-        let by_drift = if h > floor { SAFETY / drift.share.sqrt() } else { 1.0 };
-        let shrink = (SAFETY / libm::cbrt(ratio)).min(by_drift);
+        let shrink = (SAFETY / libm::cbrt(ratio)).min(SAFETY / drift.sqrt());
         self.step = h * if ratio.is_finite() { shrink.clamp(0.1, 0.9) } else { 0.25 };
         if self.step < SMALLEST * self.total {
             let State { time, stroke, .. } = self.here;
             return Err(SimulationError::StepTooSmall { time_s: time, stroke_mm: stroke, step_s: self.step });
         }
-        if drift.spent && self.step < floor {
-            self.following.begin();
-        }
         Ok(())
     }
 
-    fn drift(&self, made: &Step) -> Drift {
-        let implicit = self.scene.parameters.integrator == Integrator::Implicit;
-        if self.accounted && self.lossless && !self.following.is_on() {
-            self.drift_without_losses(made)
-        } else if self.accounted && !self.lossless && implicit {
-            Drift { share: self.lost(made), spent: false }
-        } else {
-            Drift::default()
+    /// What a step of a run with losses adds to the drift of the energy, over what it may add.
+    fn lost(&self, made: &Step) -> f64 {
+        let p = &self.scene.parameters;
+        if p.energy_tolerance >= 1.0 || p.damping == 0.0 && p.friction == 0.0 {
+            return 0.0;
         }
-    }
-
-    /// The energy before and after a step.
-    fn balances(&self, made: &Step) -> [Energy; 2] {
         let mut with = self.ledger;
         with.add(&made.gained, false);
-        [self.energy(&self.here, &self.ledger), self.energy(&made.state, &with)]
-    }
-
-    /// What a step of a run with losses adds to the drift of the energy over what it may add.
-    fn lost(&self, made: &Step) -> f64 {
-        let [before, after] = self.balances(made);
+        let [before, after] = [self.energy(&self.here, &self.ledger), self.energy(&made.state, &with)];
         let exchanged = made.gained.exchanged * self.total / (made.state.time - self.here.time);
         let largest = after.driven.abs().max(after.stored.abs()).max(after.dissipated + after.settling);
-        (after.drift - before.drift).abs() / (STEP * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
-    }
-
-    /// The same without losses.
-    fn drift_without_losses(&self, made: &Step) -> Drift {
-        let (tolerance, total, from) = (self.scene.parameters.energy_tolerance, self.total, &self.here);
-        let h = made.state.time - from.time;
-        let [before, after] = self.balances(made).map(|energy| energy.drift);
-        // errors of the work are random: their squares add up to that of the allowed drift
-        let mut allowed = DRIFT * tolerance * made.gained.exchanged * (total / h).sqrt();
-        let mut spent = false;
-        if after.abs() > before.abs() {
-            // but what is damped is lost for good
-            let whole =
-                LOST * tolerance * (self.ledger.sum.exchanged + made.gained.exchanged * (total - from.time) / h);
-            allowed *= (1.0 - before.abs() / whole).max(0.0);
-            // without a mass there is nothing to follow
-            spent = after.abs() > whole && self.scene.following(from) > 0.0;
-        }
-        Drift { share: (after - before).abs() / allowed.max(f64::MIN_POSITIVE), spent }
+        (after.drift - before.drift).abs() / (p.energy_tolerance * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
     }
 
     fn energy(&self, now: &State, ledger: &Ledger) -> Energy {

@@ -96,17 +96,6 @@ pub enum SimulationError {
         /// Steps made.
         steps: u64,
     },
-    /// The explicit scheme would need more steps than it may take.
-    #[error(
-        "the explicit scheme needs steps of {step_s:.1e} s here, {steps:.1e} in all; \
-         lower the contact stiffness, raise the masses or use the implicit scheme"
-    )]
-    TooStiffForExplicit {
-        /// The largest stable step.
-        step_s: f64,
-        /// How many of them.
-        steps: f64,
-    },
     /// The pinion has left its tooth space.
     #[error("stroke {stroke_mm:.4} mm: the pinion jumped a tooth; raise the preload or lower the speed")]
     Jumped {

@@ -9,7 +9,6 @@
 mod bound;
 mod closest;
 mod compare;
-mod conserving;
 mod drive;
 mod dynamics;
 mod energy;
@@ -32,8 +31,6 @@ mod template;
 pub use compare::exact_mean_mm;
 pub use error::SimulationError;
 pub use outcome::{Counters, Energy, Outcome, RunEnd, Sample, Steady, Watch, YokeSample};
-pub use parameters::{
-    ContactModel, Integrator, Masses, ParameterName, Parameters, SphereGrid, StripGrid, Support, Yoke,
-};
+pub use parameters::{ContactModel, Masses, ParameterName, Parameters, SphereGrid, StripGrid, Support, Yoke};
 pub use scene::Scene;
 pub use state::{Coordinates, Forces};

@@ -1,13 +1,11 @@
 //! The equilibrium at each stroke, without inertia and damping. Called through [`Scene::quasi_static`]; also finds the
 //! position from which a dynamic run starts.
 
-use std::ops::ControlFlow;
-
 use super::energy::Ledger;
 use super::law::Law;
 use super::load::Work;
 use super::newton::{Balance, Bend, Limits, Solution, System, newton};
-use super::outcome::{Counters, Outcome, RunEnd, Sample, Watch, steady};
+use super::outcome::{Counters, Energy, Outcome, RunEnd, Sample, Watch, steady};
 use super::state::{Coordinates, Forces, State};
 use super::{Scene, SimulationError};
 
@@ -138,58 +136,65 @@ impl Scene {
     /// The equilibrium at each sample's stroke. Friction acts as it does at the nominal sliding velocities.
     #[must_use]
     pub fn quasi_static(&self, watch: &mut Watch<'_>) -> Outcome {
-        let mut work = Work::default();
         let law = self.law.without_damping();
         let p = &self.parameters;
-        let (mut known, mut before): (Option<[f64; 3]>, Option<[f64; 3]>) = (None, None);
-        let (mut start, mut here): (Option<State>, Option<State>) = (None, None);
+        let turn = self.mesh.pair().rotation_per_stroke_rad();
+        let (mut start, mut before, mut here): (Option<State>, Option<State>, Option<State>) = (None, None, None);
         let mut ledger = Ledger::default();
+        self.record(watch, |index, work| {
+            let stroke = self.sample_stroke(index);
+            let guess = here.map(|here| {
+                let known = |State { q, stroke, .. }: State| [q[0] - stroke * turn, q[1], q[2]];
+                let (last, before) = (known(here), known(before.unwrap_or(here)));
+                let guess: [f64; 3] = std::array::from_fn(|i| 2.0 * last[i] - before[i]);
+                [guess[0] + stroke * turn, guess[1], guess[2]]
+            });
+            let (q, contact) = self.equilibrium(stroke, guess, &law, work)?;
+            let time = (stroke - p.start_mm) / p.speed_mm_per_s;
+            let next = State { time, q, v: [0.0; 3], stroke, speed: 0.0, f: self.unbalanced(&q, &contact), contact };
+            if let Some(here) = here {
+                ledger.add(&self.flow_at_rest(&here, &next), false);
+            }
+            (before, here) = (here, Some(next));
+            work.margin = NEAR * contact.penetration;
+            let gained = self.potential(&next) - self.potential(start.get_or_insert(next));
+            Ok((next, ledger.balance(gained, 0.0)))
+        })
+    }
+
+    /// Positions along the stroke, each made by `step` with the balance of energy there, until the last one or until
+    /// `watch` ends the run.
+    pub(super) fn record(
+        &self,
+        watch: &mut Watch<'_>,
+        mut step: impl FnMut(u32, &mut Work) -> Result<(State, Energy), SimulationError>,
+    ) -> Outcome {
+        let mut work = Work::default();
         let last = self.intervals();
         let mut samples = Vec::with_capacity(last as usize + 1);
-        let mut end = RunEnd::Completed;
+        let (mut energy, mut end) = (None, RunEnd::Completed);
         for index in 0..=last {
-            let stroke = self.sample_stroke(index);
-            let nominal = stroke * self.mesh.pair().rotation_per_stroke_rad();
-            let guess = known.map(|known| {
-                let before = before.unwrap_or(known);
-                let guess: [f64; 3] = std::array::from_fn(|i| 2.0 * known[i] - before[i]);
-                [guess[0] + nominal, guess[1], guess[2]]
-            });
-            match self.equilibrium(stroke, guess, &law, &mut work) {
-                Ok((q, contact)) => {
-                    before = known;
-                    known = Some([q[0] - nominal, q[1], q[2]]);
-                    let time = (stroke - p.start_mm) / p.speed_mm_per_s;
-                    let f = self.unbalanced(&q, &contact);
-                    let next = State { time, q, v: [0.0; 3], stroke, speed: 0.0, f, contact };
-                    if let Some(here) = here {
-                        ledger.add(&self.flow_at_rest(&here, &next), false);
-                    }
-                    start = start.or(Some(next));
-                    here = Some(next);
-                    let sample = self.sample(&next, &work);
-                    samples.push(sample);
-                    work.margin = NEAR * contact.penetration;
-                    if watch(&sample) == ControlFlow::Break(()) && index < last {
-                        end = RunEnd::Interrupted;
-                        break;
-                    }
-                }
+            let (state, balance) = match step(index, &mut work) {
+                Ok(made) => made,
                 Err(error) => {
                     end = RunEnd::Failed(error);
                     break;
                 }
+            };
+            let sample = self.sample(&state, &work);
+            samples.push(sample);
+            energy = Some(balance);
+            if watch(&sample).is_break() && index < last {
+                end = RunEnd::Interrupted;
+                break;
             }
         }
-        let gained = |start, end| self.potential(&end) - self.potential(&start);
-        let energy = start.zip(here).map(|(start, end)| ledger.balance(gained(start, end), 0.0));
         self.outcome(samples, energy, work.counters, end)
     }
 
     /// Number of samples less 1.
     pub(super) fn intervals(&self) -> u32 {
         let p = &self.parameters;
-
         (p.stroke_mm / p.spacing_mm * (1.0 - 1e-12)).ceil().clamp(1.0, 1e9) as u32
     }
 
@@ -298,8 +303,8 @@ impl Scene {
     pub(super) fn outcome(
         &self,
         samples: Vec<Sample>,
-        energy: Option<super::Energy>,
-        counters: Counters,
+        energy: Option<Energy>,
+        mut counters: Counters,
         end: RunEnd,
     ) -> Outcome {
         let after =
@@ -322,7 +327,6 @@ impl Scene {
         };
         let nominal = steady(&samples, pitch, all(false));
         let deviating = steady(&samples, pitch, all(true));
-        let mut counters = counters;
         counters.coordinates = self.coordinates();
         Outcome { samples, nominal, deviating, energy, counters, end }
     }

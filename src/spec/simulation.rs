@@ -9,8 +9,7 @@ use super::{Located, MeshInput, Spec};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::mesh;
 use crate::multibody::{
-    ContactModel, Integrator, ParameterName as Name, Parameters, Scene, SimulationError, SphereGrid, StripGrid,
-    Support, Yoke,
+    ContactModel, ParameterName as Name, Parameters, Scene, SimulationError, SphereGrid, StripGrid, Support, Yoke,
 };
 
 /// What the numbers of `[simulation]` set.
@@ -86,8 +85,6 @@ fn parameters(values: &Values) -> Parameters {
     let Numbers { all: mut parameters, mut yoke, spheres, strips } = numbers;
     let is_analytic = word(keys::SIMULATION_CONTACT) == "analytic";
     parameters.contact = if is_analytic { ContactModel::Analytic(strips) } else { ContactModel::Spheres(spheres) };
-    let is_explicit = word(keys::SIMULATION_INTEGRATOR) == "explicit";
-    parameters.integrator = if is_explicit { Integrator::Explicit } else { Integrator::Implicit };
     if values.at(keys::SIMULATION_YOKE_PRELOAD.any.path).is_none() {
         yoke.preload_n = parameters.preload_n;
     }

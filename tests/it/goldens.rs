@@ -385,7 +385,6 @@ fn simulation(inputs: &Inputs, index: usize) -> Subject {
         random.pick(&["spheres", "analytic"]),
         random.pick(&[0.0, 0.0, 0.08])
     );
-    spec += &format!("integrator = \"{}\"\n", if index % 10 == 3 { "explicit" } else { "implicit" });
     spec += "profile_nodes = 24\nwidth_nodes = 32\nstrips = 32\n";
     if index % 4 == 2 {
         spec += "support = \"yoke\"\nyoke = { preload = \"700 N\", rate = \"120 N/mm\", clearance = \"0.12 mm\" }\n";

@@ -64,7 +64,6 @@ fn parameters(random: &mut Random) -> Parameters {
         friction: if random.chance(0.5) { 0.0 } else { random.range(0.0, 0.3) },
         friction_speed_mm_per_s: power(random, -3.0, 1.0),
         speed_mm_per_s: power(random, -1.0, 3.0),
-        integrator: if random.chance(0.1) { Integrator::Explicit } else { Integrator::Implicit },
         energy_tolerance: 1.0,
         max_steps: 5_000,
         masses: Masses {

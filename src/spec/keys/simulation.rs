@@ -86,8 +86,6 @@ section! {
         SIMULATION_RACK_INERTIA: f64 = "rack_inertia",
             measure(from_zero("inertia of the rack", "J_r"), MeasureUnit::INERTIA),
             "Moment of inertia of the rack about its roll axis. Default that of a round bar in steel.";
-        SIMULATION_INTEGRATOR: &'static str = "integrator", word(&["implicit", "explicit"]),
-            "How time is stepped through. Default implicit.";
         SIMULATION_TOLERANCE: Length = "tolerance", length(Domain::positive("tolerance of a step", "ε")),
             "Largest error of a step in time.";
         SIMULATION_SPACING: Length = "spacing", length(Domain::positive("spacing of the samples", "Δs")),

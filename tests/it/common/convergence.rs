@@ -108,7 +108,6 @@ fn swinging(spacing_mm: f64) -> Outcome {
         stiffness: 8e5,
         preload_n: 200.0,
         damping: 0.0,
-        energy_tolerance: 1.0,
         tolerance_mm: 1.0,
         start_mm: -0.008,
         stroke_mm: 0.016,
