@@ -7,8 +7,8 @@ use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::signals;
-use super::spec_files::{files_read, measured_tables};
-use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
+use super::spec_files::files_read;
+use super::teeth::{judged, placed};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -243,17 +243,12 @@ impl Args {
         let spec = self.set.read_spec(&self.spec, output)?;
         let strokes = self.strokes()?;
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
-        let spec = with_known_teeth(spec, &self.spec, output)?;
-        let mut input = mesh_of(&spec, &measured_tables(&spec, &self.spec, output)?)?;
-        let limit = spec.limit_on(LimitTarget::CenterDistance);
+        let (spec, input) = placed(spec, &self.spec, output)?;
         if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
             // nothing is asked that needs the curve between these strokes
             return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
         }
         let judged = judged(&spec, &JudgeArgs::of_spec())?;
-        if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
-            worst.place(&mut input, limit)?;
-        }
         if let (None, Format::Csv, None) = (&strokes, self.format, &picture) {
             let status = Status::of(judged.verdict, &judged.limits);
             return closed_is(status, self.curve_csv(&input.mesh, output));

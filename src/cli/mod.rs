@@ -200,7 +200,7 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             Ok(matches) => matches,
             Err(error) => {
                 batch::report_of_usage(&arguments, &error);
-                return printed(&error);
+                return printed(&set::with_settings(&arguments, error));
             }
         };
     let mut output = Output::new(color, quiet, safe_csv);

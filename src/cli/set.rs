@@ -1,10 +1,11 @@
 //! `--set KEY=VALUE`, and the spec that is read with it: what every subcommand that takes a spec has in common.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::io::Read as _;
 use std::path::Path;
 
-use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::builder::{PossibleValue, StringValueParser, StyledStr, TypedValueParser};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use super::held::HeldSpec;
 use super::output::{Failure, Output};
@@ -59,6 +60,40 @@ impl SetArgs {
     pub(super) fn is_empty(&self) -> bool {
         self.set.is_empty()
     }
+}
+
+/// What is wrong with the arguments, with how to set the key that a stranger option names: `--preload 2000` is
+/// `--set simulation.preload=2000`.
+pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else { return error };
+    let words: Vec<_> = arguments.iter().map(|word| word.to_string_lossy()).collect();
+    let takes_settings = |known: &&super::Subcommand| {
+        let command = (known.arguments)(clap::Command::new(known.name));
+        words.iter().any(|word| word == known.name)
+            && command.get_arguments().any(|argument| argument.get_id() == "set")
+    };
+    let Some(called) = super::subcommands().find(takes_settings) else { return error };
+    let Some(key) = option.strip_prefix("--").map(|option| option.replace('-', "_")) else { return error };
+    let value = words.iter().enumerate().find_map(|(index, word)| match word.strip_prefix(option.as_str())? {
+        "" => words.get(index + 1).map(|next| &**next).filter(|next| !next.starts_with("--")),
+        rest => rest.strip_prefix('='),
+    });
+    let value = value.unwrap_or("…");
+    let mut paths: Vec<_> = spec::keys().into_iter().map(|key| key.path).collect();
+    paths.retain(|path| path.rsplit('.').next() == Some(key.as_str()));
+    // an error is most likely meant, but of a simulation what it has of its own
+    let sections: &[&str] = if called.name == "simulate" { &["simulation", "errors"] } else { &["errors"] };
+    let own = sections.iter().map(|section| format!("{section}.{key}")).find(|own| paths.contains(own));
+    if let Some(own) = own {
+        paths = vec![own];
+    }
+    let tips: Vec<_> = paths.iter().map(|path| StyledStr::from(format!("write --set {path}={value}"))).collect();
+    if error.kind() == ErrorKind::UnknownArgument && !tips.is_empty() {
+        // an option that only looks alike is no better
+        error.remove(ContextKind::SuggestedArg);
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
+    error
 }
 
 /// Takes any text, and tells shells the keys that it may begin with.

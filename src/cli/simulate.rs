@@ -4,11 +4,13 @@ use super::{mesh, signals};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::signals::Interruption;
-use super::spec_files::{files_read, measured_tables};
+use super::spec_files::files_read;
+use super::teeth::{judged, placed};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
@@ -26,7 +28,8 @@ pub(super) const ABOUT: &str = "Simulate forces: elastic bodies in contact along
 
 --step overrides simulation.spacing. Ctrl-C ends the run and prints what was computed.
 
-Exit status: 0 if the whole stroke was computed, 2 if not, 129, 130 or 143 if a signal ended it.")]
+Exit status: 0 inside the limits or none given, 1 outside, 2 not judged or not computed to the end,
+3 indeterminate, 129, 130 or 143 if a signal ended it.")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: PathBuf,
@@ -66,7 +69,8 @@ impl Args {
             spec.simulation.spacing_mm = step.mm();
         }
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
-        let input = spec.mesh(&measured_tables(&spec, &self.spec, output)?)?;
+        let (spec, input) = placed(spec, &self.spec, output)?;
+        let evaluation = judged(&spec, &JudgeArgs::of_spec())?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
         let interruption = signals::interrupted(output);
@@ -83,8 +87,10 @@ impl Args {
                 .into_iter()
                 .chain(input.warnings.iter().map(ToString::to_string))
                 .chain(mesh::unmeasured(&input))
-                .chain((!spec.limits().is_empty()).then(|| NOT_JUDGED.to_owned()))
+                .chain(evaluation.note_of_unsolved())
+                .chain((!evaluation.limits.is_empty()).then(|| RIGID.to_owned()))
                 .collect(),
+            evaluation,
             screen: output.screen(),
         };
         let picture = picture.filter(|_| !outcome.samples.is_empty());
@@ -92,7 +98,7 @@ impl Args {
         draw(picture, || chart(&report, &input.mesh), is_complete, output)?;
         output.report(&report, self.format)?;
         Ok(match outcome.end {
-            RunEnd::Completed => Status::Pass,
+            RunEnd::Completed => Status::of(report.evaluation.verdict, &report.evaluation.limits),
             RunEnd::Interrupted => {
                 // tables say so themselves
                 if matches!(self.format, Format::Csv | Format::Json) {
@@ -111,7 +117,7 @@ impl Args {
     }
 }
 
-const NOT_JUDGED: &str = "no limit is judged: `eval` and `mesh` hold rigid teeth against it";
+const RIGID: &str = "limits are held against rigid teeth, as `mesh` does; the elastic part goes with the stiffness";
 
 /// ΔCD over the stroke, the exact mesh beside it.
 fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {

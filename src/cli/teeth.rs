@@ -11,7 +11,7 @@ use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::{Interval, Limit, PlacedError};
+use crate::judge::{Interval, Limit, LimitTarget, PlacedError};
 use crate::mesh::{Mesh, Support};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
@@ -30,6 +30,17 @@ pub(super) fn with_known_teeth(spec: Spec, path: &Path, output: &mut Output) -> 
 /// The mesh of a spec: with its errors on all teeth, if they are, or put on some.
 pub(super) fn mesh_of(spec: &Spec, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
     spec.mesh_of_all_teeth(tables)?.map_or_else(|| spec.mesh(tables), Ok)
+}
+
+/// The spec with what its teeth do, and its mesh with the errors of `[errors]` on the teeth where they are judged: on all, or
+/// on the worst that a search finds.
+pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Spec, MeshInput), Failure> {
+    let spec = with_known_teeth(spec, path, output)?;
+    let mut input = mesh_of(&spec, &measured_tables(&spec, path, output)?)?;
+    if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
+        worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
+    }
+    Ok((spec, input))
 }
 
 /// The errors of a spec whose known teeth are solved, held against its limits.

@@ -44,7 +44,7 @@
 //! Where spheres below a small height over the face are looked for although they do not touch, that height is added to
 //! the bounds, and clear means that much higher, or with the foot not on the patch.
 
-use super::flank::{Bounds, FlankPair, FlankPosition, Pose};
+use super::flank::FlankPosition;
 use super::template::{EARLY, Template};
 
 /// What the scene knows of all flanks.
@@ -76,7 +76,7 @@ pub(super) struct Bound {
     line: f64,
     kappa: f64,
     /// |N_t| r_b / 6 and |N_t| (r_b τ_a − R cos β_b) (1 − cos 1).
-    early: f64,
+    pub(super) early: f64,
     late: f64,
     tip: f64,
 }
@@ -125,52 +125,6 @@ impl Bound {
             height += self.early * crossing * crossing * crossing;
         }
         height >= self.stop
-    }
-}
-
-/// What the rack's tip leaves of a row whose contact line lies before the profile's start.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Tip<'a> {
-    template: &'a Template,
-    pair: &'a FlankPair,
-    /// Height of the tooth system's axis over the rack's reference plane.
-    top: f64,
-    /// Sine and 1 − cosine of the rack's roll, without sign, and the tip's height over its axis.
-    tilt: (f64, f64),
-    over_axis: f64,
-    nu: f64,
-    length: f64,
-}
-
-impl<'a> Tip<'a> {
-    pub(super) fn new(template: &'a Template, pair: &'a FlankPair, placed: &FlankPosition, pose: &Pose) -> Self {
-        let top = pose.at.center_distance + placed.eccentric.1;
-        let tilt = (pose.sin_roll.abs(), 1.0 - pose.cos_roll);
-        let over_axis = pair.bounds.tip + pose.shared.depth;
-        Self { template, pair, top, tilt, over_axis, nu: placed.nu, length: placed.length }
-    }
-
-    /// A roll angle below which no sphere of a row touches; `None` if none at all does.
-    pub(super) fn floor(&self, bound: &Bound, w: f64, crossing: f64, (sin, cos): (f64, f64)) -> Option<f64> {
-        let t = self.template;
-        let start = t.start_roll;
-        if self.nu + (t.tip_roll - crossing) > std::f64::consts::PI - self.nu {
-            return Some(start);
-        }
-        let (sin, cos) = (sin * t.cos_start + cos * t.sin_start, cos * t.cos_start - sin * t.sin_start);
-        let early = crossing.min(0.0);
-        let deepest = (bound.stop - bound.height(w) - bound.early * early * early * early).max(0.0);
-        let margin = (deepest * (deepest + 2.0 * t.widest)).sqrt() + SLACK;
-        let misfit = t.widest * (self.length - t.cos_base).max(0.0);
-        let Bounds { half_width, tip, .. } = self.pair.bounds;
-        let lifted = (half_width + margin) * self.tilt.0 + (self.over_axis + margin).abs() * self.tilt.1;
-        let height = self.top - t.base_radius * (cos + start * sin) - misfit - tip - margin - lifted;
-        if height <= 0.0 {
-            return Some(start);
-        }
-        let floor = (start * start + 2.0 * height / (t.base_radius * cos)).sqrt();
-        // no number if even the end of the profile rises
-        (cos > 0.0 && floor <= t.tip_roll).then_some(floor)
     }
 }
 

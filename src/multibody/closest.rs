@@ -12,7 +12,7 @@
 //! that are (spheres shrink to points at the base circle). It never lies below h, so a sphere whose height
 //! over the plane exceeds R is clear of the patch: the bound by which spheres are culled.
 
-use crate::linear::dot;
+use crate::linear::{dot, increase};
 
 /// A distance with its first and second derivatives by the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,10 +28,6 @@ fn sub(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 
 fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn outer(a: &[f64; 3], factor: f64) -> [[f64; 3]; 3] {
-    std::array::from_fn(|i| std::array::from_fn(|j| factor * a[i] * a[j]))
 }
 
 /// The unit normal of a triangle.
@@ -87,27 +83,19 @@ pub(super) fn polygon(
     let floor = height.max(0.5 * radius);
     let slant = (floor * floor + beyond * beyond).sqrt();
     let (sin, cos) = (beyond / slant, floor / slant);
-    let mut distance =
-        Distance { value: slant + height - floor, gradient: [0.0; 3], hessian: outer(&outward, cos * cos / slant) };
     let up = if height >= floor { cos } else { 1.0 };
-    for axis in 0..3 {
-        distance.gradient[axis] = up * normal[axis] + sin * outward[axis];
-    }
+    let gradient = std::array::from_fn(|axis| up * normal[axis] + sin * outward[axis]);
+    let mut distance = Distance { value: slant + height - floor, gradient, hessian: [[0.0; 3]; 3] };
+    increase(&mut distance.hessian, |i, j| cos * cos / slant * outward[i] * outward[j]);
     if height >= floor {
-        for i in 0..3 {
-            for j in 0..3 {
-                let mixed = normal[i] * outward[j] + outward[i] * normal[j];
-                distance.hessian[i][j] += (sin * sin * normal[i] * normal[j] - sin * cos * mixed) / slant;
-            }
-        }
+        increase(&mut distance.hessian, |i, j| {
+            let mixed = normal[i] * outward[j] + outward[i] * normal[j];
+            (sin * sin * normal[i] * normal[j] - sin * cos * mixed) / slant
+        });
     }
     if at_vertex {
         let across = cross(normal, &outward);
-        for (row, add) in distance.hessian.iter_mut().zip(outer(&across, 1.0 / slant)) {
-            for (value, add) in row.iter_mut().zip(add) {
-                *value += add;
-            }
-        }
+        increase(&mut distance.hessian, |i, j| 1.0 / slant * across[i] * across[j]);
     }
     Some(distance)
 }

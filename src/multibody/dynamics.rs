@@ -285,7 +285,8 @@ impl<'a> MotionRun<'a> {
         let [before, after] = [self.energy(&self.here, &self.ledger), self.energy(&made.state, &with)];
         let exchanged = made.gained.exchanged * self.total / (made.state.time - self.here.time);
         let largest = after.driven.abs().max(after.stored.abs()).max(after.dissipated + after.settling);
-        (after.drift - before.drift).abs() / (p.energy_tolerance * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
+        (after.drift - before.drift).abs()
+            / (p.energy_tolerance * largest.max(CIRCULATING * exchanged)).max(f64::MIN_POSITIVE)
     }
 
     fn energy(&self, now: &State, ledger: &Ledger) -> Energy {

@@ -6,6 +6,7 @@
 //! derivatives by ψ and φ. They are formed once per flank pair: see [`Load::add`] for what they stand for.
 
 use super::load::{Load, NormalForce, Sliding, Touching};
+use crate::linear::increase;
 
 /// An element's gap on a plane face, with its derivatives by ψ and φ.
 #[derive(Debug, Clone, Copy, Default)]
@@ -21,37 +22,21 @@ pub(super) struct OnFace {
 }
 
 /// Σ x, Σ x g_ψ, Σ x g_φ, Σ x g_ψ², Σ x g_ψ g_φ, Σ x g_φ² for a weight x.
-#[derive(Debug, Clone, Copy, Default)]
-struct Moments {
-    one: f64,
-    angle: f64,
-    roll: f64,
-    angle_angle: f64,
-    angle_roll: f64,
-    roll_roll: f64,
+type Moments = [f64; 6];
+
+/// Adds an element's to the sums.
+fn add(moments: &mut Moments, x: f64, on: &OnFace) {
+    let (angle, roll) = (x * on.by_angle, x * on.by_roll);
+    sum(moments, [x, angle, roll, angle * on.by_angle, angle * on.by_roll, roll * on.by_roll]);
 }
 
-impl Moments {
-    fn add(&mut self, x: f64, on: &OnFace) {
-        let by_angle = x * on.by_angle;
-        self.one += x;
-        self.angle += by_angle;
-        self.angle_angle += by_angle * on.by_angle;
-        let by_roll = x * on.by_roll;
-        self.roll += by_roll;
-        self.angle_roll += by_angle * on.by_roll;
-        self.roll_roll += by_roll * on.by_roll;
-    }
+fn sum<const N: usize>(sums: &mut [f64; N], add: [f64; N]) {
+    sums.iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
+}
 
-    /// Σ x g_i g_j, the derivative by a being the same for all.
-    fn matrix(&self, by_height: f64) -> [[f64; 3]; 3] {
-        let (angle_height, height_roll) = (by_height * self.angle, by_height * self.roll);
-        [
-            [self.angle_angle, angle_height, self.angle_roll],
-            [angle_height, by_height * by_height * self.one, height_roll],
-            [self.angle_roll, height_roll, self.roll_roll],
-        ]
-    }
+/// Σ x g_i g_j, the derivative h by a being the same for all.
+fn matrix([one, angle, roll, angle_angle, angle_roll, roll_roll]: Moments, h: f64) -> [[f64; 3]; 3] {
+    [[angle_angle, h * angle, angle_roll], [h * angle, h * h * one, h * roll], [angle_roll, h * roll, roll_roll]]
 }
 
 /// The elements on a face so far.
@@ -65,12 +50,8 @@ pub(super) struct Face {
     by_height_roll: f64,
     /// How fast every gap opens by the rates of a and s.
     opening: f64,
-    force: f64,
-    by_angle: f64,
-    by_roll: f64,
-    by_angle_twice: f64,
-    by_angle_roll: f64,
-    by_roll_twice: f64,
+    /// Σ f times 1, g_ψ, g_φ, g_ψψ, g_ψφ, g_φφ.
+    force: Moments,
     stiffness: Moments,
     damping: Moments,
     /// Σ x (g_ψ, 1, g_φ) of what the rates make of the derivatives by ψ and φ, in place of x.
@@ -103,22 +84,16 @@ impl Face {
         let force = load.law.force(depth, rate);
         let f = on.weight * force.value;
         let (by_depth, by_rate) = (on.weight * force.by_depth, on.weight * force.by_rate);
-        self.force += f;
-        self.by_angle += f * on.by_angle;
-        self.by_angle_twice += f * on.by_angle_twice;
-        self.by_roll += f * on.by_roll;
-        self.by_angle_roll += f * on.by_angle_roll;
-        self.by_roll_twice += f * on.by_roll_twice;
-        self.stiffness.add(by_depth, on);
+        let by = [1.0, on.by_angle, on.by_roll, on.by_angle_twice, on.by_angle_roll, on.by_roll_twice];
+        sum(&mut self.force, by.map(|by| f * by));
+        add(&mut self.stiffness, by_depth, on);
         let turning = |by: [f64; 2]| by[0] * v[0] + by[1] * v[2];
         let by_angle = || turning([on.by_angle_twice, on.by_angle_roll]);
         let by_roll = || turning([on.by_angle_roll, on.by_roll_twice]) + self.by_height_roll * v[1];
         if by_rate != 0.0 {
-            self.damping.add(by_rate, on);
+            add(&mut self.damping, by_rate, on);
             for (sums, x) in self.turning.iter_mut().zip([by_rate * by_angle(), by_rate * by_roll()]) {
-                sums[0] += x * on.by_angle;
-                sums[1] += x;
-                sums[2] += x * on.by_roll;
+                sum(sums, [x * on.by_angle, x, x * on.by_roll]);
             }
         }
         self.damped += (f - on.weight * force.elastic) * rate;
@@ -153,38 +128,27 @@ impl Face {
             return;
         }
         let h = self.by_height;
-        let roll_rate = load.rates[2];
-        let sum = &mut load.sum;
-        let forces = [self.by_angle, h * self.force, self.by_roll, self.by_stroke * self.force];
-        for (total, force) in sum.generalized.iter_mut().zip(forces) {
-            *total += force;
-        }
-        let stiffness = self.stiffness.matrix(h);
-        let damping = self.damping.matrix(h);
-        let bent = self.by_height_roll * self.force;
-        let hessian = [
-            [self.by_angle_twice, 0.0, self.by_angle_roll],
-            [0.0, 0.0, bent],
-            [self.by_angle_roll, bent, self.by_roll_twice],
-        ];
+        let [force, by_angle, by_roll, by_angle_twice, by_angle_roll, by_roll_twice] = self.force;
+        let total = &mut load.sum;
+        sum(&mut total.generalized, [by_angle, h * force, by_roll, self.by_stroke * force]);
+        let bent = self.by_height_roll * force;
+        let hessian = [[by_angle_twice, 0.0, by_angle_roll], [0.0, 0.0, bent], [by_angle_roll, bent, by_roll_twice]];
         // x (g_ψ, g_a, g_φ) of what the rates make of the derivative by each coordinate
         let turned = |[angle, one, roll]: [f64; 3]| [angle, h * one, roll];
-        let lifting = self.by_height_roll * roll_rate;
-        let Moments { one, angle, roll, .. } = self.damping;
+        let lifting = self.by_height_roll * load.rates[2];
+        let [one, angle, roll, ..] = self.damping;
         let turning = [
             turned(self.turning[0]),
             turned([angle * lifting, one * lifting, roll * lifting]),
             turned(self.turning[1]),
         ];
-        for i in 0..3 {
-            for j in 0..3 {
-                sum.stiffness[i][j] += stiffness[i][j] + turning[j][i] - hessian[i][j];
-                sum.damping[i][j] += damping[i][j];
-            }
-        }
-        sum.along += self.by_stroke.abs() * self.force;
-        sum.energy += self.energy;
-        sum.damped += self.damped;
-        sum.note((self.right, self.tooth), self.contacts, self.force, self.deepest);
+        let stiffness = matrix(self.stiffness, h);
+        increase(&mut total.stiffness, |i, j| stiffness[i][j] + turning[j][i] - hessian[i][j]);
+        let damping = matrix(self.damping, h);
+        increase(&mut total.damping, |i, j| damping[i][j]);
+        total.along += self.by_stroke.abs() * force;
+        total.energy += self.energy;
+        total.damped += self.damped;
+        total.note((self.right, self.tooth), self.contacts, force, self.deepest);
     }
 }

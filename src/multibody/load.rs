@@ -5,7 +5,7 @@ use super::law::{Force, Law};
 use super::newton::Bend;
 use super::outcome::Counters;
 use super::state::Forces;
-use crate::linear::dot;
+use crate::linear::{dot, increase};
 
 /// A contact element's gap as a function of ψ, a, φ, s.
 #[derive(Debug, Clone, Copy)]
@@ -152,30 +152,21 @@ impl Load<'_> {
         let rate = -(g[0] * v[0] + g[1] * v[1] + g[2] * v[2] + g[3] * v[3]);
         let force = self.law.force(depth, rate);
         let (f, by_depth, by_rate) = (weight * force.value, weight * force.by_depth, weight * force.by_rate);
-        let mut by_q = [0.0; 3];
-        for j in 0..3 {
+        let by_q: [f64; 3] = std::array::from_fn(|j| {
             let h = &hessian[j];
-            by_q[j] = by_depth * g[j] + by_rate * (h[0] * v[0] + h[1] * v[1] + h[2] * v[2] + h[3] * v[3]);
-        }
+            by_depth * g[j] + by_rate * (h[0] * v[0] + h[1] * v[1] + h[2] * v[2] + h[3] * v[3])
+        });
         let sum = &mut self.sum;
         for (i, gi) in g.iter().enumerate() {
             sum.generalized[i] += f * gi;
         }
-        for i in 0..3 {
-            for j in 0..3 {
-                sum.stiffness[i][j] += g[i] * by_q[j] - f * hessian[i][j];
-                sum.damping[i][j] += by_rate * g[i] * g[j];
-            }
-        }
+        increase(&mut sum.stiffness, |i, j| g[i] * by_q[j] - f * hessian[i][j]);
+        increase(&mut sum.damping, |i, j| by_rate * g[i] * g[j]);
         if let Some(w) = fading {
             for (sum, w) in sum.generalized.iter_mut().zip(w) {
                 *sum -= force.energy * w;
             }
-            for i in 0..3 {
-                for j in 0..3 {
-                    sum.stiffness[i][j] -= force.value * g[i] * w[j] + force.elastic * w[i] * g[j];
-                }
-            }
+            increase(&mut sum.stiffness, |i, j| -(force.value * g[i] * w[j] + force.elastic * w[i] * g[j]));
         }
         sum.along += f * g[3].abs();
         sum.energy += weight * force.energy;
@@ -195,10 +186,7 @@ impl Load<'_> {
         let Sliding { normal, motion } = sliding;
         let NormalForce { value: f, by_rate, by_q } = *force;
         let v = &self.rates;
-        let mut velocity = [0.0; 3];
-        for (axis, out) in velocity.iter_mut().enumerate() {
-            *out = (0..4).map(|k| motion[k][axis] * v[k]).sum();
-        }
+        let velocity: [f64; 3] = std::array::from_fn(|axis| (0..4).map(|k| motion[k][axis] * v[k]).sum());
         let across = dot(&velocity, normal);
         let tangent: [f64; 3] = std::array::from_fn(|axis| velocity[axis] - across * normal[axis]);
         let speed = (dot(&tangent, &tangent) + fade * fade).sqrt();
@@ -207,15 +195,12 @@ impl Load<'_> {
         for (i, value) in per_force.iter().enumerate() {
             sum.generalized[i] += f * value;
         }
-        for i in 0..3 {
-            for j in 0..3 {
-                sum.stiffness[i][j] += per_force[i] * by_q[j];
-                let along = dot(&motion[i], &motion[j]) - dot(&motion[i], normal) * dot(&motion[j], normal);
-                let turning = per_force[i] * per_force[j] / (mu * mu);
-                sum.damping[i][j] += mu * f / speed * (along - turning);
-                sum.damping[i][j] += per_force[i] * by_rate * dot(&motion[j], normal);
-            }
-        }
+        increase(&mut sum.stiffness, |i, j| per_force[i] * by_q[j]);
+        increase(&mut sum.damping, |i, j| {
+            let along = dot(&motion[i], &motion[j]) - dot(&motion[i], normal) * dot(&motion[j], normal);
+            mu * f / speed * (along - per_force[i] * per_force[j] / (mu * mu))
+        });
+        increase(&mut sum.damping, |i, j| per_force[i] * by_rate * dot(&motion[j], normal));
         sum.rubbed += mu * f * dot(&tangent, &tangent) / speed;
     }
 }

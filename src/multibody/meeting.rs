@@ -1,8 +1,8 @@
 //! A flank pair in a position, and those rows of the pinion's flank that may touch. Made by the scene for every flank
 //! pair of a position; the contact models find the contacts of its rows.
 
-use super::bound::{Bound, Reach, Tip, row_range};
-use super::flank::{FlankPair, FlankPosition, Pose};
+use super::bound::{Bound, Reach, SLACK, row_range};
+use super::flank::{Bounds, FlankPair, FlankPosition, Pose};
 use super::template::{EARLY, Row, Template};
 use crate::trig;
 
@@ -14,7 +14,6 @@ pub(super) struct Meeting<'a> {
     pub(super) reach: &'a Reach,
     pub(super) placed: FlankPosition,
     pub(super) bound: Bound,
-    pub(super) tip: Tip<'a>,
 }
 
 /// A row of the pinion's flank in a position.
@@ -35,8 +34,7 @@ impl<'a> Meeting<'a> {
         if reach.cull && bound.clears_flank(template.half_face) {
             return None;
         }
-        let tip = Tip::new(template, pair, &placed, pose);
-        Some(Self { pair, template, pose, reach, placed, bound, tip })
+        Some(Self { pair, template, pose, reach, placed, bound })
     }
 
     /// The rows that are not clear of the rack all along.
@@ -60,8 +58,30 @@ impl<'a> Meeting<'a> {
         self.reach.cull && row.crossing < self.template.start_roll && row.crossing >= -EARLY
     }
 
-    /// A roll angle below which nothing of an early row touches; `None` if none of it does.
+    /// A roll angle below which nothing of an early row touches, for the rack's tip is lower; `None` if none of it does.
     pub(super) fn floor(&self, row: &PlacedRow<'_>) -> Option<f64> {
-        self.tip.floor(&self.bound, row.row.w, row.crossing, (row.sin, row.cos))
+        let Self { pair, template: t, pose, placed, bound, .. } = self;
+        let &PlacedRow { row: Row { w, .. }, crossing, sin, cos } = row;
+        let start = t.start_roll;
+        if placed.nu + (t.tip_roll - crossing) > std::f64::consts::PI - placed.nu {
+            return Some(start);
+        }
+        let (sin, cos) = (sin * t.cos_start + cos * t.sin_start, cos * t.cos_start - sin * t.sin_start);
+        let early = crossing.min(0.0);
+        let deepest = (bound.stop - bound.height(*w) - bound.early * early * early * early).max(0.0);
+        let margin = (deepest * (deepest + 2.0 * t.widest)).sqrt() + SLACK;
+        let misfit = t.widest * (placed.length - t.cos_base).max(0.0);
+        let Bounds { half_width, tip, .. } = pair.bounds;
+        let lifted = (half_width + margin) * pose.sin_roll.abs()
+            + (tip + pose.shared.depth + margin).abs() * (1.0 - pose.cos_roll);
+        // of the tooth system's axis over the rack's reference plane
+        let top = pose.at.center_distance + placed.eccentric.1;
+        let height = top - t.base_radius * (cos + start * sin) - misfit - tip - margin - lifted;
+        if height <= 0.0 {
+            return Some(start);
+        }
+        let floor = (start * start + 2.0 * height / (t.base_radius * cos)).sqrt();
+        // no number if even the end of the profile rises
+        (cos > 0.0 && floor <= t.tip_roll).then_some(floor)
     }
 }

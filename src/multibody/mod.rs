@@ -30,7 +30,7 @@ mod template;
 
 pub use compare::exact_mean_mm;
 pub use error::SimulationError;
-pub use outcome::{Counters, Energy, Outcome, RunEnd, Sample, Steady, Watch, YokeSample};
+pub use outcome::{Counters, Energy, Extent, Outcome, RunEnd, RunForces, Sample, Steady, Watch, YokeSample};
 pub use parameters::{ContactModel, Masses, ParameterName, Parameters, SphereGrid, StripGrid, Support, Yoke};
 pub use scene::Scene;
 pub use state::{Coordinates, Forces};

@@ -26,6 +26,12 @@ pub struct Sample {
     pub normal_force_right_n: f64,
     /// Sum of the normal forces on left rack flanks, N.
     pub normal_force_left_n: f64,
+    /// Force of the drive on the rack along its axis, N; positive where it pushes the way the stroke rises.
+    pub rack_force_n: f64,
+    /// Torque at which a pinion that drives does the same work, N m: the drive's force times r_w = m_n z / (2 cos β_r).
+    pub pinion_torque_n_m: f64,
+    /// Work of the drive since the start, N mm.
+    pub driven_n_mm: f64,
     /// The yoke, where there is one.
     pub yoke: Option<YokeSample>,
     /// Elements that touch.
@@ -38,6 +44,40 @@ pub struct Sample {
     pub indentation_mm: f64,
     /// Lowest and highest rack tooth that touches.
     pub teeth: Option<(i64, i64)>,
+    /// Rack teeth whose right and left flank carry most.
+    pub carrying: [Option<i64>; 2],
+}
+
+/// What a force is over a run, in its unit.
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Mean over the stroke.
+    pub mean: f64,
+    /// Smallest value of a position, and the first stroke at which it is reached, mm.
+    pub smallest: f64,
+    /// See `smallest`.
+    pub smallest_stroke_mm: f64,
+    /// Largest value of a position, and the first stroke at which it is reached, mm.
+    pub largest: f64,
+    /// See `largest`.
+    pub largest_stroke_mm: f64,
+}
+
+/// The forces of a run, from where the rack has its speed; of all positions where it never has.
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunForces {
+    /// Stroke from which on they are taken, mm.
+    pub from_mm: f64,
+    /// Normal forces on right rack flanks, N.
+    pub normal_right_n: Extent,
+    /// Normal forces on left rack flanks, N.
+    pub normal_left_n: Extent,
+    /// [`Sample::rack_force_n`]; the mean is the drive's work over the travel.
+    pub rack_n: Extent,
+    /// [`Sample::pinion_torque_n_m`]; the mean is the drive's work over the pinion's rotation.
+    pub pinion_torque_n_m: Extent,
 }
 
 /// What the yoke does.
@@ -69,6 +109,7 @@ pub struct Steady {
 }
 
 /// Where energy went during a run, N mm: driven = stored + dissipated + settling + drift.
+#[cfg_attr(feature = "report", derive(serde::Serialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// Kinetic, elastic and closing force's energy at the end less at the start.
@@ -84,8 +125,10 @@ pub struct Energy {
     /// driven − stored − dissipated − settling: the work done on the bodies less the energy that they and the closing
     /// force gained, so what the steps lost (positive) or made up.
     pub drift: f64,
+    #[cfg_attr(feature = "report", serde(skip))]
     /// Impulse of all forces on the moving slider (with a yoke, on the rack) along Z since the start, N s.
     pub impulse: f64,
+    #[cfg_attr(feature = "report", serde(skip))]
     /// Its momentum gained since the start, N s.
     pub momentum: f64,
 }
@@ -149,9 +192,48 @@ pub struct Outcome {
     pub counters: Counters,
     /// How it ended.
     pub end: RunEnd,
+    /// Stroke from which on the rack has its speed, mm.
+    pub speed_from_mm: f64,
 }
 
 impl Outcome {
+    /// The positions with the smallest and the largest ΔCD, the first of equals; `None` without a position.
+    #[must_use]
+    pub fn extremes(&self) -> Option<[&Sample; 2]> {
+        extremes(&self.samples, |sample| sample.delta_cd_mm)
+    }
+
+    /// The forces over the run; `None` without a position.
+    #[must_use]
+    pub fn forces(&self) -> Option<RunForces> {
+        let from = self.samples.partition_point(|sample| sample.stroke_mm < self.speed_from_mm);
+        let part = self.samples.get(from..).filter(|part| !part.is_empty()).unwrap_or(&self.samples);
+        let (first, last) = (part.first()?, part.last()?);
+        let extent = |of: fn(&Sample) -> f64| {
+            let [low, high] = extremes(part, of)?;
+            Some(Extent {
+                mean: trapezoids(part, f64::MIN, of),
+                smallest: of(low),
+                smallest_stroke_mm: low.stroke_mm,
+                largest: of(high),
+                largest_stroke_mm: high.stroke_mm,
+            })
+        };
+        let by_work = |of: fn(&Sample) -> f64, way: fn(&Sample) -> f64| {
+            let extent = extent(of)?;
+            let way = way(last) - way(first);
+            let mean = if way == 0.0 { extent.mean } else { (last.driven_n_mm - first.driven_n_mm) / way };
+            Some(Extent { mean, ..extent })
+        };
+        Some(RunForces {
+            from_mm: first.stroke_mm,
+            normal_right_n: extent(|sample| sample.normal_force_right_n)?,
+            normal_left_n: extent(|sample| sample.normal_force_left_n)?,
+            rack_n: by_work(|sample| sample.rack_force_n, |sample| sample.stroke_mm)?,
+            pinion_torque_n_m: by_work(|sample| sample.pinion_torque_n_m, |sample| 1e3 * sample.pinion_angle_rad)?,
+        })
+    }
+
     /// ΔCD of the deviating teeth less that of the nominal ones, mm.
     #[must_use]
     pub fn difference_mm(&self) -> Option<f64> {
@@ -202,6 +284,12 @@ pub(super) fn steady(samples: &[Sample], pitch: f64, belongs: impl Fn(&Sample) -
         to_mm: last,
         pitches,
     })
+}
+
+/// The positions at which a value is smallest and largest, the first of equals.
+fn extremes(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> Option<[&Sample; 2]> {
+    let first = |sign: f64| samples.iter().min_by(|a, b| (sign * of(a)).total_cmp(&(sign * of(b))));
+    Some([first(1.0)?, first(-1.0)?])
 }
 
 /// The mean of something over the stroke from `from_mm` to the last sample.

@@ -181,7 +181,7 @@ impl Scene {
                     break;
                 }
             };
-            let sample = self.sample(&state, &work);
+            let sample = self.sample(&state, balance.driven, &work);
             samples.push(sample);
             energy = Some(balance);
             if watch(&sample).is_break() && index < last {
@@ -281,8 +281,10 @@ impl Scene {
         Ok(())
     }
 
-    pub(super) fn sample(&self, at: &State, work: &Work) -> Sample {
+    fn sample(&self, at: &State, driven_n_mm: f64, work: &Work) -> Sample {
         let State { time, q: [pinion_angle_rad, center_distance_mm, roll_rad], stroke, contact, .. } = *at;
+        // a drive without force pushes neither way
+        let rack_force_n = 0.0 - contact.generalized[3];
         Sample {
             time_s: time,
             stroke_mm: stroke,
@@ -292,23 +294,21 @@ impl Scene {
             roll_rad,
             normal_force_right_n: contact.normal_right,
             normal_force_left_n: contact.normal_left,
+            rack_force_n,
+            pinion_torque_n_m: 1e-3 * rack_force_n / self.mesh.pair().rotation_per_stroke_rad(),
+            driven_n_mm,
             yoke: self.yoke(center_distance_mm),
             contacts: contact.contacts,
             penetration_mm: contact.penetration,
             indentation_mm: work.touching.indentation(),
             teeth: contact.teeth,
+            carrying: contact.carrying,
         }
     }
 
-    pub(super) fn outcome(
-        &self,
-        samples: Vec<Sample>,
-        energy: Option<Energy>,
-        mut counters: Counters,
-        end: RunEnd,
-    ) -> Outcome {
-        let after =
-            if counters.steps > 0 { self.parameters.start_mm + 2.0 * self.parameters.ramp_mm } else { f64::MIN };
+    fn outcome(&self, samples: Vec<Sample>, energy: Option<Energy>, mut counters: Counters, end: RunEnd) -> Outcome {
+        let run_up = if counters.steps > 0 { 2.0 * self.parameters.ramp_mm } else { 0.0 };
+        let speed_from_mm = self.parameters.start_mm + run_up;
         // how far from the middle any tooth touches
         let pitch = self.shared.pitch;
         let place = |tooth: i64, sample: &Sample| (tooth as f64 * pitch - sample.stroke_mm).abs();
@@ -322,13 +322,13 @@ impl Scene {
                     ((sample.stroke_mm - reach) / pitch).ceil() as i64,
                     ((sample.stroke_mm + reach) / pitch).floor() as i64,
                 );
-                sample.stroke_mm >= after && (low..=high).all(|tooth| self.is_deviating(tooth) == deviating)
+                sample.stroke_mm >= speed_from_mm && (low..=high).all(|tooth| self.is_deviating(tooth) == deviating)
             }
         };
         let nominal = steady(&samples, pitch, all(false));
         let deviating = steady(&samples, pitch, all(true));
         counters.coordinates = self.coordinates();
-        Outcome { samples, nominal, deviating, energy, counters, end }
+        Outcome { samples, nominal, deviating, energy, counters, end, speed_from_mm }
     }
 }
 

@@ -269,16 +269,24 @@ impl Scene {
         let half = 0.5 * f64::from(self.mesh.pair().pinion().teeth);
         let middle = at.pinion_angle / self.shared.angular_pitch - 0.5;
         let (low, high) = ((middle - half).ceil() as i64, (middle + half).floor() as i64);
+        let mut most = [0.0; 2];
         for pinion_tooth in low..=high {
-            for (flanks, rack_tooth) in [(&self.right, pinion_tooth), (&self.left, pinion_tooth + 1)] {
+            let sides = [(&self.right, pinion_tooth), (&self.left, pinion_tooth + 1)];
+            for (side, (flanks, rack_tooth)) in sides.into_iter().enumerate() {
                 let index = usize::try_from(rack_tooth - self.first_tooth).ok();
                 let Some(flank) = index.and_then(|index| flanks.get(index)) else { continue };
                 let Some(meeting) = Meeting::new(flank, &self.templates[flank.template], &pose, &reach) else {
                     continue;
                 };
+                let before = load.sum.normal_forces()[side];
                 match self.parameters.contact {
                     ContactModel::Spheres(_) => spheres::touch(&meeting, &mut load),
                     ContactModel::Analytic(_) => strips::touch(&meeting, self.mesh.rack().form(), &mut load),
+                }
+                let carried = load.sum.normal_forces()[side] - before;
+                if carried > most[side] {
+                    most[side] = carried;
+                    load.sum.carrying[side] = Some(rack_tooth);
                 }
             }
         }
@@ -315,15 +323,12 @@ impl Scene {
 
     /// Force that presses the parts together at a centre distance, and its rate, N and N/mm.
     pub(super) fn closing(&self, center_distance: f64) -> (f64, f64) {
-        let Some(yoke) = self.parameters.yoke() else { return (self.parameters.preload_n, 0.0) };
-        let travel = center_distance - self.mesh.pair().nominal_center_distance_mm();
-        let spring = yoke.preload_n + yoke.rate_n_per_mm * travel;
-        let (mut force, mut rate) = if spring > 0.0 { (spring, yoke.rate_n_per_mm) } else { (0.0, 0.0) };
-        if travel > yoke.clearance_mm {
-            force += yoke.stop_n_per_mm * (travel - yoke.clearance_mm);
-            rate += yoke.stop_n_per_mm;
-        }
-        (force + yoke.bush_n_per_mm * travel, rate + yoke.bush_n_per_mm)
+        let Some((yoke, at)) = self.parameters.yoke().zip(self.yoke(center_distance)) else {
+            return (self.parameters.preload_n, 0.0);
+        };
+        let spring = if yoke.preload_n + yoke.rate_n_per_mm * at.travel_mm > 0.0 { yoke.rate_n_per_mm } else { 0.0 };
+        let stop = if at.travel_mm > yoke.clearance_mm { yoke.stop_n_per_mm } else { 0.0 };
+        (at.force_n + at.bush_force_n, spring + stop + yoke.bush_n_per_mm)
     }
 
     /// Forces on ψ, a and φ, the closing force included.

@@ -8,7 +8,7 @@ use super::flank::Patch;
 use super::load::{Element, Load, Sliding};
 use super::meeting::{Meeting, PlacedRow};
 use super::template::{EARLY, Node, Phase, Template};
-use crate::linear::dot;
+use crate::linear::{dot, increase};
 
 struct Plane {
     nx: f64,
@@ -208,13 +208,8 @@ impl Sphere {
         let gradient: [f64; 4] = std::array::from_fn(|k| dot(n, &point.motion[k]));
         let mut hessian = point.hessian(n);
         if !flat {
-            for (i, motion) in point.motion.iter().enumerate() {
-                let curved: [f64; 3] =
-                    std::array::from_fn(|axis| (0..3).map(|other| distance.hessian[axis][other] * motion[other]).sum());
-                for (j, other) in point.motion.iter().enumerate() {
-                    hessian[i][j] += dot(&curved, other);
-                }
-            }
+            let curved = point.motion.map(|motion| distance.hessian.map(|row| dot(&row, &motion)));
+            increase(&mut hessian, |i, j| dot(&curved[i], &point.motion[j]));
         }
         let element = Element { gap, gradient, hessian, weight: self.weight, fading: None };
         load.add(pair.right, pair.rack_tooth, &element, || {

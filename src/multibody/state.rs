@@ -50,6 +50,8 @@ pub struct Forces {
     pub penetration: f64,
     /// Lowest and highest rack tooth that touches.
     pub teeth: Option<(i64, i64)>,
+    /// Rack teeth whose right and left flank carry most.
+    pub carrying: [Option<i64>; 2],
 }
 
 impl Forces {
@@ -57,6 +59,11 @@ impl Forces {
     #[must_use]
     pub const fn dissipation(&self) -> f64 {
         self.damped + self.rubbed
+    }
+
+    /// Sums of the normal forces on right and left rack flanks, N.
+    pub(super) const fn normal_forces(&self) -> [f64; 2] {
+        [self.normal_right, self.normal_left]
     }
 
     /// Adds elements of a flank of a rack tooth, which press with this force and go in as deep.

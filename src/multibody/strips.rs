@@ -17,7 +17,7 @@ use super::load::{Element, Load, Sliding};
 use super::meeting::{Meeting, PlacedRow};
 use super::template::Row;
 use crate::deviation::RackForm;
-use crate::linear::dot;
+use crate::linear::{dot, increase};
 use crate::trig;
 
 /// Sections further before or beyond the contact line than this (rad) are clear.
@@ -253,11 +253,7 @@ impl<'a> Section<'a> {
         let mut hessian = point.hessian(&normal);
         let curvature = dot(&normal, &bend);
         let turned = [dot(&normal, &by_angle), 0.0, dot(&normal, &by_roll), 0.0];
-        for (i, row) in hessian.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry += turned[i] * moved[j] + turned[j] * moved[i] + curvature * moved[i] * moved[j];
-            }
-        }
+        increase(&mut hessian, |i, j| turned[i] * moved[j] + turned[j] * moved[i] + curvature * moved[i] * moved[j]);
         Motion { normal, moved, hessian }
     }
 }

@@ -9,7 +9,7 @@ use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
 use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
 use crate::deviation::Part;
-use crate::evaluation::{Evaluation, LimitCheck, subject};
+use crate::evaluation::{Evaluation, subject};
 use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
@@ -43,26 +43,6 @@ pub struct MeshReport<'a> {
 impl MeshReport<'_> {
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
-    }
-
-    /// What came of one limit, in a sentence.
-    fn verdict_block(&self, check: &LimitCheck) -> Block {
-        let Evaluation { stack, rule, judged_by, .. } = &self.evaluation;
-        let by = match check.on {
-            LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
-            LimitTarget::Error(_) => format!("what it does alone{}", rule_words(rule)),
-        };
-        let sentence = match (check.result, check.open_because(*stack, rule)) {
-            (_, Some(why)) => why,
-            (Ok(_), None) if check.verdict == Some(Verdict::Fail) => {
-                format!("{} ({by})", failure_sentence(check, *stack))
-            }
-            (result, None) => {
-                let result = result.map(|result| interval_text(&result)).unwrap_or_default();
-                format!("{}: {result} mm is within the limit ({}; {by})", subject(check.on, *stack), check.limit)
-            }
-        };
-        Block::Verdict(check.verdict, sentence)
     }
 
     /// The picture of the curve, with what it is held against.
@@ -106,6 +86,28 @@ impl MeshReport<'_> {
         let (before, after) = text.split_once("\n  \"points\": null").unwrap_or((&text, ""));
         (format!("{before}\n  \"points\": ["), format!("\n  ]{after}"))
     }
+}
+
+/// What came of each limit, in a sentence.
+pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
+    let Evaluation { stack, rule, judged_by, .. } = evaluation;
+    evaluation.limits.iter().map(move |check| {
+        let by = match check.on {
+            LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
+            LimitTarget::Error(_) => format!("what it does alone{}", rule_words(rule)),
+        };
+        let sentence = match (check.result, check.open_because(*stack, rule)) {
+            (_, Some(why)) => why,
+            (Ok(_), None) if check.verdict == Some(Verdict::Fail) => {
+                format!("{} ({by})", failure_sentence(check, *stack))
+            }
+            (result, None) => {
+                let result = result.map(|result| interval_text(&result)).unwrap_or_default();
+                format!("{}: {result} mm is within the limit ({}; {by})", subject(check.on, *stack), check.limit)
+            }
+        };
+        Block::Verdict(check.verdict, sentence)
+    })
 }
 
 fn millimetres(mm: f64) -> String {
@@ -222,7 +224,7 @@ impl Report for MeshReport<'_> {
                 plain(self.curve.tolerance_mm)
             ))));
         }
-        blocks.extend(self.evaluation.limits.iter().map(|check| self.verdict_block(check)));
+        blocks.extend(verdicts(&self.evaluation));
         blocks
     }
 }

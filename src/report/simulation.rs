@@ -1,9 +1,12 @@
-//! The report of `simulate`: positions in time, the steady values of both rack parts, and the exact mesh beside them.
+//! The report of `simulate`: extremes, forces and positions in time, the steady values of both rack parts with the exact
+//! mesh beside them, and what rigid teeth of the same errors are judged.
 
 use serde_json::{Map, Value, json};
 
 use super::number::{plain, signed, tidy};
-use super::{Block, Report, Screen, Table, fact, sketch, titled};
+use super::{Block, Report, Screen, Table, fact, mesh, sketch, titled};
+use crate::evaluation::Evaluation;
+use crate::judge::Verdict;
 use crate::multibody::{ContactModel, Energy, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support};
 
 /// A simulated stroke.
@@ -23,6 +26,8 @@ pub struct SimulationReport<'a> {
     /// The exact mesh, averaged over the same strokes as the steady value of the nominal and of the
     /// deviating teeth, mm.
     pub exact_mm: [Option<f64>; 2],
+    /// What the errors do, held against the limits: rigid teeth on all strokes, as [`MeshReport`](super::MeshReport) has it.
+    pub evaluation: Evaluation,
     /// Remarks.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -30,27 +35,44 @@ pub struct SimulationReport<'a> {
 }
 
 /// A column of the listing: its name, and the value at a position.
-type Listed = (&'static str, fn(&Sample) -> f64);
+type Listed = (&'static str, fn(&Sample) -> Value);
 
 const COLUMNS: &[Listed] = &[
-    ("time_s", |s| s.time_s),
-    ("stroke_mm", |s| s.stroke_mm),
-    ("delta_cd_mm", |s| s.delta_cd_mm),
-    ("center_distance_mm", |s| s.center_distance_mm),
-    ("pinion_angle_deg", |s| s.pinion_angle_rad.to_degrees()),
-    ("roll_deg", |s| s.roll_rad.to_degrees()),
-    ("normal_force_right_n", |s| s.normal_force_right_n),
-    ("normal_force_left_n", |s| s.normal_force_left_n),
-    ("contacts", |s| f64::from(s.contacts)),
-    ("penetration_mm", |s| s.penetration_mm),
-    ("indentation_mm", |s| s.indentation_mm),
+    ("time_s", |s| number(s.time_s)),
+    ("stroke_mm", |s| number(s.stroke_mm)),
+    ("delta_cd_mm", |s| number(s.delta_cd_mm)),
+    ("center_distance_mm", |s| number(s.center_distance_mm)),
+    ("pinion_angle_deg", |s| number(s.pinion_angle_rad.to_degrees())),
+    ("roll_deg", |s| number(s.roll_rad.to_degrees())),
+    ("normal_force_right_n", |s| number(s.normal_force_right_n)),
+    ("normal_force_left_n", |s| number(s.normal_force_left_n)),
+    ("contacts", |s| s.contacts.into()),
+    ("penetration_mm", |s| number(s.penetration_mm)),
+    ("indentation_mm", |s| number(s.indentation_mm)),
+    ("rack_force_n", |s| number(s.rack_force_n)),
+    ("pinion_torque_n_m", |s| number(s.pinion_torque_n_m)),
+    ("driven_n_mm", |s| number(s.driven_n_mm)),
+    ("right_tooth", |s| s.carrying[0].into()),
+    ("left_tooth", |s| s.carrying[1].into()),
+    ("yoke_travel_mm", |s| s.yoke.map(|yoke| number(yoke.travel_mm)).into()),
+    ("yoke_force_n", |s| s.yoke.map(|yoke| number(yoke.force_n)).into()),
+    ("bush_force_n", |s| s.yoke.map(|yoke| number(yoke.bush_force_n)).into()),
 ];
 
-/// The columns of a yoke, after the others.
-const YOKE_COLUMNS: [&str; 3] = ["yoke_travel_mm", "yoke_force_n", "bush_force_n"];
+/// How many of them, the last ones, are of a yoke.
+const OF_YOKE: usize = 3;
 
-fn yoke_cells(sample: &Sample) -> Option<[f64; 3]> {
-    sample.yoke.map(|yoke| [yoke.travel_mm, yoke.force_n, yoke.bush_force_n])
+fn number(value: f64) -> Value {
+    json!(tidy(value))
+}
+
+/// A force for people, without a sign where it is zero.
+fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| matches!(byte, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
 }
 
 /// A given number for people: as it was written, a computed one to five digits.
@@ -129,6 +151,50 @@ impl SimulationReport<'_> {
             })
             .number("ripple, rms\n[µm]", |(_, steady, ..)| of_part(steady, |s| format!("{:.4}", 1000.0 * s.ripple_mm)))
             .block_if_any()
+    }
+
+    /// Where ΔCD is largest and smallest, and which teeth carry there.
+    fn extremes_table(&self) -> Option<Block> {
+        let [smallest, largest] = self.outcome.extremes()?;
+        let tooth = |tooth: Option<i64>| tooth.map(|tooth| tooth.to_string()).unwrap_or_default();
+        let rows = [("largest ΔCD", largest), ("smallest ΔCD", smallest)];
+        let table = Table::of(rows)
+            .text("over the stroke", |(name, _)| *name)
+            .number("simulated\n[mm]", |(_, at)| signed(tidy(at.delta_cd_mm), 5))
+            .number("elastic part\n[µm]", |(_, at)| signed(-1000.0 * at.indentation_mm, 3))
+            .number("at stroke\n[mm]", |(_, at)| format!("{:.2}", at.stroke_mm))
+            .number("right flank\nof rack tooth", |(_, at)| tooth(at.carrying[0]))
+            .number("left flank\nof rack tooth", |(_, at)| tooth(at.carrying[1]));
+        Some(table.block())
+    }
+
+    fn forces_table(&self) -> Option<Block> {
+        let forces = self.outcome.forces()?;
+        let rows = [
+            ("normal, right flanks [N]", forces.normal_right_n, 1),
+            ("normal, left flanks [N]", forces.normal_left_n, 1),
+            ("drive of the rack [N]", forces.rack_n, 1),
+            ("torque at the pinion [N m]", forces.pinion_torque_n_m, 4),
+        ];
+        let stroke = |mm: f64| format!("{mm:.2}");
+        let table = Table::of(rows)
+            .text(format!("forces, from {} mm on", plain(tidy(forces.from_mm))), |(name, ..)| *name)
+            .number("mean", |(_, force, decimals)| fixed(force.mean, *decimals))
+            .number("smallest", |(_, force, decimals)| fixed(force.smallest, *decimals))
+            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.smallest_stroke_mm))
+            .number("largest", |(_, force, decimals)| fixed(force.largest, *decimals))
+            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.largest_stroke_mm));
+        Some(table.block())
+    }
+
+    /// The columns of the listing that the run has.
+    fn columns(&self) -> &'static [Listed] {
+        let has_yoke = matches!(self.parameters.support, Support::Yoke(_));
+        &COLUMNS[..COLUMNS.len() - if has_yoke { 0 } else { OF_YOKE }]
+    }
+
+    fn point(&self, sample: &Sample) -> Value {
+        self.columns().iter().map(|(name, value)| ((*name).to_owned(), value(sample))).collect()
     }
 
     fn how(&self) -> String {
@@ -222,25 +288,18 @@ impl Report for SimulationReport<'_> {
                 })
             })
         };
-        let points: Vec<_> = self
-            .outcome
-            .samples
-            .iter()
-            .map(|sample| {
-                let cells = COLUMNS.iter().map(|(name, value)| ((*name).to_owned(), json!(tidy(value(sample)))));
-                let mut point: Map<_, _> = cells.collect();
-                point["contacts"] = json!(sample.contacts);
-                let yoke = yoke_cells(sample).into_iter().flat_map(|cells| YOKE_COLUMNS.into_iter().zip(cells));
-                point.extend(yoke.map(|(name, value)| (name.to_owned(), json!(tidy(value)))));
-                Value::Object(point)
-            })
-            .collect();
         let parameters: Map<_, _> = self
             .given()
             .into_iter()
             .map(|(name, value)| (name.name().to_owned(), json!({ "value": value, "unit": name.unit() })))
             .collect();
         let [(_, nominal, exact_nominal), (_, deviating, exact_deviating)] = self.parts();
+        let [smallest, largest] = self.outcome.extremes().map(|two| two.map(|at| self.point(at))).unwrap_or_default();
+        let energy = self.outcome.energy.map(|energy| {
+            let mut fact = json!(energy);
+            fact["drift_share"] = energy.drift_share().into();
+            fact
+        });
         json!({
             "title": self.title,
             "model": self.how(),
@@ -253,34 +312,32 @@ impl Report for SimulationReport<'_> {
             "elastic_part": self.elastic_part(),
             "rigid_difference_mm": self.outcome.rigid_difference_mm().map(tidy),
             "exact_difference_mm": self.exact_difference_mm().map(tidy),
-            "energy_n_mm": self.outcome.energy.map(|energy| json!({
-                "stored": energy.stored,
-                "driven": energy.driven,
-                "dissipated": energy.dissipated,
-                "settling": energy.settling,
-                "exchanged": energy.exchanged,
-                "drift": energy.drift,
-                "drift_share": energy.drift_share(),
-            })),
+            "smallest": smallest,
+            "largest": largest,
+            "forces": self.outcome.forces(),
+            "judged_mm": self.evaluation.judged.ok(),
+            "judged_by": self.evaluation.judged_by.name(),
+            "verdict": self.evaluation.verdict.map(Verdict::name),
+            "reason": self.evaluation.open_because(),
+            "energy_n_mm": energy,
             "parameters": parameters,
             "work": self.outcome.counters,
-            "points": points,
+            "points": self.outcome.samples.iter().map(|sample| self.point(sample)).collect::<Vec<_>>(),
             "notes": self.notes,
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let has_yoke = self.outcome.samples.iter().any(|sample| sample.yoke.is_some());
-        let yoke_header = has_yoke.then_some(YOKE_COLUMNS).into_iter().flatten();
-        let names: Vec<_> = COLUMNS.iter().map(|(name, _)| *name).chain(yoke_header).collect();
+        let names: Vec<_> = self.columns().iter().map(|(name, _)| *name).collect();
         fact::rows(&self.json(), "points", &names.join(" "))
     }
 
     fn blocks(&self) -> Vec<Block> {
         let mut blocks = titled(self.title);
-        if let Some(table) = self.steady_table() {
-            blocks.extend([table, Block::Note(format!("elastic part: {}", self.elastic_part()))]);
-        }
+        blocks.extend(self.steady_table());
+        blocks.extend(self.extremes_table());
+        blocks.extend(self.forces_table());
+        blocks.push(Block::Note(format!("elastic part: {}", self.elastic_part())));
         if let Some(width) = self.screen.drawing_width() {
             let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
             blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
@@ -298,6 +355,7 @@ impl Report for SimulationReport<'_> {
         }
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.ending().1.map(Block::Note));
+        blocks.extend(mesh::verdicts(&self.evaluation));
         blocks
     }
 }

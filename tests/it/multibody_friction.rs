@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::common::paper::spur;
+use crate::common::paper::{self, spur};
 use rackmesh::deviation::{PinionFlanks, RackFlanks};
 use rackmesh::multibody::*;
 
@@ -103,6 +103,36 @@ fn forces_tilt_as_a_balance_by_hand_says() {
             }
             assert!(compared > 10, "{compared}");
             assert!(mu == 0.0 || tilted > 0.3 * mu, "{tilted}");
+        }
+    }
+}
+
+/// The mean torque that friction of the teeth asks for: r_w μ F / sin α_n times the mean of sliding over the rack's speed, which
+/// is |sin Σ| / cos β_p lengthwise and x / r_w along the profile at the distance x from the pitch point on the path of contact.
+#[test]
+fn the_mean_torque_is_that_of_theory() {
+    let pair = paper::pair();
+    let (p, rack) = (pair.pinion(), pair.rack());
+    let radius = 1.0 / pair.rotation_per_stroke_rad();
+    let lengthwise = pair.shaft_angle_rad().sin().abs() / p.helix_angle_rad.cos();
+    let tan = pair.normal_pressure_angle_rad().tan() / p.helix_angle_rad.cos();
+    let (cos, sin) = (tan.atan().cos(), tan.atan().sin());
+    // where the rack's tip and the pinion's end the path
+    let depth = pair.nominal_center_distance_mm() - rack.addendum_mm;
+    let first = p.start_roll_rad.max((depth / p.base_radius_mm - cos) / sin);
+    let sliding = |share: f64| {
+        let roll = first + share * (p.tip_roll_rad - first);
+        lengthwise.hypot(p.base_radius_mm * (roll - tan) / radius)
+    };
+    let mean = (0..1000).map(|k| sliding((f64::from(k) + 0.5) / 1000.0)).sum::<f64>() / 1000.0;
+    for friction in [0.05, 0.1] {
+        let parameters = Parameters { friction, stroke_mm: 4.0 * rack.pitch_mm, ..Parameters::default() };
+        let torque = |outcome: Outcome| outcome.forces().unwrap().pinion_torque_n_m.mean;
+        let scene = paper::scene(None, parameters);
+        let theory = 1e-3 * radius * friction * 500.0 / pair.normal_pressure_angle_rad().sin() * mean;
+        for found in [torque(scene.quasi_static(&mut go_on)), torque(scene.dynamic(&mut go_on))] {
+            println!("{friction}: {found} {theory}");
+            assert!((found / theory - 1.0).abs() < 0.05, "{friction}: {found} {theory}");
         }
     }
 }
