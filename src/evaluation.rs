@@ -11,7 +11,7 @@ use crate::judge::bound::{Basis, Bound, ErrorRange, NoBound, Note};
 use crate::judge::rule::{Decision, Rule, decide};
 use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
-use crate::uncertainty::Propagation;
+use crate::uncertainty::{Propagation, Unstated};
 
 /// What one error contributes.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,6 +165,8 @@ pub struct Evaluation {
     pub judged: Result<Interval, NoBound>,
     /// What they rest on.
     pub notes: Vec<Note>,
+    /// What the verdicts take for granted of uncertainties.
+    pub unstated: Vec<Unstated>,
     /// Who judges.
     pub judged_by: JudgedBy,
     /// Why the exact mesh does not judge though nothing is left to place.
@@ -305,7 +307,7 @@ pub fn evaluate(
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
     let nothing_scatters = (stack != asked).then_some(Note::NothingScatters);
     let notes = bound.notes.into_iter().chain(nothing_scatters).collect();
-    let (unsolved, reached, rule) = (None, None, Rule::Simple);
+    let (unstated, unsolved, reached, rule) = (Vec::new(), None, None, Rule::Simple);
     Ok(Evaluation {
         model,
         stack,
@@ -313,6 +315,7 @@ pub fn evaluate(
         combined,
         judged,
         notes,
+        unstated,
         judged_by,
         unsolved,
         reached,

@@ -166,7 +166,7 @@ impl<'a> Evaluator<'a> {
         if !is_failure && !self.plan.request.statistics {
             return;
         }
-        let margin = results.margin(row.index);
+        let Some(margin) = results.margin(row.index) else { return };
         let file = &self.file;
         let part = || kept(row, file, verdict, margin);
         if self.plan.request.statistics {

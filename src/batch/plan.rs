@@ -22,6 +22,7 @@ use crate::mesh::Support;
 use crate::quantity::Places;
 use crate::spec::{PitchCircle, Spec};
 use crate::table::Table;
+use crate::uncertainty::Unstated;
 
 /// What is computed for each part.
 #[expect(clippy::struct_excessive_bools, reason = "what is needed of each part")]
@@ -241,6 +242,12 @@ impl Plan {
         let errors: Vec<_> = self.sources.iter().map(|source| source.extended).collect();
         let nothing_scatters = self.nothing_scatters.then_some(Note::NothingScatters);
         self.basis.bound(&errors).notes.into_iter().chain(nothing_scatters).collect()
+    }
+
+    /// What the verdicts take for granted of uncertainties.
+    #[must_use]
+    pub fn unstated(&self) -> Vec<Unstated> {
+        self.spec.unstated(&self.present, self.basis.known_teeth.is_some(), &self.request.rule)
     }
 
     /// Whether a limit on all errors together is judged.

@@ -330,8 +330,8 @@ impl<'a> Results<'a> {
         Some(Conformance::of(&plan.limits[index].1, ends.as_ref(), known.inside(index))?.probability)
     }
 
-    /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0.
-    pub(super) fn margin(&self, row: usize) -> Margin {
+    /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0. `None` without a result.
+    pub(super) fn margin(&self, row: usize) -> Option<Margin> {
         let of_limits = self.plan.limits.iter().filter_map(|(on, limit)| {
             let result = self.judged(*on, row)?;
             let above = limit.upper.map(|end| end - result.upper);
@@ -340,13 +340,13 @@ impl<'a> Results<'a> {
             Some(Margin { inside_by, on: Some(*on), result })
         });
         // of equals the first
-        of_limits
-            .reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest })
-            .unwrap_or_else(|| {
+        of_limits.reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest }).or_else(
+            || {
                 let results = self.plan.quantities().filter_map(|output| self.of(output, row));
-                let largest = results.max_by_key(|value| value.abs()).unwrap_or(Length::ZERO);
-                Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) }
-            })
+                let largest = results.max_by_key(|value| value.abs())?;
+                Some(Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) })
+            },
+        )
     }
 
     /// The results of an output that is a length, of all parts that have one.

@@ -168,6 +168,11 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
     let simulated = simulate_part(&part, &uncertainties, &Vec::new(), &settings).unwrap();
     assert!(!validate(&linear.upper, simulated.upper(), 2).validated);
     let gain = 1.343_719_222_954_923;
+    // draws until their digits are reached, too
+    let adaptive =
+        simulate_part(&part, &uncertainties, &Vec::new(), &Settings { digits: 1, ..Settings::default() }).unwrap();
+    assert_eq!(adaptive.outcome.reached, Some(true));
+    assert!(!validate(&linear.upper, adaptive.upper(), 1).validated);
     let (mean, deviation) = folded_normal(0.0, 0.001 * gain);
     assert!((simulated.upper().mean / mean - 1.0).abs() < 0.01);
     assert!((simulated.upper().standard / deviation - 1.0).abs() < 0.01);

@@ -1,6 +1,7 @@
 //! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
 
 use std::borrow::Cow;
+use std::ffi::{OsStr, OsString};
 
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
@@ -28,7 +29,7 @@ pub(super) struct JudgeArgs {
     /// Uncertainty of ΔCD by simulation (JCGM 101), with N draws.
     #[arg(long, value_name = "N", num_args = 0..=1)]
     #[expect(clippy::option_option, reason = "not given, given without a number, given with one")]
-    monte_carlo: Option<Option<String>>,
+    monte_carlo: Option<Option<OsString>>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "SEED", default_value_t = DEFAULT_SEED, requires = "monte_carlo")]
     seed: u64,
@@ -38,8 +39,8 @@ pub(super) struct JudgeArgs {
 }
 
 /// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
-fn draws(text: &str) -> Option<u64> {
-    let plain = text.replace('_', "");
+fn draws(text: &OsStr) -> Option<u64> {
+    let plain = text.to_str()?.replace('_', "");
     if let Ok(number) = plain.parse() {
         return Some(number);
     }
@@ -56,7 +57,7 @@ impl JudgeArgs {
     }
 
     /// Takes back a word that was taken for the number of draws: `--monte-carlo rack.toml` means the spec.
-    pub(super) fn spec_behind_monte_carlo(&mut self) -> Option<String> {
+    pub(super) fn spec_behind_monte_carlo(&mut self) -> Option<OsString> {
         let given = self.monte_carlo.as_mut()?;
         if given.as_deref().is_some_and(|text| draws(text).is_none()) { given.take() } else { None }
     }
@@ -73,7 +74,7 @@ impl JudgeArgs {
         let draws = match given {
             None => None,
             Some(text) => Some(draws(text).ok_or_else(|| {
-                Diagnostic::usage(format!("--monte-carlo {text}: that is no number of draws"))
+                Diagnostic::usage(format!("--monte-carlo {}: that is no number of draws", text.display()))
                     .help("write it as 1000000 or 1e6, or leave it out for as many as are needed")
             })?),
         };
@@ -136,6 +137,8 @@ impl JudgeArgs {
         let rule = self.rule(spec);
         evaluation.rule = rule.clone();
         evaluation.unsolved = unsolved;
+        let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
+        evaluation.unstated = spec.unstated(&kinds, spec.known_teeth.is_some(), &rule);
         let open = evaluation.judged.err();
         let known = if open.is_some() { None } else { self.known(errors, basis, spec, &mut evaluation.notes)? };
         if rule.needs_uncertainty() && known.is_none() {
@@ -224,10 +227,10 @@ mod tests {
         for (text, number) in
             [("1000", Some(1000)), ("1_000_000", Some(1_000_000)), ("1e6", Some(1_000_000)), ("2E+3", Some(2000))]
         {
-            assert_eq!(draws(text), number, "{text}");
+            assert_eq!(draws(text.as_ref()), number, "{text}");
         }
         for text in ["rack.toml", "1e99", "-5", "", "1.5e3"] {
-            assert_eq!(draws(text), None, "{text}");
+            assert_eq!(draws(text.as_ref()), None, "{text}");
         }
     }
 }

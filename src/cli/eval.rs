@@ -80,7 +80,7 @@ pub(super) fn evaluated<'a>(
     }
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
     report.classes = spec.classes()?;
-    report.notes.extend(spec.circle_in_words(&spec.kinds()));
+    report.notes.extend(spec.circles_in_words(&spec.kinds()));
     report.notes.extend(spec.suspicions_in_words().into_iter().chain(note_of_exact));
     report.uncertainty = uncertainty;
     Ok(report)

@@ -154,7 +154,11 @@ pub(super) fn solved<'a>(
         listed: Vec::new(),
         prediction: prediction(input)?,
         limit: spec.limit_on(LimitTarget::CenterDistance),
-        notes: notes(input).into_iter().chain(evaluation.note_of_unsolved()).collect(),
+        notes: [notes(input), spec.circles_in_words(&[])]
+            .concat()
+            .into_iter()
+            .chain(evaluation.note_of_unsolved())
+            .collect(),
         evaluation,
         screen: Screen::default(),
     })
@@ -244,14 +248,15 @@ impl Args {
         let strokes = self.strokes()?;
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let (spec, input) = placed(spec, &self.spec, output)?;
-        if let (Some(strokes), Format::Csv, None, true) = (&strokes, self.format, &picture, spec.limits.is_empty()) {
-            // nothing is asked that needs the curve between these strokes
-            return Ok(list_csv(strokes, &input.mesh, output)?.unwrap_or(Status::Pass));
-        }
         let judged = judged(&spec, &JudgeArgs::of_spec())?;
-        if let (None, Format::Csv, None) = (&strokes, self.format, &picture) {
-            let status = Status::of(judged.verdict, &judged.limits);
-            return closed_is(status, self.curve_csv(&input.mesh, output));
+        let status = Status::of(judged.verdict, &judged.limits);
+        if let (Format::Csv, None) = (self.format, &picture) {
+            // nothing is asked that needs the curve as a whole
+            let listed = match &strokes {
+                Some(strokes) => list_csv(strokes, &input.mesh, output),
+                None => self.curve_csv(&input.mesh, output),
+            };
+            return closed_is(status, listed);
         }
         let curve = self.range.curve(&input.mesh)?;
         let mut report = solved(&spec, &input, curve, judged)?;
@@ -275,7 +280,6 @@ impl Args {
             }
             _ => output.report(&report, self.format).map(|()| None),
         };
-        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         closed_is(status, listed)
     }
 

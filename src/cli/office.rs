@@ -47,7 +47,7 @@ impl<W: Write + Send> OfficeRows<W> {
     /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written.
     pub(super) fn finish(mut self, stop: &AtomicBool) -> io::Result<bool> {
         if let Kind::Book(book) = self.kind {
-            match book.save(Stopped { out: &mut self.out, stop }) {
+            match book.save(Stopped { out: &mut self.out, stop, has_failed: false }) {
                 Err(_) if stop.load(Ordering::Relaxed) => return Ok(false),
                 saved => saved?,
             }
@@ -77,22 +77,27 @@ impl<W: Write + Send> Write for OfficeRows<W> {
     }
 }
 
-/// A place that takes no more once the run is to end.
+/// A place that takes no more once the run is to end. What comes behind an error is dropped: the library ends its archive
+/// whatever happened, and would say that this fails.
 struct Stopped<'o, W> {
     out: &'o mut W,
     stop: &'o AtomicBool,
+    has_failed: bool,
 }
 
 impl<W: Write> Write for Stopped<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(io::Error::other("interrupted"));
+        if self.has_failed {
+            return Ok(bytes.len());
         }
-        self.out.write(bytes)
+        let is_over = self.stop.load(Ordering::Relaxed);
+        let written = if is_over { Err(io::Error::other("interrupted")) } else { self.out.write(bytes) };
+        self.has_failed = written.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
+        written
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
+        if self.has_failed { Ok(()) } else { self.out.flush() }
     }
 }
 

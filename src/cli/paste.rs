@@ -279,7 +279,7 @@ impl Args {
             .into_iter()
             .chain(batch::of_every_part(&of_every))
             .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
-            .chain(spec.circle_in_words(kinds))
+            .chain(spec.circles_in_words(kinds))
             .chain(spec.note_of_exact(&exact, None))
             .collect()
     }

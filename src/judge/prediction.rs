@@ -53,7 +53,8 @@ impl PlacedError {
             let mm = self.error.with_value(value).delta_cd(Model::Exact)?.mm();
             ends.extend(if self.is_everywhere(run, pair) { [mm, mm] } else { [mm, 0.0] });
         }
-        let (lower_mm, upper_mm) = extremes(ends.into_iter());
+        // on no tooth it does nothing
+        let (lower_mm, upper_mm) = extremes(ends.into_iter()).unwrap_or_default();
         Ok(Predicted { what: self.in_words(pair), lower_mm, upper_mm })
     }
 
@@ -215,14 +216,14 @@ impl Prediction {
             return self;
         }
         let gains = Gains::new(pair);
-        let heights = rows.iter().map(|row| row.height_mm);
-        let (lower_mm, upper_mm) = extremes(heights);
-        self.terms.push(Predicted { what: "rack over-pin, measured".to_owned(), lower_mm, upper_mm });
+        if let Some((lower_mm, upper_mm)) = extremes(rows.iter().map(|row| row.height_mm)) {
+            self.terms.push(Predicted { what: "rack over-pin, measured".to_owned(), lower_mm, upper_mm });
+        }
         let positions = rows.iter().map(|row| (row.space, row.position_mm)).collect();
-        let steps = pitch_steps(&positions, None).into_values().map(f64::abs);
-        self.signed("rack pitch, measured".to_owned(), false, extremes(steps).1.max(0.0) * gains.rack);
-        let leads = rows.iter().filter_map(|row| row.lead_rad).map(|lead| trig::sin(lead).abs());
-        self.signed("rack lead, measured".to_owned(), false, extremes(leads).1.max(0.0) * gains.lead);
+        let steps = pitch_steps(&positions, None).into_values();
+        self.signed("rack pitch, measured".to_owned(), false, largest(steps) * gains.rack);
+        let leads = rows.iter().filter_map(|row| row.lead_rad).map(trig::sin);
+        self.signed("rack lead, measured".to_owned(), false, largest(leads) * gains.lead);
         self
     }
 
@@ -235,8 +236,7 @@ impl Prediction {
             return self;
         }
         let gains = Gains::new(pair);
-        if rows.iter().any(|row| row.radial_mm.is_some()) {
-            let (lower_mm, upper_mm) = extremes(rows.iter().map(|row| row.radial_mm.unwrap_or(0.0)));
+        if let Some((lower_mm, upper_mm)) = extremes(rows.iter().filter_map(|row| row.radial_mm)) {
             self.terms.push(Predicted { what: "pinion radial, measured".to_owned(), lower_mm, upper_mm });
         }
         let positions = rows.iter().filter_map(|row| Some((row.tooth, row.position_mm?))).collect();
@@ -259,9 +259,9 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
-/// The lowest and highest of some values; 0 where there are none.
-fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0))
+/// The lowest and highest of some values; `None` where there are none.
+fn extremes(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 impl Gains {

@@ -108,18 +108,18 @@ impl Default for Extremes {
 }
 
 impl Extremes {
-    fn take(&mut self, points: &[MeshPoint]) {
-        for point in points {
-            let MeshPoint { stroke_mm, delta_cd_mm, .. } = *point;
-            self.solved &= point.is_solved();
-            let here = CurveExtreme { stroke_mm, delta_cd_mm };
-            if delta_cd_mm < self.lower.delta_cd_mm {
-                self.lower = here;
-            }
-            if delta_cd_mm > self.upper.delta_cd_mm {
-                self.upper = here;
-            }
+    /// Takes a point of a curve: where it is.
+    fn take(&mut self, point: &MeshPoint) -> CurveExtreme {
+        let MeshPoint { stroke_mm, delta_cd_mm, .. } = *point;
+        self.solved &= point.is_solved();
+        let here = CurveExtreme { stroke_mm, delta_cd_mm };
+        if delta_cd_mm < self.lower.delta_cd_mm {
+            self.lower = here;
         }
+        if delta_cd_mm > self.upper.delta_cd_mm {
+            self.upper = here;
+        }
+        here
     }
 
     /// What is held against limits, mm: what the coarse curve of a rack that may roll may miss counts.
@@ -154,33 +154,40 @@ pub fn tolerance_mm(mesh: &Mesh) -> f64 {
 /// A curve is followed so many times less closely first, and again where its extremes can be.
 const COARSER: f64 = 100.0;
 
-/// The lowest and the highest ΔCD over strokes, to a tolerance in mm.
+/// The lowest and the highest ΔCD over strokes, to a tolerance in mm. Of a curve only those pieces are kept that may hold an
+/// extreme.
 ///
 /// # Errors
 /// [`MeshError`] of a stroke that has no solution.
 pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Extremes, MeshError> {
     // where the rack may roll a stroke costs more than points that are saved
     let coarse_mm = if mesh.support() == Support::Fixed { COARSER * tolerance_mm } else { tolerance_mm };
-    let mut curves = Vec::with_capacity(strokes.len());
     let mut found = Extremes::default();
+    // between two points the curve leaves the chord by no more than the tolerance
+    let may_hold = |[a, b]: &[CurveExtreme; 2], Range { lower, upper }: Range| {
+        let (a, b) = (a.delta_cd_mm, b.delta_cd_mm);
+        a.max(b) > upper - coarse_mm || a.min(b) < lower + coarse_mm
+    };
+    let mut chords = Vec::with_capacity(strokes.len());
     for window in strokes {
-        let curve = mesh.curve(window.start, window.end, coarse_mm)?;
-        found.take(&curve.points);
-        curves.push(curve.points);
-    }
-    if coarse_mm <= tolerance_mm {
-        return Ok(found);
+        let (mut before, mut of_window) = (None, Vec::new());
+        mesh.curve_pieces(window.start, window.end, coarse_mm, |piece| -> Result<(), MeshError> {
+            for point in &piece.points {
+                let here = found.take(point);
+                let chord = before.replace(here).map(|before| [before, here]);
+                of_window.extend(chord.filter(|chord| coarse_mm > tolerance_mm && may_hold(chord, found.range())));
+            }
+            Ok(())
+        })?;
+        chords.push(of_window);
     }
     let coarse = found.range();
-    // between two points the curve leaves the chord by no more than the tolerance
-    let may_hold = |pair: &[MeshPoint; 2]| {
-        let [a, b] = pair.each_ref().map(|point| point.delta_cd_mm);
-        a.max(b) > coarse.upper - coarse_mm || a.min(b) < coarse.lower + coarse_mm
-    };
-    for points in &curves {
-        let pieces = points.array_windows().filter(|pair| may_hold(pair));
+    for of_window in chords {
+        let pieces = of_window.iter().filter(|chord| may_hold(chord, coarse));
         for piece in joined(pieces.map(|[a, b]| a.stroke_mm..b.stroke_mm)) {
-            found.take(&mesh.curve(piece.start, piece.end, tolerance_mm)?.points);
+            for point in &mesh.curve(piece.start, piece.end, tolerance_mm)?.points {
+                found.take(point);
+            }
         }
     }
     Ok(found)

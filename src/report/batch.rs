@@ -46,7 +46,7 @@ impl Basis {
             unjudged: plan.unjudged.clone(),
             without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
             is_all_placed: plan.is_all_placed,
-            assumes: assumptions(&plan.bound_notes(), plan.judges_the_sum()),
+            assumes: assumptions(&plan.bound_notes(), plan.judges_the_sum(), &plan.unstated()),
         }
     }
 
@@ -153,7 +153,8 @@ impl<'a> BatchReport<'a> {
 
     fn statistics_table(&self) -> Block {
         let mm = |value: Option<f64>| value.map(millimetres);
-        Table::of(&self.results)
+        // a statistical sum of what does not scatter has no value
+        Table::of(self.results.iter().filter(|result| result.mean_mm.is_some()))
             .text("ΔCD", |result| result.shown())
             .number("mean\n[mm]", |result| mm(result.mean_mm))
             .number("s\n[mm]", |result| result.standard_deviation_mm.map(unsigned))

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ON_WORST_TEETH, class_fact, deviation_text, interval_text};
+use super::evaluation::{ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
@@ -62,12 +62,11 @@ impl SensitivityFact {
     }
 }
 
-/// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them.
+/// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them; without those that are not known of one error.
 fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
     let mut all: Vec<SensitivityFact> = Vec::new();
     for line in &budget.lines {
-        let known = line.sensitivities.iter().filter(|sensitivity| sensitivity.value.is_some());
-        for one in known.map(SensitivityFact::of) {
+        for one in line.sensitivities.iter().map(SensitivityFact::of) {
             match all.iter_mut().find(|sum| sum.input == one.input) {
                 Some(sum) => sum.value = sum.value.zip(one.value).map(|(sum, value)| sum + value),
                 None => all.push(one),
@@ -160,6 +159,11 @@ impl BudgetReport<'_> {
         }
     }
 
+    /// What the budget takes for granted of what is not known.
+    fn assumptions(&self) -> Vec<String> {
+        assumptions(&self.budget.notes, true, &[])
+    }
+
     /// What the mesh makes of the tolerances, beside their bound.
     fn reached_text(&self) -> Option<String> {
         let (reached, bound) = (self.reached?, self.budget.combined.range.ok()?);
@@ -230,7 +234,6 @@ impl Report for BudgetReport<'_> {
                 let class = self.classes.iter().find(|class| class.kind == kind);
                 let value = (feasible || line.is_fixed).then(|| line.error.value().abs().base());
                 let key = if kind == DeviationKind::RackLead { "tolerance_deg" } else { "tolerance_mm" };
-                let of_line = line.sensitivities.iter().map(SensitivityFact::of);
                 let mut fact = json!({
                     "error": kind.key(),
                     "fixed": line.is_fixed,
@@ -242,7 +245,7 @@ impl Report for BudgetReport<'_> {
                     "at_own_limit": line.at_own_limit,
                     "class": class.map(class_fact),
                     "class_within": self.grades.iter().find(|grade| grade.kind == kind).map(class_fact),
-                    "sensitivities": of_line.collect::<Vec<_>>(),
+                    "sensitivities": line.sensitivities.iter().map(SensitivityFact::of).collect::<Vec<_>>(),
                 });
                 let ends = line.error.tolerance();
                 if ends.nearer.is_some() {
@@ -277,6 +280,7 @@ impl Report for BudgetReport<'_> {
             "reached_mm": self.reached,
             "simulation": simulation,
             "sensitivities": sensitivities(budget),
+            "assumes": self.assumptions(),
             "notes": self.notes,
         })
     }
@@ -331,7 +335,7 @@ impl Report for BudgetReport<'_> {
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
-            Block::Verdict(Some(Verdict::Pass), self.sentence())
+            Block::Verdict(Some(Verdict::Pass), format!("{}{}", self.sentence(), assumed(&self.assumptions())))
         } else {
             let names: Vec<String> = budget
                 .broken_by

@@ -14,6 +14,7 @@ use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::mesh::Summary;
 use crate::quantity::{Length, LengthUnit};
+use crate::uncertainty::Unstated;
 
 /// An evaluation with its title.
 #[derive(Debug)]
@@ -203,7 +204,7 @@ pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth t
 
 /// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
 #[must_use]
-pub fn assumptions(notes: &[Note], sum_is_judged: bool) -> Vec<String> {
+pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<String> {
     let clause = |note: &Note| match note {
         Note::OwnCurveAt(0.0) => sum_is_judged.then(|| "the error-free pair has ΔCD = 0".to_owned()),
         Note::OwnCurveAt(mm) => sum_is_judged.then(|| format!("the error-free pair has ΔCD = {} mm", plain(tidy(*mm)))),
@@ -212,18 +213,27 @@ pub fn assumptions(notes: &[Note], sum_is_judged: bool) -> Vec<String> {
         }
         _ => None,
     };
-    notes.iter().filter_map(clause).collect()
+    let of_unstated = |unstated: &Unstated| match unstated {
+        Unstated::Freedom => "ν = ∞ where no dof is given",
+        Unstated::Correlation => "r = 0 where no correlation is given",
+        Unstated::Size => "sizes without an uncertainty are exact",
+    };
+    notes.iter().filter_map(clause).chain(unstated.iter().map(of_unstated).map(str::to_owned)).collect()
 }
 
 /// The same of an evaluation.
 pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<String> {
     let sum_is_judged = evaluation.limits.iter().any(|check| check.on == LimitTarget::CenterDistance);
-    assumptions(&evaluation.notes, sum_is_judged)
+    assumptions(&evaluation.notes, sum_is_judged, &evaluation.unstated)
 }
 
 /// What a pass takes for granted, as part of its sentence.
 pub(super) fn assumed(assumptions: &[String]) -> String {
-    if assumptions.is_empty() { String::new() } else { format!(" if {}", assumptions.join(" and ")) }
+    match assumptions {
+        [] => String::new(),
+        [one] => format!(" if {one}"),
+        [first @ .., last] => format!(" if {} and {last}", first.join(", ")),
+    }
 }
 
 /// What a bound rests on, a remark each.

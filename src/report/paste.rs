@@ -6,7 +6,7 @@ use super::evaluation::{assumed, assumptions_of};
 use super::number::{millimetres, signed};
 use super::uncertainty::micrometres;
 use super::{
-    Block, Column, MeshReport, Report, Table, UncertaintyPart, WITHOUT, fact, judged_without, keys_of, titled,
+    Block, Column, MeshReport, Report, Table, UncertaintyPart, WITHOUT, add_new, fact, judged_without, keys_of, titled,
 };
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::evaluation::Evaluation;
@@ -176,9 +176,10 @@ impl Report for PartsReport<'_> {
             let indeterminate = self.count(Verdict::Indeterminate);
             let open = self.rows.len() - unread - pass - fail - indeterminate;
             let passed = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
-            let mut assumptions =
-                passed.filter(|evaluation| evaluation.verdict == Some(Verdict::Pass)).map(assumptions_of);
-            let assumed = assumptions.next().map(|of_first| assumed(&of_first)).unwrap_or_default();
+            let passed = passed.filter(|evaluation| evaluation.verdict == Some(Verdict::Pass));
+            let mut assumptions = Vec::new();
+            add_new(&mut assumptions, passed.flat_map(assumptions_of));
+            let assumed = assumed(&assumptions);
             let mut sentence = format!("{pass} of {} parts are within the limits{assumed}", self.rows.len());
             for (count, what) in
                 [(indeterminate, "indeterminate"), (open, "without a verdict"), (unread, "could not be read")]

@@ -1,12 +1,15 @@
-//! The circle on which the pinion's pitch was measured. f_p is an arc, so that it is to the diameter of its circle on every
+//! The circle on which the pinion's pitch, and arcs of its teeth, were measured. f_p is an arc, so that it is to the diameter of its circle on every
 //! circle as on the one on which it was measured. Called once the spec is read, and by what takes values of a table.
+
+use std::borrow::Cow;
 
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, keys};
-use crate::deviation::{DeviationKind, DeviationValue, DeviationValues};
+use crate::deviation::{DeviationKind, DeviationValue, DeviationValues, PinionDeviationKind};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::femtometres;
 use crate::quantity::{Length, plain};
+use crate::table::PinionTooth;
 use crate::trig;
 use crate::uncertainty::Influence;
 
@@ -32,6 +35,12 @@ impl PitchCircle {
         Length::nearest(femtometres(measured) * self.scale(), "the pitch deviation").unwrap_or(Length::LARGEST)
     }
 
+    fn scale_value(&self, value: &mut DeviationValue) {
+        if let DeviationValue::Length(length) = value {
+            *length = self.scaled(*length);
+        }
+    }
+
     /// The same of the values of a column.
     #[must_use]
     pub fn scaled_all(&self, measured: &DeviationValues) -> DeviationValues {
@@ -44,9 +53,9 @@ impl PitchCircle {
     }
 
     /// What was done, in words.
-    fn remark(&self) -> String {
+    fn remark(&self, what: &str) -> String {
         format!(
-            "pinion pitch: measured at d_M = {}, scaled by d/d_M = {} to the reference circle of d = {} mm",
+            "{what}: measured at d_M = {}, scaled by d/d_M = {} to the reference circle of d = {} mm",
             self.measured_at,
             plain((1e6 * self.scale()).round() / 1e6),
             plain((1e6 * self.reference_mm).round() / 1e6)
@@ -55,9 +64,43 @@ impl PitchCircle {
 }
 
 impl Spec {
-    /// Scales the pitch of the pinion in `[errors]`, and its uncertainty, to the reference circle, and finds on which circle
-    /// values of a table were measured.
+    /// Scales to the reference circle what was measured on another one, and finds on which circle values of tables were
+    /// measured.
     pub(super) fn scale_to_reference_circle(&mut self) -> Result<(), Diagnostics> {
+        self.scale_arcs()?;
+        self.scale_pitch()
+    }
+
+    /// Arcs of single teeth; those of a table are scaled where they are read.
+    fn scale_arcs(&mut self) -> Result<(), Diagnostics> {
+        use PinionDeviationKind::{Left, Right, Shift, Thickness};
+        let Some(value) = self.get(keys::PINION_MEASURED_AT) else { return Ok(()) };
+        let span = self.place(keys::PINION_MEASURED_AT).unwrap_or_default();
+        let circle = self.circle(&Located { value, span })?;
+        for written in &mut self.pinion_deviations {
+            if let Shift(mm) | Thickness(mm) | Left(mm) | Right(mm) = &mut written.value.kind {
+                *mm *= circle.scale();
+            }
+        }
+        self.arc_circle = Some(circle);
+        Ok(())
+    }
+
+    /// The rows of `pinion.measured`, their arcs on the reference circle.
+    pub(super) fn on_reference_circle<'r>(&self, rows: &'r [PinionTooth]) -> Cow<'r, [PinionTooth]> {
+        let Some(circle) = self.arc_circle else { return Cow::Borrowed(rows) };
+        let scaled = |arc: Option<Length>| arc.map(|arc| circle.scaled(arc));
+        let on_circle = |row: &PinionTooth| PinionTooth {
+            position: scaled(row.position),
+            left_pitch: scaled(row.left_pitch),
+            right_pitch: scaled(row.right_pitch),
+            ..row.clone()
+        };
+        rows.iter().map(on_circle).collect()
+    }
+
+    /// The pitch of the pinion in `[errors]`, and its uncertainty.
+    fn scale_pitch(&mut self) -> Result<(), Diagnostics> {
         let kind = DeviationKind::PinionPitch;
         let of_column = self.batch_column(kind).and_then(|column| column.value.measured_at.clone());
         // a place in a file of its own is none in the spec
@@ -80,8 +123,13 @@ impl Spec {
         if self.measured_at.is_some() || !has_value {
             let (errors, uncertainties) = (self.errors.iter_mut(), self.uncertainties.iter_mut());
             for (_, written) in errors.filter(|(other, _)| *other == kind) {
-                if let WrittenError::Value(DeviationValue::Length(value)) = &mut written.value {
-                    *value = circle.scaled(*value);
+                match &mut written.value {
+                    WrittenError::Value(value) => circle.scale_value(value),
+                    WrittenError::Tolerance(ends) => {
+                        ends.nearer.iter_mut().chain([&mut ends.farther]).for_each(|end| circle.scale_value(end));
+                    }
+                    // what these permit or measure is of no circle
+                    WrittenError::OverRoller { .. } | WrittenError::Class(_) => {}
                 }
             }
             for (_, written) in uncertainties.filter(|(source, _)| *source == Influence::Error(kind)) {
@@ -92,10 +140,13 @@ impl Spec {
         Ok(())
     }
 
-    /// On which circle the pinion's pitch was measured, in words, if it is among these errors.
+    /// On which circle the pinion's pitch was measured, if it is among these errors, and arcs of its teeth, in words.
     #[must_use]
-    pub fn circle_in_words(&self, errors: &[DeviationKind]) -> Option<String> {
-        self.pitch_circle.filter(|_| errors.contains(&DeviationKind::PinionPitch)).map(|circle| circle.remark())
+    pub fn circles_in_words(&self, errors: &[DeviationKind]) -> Vec<String> {
+        let of_pitch = self.pitch_circle.filter(|_| errors.contains(&DeviationKind::PinionPitch));
+        let of_pitch = of_pitch.map(|circle| circle.remark("pinion pitch"));
+        let of_arcs = self.arc_circle.map(|circle| circle.remark("arcs of the pinion's teeth"));
+        of_pitch.into_iter().chain(of_arcs).collect()
     }
 
     /// The circle, between base circle and tips, where the pinion's involute is.
@@ -153,6 +204,46 @@ mod tests {
         assert!((uncertainty.unwrap() - 0.0005 * 16.0 / 17.2).abs() < 1e-18);
         let measured = pitch("{ measured = 6.292, nominal = 6.283, measured_at = 20 }").unwrap();
         assert_eq!(measured.0, 0.0072);
+    }
+
+    /// Both ends of a tolerance, too.
+    #[test]
+    fn a_tolerance_is_on_its_circle() {
+        let ends = "{ value = { lower = \"-4 um\", upper = \"10 um\" }, measured_at = 20 }";
+        let spec = Spec::parse("spec.toml", &format!("{PAIR}[errors]\npinion_pitch = {ends}")).unwrap();
+        assert_eq!(spec.part_deviations().unwrap()[0].tolerance().base(), [-0.0032, 0.008]);
+    }
+
+    #[test]
+    fn arcs_of_single_teeth_are_on_the_reference_circle() {
+        let text = format!(
+            "{PAIR}measured_at = 20\n[[pinion.deviation]]\nshift = 0.01\nthickness = -0.02\nleft = 0.03\nradial = 0.04\n"
+        );
+        let spec = Spec::parse("spec.toml", &text).unwrap();
+        let kinds: Vec<_> = spec.pinion_deviations.iter().map(|written| written.value.kind).collect();
+        let (shift, thickness) = (PinionDeviationKind::Shift(0.008), PinionDeviationKind::Thickness(-0.016));
+        assert_eq!(kinds[..2], [shift, thickness]);
+        assert_eq!(kinds[2..], [PinionDeviationKind::Left(0.024), PinionDeviationKind::Radial(0.04)]);
+        let length = |text: &str| text.parse::<Length>().unwrap();
+        let row = PinionTooth {
+            tooth: 0,
+            radial: Some(length("0.005")),
+            position: Some(length("0.01")),
+            left_pitch: Some(length("0.02")),
+            right_pitch: None,
+            lead: None,
+            extent: crate::table::RowExtent::Whole,
+            line: 1,
+        };
+        let rows = spec.on_reference_circle(std::slice::from_ref(&row));
+        let PinionTooth { radial, position, left_pitch, right_pitch, .. } = &rows[0];
+        assert_eq!(
+            [radial, position, left_pitch],
+            [Some(length("0.005")), Some(length("0.008")), Some(length("0.016"))].each_ref()
+        );
+        assert_eq!(*right_pitch, None);
+        assert_eq!(spec.circles_in_words(&[]).len(), 1);
+        assert!(Spec::parse("spec.toml", &text.replace("measured_at = 20", "measured_at = 9")).is_err());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::ToleranceEnds;
 use crate::formula::law::lead_slope;
-use crate::quantity::Length;
+use crate::quantity::{DomainError, Length};
 use crate::uncertainty::Influence;
 
 /// An entry of `[errors]`, as far as it can be understood without the gear data.
@@ -185,19 +185,22 @@ fn value_of(
     }
 }
 
-/// A value of an error, or the two ends of its tolerance.
-fn value_or_ends(
+/// A value of an error under a key of its entry, or the two ends of its tolerance, each of which `read` reads.
+fn value_or_ends<'t>(
     reader: &mut SectionReader<'_>,
-    kind: DeviationKind,
-    entry: &DeTable<'_>,
-    value: &Spanned<DeValue<'_>>,
+    (kind, entry): (DeviationKind, &DeTable<'_>),
+    name: &str,
+    value: &Spanned<DeValue<'t>>,
+    read: impl Fn(&mut SectionReader<'_>, &str, &Spanned<DeValue<'t>>) -> Option<DeviationValue>,
 ) -> Option<WrittenError> {
     let DeValue::Table(ends) = value.get_ref() else {
-        return value_of(reader, kind, "value", value).map(WrittenError::Value);
+        return read(reader, name, value).map(WrittenError::Value);
     };
-    let help = "write { value = { lower = \"-1 um\", upper = \"5 um\" } }, with an extent beside the value if need be";
-    reader.knows_keys("value", ends, &["lower", "upper"].into_iter(), help)?;
-    let mut end = |name: &str| value_of(reader, kind, name, ends.get(name)?);
+    let help = format!(
+        "write {{ {name} = {{ lower = \"-1 um\", upper = \"5 um\" }} }}, with an extent beside the value if need be"
+    );
+    reader.knows_keys(name, ends, &["lower", "upper"].into_iter(), &help)?;
+    let mut end = |name: &str| read(reader, name, ends.get(name)?);
     let (lower, upper) = (end("lower"), end("upper"));
     let total = entry.get(keys::EXTENT).and_then(|extent| extent.get_ref().as_str()) == Some(Extent::Total.name());
     let problem = match (lower, upper) {
@@ -325,21 +328,23 @@ fn read_error_table(
     let mut length = |name: &str| reader.length_value(name, get(name)?);
     match form {
         [_, "length"] => {
-            let (slope, over) = (length("f_h_beta")?, length("length")?);
+            let (slope, over) = (get("f_h_beta")?, length("length")?);
             if let Some(doubt) = plausible::evaluation_length(over) {
                 let diagnostic = Diagnostic::error(Code::Implausible, format!("`length` of {}: {doubt}", kind.key()));
                 return reader.refuse(diagnostic.help(doubt.remedy(WrittenIn::Spec)), span);
             }
-            match lead_slope(slope, over) {
-                Ok(tangent) => {
-                    // d(atan(f/L))/df = L/(L² + f²)
-                    let (f, l) = (slope.mm(), over.mm());
-                    let degrees_per_mm = l.to_degrees() / (l * l + f * f);
-                    note(reader, span, Some(degrees_per_mm));
-                    Some(Entry { evaluation_length: Some(over), ..Entry::of(WrittenError::Value(tangent)) })
-                }
-                Err(error) => reader.refuse(Diagnostic::error(Code::OutOfDomain, error.to_string()), span),
+            let read = |reader: &mut SectionReader<'_>, name: &str, value: &Spanned<DeValue<'_>>| {
+                let tangent = lead_slope(reader.length_value(name, value)?, over);
+                let refused = |error: DomainError| Diagnostic::error(Code::OutOfDomain, error.to_string());
+                tangent.map_err(|error| reader.report(refused(error), span.clone())).ok()
+            };
+            let written = value_or_ends(reader, (kind, entry), "f_h_beta", slope, read)?;
+            if let WrittenError::Value(DeviationValue::Slope(tangent)) = written {
+                // d(atan(f/L))/df = L/(L² + f²) = 1/(L (1 + (f/L)²))
+                let degrees_per_mm = (1.0 / (over.mm() * (1.0 + tangent * tangent))).to_degrees();
+                note(reader, span, Some(degrees_per_mm));
             }
+            Some(Entry { evaluation_length: Some(over), ..Entry::of(written) })
         }
         [_, "roller"] => {
             let measured = length("measured");
@@ -350,7 +355,12 @@ fn read_error_table(
             reader.in_domain(crate::formula::domain::PIN_DIAMETER.check_length(roller), roller_span)?;
             Some(Entry::of(WrittenError::OverRoller { measured: measured?, roller }))
         }
-        ["value" | READINGS] => value_or_ends(reader, kind, entry, get("value")?).map(Entry::of),
+        ["value" | READINGS] => {
+            let read = |reader: &mut SectionReader<'_>, name: &str, value: &Spanned<DeValue<'_>>| {
+                value_of(reader, kind, name, value)
+            };
+            value_or_ends(reader, (kind, entry), "value", get("value")?, read).map(Entry::of)
+        }
         _ => {
             let mut value = |name: &str| value_of(reader, kind, name, get(name)?);
             let (measured, nominal) = (value("measured"), value("nominal")?);
@@ -373,8 +383,8 @@ fn forms_in_words(forms: &[&[&str]]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::deviation::DeviationKind;
-    use crate::spec::Spec;
+    use crate::deviation::{DeviationKind, DeviationValue};
+    use crate::spec::{Spec, WrittenError};
 
     #[test]
     fn a_value_may_be_that_of_every_part() {
@@ -414,6 +424,15 @@ mod tests {
     fn a_tolerance_has_two_ends_in_order() {
         let lead = "[errors]\nrack_lead = { value = { lower = \"-1 arcmin\", upper = 0.02 }, extent = \"all\" }";
         assert!(Spec::parse("spec.toml", lead).is_ok());
+        let slope = "[errors]\nrack_lead = { f_h_beta = { lower = \"-9 um\", upper = \"18 um\" }, length = 18 }";
+        let [(_, written)] = &Spec::parse("spec.toml", slope).expect("a tolerance").errors[..] else {
+            panic!("one error")
+        };
+        let WrittenError::Tolerance(ends) = written.value else { panic!("{written:?}") };
+        assert_eq!((ends.farther, ends.nearer), (DeviationValue::Slope(0.001), Some(DeviationValue::Slope(-0.0005))));
+        let uncertain = slope.replace("length", "u = \"1 um\", length");
+        let problem = Spec::parse("spec.toml", &uncertain).expect_err("no uncertainty");
+        assert!(problem.to_string().contains("what is permitted has no measuring uncertainty"), "{problem}");
         for (entry, message) in [
             ("{ value = { lower = 1 } }", "`rack_pitch`: a tolerance has a `lower` and an `upper` end"),
             ("{ value = { lower = 1, upper = 0 } }", "`rack_pitch`: the lower end is above the upper one"),

@@ -356,6 +356,8 @@ section! {
             length(Domain::any("tooth thickness deviation of the pinion", "E_s")),
             "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.";
         PINION_MEASURED: String = "measured", file(), "Table of measured teeth: radial, left and right pitch, lead.";
+        PINION_MEASURED_AT: Length = "measured_at", length(domain::MEASUREMENT_CIRCLE),
+            "Diameter of the circle on which the arcs of `measured` and of [[pinion.deviation]] are; they are scaled to the reference circle. Default: that circle.";
         "deviation", of(Kind::Tables(&PINION_DEVIATION)), "Deviations of some teeth; any number, they add up.";
         PINION_CROWNING: Length = "crowning", length(FORM),
             "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
@@ -437,7 +439,7 @@ section! {
 
 section! {
     PINION_DEVIATION = "pinion.deviation",
-    "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle." {
+    "What is wrong with some teeth of the pinion; lengths are arcs at the reference circle, or at pinion.measured_at." {
         PINION_DEVIATION_TEETH: ToothRange = "teeth", teeth(), "The teeth concerned, 0 to z - 1. Default \"all\".";
         PINION_DEVIATION_SHIFT: Length = "shift", length(DISPLACEMENT), "The teeth shifted towards higher index.";
         PINION_DEVIATION_THICKNESS: Length = "thickness", length(DISPLACEMENT),

@@ -44,7 +44,7 @@ impl Spec {
         let part = teeth.part();
         let (features, values) = match teeth {
             Teeth::Rack(rack) => self.rack_values(&rack.rows)?,
-            Teeth::Pinion(pinion) => self.pinion_values(&pinion.rows)?,
+            Teeth::Pinion(pinion) => self.pinion_values(&self.on_reference_circle(&pinion.rows))?,
         };
         let zero = |feature: &Feature| (feature.error(), DeviationValue::zero(feature.error()));
         let kinds: Vec<_> = features.iter().map(zero).collect();

@@ -21,7 +21,7 @@ use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::strokes::{StrokesError, judged_strokes};
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::quantity::{Angle, Length};
-use crate::table::{Measured, PinionTeeth, RackSpaces, Teeth};
+use crate::table::{Measured, PinionTeeth, PinionTooth, RackSpaces, Teeth};
 use crate::trig;
 
 /// The tables that a spec names, read by the caller.
@@ -207,7 +207,8 @@ impl Spec {
             Some(spaces) => self.rack_rows(spaces, &pair)?,
             None => Vec::new(),
         };
-        let pinion_rows = tables.pinion.as_ref().map(pinion_rows).unwrap_or_default();
+        let on_circle = |teeth: &PinionTeeth| pinion_rows(&self.on_reference_circle(&teeth.rows));
+        let pinion_rows = tables.pinion.as_ref().map(on_circle).unwrap_or_default();
         if let Some(teeth) = &tables.pinion {
             self.check_pinion_rows(teeth, &pinion_rows)?;
         }
@@ -448,11 +449,9 @@ impl From<StrokesError> for Diagnostics {
 }
 
 /// The rows of a pinion's table as deviations.
-fn pinion_rows(teeth: &PinionTeeth) -> Vec<PinionToothRow> {
+fn pinion_rows(rows: &[PinionTooth]) -> Vec<PinionToothRow> {
     let mm = |length: &Option<Length>| length.map(Length::mm);
-    teeth
-        .rows
-        .iter()
+    rows.iter()
         .map(|row| PinionToothRow {
             tooth: row.tooth,
             radial_mm: mm(&row.radial),

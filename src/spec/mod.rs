@@ -121,6 +121,8 @@ pub struct Spec {
     pub measured_at: Option<Located<Length>>,
     /// The circle on which values of a table were measured, once the spec is read.
     pub pitch_circle: Option<PitchCircle>,
+    /// The circle of the arcs of `pinion.measured`, once the spec is read.
+    pub arc_circle: Option<PitchCircle>,
     /// The length over which `[errors]` evaluates f_Hβ.
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
@@ -275,7 +277,7 @@ pub const LARGEST_SPEC: usize = 4 << 20;
 pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
     /// Bytes of memory that a mark of TOML stands for at most: a key with its value, a part of a key, an entry of a list,
     /// half of a heading, a table in a line.
-    const MARKS: [(u8, usize); 5] = [(b'=', 360), (b'.', 140), (b',', 150), (b'[', 610), (b'{', 1220)];
+    const MARKS: [(u8, usize); 5] = [(b'=', 450), (b'.', 140), (b',', 150), (b'[', 610), (b'{', 1220)];
     const MOST: usize = 110_000_000;
     let memory = || -> usize {
         let mut counts = [0_usize; 256];

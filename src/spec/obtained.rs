@@ -57,7 +57,7 @@ impl Spec {
         if let Some(pinion) = &tables.pinion {
             let slopes = pinion.rows.iter().filter_map(|row| row.lead).map(|lead| self.slope_of_pinion(lead));
             let slope = slopes.collect::<Result<Vec<_>, _>>()?.into_iter().map(Length::abs).max();
-            let told = of_teeth(&pinion.rows, self.or_zero(keys::PINION_TEETH));
+            let told = of_teeth(&self.on_reference_circle(&pinion.rows), self.or_zero(keys::PINION_TEETH));
             values.extend(of_table(Part::Pinion, &pinion.name, told, slope));
         }
         Ok(values)

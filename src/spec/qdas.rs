@@ -130,7 +130,8 @@ impl Spec {
         let number = expanded.base();
         if number > 0.0 {
             notes.push(format!("{kind}: expanded uncertainty U = {expanded} (k = 2, assumed) from the file (K2106)"));
-            self.uncertainties.push((source, Located { value: Uncertainty::expanded(number, COVERAGE), span: 0..0 }));
+            let value = Uncertainty { is_dof_stated: false, ..Uncertainty::expanded(number, COVERAGE) };
+            self.uncertainties.push((source, Located { value, span: 0..0 }));
         }
     }
 

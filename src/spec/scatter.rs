@@ -16,6 +16,7 @@ use crate::formula::law::RADIANS_PER_DEGREE;
 use crate::judge::bound::pinion_lead_angle_rad;
 use crate::judge::class::ErrorClass;
 use crate::mesh::Mesh;
+use crate::quantity::plain;
 use crate::uncertainty::{Distribution, Uncertainty};
 
 /// A spread as written.
@@ -132,6 +133,7 @@ impl Spec {
                 _ => on_pinion(PinionDeviationKind::Lead(pinion_lead_angle_rad(pair, middle))),
             }
             let unit = if *name == "rack_lead" { "°" } else { " mm" };
+            let [lower, upper] = [lower, upper].map(|end| plain((1e9 * end).round() / 1e9));
             notes.push(format!(
                 "{} scatters from {lower}{unit} to {upper}{unit}, about the middle",
                 name.replace('_', " ")

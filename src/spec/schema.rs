@@ -196,7 +196,7 @@ fn error(kind: DeviationKind) -> Value {
     for form in error_table_forms(kind) {
         let value = |name: &str| match name {
             "class" => grade(),
-            "value" => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }, ends()] }),
+            "value" | "f_h_beta" => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }, ends()] }),
             READINGS => readings(),
             _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
         };

@@ -17,7 +17,7 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::over_pin::OverPin;
 use crate::judge::Rule;
-use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, UncertaintyError};
+use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, UncertaintyError, Unstated};
 
 const HELP: &str = "write u = …, or U = … with k = …, or half_width = … with distribution = \"rectangular\", \
                     \"triangular\", \"arcsine\" or \"normal\"";
@@ -150,8 +150,9 @@ impl SectionReader<'_> {
         } else {
             Uncertainty::half_width(magnitude(self, "half_width")?, distribution)
         };
+        uncertainty.is_dof_stated = has("dof") || has("half_width") || distribution != Distribution::Normal;
         if let Some(value) = table.get("dof") {
-            uncertainty.dof = self.positive("dof", value)?;
+            uncertainty.dof = if is_infinite(value) { f64::INFINITY } else { self.positive("dof", value)? };
             if uncertainty.dof < 1.0 || distribution != Distribution::Normal {
                 let dof = uncertainty.dof;
                 let what = if dof < 1.0 { "at least 1 is needed" } else { "only a normal distribution has them" };
@@ -182,6 +183,11 @@ impl SectionReader<'_> {
         let message = format!("`{name}` is {number}; it must be above 0");
         self.refuse(Diagnostic::error(Code::OutOfDomain, message), value.span())
     }
+}
+
+/// Whether a number is written as `inf`.
+fn is_infinite(value: &Spanned<DeValue<'_>>) -> bool {
+    matches!(value.get_ref(), DeValue::Float(float) if matches!(float.as_str(), "inf" | "+inf"))
 }
 
 /// Why the keys of a table make no uncertainty, if they do not.
@@ -287,23 +293,9 @@ impl Spec {
     /// # Errors
     /// As [`uncertainties`](Self::uncertainties).
     pub fn uncertainties_of(&self, kinds: &[DeviationKind]) -> Result<Uncertainties, Diagnostics> {
-        let given = |kind: DeviationKind| kinds.contains(&kind);
-        let pitch = given(DeviationKind::RackPitch) || given(DeviationKind::RackLead);
-        let of_pinion = given(DeviationKind::PinionPitch) || given(DeviationKind::PinionLead);
-        let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
-        // the path of contact follows from them
-        let of_pair = !kinds.is_empty() && self.missing_geometry().is_empty();
+        let follows = self.followed_by(kinds);
         let of_known_teeth = |source: Influence| self.teeth_sensitivities.iter().any(|teeth| teeth.source == source);
-        let counts = |source: Influence| match source {
-            _ if of_known_teeth(source) => true,
-            Influence::Error(kind) => given(kind),
-            Influence::NormalPressureAngle => of_pair || pitch || of_pinion || nominal,
-            Influence::RackHelixAngle => of_pair || pitch,
-            Influence::FaceWidth => of_pair || given(DeviationKind::RackLead),
-            Influence::PinionHelixAngle => of_pair || of_pinion,
-            Influence::NormalModule | Influence::ToothThickness => of_pair || nominal,
-            Influence::Datum | Influence::Roller => nominal,
-        };
+        let counts = |source: Influence| of_known_teeth(source) || follows(source);
         let inputs: Vec<_> = self
             .uncertainties
             .iter()
@@ -330,6 +322,61 @@ impl Spec {
             let place = self.correlations.first().map(|written| written.span.clone());
             Diagnostic::error(Code::BadUncertainty, problem.to_string()).at(&self.source, place, "").into()
         })
+    }
+
+    /// What ΔCD of errors of these kinds follows from.
+    fn followed_by(&self, kinds: &[DeviationKind]) -> impl Fn(Influence) -> bool {
+        let given = DeviationKind::ALL.map(|kind| kinds.contains(&kind));
+        let given = move |kind: DeviationKind| given[kind as usize];
+        let pitch = given(DeviationKind::RackPitch) || given(DeviationKind::RackLead);
+        let of_pinion = given(DeviationKind::PinionPitch) || given(DeviationKind::PinionLead);
+        let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
+        // the path of contact follows from them
+        let of_pair = !kinds.is_empty() && self.missing_geometry().is_empty();
+        move |source: Influence| match source {
+            Influence::Error(kind) => given(kind),
+            Influence::NormalPressureAngle => of_pair || pitch || of_pinion || nominal,
+            Influence::RackHelixAngle => of_pair || pitch,
+            Influence::FaceWidth => of_pair || given(DeviationKind::RackLead),
+            Influence::PinionHelixAngle => of_pair || of_pinion,
+            Influence::NormalModule | Influence::ToothThickness => of_pair || nominal,
+            Influence::Datum | Influence::Roller => nominal,
+        }
+    }
+
+    /// What a verdict by `rule` on errors of these kinds, and on teeth that are known one by one, takes for granted of
+    /// uncertainties. Values of such teeth have no correlation that could be stated.
+    #[must_use]
+    pub fn unstated(&self, kinds: &[DeviationKind], has_teeth: bool, rule: &Rule) -> Vec<Unstated> {
+        if !rule.needs_uncertainty() {
+            return Vec::new();
+        }
+        let follows = self.followed_by(kinds);
+        let of_teeth = |source| has_teeth && !matches!(source, Influence::Datum | Influence::Roller);
+        let counts = |source: Influence| of_teeth(source) || follows(source);
+        let uncertain: Vec<_> = self
+            .uncertainties
+            .iter()
+            .filter(|(source, written)| counts(*source) && written.value.standard > 0.0)
+            .collect();
+        let is_correlated = |a: Influence, b: Influence| {
+            self.correlations.iter().any(|written| [(a, b), (b, a)].contains(&written.value.between))
+        };
+        let pairs = uncertain
+            .iter()
+            .enumerate()
+            .flat_map(|(index, of)| uncertain[..index].iter().map(move |other| (of, other)));
+        let is_exact = |source: &Influence| {
+            !matches!(source, Influence::Error(_)) && counts(*source) && said_of(&self.uncertainties, *source).is_none()
+        };
+        [
+            (Unstated::Freedom, uncertain.iter().any(|(_, written)| !written.value.is_dof_stated)),
+            (Unstated::Correlation, has_teeth || { pairs }.any(|(of, other)| !is_correlated(of.0, other.0))),
+            (Unstated::Size, Influence::ALL.iter().any(is_exact)),
+        ]
+        .into_iter()
+        .filter_map(|(what, is_unstated)| is_unstated.then_some(what))
+        .collect()
     }
 
     /// Whether values of this kind of error have an uncertainty.

@@ -39,13 +39,15 @@ pub struct Uncertainty {
     pub distribution: Distribution,
     /// Degrees of freedom ν of u; infinite if u is known well.
     pub dof: f64,
+    /// Whether ν was stated, or follows from the distribution; otherwise it is taken for granted.
+    pub is_dof_stated: bool,
 }
 
 impl Uncertainty {
     /// A standard uncertainty that is known well, normal.
     #[must_use]
     pub const fn standard(u: f64) -> Self {
-        Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY }
+        Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY, is_dof_stated: true }
     }
 
     /// From an expanded uncertainty U = k u.
@@ -57,6 +59,6 @@ impl Uncertainty {
     /// From a half-width and its distribution.
     #[must_use]
     pub fn half_width(half_width: f64, distribution: Distribution) -> Self {
-        Self { standard: half_width / distribution.half_width(), distribution, dof: f64::INFINITY }
+        Self { distribution, ..Self::standard(half_width / distribution.half_width()) }
     }
 }

@@ -16,6 +16,17 @@ pub struct Uncertainties {
     factor: Vec<f64>,
 }
 
+/// What a verdict takes for granted of uncertainties where nothing is stated, as the GUM does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unstated {
+    /// Degrees of freedom ν are infinite.
+    Freedom,
+    /// Values are independent: r = 0.
+    Correlation,
+    /// Sizes of the gear are exact.
+    Size,
+}
+
 /// Why uncertainties make no sense.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]

@@ -17,7 +17,7 @@ pub(super) mod tests;
 pub use crate::formula::Influence;
 pub use coverage::{COVERAGE, coverage_factor, effective_dof};
 pub use distribution::{Distribution, Uncertainty};
-pub use inputs::{Uncertainties, UncertaintyError};
+pub use inputs::{Uncertainties, UncertaintyError, Unstated};
 #[cfg(feature = "spec")]
 pub(crate) use propagation::WITHIN;
 pub use propagation::{Point, Propagator, UncertainPart, propagate};

@@ -12,6 +12,8 @@
 //! where it lifts and not where it sinks, and one more tooth comes to carry. Their slopes by an error are therefore the
 //! steepest within its uncertainty ([`WITHIN`]), and by a size of the pair that over its standard uncertainty.
 
+use std::sync::OnceLock;
+
 use super::coverage::{coverage_factor, effective_dof, whole_dof};
 use super::gear::{Gear, NO_RANGE, OF_LAWS, VariedError, VariedPair, ends, own_slope, range_alone};
 use super::result::KINDS;
@@ -104,8 +106,8 @@ pub struct Propagator {
     stack: Stack,
     /// Degrees of freedom of the inputs; empty where all are infinite.
     dofs: Vec<f64>,
-    /// Coverage factors by whole degrees of freedom, where any are finite.
-    factors: Vec<f64>,
+    /// Coverage factors by whole degrees of freedom, where any are finite; each is computed once it is needed.
+    factors: Vec<OnceLock<f64>>,
     basis: Basis,
     /// The gear data of the errors' laws.
     gear: Gear,
@@ -149,7 +151,7 @@ impl Propagator {
         let finite = inputs.iter().any(|(_, uncertainty)| uncertainty.dof.is_finite());
         let dofs = if finite { inputs.iter().map(|(_, uncertainty)| uncertainty.dof).collect() } else { Vec::new() };
         let kept = if finite { KEPT_FACTORS } else { 0 };
-        let factors = (0..kept).map(|dof| coverage_factor(f64::from(dof))).collect();
+        let factors = (0..kept).map(|_| OnceLock::new()).collect();
         Ok(Self {
             own_slopes: inputs.iter().map(|(source, _)| own_slope(*source, part)).collect(),
             pairs: VariedPair::all(part.basis, &uncertainties),
@@ -390,8 +392,10 @@ impl Propagator {
     }
 
     fn coverage_factor(&self, dof: Option<f64>) -> Option<f64> {
-        let kept = |dof: f64| self.factors.get(whole_dof(dof) as usize).copied();
-        dof.map(|dof| kept(dof).unwrap_or_else(|| coverage_factor(dof)))
+        dof.map(|dof| match self.factors.get(whole_dof(dof) as usize) {
+            Some(kept) => *kept.get_or_init(|| coverage_factor(dof)),
+            None => coverage_factor(dof),
+        })
     }
 
     fn end_correlation(&self, gradients: &Gradients, lower: &Spread, upper: &Spread) -> f64 {

@@ -82,7 +82,7 @@ impl TeethJudge {
     pub fn notes(&self) -> Vec<String> {
         let lacking = DeviationKind::keys(self.lacking.iter().copied());
         let every = DeviationKind::keys(self.errors.iter().map(PartDeviation::kind));
-        let mut notes = Vec::new();
+        let mut notes = self.spec.circles_in_words(&[]);
         if !every.is_empty() {
             notes.push(format!("every part meets the value in [errors]: {every}"));
         }
@@ -180,6 +180,7 @@ impl TeethJudge {
             return Ok(evaluation);
         }
         let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
+        evaluation.unstated = spec.unstated(&kinds, true, &self.rule);
         let (uncertainties, over_pin) = (spec.uncertainties_of(&kinds)?, spec.over_pin());
         let teeth = &spec.teeth_sensitivities;
         let part = uncertainty::UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };

@@ -399,12 +399,12 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         model: "exact mesh",
         stack: None,
         rule: rule.clone(),
+        assumes: report::assumptions(&[], true, &spec.unstated(&spec.every_part, true, rule)),
         // what teeth have one by one is no single error
         unjudged: limits.iter().map(|(on, _)| *on).filter(|on| !is_judged(*on)).collect(),
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
         without: Vec::new(),
         is_all_placed: false,
-        assumes: Vec::new(),
     }
 }
 

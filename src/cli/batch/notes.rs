@@ -37,7 +37,7 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
     notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
     notes.extend(plan.extents_in_words());
-    notes.extend(spec.circle_in_words(&plan.errors().collect::<Vec<_>>()));
+    notes.extend(spec.circles_in_words(&plan.errors().collect::<Vec<_>>()));
     let refused_by = Some(&plan.request.rule).filter(|rule| rule.needs_uncertainty() && !plan.unjudged.is_empty());
     notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
     if let Some(open) = plan.open() {

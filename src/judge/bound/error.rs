@@ -6,7 +6,6 @@ use crate::deviation::{DeviationKind, DeviationValue, Extent, MAX_LEAD_RAD, MAX_
 use crate::formula::law::{RADIANS_PER_DEGREE, unit_gain};
 use crate::formula::{Law, Model, PartDeviation};
 use crate::gear::Pair;
-use crate::quantity::Length;
 use crate::trig;
 
 /// An error that may be on any teeth that its extent allows.
@@ -93,10 +92,11 @@ impl ExtendedError {
                 (ErrorEffect::PinionLead { gain: law.slope(1.0, Model::Exact) }, MAX_LENGTH_MM)
             }
             (DeviationKind::RackLead, Some(gear)) => {
+                let face_width = gear.face_width.ok_or(NoBound::NotOfItsKind)?.mm();
                 let rack = RackLines {
                     tan_alpha: trig::tan_of(gear.pressure_angle),
                     helix: gear.helix_angle.radians(),
-                    face_width: gear.face_width.map_or(0.0, Length::mm),
+                    face_width,
                 };
                 (ErrorEffect::RackLead(rack), MAX_LEAD_RAD.min(std::f64::consts::FRAC_PI_2 - rack.helix.abs()))
             }

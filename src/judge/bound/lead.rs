@@ -272,9 +272,12 @@ impl Leads {
     fn at_any_time(&self, known: &KnownPair, level: &Level) -> f64 {
         let asked = self.candidates().map(|value| {
             let turned = self.turned(value, half_face(known));
-            let range = level.field.extremes(|spot| turned.at(spot)).unwrap_or(Range { lower: 0.0, upper: 0.0 });
             let loose = turned.loose(known, level.off_line);
-            (range.upper.max(-range.lower) + loose).min(turned.at_most(known, level))
+            // what an empty field asks for is not known
+            let range = level.field.extremes(|spot| turned.at(spot));
+            range.map_or(f64::INFINITY, |range| {
+                (range.upper.max(-range.lower) + loose).min(turned.at_most(known, level))
+            })
         });
         asked.into_iter().fold(0.0, f64::max)
     }
@@ -392,9 +395,9 @@ impl Slopes {
         self.across * spot.y + self.up * spot.z + self.along * spot.w
     }
 
-    /// What no point within the end faces exceeds.
+    /// What no point within the end faces exceeds; of an empty field nothing is known.
     fn at_most(&self, known: &KnownPair, level: &Level) -> f64 {
-        let heights = level.field.extremes(|spot| spot.z.abs()).map_or(0.0, |range| range.upper);
+        let heights = level.field.extremes(|spot| spot.z.abs()).map_or(f64::INFINITY, |range| range.upper);
         let half_width = 0.5 * known.given.pair.rack().face_width_mm;
         self.across.abs() * half_width
             + self.up.abs() * (heights + known.reach.largest())
