@@ -1,6 +1,7 @@
 //! Some rows of a table as columns: the seam between whatever a table was and whoever evaluates it. Filled by the readers;
 //! read by the evaluators of parts and of teeth.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use super::cell::Record;
@@ -23,6 +24,22 @@ pub(crate) struct Unsettled {
     pub(crate) rule: usize,
     pub(crate) place: usize,
     pub(crate) span: Span,
+}
+
+/// A row that is rejected, and that may be no part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Odd {
+    pub(crate) line: u64,
+    /// The row as a line.
+    pub(crate) text: String,
+    /// What stands where parts have their name; the first cell where they have none.
+    pub(crate) name: String,
+    /// Whether that is none of a part's.
+    pub(crate) is_no_name: bool,
+    /// Whether something else than a number stands in the place of a value.
+    pub(crate) has_text: bool,
+    /// Whether every value can be read.
+    pub(crate) could_be_part: bool,
 }
 
 /// Why a row is no part.
@@ -87,6 +104,8 @@ pub struct Block {
     pub(crate) left_out: Vec<Tally>,
     /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
     pub(crate) doubtful: Vec<(usize, u64)>,
+    /// Rows of which no value can be read.
+    pub(crate) odd: Vec<Odd>,
     /// What is left out of the row that is being read.
     pub(crate) unsettled: Vec<Unsettled>,
     /// The rows of parts that a measuring program rejects.
@@ -147,6 +166,11 @@ impl Block {
     #[must_use]
     pub fn faults(&self) -> &[Fault] {
         &self.faults
+    }
+
+    /// The rows that have a fault.
+    pub(crate) fn rejected_rows(&self) -> HashSet<usize> {
+        self.faults.iter().map(|fault| fault.row).collect()
     }
 
     pub(crate) fn bytes(&self, span: Span) -> &[u8] {

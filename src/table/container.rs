@@ -8,6 +8,7 @@ use bytes::Bytes;
 use super::Table;
 use super::encoding::{decode, peek, unpacked};
 use super::parquet::ParquetTable;
+use super::propose::{Proposal, Unclosed};
 use super::qdas::Qdas;
 use super::text::Text;
 use super::typed::{parquet_table, qdas_table, workbook_table};
@@ -129,11 +130,27 @@ impl Container {
     /// If there is no table, or it can be read in more than one way. Columns that are not understood are no error here:
     /// they are in [`Table::strangers`].
     pub fn table(self, name: &str, want: &Want) -> Result<Table, Diagnostics> {
+        Ok(self.closed(name, want)?)
+    }
+
+    fn closed(self, name: &str, want: &Want) -> Result<Table, Unclosed> {
         match self {
             Self::Text(text) => text.table(want),
             Self::Workbook(book) => workbook_table(*book, want),
-            Self::Qdas(qdas) => qdas_table(name, *qdas, want),
+            Self::Qdas(qdas) => Ok(qdas_table(name, *qdas, want)?),
             Self::Parquet(table) => parquet_table(name, table, want),
+        }
+    }
+
+    /// What would close the table, read to its end where it is closed.
+    ///
+    /// # Errors
+    /// If there is no table, or it cannot be read to its end.
+    pub fn proposal(self, name: &str, want: &Want) -> Result<Proposal, Diagnostics> {
+        match self.closed(name, want) {
+            Ok(table) => Proposal::of_table(table),
+            Err(Unclosed::Open(proposal)) => Ok(*proposal),
+            Err(Unclosed::Wrong(problems)) => Err(problems),
         }
     }
 }

@@ -116,6 +116,11 @@ pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
     of(form).or_else(of_parts)
 }
 
+/// The headings that have a role, as they are compared.
+pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
+    DICTIONARY.iter().filter(move |(_, meaning)| meaning.role == role).map(|((_, heading), _)| heading.as_str())
+}
+
 /// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
 /// or a dot at its end.
 pub(crate) fn normal(name: &str) -> String {

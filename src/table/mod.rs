@@ -20,6 +20,7 @@
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `understand` | separator and decimal mark: one reading, or a refusal |
+//! | `contract`, `dictionary`, `ledger`, `propose` | tables by contract, and what would close one |
 //! | `unknown`, `strangers`, `measured` | what names nothing known, and may be a measurement |
 //! | `rejection` | what is said against a part |
 //! | `rows`, `gathered`, `pieces`, `block` | rows to columns |
@@ -63,6 +64,7 @@ mod number;
 mod parquet;
 mod pattern;
 mod pieces;
+mod propose;
 pub mod qdas;
 mod reading;
 mod rejection;
@@ -88,6 +90,7 @@ pub use ledger::{LeftOut, Tally};
 pub use names::{Field, UnknownField, ValueKind};
 pub use number::DecimalMark;
 pub use pattern::Pattern;
+pub use propose::{ColumnAccount, Guesses, LineAccount, Proposal};
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use strangers::{Stranger, refusal};

@@ -10,6 +10,7 @@ use super::Table;
 use super::chunk::Chunker;
 use super::encoding::{Encoding, recoded, text};
 use super::grid::{Separator, records};
+use super::propose::Unclosed;
 use super::shape::has_digit;
 use super::split::next_record;
 use super::understand::{Understood, understand};
@@ -75,7 +76,7 @@ impl Text {
         Ok(text(&bytes).into_owned())
     }
 
-    pub(crate) fn table(mut self, want: &Want) -> Result<Table, Diagnostics> {
+    pub(crate) fn table(mut self, want: &Want) -> Result<Table, Unclosed> {
         if let Some(layout) = &want.layout {
             return self.by_contract(layout, want);
         }
@@ -86,17 +87,18 @@ impl Text {
             let source = self.source(&bytes, false);
             let problem = match understand(&source, &want) {
                 Ok(understood) if can_stream(&understood) && plain(&text(&bytes)).is_none() => {
-                    return self.streamed(&understood, &want);
+                    return Ok(self.streamed(&understood, &want)?);
                 }
                 understood => understood.err(),
             };
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
             if !is_all {
-                return Err(problem.unwrap_or_else(|| {
+                let problem = problem.unwrap_or_else(|| {
                     let most = LARGEST_WHOLE >> 20;
                     let message = format!("{} is larger than {most} MiB, and its parts are not in rows", self.name);
                     Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into()
-                }));
+                });
+                return Err(problem.into());
             }
         }
         let source = self.source(&bytes, true);

@@ -16,6 +16,7 @@ use super::names::{
 use super::number::quantity;
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use super::pieces::Place;
+use super::propose::Unclosed;
 use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
@@ -47,7 +48,7 @@ struct Sheets {
     others: Vec<Sheet>,
 }
 
-pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Diagnostics> {
+pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Unclosed> {
     if let Some(layout) = &want.layout {
         return typed_by_contract::workbook(book, layout, want);
     }
@@ -417,7 +418,7 @@ fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want)
     quantity(number, unit?).ok()
 }
 
-pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Diagnostics> {
+pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Unclosed> {
     if let Some(layout) = &want.layout {
         return typed_by_contract::parquet(name, file, layout, want);
     }
@@ -507,7 +508,7 @@ pub(crate) fn stored_table(
     want: &Want,
 ) -> Result<Table, Diagnostics> {
     if let Some(layout) = &want.layout {
-        return typed_by_contract::stored(name, format, titles, head, (layout, want));
+        return Ok(typed_by_contract::stored(name, format, titles, head, (layout, want))?);
     }
     let records = head_records(titles, head);
     let understood = understand_records(name, &records, want)?;

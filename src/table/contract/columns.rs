@@ -4,11 +4,13 @@
 use super::heading::{Matched, key};
 use super::open::Open;
 use super::owner::Owner;
+use crate::deviation::plausible::Reach;
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
-use crate::quantity::{AngleUnit, LengthUnit, Unit};
+use crate::quantity::{AngleUnit, Length, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::column::{Column, Declared, UnitFrom, unit_of};
-use crate::table::dictionary::{Form, Role, lookup};
+use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::Layout;
 use crate::table::names::{Field, Role as Beside};
 use crate::table::number::DecimalMark;
@@ -106,6 +108,7 @@ fn one(
         matched.open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
         return None;
     }
+    matched.units.push((place, unit));
     Some(with(unit, from))
 }
 
@@ -121,17 +124,43 @@ fn beside(matched: &Matched, field: Field, is_angle: bool) -> Vec<(Beside, usize
     beside.collect()
 }
 
-/// The units in which every number of a column may be one of its values.
+/// The units in which the numbers of a column without an owner would be values of an error.
+pub(crate) fn plausible_units(
+    kind: DeviationKind,
+    title: &str,
+    place: usize,
+    rows: &[Record],
+    want: &Want,
+) -> Vec<&'static str> {
+    let field = Field::Error(kind);
+    let meaning = lookup(Form::Parts, &Heading::of(title).name).filter(|meaning| meaning.role == Role::Value(field));
+    let is_deviation = meaning.is_some_and(|meaning| meaning.is_deviation);
+    let with = |unit: Unit| {
+        let (title, beside, unit_from) = (title.to_owned(), Vec::new(), UnitFrom::Spec);
+        Declared { field, title, place, unit, unit_from, is_deviation, mark: None, beside }
+    };
+    plausible(&with, field.is_angle(), rows, want)
+}
+
+/// The units in which every number of a column may be one of its values, and not all of them are below what is measured.
 fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], want: &Want) -> Vec<&'static str> {
+    const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
     let symbols = if is_angle { ["deg", "arcmin", "um"] } else { ["mm", "um", "in"] };
+    let usual = Reach::usual(want.module);
+    let is_seen = |value: DeviationValue| match value {
+        DeviationValue::Length(length) => length.abs() >= LEAST_MEASURED,
+        _ => !value.is_zero(),
+    };
     let is_read = |symbol: &&'static str| {
         let Some(unit) = unit_of(symbol, is_angle) else { return false };
         DecimalMark::ALL.into_iter().any(|mark| {
-            let column = Column::declared(&Declared { mark: Some(mark), ..with(unit) }, want);
-            column.is_ok_and(|column| {
-                let mut cells = rows.iter().map(|row| (row.cell(column.place), column.beside_in(row)));
-                cells.all(|(cell, beside)| column.value(cell, beside).is_ok())
-            })
+            let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..with(unit) }, want) else { return false };
+            let numbers = rows.iter().filter(|row| row.cell(column.place).is_number());
+            let values: Vec<_> = numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
+            let is_usual = |value: &Result<Option<DeviationValue>, _>| {
+                value.as_ref().is_ok_and(|value| value.is_none_or(|value| !usual.is_reached_by(value)))
+            };
+            values.iter().all(is_usual) && values.into_iter().flatten().flatten().any(is_seen)
         })
     };
     symbols.into_iter().filter(is_read).collect()

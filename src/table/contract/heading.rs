@@ -3,6 +3,7 @@
 
 use super::open::Open;
 use super::owner::{Owner, line_of};
+use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
 use crate::table::layout::Layout;
@@ -14,6 +15,8 @@ pub(crate) struct Matched {
     pub(crate) owners: Vec<Option<Owner>>,
     pub(crate) headings: Vec<Heading>,
     pub(crate) titles: Vec<String>,
+    /// The units of columns of values, by their places, as far as something tells them.
+    pub(crate) units: Vec<(usize, Unit)>,
     /// The heading, as a line.
     pub(crate) heading: String,
     pub(crate) line: u64,

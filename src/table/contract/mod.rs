@@ -1,10 +1,9 @@
 //! Tables that are read by a contract: each column is a role or left out by a rule, and each line is a part, left out by a rule,
 //! or rejected. What has no owner ends the run with all of it listed. Called for tables whose spec has a `[table]`.
 //!
-//! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark, `account` says
-//! what is not owned; [`Contract::close`] is the only way to a table that can be read.
+//! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark;
+//! [`Contract::close`] is the only way to a table that can be read, and says what has no owner.
 
-mod account;
 mod columns;
 mod heading;
 mod open;
@@ -12,7 +11,8 @@ mod owner;
 mod table;
 mod whole;
 
-pub(crate) use account::refused;
+pub(crate) use columns::plausible_units;
+pub(crate) use heading::{Matched, key};
 pub(crate) use open::Open;
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
@@ -25,13 +25,14 @@ use super::dictionary::Role;
 use super::layout::{Layout, Repeats, StatusColumn};
 use super::ledger::{LeftOut, Tally};
 use crate::quantity::shown;
-use heading::Matched;
 
 /// A table of which every column has an owner. Only this one can be read.
 #[derive(Debug, Clone)]
 pub(crate) struct Contract {
     layout: Arc<Layout>,
     pub(crate) owners: Vec<Owner>,
+    /// The headings.
+    pub(crate) titles: Vec<String>,
     /// The heading, as a line.
     heading: String,
     /// The first bytes of lines that a rule may leave out; `None` if any may be.
@@ -84,15 +85,20 @@ impl Contract {
     /// Closes a table: every column has an owner.
     ///
     /// # Errors
-    /// Everything that has none.
-    pub(crate) fn close(layout: &Arc<Layout>, matched: Matched) -> Result<Self, Vec<Open>> {
-        let Matched { owners, heading, open, .. } = matched;
-        let owners: Vec<Owner> = owners.into_iter().flatten().collect();
-        if !open.is_empty() {
-            return Err(open);
+    /// The table with everything that has none.
+    pub(crate) fn close(layout: &Arc<Layout>, matched: Matched) -> Result<Self, Box<Matched>> {
+        if !matched.open.is_empty() {
+            return Err(Box::new(matched));
         }
+        let Matched { owners, titles, heading, .. } = matched;
+        let owners: Vec<Owner> = owners.into_iter().flatten().collect();
         let first_bytes = layout.ignore_lines.iter().map(|rule| rule.pattern.first_byte()).collect();
-        Ok(Self { layout: Arc::clone(layout), owners, heading, first_bytes })
+        Ok(Self { layout: Arc::clone(layout), owners, titles, heading, first_bytes })
+    }
+
+    /// What the spec says of the table.
+    pub(crate) fn layout(&self) -> &Arc<Layout> {
+        &self.layout
     }
 
     /// The columns that a rule leaves out, with the rule.
@@ -237,6 +243,11 @@ impl Layout {
     /// Rows of parts that are there again below.
     pub(crate) fn repeated_parts(&self) -> usize {
         self.others() + 4
+    }
+
+    /// A rule as it is written.
+    pub(crate) fn rule_in_words(&self, rule: usize) -> String {
+        self.rules().swap_remove(rule).rule
     }
 
     /// All rules by their number, with nothing left out so far.

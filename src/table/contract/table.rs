@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use super::Contract;
-use super::account::{generalised, refused};
 use super::columns::columns;
 use super::heading::{Matched, find, key, matched};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::whole::{last_of_each, named, own_headings};
-use crate::diagnostic::Diagnostics;
 use crate::table::Table;
 use crate::table::cell::Record;
 use crate::table::column::{Column, Nominal, UnitFrom, unit_of};
@@ -21,6 +19,7 @@ use crate::table::layout::{Layout, Parts, Repeats};
 use crate::table::ledger::{LeftOut, Tally, join};
 use crate::table::names::Role as Beside;
 use crate::table::pieces::{Pieces, Place};
+use crate::table::propose::{Proposal, Unclosed};
 use crate::table::reading::{ColumnReading, Reading};
 use crate::table::rows::Setup;
 use crate::table::want::Want;
@@ -100,7 +99,7 @@ pub(crate) fn found(
     records: &[Record],
     layout: &Arc<Layout>,
     want: &Want,
-) -> Result<Found, Diagnostics> {
+) -> Result<Found, Unclosed> {
     let parts = orientation(records, layout).map_or(Parts::Rows, |(parts, _)| parts);
     let mut left_out = Tallies::new(layout);
     for (rule, text) in &file.left_out {
@@ -152,7 +151,9 @@ pub(crate) fn found(
     let line = matched.line;
     let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
     turned = last_of_each(rows, first, id, layout, &mut left_out).or(turned);
-    let contract = Contract::close(layout, matched).map_err(|open| refused(file.name, layout, &open))?;
+    let contract = Contract::close(layout, matched).map_err(|matched| {
+        Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, &below, want)))
+    })?;
     let reading = Reading {
         file: file.name.to_owned(),
         format: file.format,
@@ -344,7 +345,7 @@ pub(crate) fn of_records(
     rest: impl Iterator<Item = Result<Record, crate::diagnostic::Diagnostic>> + Send + 'static,
     layout: &Arc<Layout>,
     want: &Want,
-) -> Result<Table, Diagnostics> {
+) -> Result<Table, Unclosed> {
     let (mut head, mut rest) = (head, rest);
     let is_streamed = is_in_rows(&head, layout) && !needs_all(layout);
     if !is_streamed {

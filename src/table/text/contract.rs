@@ -4,13 +4,14 @@
 use std::sync::Arc;
 
 use super::{LARGEST_WHOLE, START, Text};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
 use crate::table::cell::{Cell, Record};
-use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, refused, score, with_headings};
+use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, score, with_headings};
 use crate::table::encoding::text;
 use crate::table::grid::{Separator, records};
 use crate::table::layout::Layout;
+use crate::table::propose::{Proposal, Unclosed};
 use crate::table::rows::cells;
 use crate::table::split::next_record;
 use crate::table::want::Want;
@@ -38,7 +39,7 @@ impl Text {
     ///
     /// # Errors
     /// Everything that has no owner.
-    pub(super) fn by_contract(mut self, layout: &Arc<Layout>, want: &Want) -> Result<Table, Diagnostics> {
+    pub(super) fn by_contract(mut self, layout: &Arc<Layout>, want: &Want) -> Result<Table, Unclosed> {
         let (mut bytes, mut is_all) = self.start(START)?;
         let declared = want.separator.or(layout.separator).or(self.stated);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
@@ -79,7 +80,7 @@ impl Text {
     }
 
     /// The first records under the separator that there is.
-    fn head(&self, bytes: &[u8], is_all: bool, declared: Option<u8>, layout: &Layout) -> Result<Head, Diagnostics> {
+    fn head(&self, bytes: &[u8], is_all: bool, declared: Option<u8>, layout: &Arc<Layout>) -> Result<Head, Unclosed> {
         if !layout.starts.is_empty() {
             return Ok(self.at_starts(bytes, layout));
         }
@@ -126,7 +127,7 @@ impl Text {
         }
         if heads.len() > 1 {
             let names = heads.iter().map(|(_, head)| head.separator.name()).collect();
-            return Err(refused(&self.name, layout, &[Open::Separator { names }]));
+            return Err(Unclosed::Open(Box::new(Proposal::of(&self.name, layout, vec![Open::Separator { names }]))));
         }
         Ok(heads.swap_remove(0).1)
     }

@@ -3,20 +3,21 @@
 use std::sync::Arc;
 
 use super::{HEAD, head_records, whole};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
 use crate::table::Table;
-use crate::table::contract::{File, Found, Open, found, needs_all, of_records, refused, with_headings};
+use crate::table::contract::{File, Found, Open, found, needs_all, of_records, with_headings};
 use crate::table::layout::Layout;
 use crate::table::ledger::{Tally, digest};
 use crate::table::parquet::{ParquetTable, Unread};
 use crate::table::pieces::Place;
+use crate::table::propose::{Proposal, Unclosed};
 use crate::table::stored::Stored;
 use crate::table::want::Want;
 use crate::table::workbook::{Shown, Workbook};
 
 /// The table of a workbook: of the sheet that is named, or of the only one with cells.
-pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) -> Result<Table, Diagnostics> {
+pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) -> Result<Table, Unclosed> {
     let all = book.sheets();
     let mut filled = Vec::new();
     for name in book.candidates(want.sheet.as_deref())? {
@@ -27,7 +28,10 @@ pub(super) fn workbook(mut book: Workbook, layout: &Arc<Layout>, want: &Want) ->
     let sheet = match filled.as_slice() {
         [] => return Err(Diagnostic::error(Code::BadTable, "no sheet of the workbook has cells").into()),
         [sheet] => sheet.clone(),
-        _ => return Err(refused(&book.called(""), layout, &[Open::Sheets { names: filled }])),
+        _ => {
+            let open = vec![Open::Sheets { names: filled }];
+            return Err(Unclosed::Open(Box::new(Proposal::of(&book.called(""), layout, open))));
+        }
     };
     let mut head = book.head(&sheet, want.range, HEAD)?;
     let records = book.records(&sheet, want.range);
@@ -77,7 +81,7 @@ pub(super) fn parquet(
     mut file: ParquetTable,
     layout: &Arc<Layout>,
     want: &Want,
-) -> Result<Table, Diagnostics> {
+) -> Result<Table, Unclosed> {
     file.check()?;
     let mut of = File::new(name, "Parquet");
     let mut unread = Vec::new();
@@ -141,7 +145,7 @@ pub(super) fn stored(
     titles: &[String],
     head: &[Option<Stored<'_>>],
     (layout, want): (&Arc<Layout>, &Want),
-) -> Result<Table, Diagnostics> {
+) -> Result<Table, Unclosed> {
     let Found { mut table, .. } = found(&File::new(name, format), &head_records(titles, head), layout, want)?;
     table.reading.header_line = None;
     table.place = Place::Record;

@@ -1,0 +1,128 @@
+//! The lines of a contract that a proposal would add, as a spec has them.
+
+use super::Proposal;
+use super::rules::{Certainty, Rule, Suggestion};
+use crate::table::layout::LineRule;
+use crate::table::want::quoted;
+
+/// What becomes of guesses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guesses {
+    /// They stand there, marked, as if a person had confirmed them.
+    Filled,
+    /// They stand there as comments, which a person uncomments.
+    AsComments,
+}
+
+/// From so many columns on that are not used, a rule for all others is offered.
+const MANY: usize = 12;
+
+impl Proposal {
+    /// The `[table]` that closes the table. Lists are whole: those of the contract that there is come first.
+    #[must_use]
+    pub fn block(&self, guesses: Guesses) -> String {
+        let mut text = "[table]\n".to_owned();
+        for (rule, certainty) in self.each() {
+            if let Rule::Key(key, value) = rule {
+                text += &entry(&format!("{key} = {value}"), certainty, guesses);
+            }
+        }
+        let known = self.layout.ignore.iter().map(|rule| quoted(rule.text())).collect();
+        text += &self.list("ignore", known, guesses, &|rule, _| match rule {
+            Rule::Ignore(title) => vec![quoted(title)],
+            _ => Vec::new(),
+        });
+        let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Ignore(_))).count();
+        if count >= MANY {
+            text += &format!(
+                "# others = \"ignore\"   # in place of the {count} new columns of that list: they and any further one\n"
+            );
+        }
+        let known = self.layout.ignore_lines.iter().map(line_rule).collect();
+        text += &self.list("ignore_lines", known, guesses, &lines);
+        let known = self.layout.comments.iter().map(|rule| quoted(rule.text())).collect();
+        text += &self.list("comments", known, guesses, &|rule, _| match rule {
+            Rule::Comment(text) => vec![quoted(text)],
+            _ => Vec::new(),
+        });
+        let columns = self.each().filter_map(|(rule, certainty)| match rule {
+            Rule::Column { key, entry: value } => Some(entry(&format!("{key} = {value}"), certainty, guesses)),
+            _ => None,
+        });
+        let columns: String = columns.collect();
+        if columns.is_empty() { text } else { format!("{text}[table.columns]\n{columns}") }
+    }
+
+    fn each(&self) -> impl Iterator<Item = (&Rule, &Certainty)> {
+        self.rules.iter().map(|Suggestion { rule, certainty }| (rule, certainty))
+    }
+
+    /// A list: in one line, or a line for each entry where one of those is a guess.
+    fn list(
+        &self,
+        name: &str,
+        known: Vec<String>,
+        guesses: Guesses,
+        of: &dyn Fn(&Rule, Guesses) -> Vec<String>,
+    ) -> String {
+        let mut entries: Vec<(String, Option<String>)> = known.into_iter().map(|text| (text, None)).collect();
+        for (rule, certainty) in self.each() {
+            let filled = || of(rule, Guesses::Filled).into_iter();
+            let commented = |why: &String| filled().map(|text| (format!("# {text}"), Some(why.clone()))).collect::<Vec<_>>();
+            match (certainty, guesses) {
+                (Certainty::Exact, _) => entries.extend(filled().map(|text| (text, None))),
+                (Certainty::Guess(why), Guesses::Filled) => {
+                    entries.extend(filled().map(|text| (text, Some(format!("a guess: {why}")))));
+                }
+                (Certainty::Guess(why), Guesses::AsComments) => {
+                    entries.extend(of(rule, guesses).into_iter().map(|text| (text, None)));
+                    entries.extend(commented(&format!("a guess: {why}")));
+                }
+                (Certainty::Choice(why), _) => entries.extend(commented(why)),
+            }
+        }
+        if entries.is_empty() {
+            return String::new();
+        }
+        if entries.iter().all(|(text, why)| why.is_none() && !text.starts_with('#')) {
+            let texts: Vec<_> = entries.into_iter().map(|(text, _)| text).collect();
+            return format!("{name} = [{}]\n", texts.join(", "));
+        }
+        let line = |(text, why): (String, Option<String>)| {
+            let why = why.map_or_else(String::new, |why| format!("   # {why}"));
+            format!("  {text},{why}\n")
+        };
+        format!("{name} = [\n{}]\n", entries.into_iter().map(line).collect::<String>())
+    }
+}
+
+/// The entries of `ignore_lines` of a rule: its pattern, or each line as it stands there.
+fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
+    let Rule::Lines { exact, like, at_most } = rule else { return Vec::new() };
+    let entry = |text: &String, most: u64| match most {
+        0 => quoted(text),
+        most => format!("{{ like = {}, at_most = {most} }}", quoted(text)),
+    };
+    match like {
+        Some(like) if guesses == Guesses::Filled => vec![entry(like, *at_most)],
+        _ if exact.len() > 1 => exact.iter().map(|text| entry(text, (*at_most).min(1))).collect(),
+        _ => exact.iter().map(|text| entry(text, *at_most)).collect(),
+    }
+}
+
+fn line_rule(rule: &LineRule) -> String {
+    match rule.at_most {
+        0 => quoted(rule.pattern.text()),
+        most => format!("{{ like = {}, at_most = {most} }}", quoted(rule.pattern.text())),
+    }
+}
+
+/// A line of a table: as it is, marked, or as a comment.
+fn entry(text: &str, certainty: &Certainty, guesses: Guesses) -> String {
+    match (certainty, guesses) {
+        (Certainty::Exact, _) => format!("{text}\n"),
+        (Certainty::Guess(why), Guesses::Filled) => format!("{text}   # a guess: {why}\n"),
+        (Certainty::Guess(why), Guesses::AsComments) => format!("# {text}   # a guess: {why}\n"),
+        (Certainty::Choice(why), _) => format!("# {text}   # {why}\n"),
+    }
+}

@@ -1,0 +1,160 @@
+//! What columns without an owner may be: guesses for a person, made of their numbers, of a small measure of nearness to whole headings
+//! of the dictionary, and of what is missing. None is ever used unasked.
+
+use std::collections::BTreeMap;
+
+use super::rules::{Rule, Suggestion};
+use crate::deviation::DeviationKind;
+use crate::table::cell::{Cell, Record};
+use crate::table::contract::{Matched, Open, Owner, plausible_units};
+use crate::table::dictionary::{Heading, Role, headings_of, normal};
+use crate::table::names::Field;
+use crate::table::want::{Want, quoted};
+
+/// From here on a heading is near another.
+const NEAR: f64 = 0.6;
+
+/// What a column may be.
+#[derive(Debug)]
+pub(super) struct Guess {
+    pub(super) place: usize,
+    pub(super) title: String,
+    pub(super) key: String,
+    pub(super) why: &'static str,
+    entry: String,
+}
+
+impl Guess {
+    pub(super) fn suggestion(self) -> Suggestion {
+        Rule::Column { key: self.key, entry: self.entry }.guess(self.why)
+    }
+}
+
+/// A column without an owner.
+struct Candidate<'c> {
+    place: usize,
+    title: &'c str,
+    name: String,
+    cells: Vec<&'c Cell>,
+}
+
+impl Candidate<'_> {
+    /// Whether nearly all that stands there are numbers.
+    fn is_numeric(&self) -> bool {
+        let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
+        numbers > 0 && numbers * 10 >= self.cells.len() * 9
+    }
+
+    /// How near its name is to the headings of a role, from 0 to 1.
+    fn nearness(&self, role: Role) -> f64 {
+        let name = normal(&self.name);
+        headings_of(role).map(|heading| strsim::sorensen_dice(&name, &heading)).fold(0.0, f64::max)
+    }
+
+    fn guess(&self, key: &str, entry: String, why: &'static str) -> Guess {
+        Guess { place: self.place, title: self.title.to_owned(), key: key.to_owned(), why, entry }
+    }
+}
+
+/// The guesses for the columns of a table, one a column.
+pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
+    let of_open = matched.open.iter().filter_map(|open| match open {
+        Open::Column { place, title, .. } if !title.is_empty() => {
+            let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
+            Some(Candidate { place: *place, title, name: Heading::of(title).name, cells })
+        }
+        _ => None,
+    });
+    let mut left: Vec<Candidate<'_>> = of_open.collect();
+    let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
+    let mut guesses = Vec::new();
+    if !has(Role::PartId) {
+        guesses.extend(take(&mut left, name_of_part));
+    }
+    guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
+    while let Some(guess) = take(&mut left, |columns| columns.iter().enumerate().find_map(|(at, column)| Some((at, status(column)?)))) {
+        guesses.push(guess);
+        break;
+    }
+    guesses
+}
+
+/// Takes the column out of which a guess is made.
+fn take(left: &mut Vec<Candidate<'_>>, guess: impl Fn(&[Candidate<'_>]) -> Option<(usize, Guess)>) -> Option<Guess> {
+    let (at, guess) = guess(left)?;
+    left.remove(at);
+    Some(guess)
+}
+
+/// The column that may name the parts: each has another text.
+fn name_of_part(columns: &[Candidate<'_>]) -> Option<(usize, Guess)> {
+    let is_distinct = |column: &Candidate<'_>| {
+        let mut texts: Vec<_> = column.cells.iter().map(|cell| cell.text()).collect();
+        let count = texts.len();
+        texts.sort_unstable();
+        texts.dedup();
+        count > 0 && texts.len() == count
+    };
+    let near = columns.iter().position(|column| is_distinct(column) && column.nearness(Role::PartId) >= NEAR);
+    let first = || columns.iter().position(|column| column.place == 0 && is_distinct(column) && !column.is_numeric());
+    let at = near.or_else(first)?;
+    let why = if near.is_some() { "its heading is near one that is known" } else { "the first column, whose texts differ" };
+    Some((at, columns[at].guess("part_id", quoted(columns[at].title), why)))
+}
+
+/// The columns that may have the values of errors that the spec asks for; of any error if it asks for none.
+fn values(
+    left: &mut Vec<Candidate<'_>>,
+    rows: &[Record],
+    want: &Want,
+    is_found: &dyn Fn(DeviationKind) -> bool,
+) -> Vec<Guess> {
+    let asked = if want.expected.is_empty() { DeviationKind::ALL.to_vec() } else { want.expected.clone() };
+    let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
+    let mut guesses = Vec::new();
+    let units = |column: &Candidate<'_>, kind| plausible_units(kind, column.title, column.place, rows, want);
+    loop {
+        let pairs = left.iter().enumerate().filter(|(_, column)| column.is_numeric()).flat_map(|(at, column)| {
+            missing.iter().map(move |kind| (at, *kind, column.nearness(Role::Value(Field::Error(*kind)))))
+        });
+        let near = pairs.filter(|(.., nearness)| *nearness >= NEAR).max_by(|one, other| one.2.total_cmp(&other.2));
+        let found = near.map(|(at, kind, _)| (at, kind, "its heading is near one that is known")).or_else(|| {
+            let [kind] = missing[..] else { return None };
+            let mut able = left.iter().enumerate().filter(|(_, column)| column.is_numeric() && !units(column, kind).is_empty());
+            let (at, _) = able.next().filter(|_| !want.expected.is_empty())?;
+            able.next().is_none().then_some((at, kind, "the only column of numbers that can be it"))
+        });
+        let Some((at, kind, why)) = found else { return guesses };
+        let column = left.remove(at);
+        missing.retain(|other| *other != kind);
+        let unit = Heading::of(column.title).unit.or_else(|| match units(&column, kind)[..] {
+            [unit] => Some(unit.to_owned()),
+            _ => None,
+        });
+        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(&unit)));
+        guesses.push(column.guess(kind.key(), format!("{{ name = {}{unit} }}", quoted(&column.name)), why));
+    }
+}
+
+/// A column of decisions: a few texts, of which one holds another, as `n.i.O.` and `i.O.` do.
+fn status(column: &Candidate<'_>) -> Option<Guess> {
+    const MOST: usize = 4;
+    let mut texts: BTreeMap<String, usize> = BTreeMap::new();
+    for cell in column.cells.iter().filter(|cell| !cell.is_number()) {
+        *texts.entry(cell.text().into_owned()).or_default() += 1;
+        if texts.len() > MOST {
+            return None;
+        }
+    }
+    let lower = |text: &String| text.to_lowercase();
+    let is_within = |short: &String, long: &String| short != long && lower(long).ends_with(&lower(short));
+    let accept = texts.keys().find(|short| texts.keys().any(|long| is_within(short, long)))?;
+    let others: Vec<String> = texts.keys().filter(|text| *text != accept).map(|text| quoted(text)).collect();
+    let entry = format!(
+        "{{ name = {}, accept = [{}], reject = [{}] }}",
+        quoted(&column.name),
+        quoted(accept),
+        others.join(", ")
+    );
+    Some(column.guess("status", entry, "its few texts may be decisions"))
+}

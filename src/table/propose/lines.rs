@@ -1,0 +1,116 @@
+//! Lines that are no parts: what they have in common, and how they differ from the names of parts.
+
+use std::collections::HashSet;
+
+use crate::table::block::Block;
+use crate::table::pattern::Pattern;
+
+/// What the names of parts look like.
+#[derive(Debug, Default)]
+pub(super) struct Shapes(HashSet<String>);
+
+impl Shapes {
+    /// Takes the names of parts.
+    pub(super) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
+        const MOST: usize = 1000;
+        let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
+        for name in names {
+            if self.0.len() < MOST {
+                self.0.insert(shape(&name));
+            }
+        }
+    }
+
+    /// Whether a text looks like one of them.
+    pub(super) fn has(&self, text: &str) -> bool {
+        self.0.contains(&shape(text))
+    }
+}
+
+/// A text with one sign for each run of letters and of digits.
+fn shape(text: &str) -> String {
+    let kind = |c: char| match c {
+        c if c.is_alphabetic() => 'a',
+        c if c.is_numeric() => '9',
+        c => c,
+    };
+    let mut shape: Vec<char> = text.trim().chars().map(kind).collect();
+    shape.dedup();
+    shape.into_iter().collect()
+}
+
+/// A line with `#` for each number.
+pub(super) fn generalised(text: &str) -> String {
+    let mut pattern = String::new();
+    let mut rest = text.trim();
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        pattern += &rest[..start];
+        // a number within a word is the word's
+        let is_word = pattern.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+        let run = &rest[start..];
+        let length = run.find(|c: char| !c.is_ascii_digit() && !".,:/-".contains(c)).unwrap_or(run.len());
+        let digits = run[..length].trim_end_matches(|c: char| !c.is_ascii_digit());
+        pattern += if is_word { digits } else { "#" };
+        rest = &run[digits.len()..];
+    }
+    fitting(pattern + rest, text)
+}
+
+/// A pattern if it fits the text that it is of; `*` for each `#` that stands in the text itself.
+pub(super) fn fitting(pattern: String, text: &str) -> String {
+    if Pattern::of_line(&pattern).fits(text) { pattern } else { text.trim().replace('#', "*") }
+}
+
+/// The pattern of two lines that begin alike: numbers that differ, or else all behind the words that they have in common.
+pub(super) fn common(one: &str, other: &str) -> Option<String> {
+    if one == other {
+        return Some(one.to_owned());
+    }
+    let pattern = generalised(one);
+    if Pattern::of_line(&pattern).fits(other) {
+        return Some(pattern);
+    }
+    let alike = one.char_indices().zip(other.chars()).take_while(|((_, a), b)| a == b).last();
+    let start = &one[..alike.map_or(0, |((at, c), _)| at + c.len_utf8())];
+    let label = &start[..start.rfind([' ', ';', ':', '\t']).map_or(0, |at| at + 1)];
+    label.chars().any(char::is_alphabetic).then(|| format!("{label}*"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_lines_are_left_open() {
+        for (text, pattern) in [
+            ("Prüfprotokoll 7", "Prüfprotokoll #"),
+            ("Datum: 12.03.2026;9:12", "Datum: #;#"),
+            ("CHR_017 ok", "CHR_017 ok"),
+            ("Max;25,012", "Max;#"),
+            ("Los # 7", "Los * 7"),
+            ("", ""),
+        ] {
+            assert_eq!(generalised(text), pattern);
+            assert!(Pattern::of_line(pattern).fits(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn lines_are_generalised_where_they_differ() {
+        for (one, other, pattern) in [
+            ("Prüfer: Huber", "Prüfer: Meier", Some("Prüfer: *")),
+            ("Prüfer;Huber", "Prüfer;Hofer", Some("Prüfer;*")),
+            ("Datum: 12.03.2026", "Datum: 13.03.2026", Some("Datum: #")),
+            ("Werk Ulm", "Werk Ulm", Some("Werk Ulm")),
+            ("Ulm", "Bern", None),
+            ("12 Teile", "1x Teile", None),
+        ] {
+            assert_eq!(common(one, other).as_deref(), pattern, "{one} {other}");
+        }
+    }
+
+    #[test]
+    fn names_of_parts_have_few_shapes() {
+        assert_eq!([shape("P1"), shape("Teil 12-a"), shape("Mittelwert")], ["a9", "a 9-a", "a"]);
+    }
+}

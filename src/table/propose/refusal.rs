@@ -1,0 +1,60 @@
+//! What is said of a table that is not closed.
+
+use super::{Guesses, Proposal};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::shown;
+use crate::table::contract::Open;
+use crate::table::layout::Layout;
+
+impl Proposal {
+    /// The refusal: what has no owner, how the file differs from its contract, and the `[table]` that closes it.
+    #[must_use]
+    pub fn refusal(&self) -> Diagnostic {
+        const SHOWN: usize = 40;
+        let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
+        let lines = lines.map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
+        let all: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).collect();
+        let mut list: Vec<String> = all.iter().take(SHOWN).cloned().collect();
+        if let more @ 1.. = all.len().saturating_sub(SHOWN) {
+            list.push(format!("and {more} more"));
+        }
+        list.push("what closes the table, in the spec:".to_owned());
+        list.extend(self.block(Guesses::Filled).lines().map(|line| format!("  {line}")));
+        let difference = self.difference();
+        let message = if difference.is_empty() || *self.layout == Layout::default() {
+            let things = if all.len() == 1 { "a cell or line has" } else { "cells or lines have" };
+            format!("{}: {things} no owner, so nothing is judged:", self.file)
+        } else {
+            format!("{}: it is not as its contract says, so nothing is judged: {}", self.file, difference.join("; "))
+        };
+        let others = self.open.iter().filter_map(|open| match open {
+            Open::Wrong { help, .. } if !help.is_empty() => Some(help.as_str()),
+            _ => None,
+        });
+        let how = "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec";
+        let help = std::iter::once(how).chain(others).collect::<Vec<_>>().join("; ");
+        Diagnostic { list: list.into(), ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
+    }
+
+    /// How the file differs from its contract: `new column "Spindel"`, `column "fp" is gone`.
+    #[must_use]
+    pub fn difference(&self) -> Vec<String> {
+        let quoted = |text: &str| format!("\"{}\"", shown(text));
+        let of_open = self.open.iter().map(|open| match open {
+            Open::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),
+            Open::Column { title, .. } => format!("new column {}", quoted(title)),
+            Open::Missing { name, .. } => format!("column {} is gone", quoted(name)),
+            Open::Line { line, text } => format!("new line {line} {}", quoted(text)),
+            Open::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
+            other => other.in_words(),
+        });
+        let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
+        of_open.chain(lines.map(|line| format!("new {} {}", line.place, quoted(&line.text)))).collect()
+    }
+}
+
+impl Open {
+    fn is_line(&self, line: &str) -> bool {
+        matches!(self, Self::Line { text, .. } | Self::Comment { text, .. } if text == line)
+    }
+}

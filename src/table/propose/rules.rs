@@ -1,0 +1,223 @@
+//! The rules that a proposal would add to a contract, each exact, a guess, or a choice that is left to a person.
+
+use super::lines::{Shapes, common, fitting, generalised};
+use crate::quantity::Unit;
+use crate::table::block::Odd;
+use crate::table::contract::{Open, Owner};
+use crate::table::dictionary::{Heading, Role};
+use crate::table::layout::Layout;
+use crate::table::want::quoted;
+
+/// How sure a rule is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Certainty {
+    /// What the file says, and nothing more.
+    Exact,
+    /// A guess, for this reason.
+    Guess(String),
+    /// One of several, of which a person chooses.
+    Choice(String),
+}
+
+/// Something that a contract may say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// A key of `[table]`, with its value as TOML.
+    Key(&'static str, String),
+    /// A column that is not used.
+    Ignore(String),
+    /// Lines that belong to no part: as they stand there, and a pattern that fits more.
+    Lines { exact: Vec<String>, like: Option<String>, at_most: u64 },
+    /// A comment of a workbook.
+    Comment(String),
+    /// An entry of `[table.columns]`, with its value as TOML.
+    Column { key: String, entry: String },
+}
+
+/// A rule, and how sure it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Suggestion {
+    pub(crate) rule: Rule,
+    pub(crate) certainty: Certainty,
+}
+
+impl Rule {
+    pub(super) fn exact(self) -> Suggestion {
+        Suggestion { rule: self, certainty: Certainty::Exact }
+    }
+
+    pub(super) fn guess(self, why: impl Into<String>) -> Suggestion {
+        Suggestion { rule: self, certainty: Certainty::Guess(why.into()) }
+    }
+
+    fn choice(self, why: impl Into<String>) -> Suggestion {
+        Suggestion { rule: self, certainty: Certainty::Choice(why.into()) }
+    }
+}
+
+/// The rules that would own what has no owner.
+pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
+    let name = |title: &str| quoted(&Heading::of(title).name);
+    match open {
+        Open::Column { place, title, .. } if title.is_empty() => {
+            vec![Rule::Ignore(format!("column {}", place + 1)).exact()]
+        }
+        Open::Column { title, .. } => vec![Rule::Ignore(title.clone()).exact()],
+        Open::Line { text, .. } => vec![line(text, 0)],
+        Open::Comment { text, .. } => vec![Rule::Comment(text.lines().collect::<Vec<_>>().join(" ")).exact()],
+        Open::Unit { key, title, units } => {
+            let entry = |unit: &str| Rule::Column {
+                key: (*key).to_owned(),
+                entry: format!("{{ name = {}, unit = \"{unit}\" }}", name(title)),
+            };
+            match units[..] {
+                [unit] => vec![entry(unit).guess(format!("only in {unit} its numbers are of a usual size"))],
+                _ => {
+                    let or = if units.is_empty() { "its unit".to_owned() } else { units.join(" or ") };
+                    vec![entry(units.first().unwrap_or(&"?")).choice(format!("say which unit: {or}"))]
+                }
+            }
+        }
+        Open::Mark { .. } => {
+            vec![Rule::Key("decimal", "\"comma\"".to_owned()).choice("or \"point\": say which")]
+        }
+        Open::Separator { names } => {
+            vec![Rule::Key("separator", "\";\"".to_owned()).choice(format!("say which: {}", names.join(" or ")))]
+        }
+        Open::Sheets { names } => {
+            let sheet = |name: &String| Rule::Key("sheet", quoted(name)).choice("say which sheet");
+            names.iter().take(1).map(sheet).collect()
+        }
+        Open::Twice { titles: [one, other], .. } if one != other => {
+            vec![Rule::Ignore(other.clone()).choice(format!("or {}: say which of them is not used", quoted(one)))]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The rule for a line, `at_most` of which could be parts.
+fn line(text: &str, at_most: u64) -> Suggestion {
+    let (exact, like) = (fitting(text.trim().to_owned(), text), generalised(text));
+    let like = (like != exact).then_some(like);
+    let is_guess = like.is_some();
+    let rule = Rule::Lines { exact: vec![exact], like, at_most };
+    if is_guess { rule.guess("any number there") } else { rule.exact() }
+}
+
+/// The rule for a row that is no part, unless it looks like one.
+pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
+    if !odd.is_no_name && (shapes.has(&odd.name) || odd.has_text) {
+        return None;
+    }
+    Some(line(&odd.text, u64::from(odd.could_be_part)))
+}
+
+/// The roles that are found, as a contract names them; those that it names are none of them. A role of which two columns have
+/// one name is named by its whole heading.
+pub(super) fn pinned(
+    owners: &[Option<Owner>],
+    titles: &[String],
+    units: &[(usize, Unit)],
+    layout: &Layout,
+) -> Vec<Suggestion> {
+    let name = |place: usize| {
+        let name = Heading::of(&titles[place]).name;
+        let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
+        quoted(if is_alone { &name } else { &titles[place] })
+    };
+    let role = |place: usize| if let Some(Owner::Role(role)) = owners[place] { Some(role) } else { None };
+    let mut found = Vec::new();
+    for place in 0..owners.len().min(titles.len()) {
+        let Some(role) = role(place).filter(|role| !layout.names(*role)) else { continue };
+        let (key, entry) = match role {
+            Role::PartId => ("part_id", name(place)),
+            Role::Value(field) => {
+                let Some((_, unit)) = units.iter().find(|(at, _)| *at == place) else { continue };
+                let beside = (0..owners.len()).filter_map(|at| match owners[at] {
+                    Some(Owner::Role(Role::Beside(of, beside))) if of == field => {
+                        Some(format!(", {} = {}", beside.key(), name(at)))
+                    }
+                    _ => None,
+                });
+                let beside: String = beside.collect();
+                (field.key(), format!("{{ name = {}, unit = \"{}\"{beside} }}", name(place), unit.symbol()))
+            }
+            _ => continue,
+        };
+        found.push(Rule::Column { key: key.to_owned(), entry }.exact());
+    }
+    found
+}
+
+/// Adds rules that are not there; lines of one pattern are one rule.
+pub(super) fn add(rules: &mut Vec<Suggestion>, more: Vec<Suggestion>) {
+    rules.extend(more);
+    settle(rules);
+}
+
+/// Joins rules that say the same.
+pub(super) fn settle(rules: &mut Vec<Suggestion>) {
+    let mut settled: Vec<Suggestion> = Vec::new();
+    for suggestion in rules.drain(..) {
+        let same = settled.iter_mut().find(|known| match (&known.rule, &suggestion.rule) {
+            (Rule::Lines { exact: a, like: one, .. }, Rule::Lines { exact: b, like: other, .. }) => {
+                a == b || one.is_some() && one == other
+            }
+            (Rule::Column { key: one, .. }, Rule::Column { key: other, .. }) => one == other && one != "status",
+            (Rule::Key(one, _), Rule::Key(other, _)) => one == other,
+            (one, other) => one == other,
+        });
+        match (same, &suggestion.rule) {
+            (None, _) => settled.push(suggestion),
+            (Some(Suggestion { rule: Rule::Lines { exact, at_most, .. }, .. }), Rule::Lines { exact: more, at_most: most, .. }) => {
+                *at_most += most;
+                exact.extend(more.iter().filter(|text| !exact.contains(text)).cloned().collect::<Vec<_>>());
+            }
+            (Some(_), _) => {}
+        }
+    }
+    *rules = settled;
+}
+
+/// Adds the rules of another file: what is a role in both by different names needs no rule, and lines that differ are generalised.
+pub(super) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, file: &str) {
+    for other in others {
+        match &other.rule {
+            Rule::Lines { exact, at_most, .. } => {
+                let found = rules.iter_mut().find_map(|known| match &mut known.rule {
+                    Rule::Lines { exact: own, like, at_most } => {
+                        let pattern = common(like.as_ref().unwrap_or(&own[0]), &exact[0])
+                            .or_else(|| common(&own[0], &exact[0]))?;
+                        Some((own, like, at_most, &mut known.certainty, pattern))
+                    }
+                    _ => None,
+                });
+                let Some((own, like, most, certainty, pattern)) = found else {
+                    rules.push(other);
+                    continue;
+                };
+                *most = (*most).max(*at_most);
+                if own != exact {
+                    *like = Some(pattern);
+                    *certainty = Certainty::Exact;
+                    own.clear();
+                    own.push(exact[0].clone());
+                }
+            }
+            Rule::Column { key, entry } => {
+                let same = rules.iter().position(|known| matches!(&known.rule, Rule::Column { key: own, .. } if own == key));
+                match same {
+                    None => rules.push(other),
+                    Some(at) if matches!(&rules[at].rule, Rule::Column { entry: own, .. } if own == entry) => {}
+                    // the dictionary finds both
+                    Some(at) if rules[at].certainty == Certainty::Exact && other.certainty == Certainty::Exact => {
+                        rules.remove(at);
+                    }
+                    Some(_) => rules.push(other.rule.choice(format!("in {file}"))),
+                }
+            }
+            _ if rules.contains(&other) => {}
+            _ => rules.push(other),
+        }
+    }
+}
