@@ -36,6 +36,7 @@ mod tables;
 mod target;
 mod teeth;
 mod terminal;
+mod written;
 
 use std::ffi::OsString;
 use std::io::Write as _;

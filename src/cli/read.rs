@@ -1,27 +1,34 @@
-//! `rackmesh read`: how tables would be read; evaluates nothing.
+//! `rackmesh read`: what tables hold and who owns it, and the contract that closes them, written into a spec if that is wanted.
+//! Evaluates nothing.
 
+use std::io::{self, BufRead as _, IsTerminal as _, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, Opener, ReadArgs};
-use super::{signals, target};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use super::tables::{self, Accepted, Opener, ReadArgs};
+use super::target::{self, is_dash};
+use super::{signals, stream, written};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
-use crate::quantity::shown;
-use crate::report::{Block, Format, Report, Table, reading_blocks, remarks};
-use crate::table::{Reading, Stranger, refusal};
+use crate::report::{Block, Format, Report, Table, reading_form, remarks};
+use crate::spec::LARGEST_SPEC;
+use crate::table::{ColumnAccount, ColumnReading, Guesses, Proposal, Reading};
 
-pub(super) const ABOUT: &str = "Show how tables would be read, and the mapping for a spec";
+pub(super) const ABOUT: &str =
+    "Show what tables hold and who owns it, and write the contract that closes them into a spec";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   rackmesh read parts.csv
-  rackmesh read export.txt --spec rack.toml
+  rackmesh read lot.csv rack.toml --write
+  rackmesh read lot.csv rack.toml --write --yes --accept rack_pitch=CHR_017
+  rackmesh read --check lot.csv rack.toml
   rackmesh read lot.xlsx --sheet 'Lot 7' --format json
 
-Exit status: 0 every column is understood or no measurement, 2 something is not understood or cannot be read.")]
+Exit status: 0 every cell has an owner, 2 some have none, or a file cannot be read.")]
 pub(super) struct Args {
     /// Tables: text, Excel workbooks (.xlsx), Q-DAS files (.dfq, .dfd with .dfx), Parquet; a .toml among them is the
     /// spec.
@@ -30,6 +37,18 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(long, value_name = "SPEC")]
     spec: Option<PathBuf>,
+    /// Write the contract that closes the tables into the spec, once a question is answered.
+    #[arg(long, conflicts_with = "check")]
+    write: bool,
+    /// Ask nothing, and write what is exact; guesses stand there as comments.
+    #[arg(long, requires = "write")]
+    yes: bool,
+    /// A column that has a role: `rack_pitch=CHR_017`; may be repeated.
+    #[arg(long, value_name = "ROLE=COLUMN", value_parser = accepted)]
+    accept: Vec<Accepted>,
+    /// Compare the tables with the contract of the spec, and nothing else.
+    #[arg(long)]
+    check: bool,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -37,6 +56,11 @@ pub(super) struct Args {
     format: Format,
     #[command(flatten)]
     reading: ReadArgs,
+}
+
+fn accepted(text: &str) -> Result<Accepted, String> {
+    let (key, column) = text.split_once('=').ok_or("write ROLE=COLUMN, such as rack_pitch=CHR_017")?;
+    Ok(Accepted { key: key.trim().to_owned(), column: column.trim().to_owned() })
 }
 
 impl Args {
@@ -48,105 +72,254 @@ impl Args {
             None => self.set.without_file(output)?,
         };
         let spec = Arc::new(self.reading.laid_out(spec)?);
+        let files: Vec<&PathBuf> = self.files.iter().filter(|path| !is_spec(path)).collect();
         let interruption = signals::signals(output);
-        let opener =
-            Opener { only_shown: true, ..Opener::new(&self.reading, &spec, Model::Exact, interruption.stop()) };
-        let (mut readings, mut strangers, mut failed) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut notes, mut mapping) = (Vec::new(), Vec::new());
-        for path in self.files.iter().filter(|path| !is_spec(path)) {
-            match opener.open(path) {
-                Ok(opened) => {
-                    let lines = part_id(&opened.table.reading).into_iter().chain(opened.table.mapping());
-                    // what a contract reads needs no other word
-                    let lines = lines.filter(|_| !opened.table.reading.is_by_contract());
-                    lines.for_each(|line| add_line(&mut mapping, line, path));
-                    notes.extend(opened.notes);
-                    strangers.extend(opened.table.strangers.iter().cloned());
-                    if opened.table.reading.is_by_contract() {
-                        let name = Arc::clone(&opened.table.name);
-                        match opened.table.account() {
-                            Ok(reading) => readings.push(reading),
-                            Err(error) => failed.push(Diagnostic::unreadable(&name, &error)),
-                        }
-                    } else {
-                        readings.push(opened.table.reading);
-                    }
+        let stdin = files.iter().any(is_dash).then(|| whole(interruption.stop())).transpose()?;
+        let opener = Opener::new(&self.reading, &spec, Model::Exact, interruption.stop());
+        let opener = Opener { only_shown: true, stdin, ..opener };
+        if self.check {
+            return self.check(&opener, &files, output);
+        }
+        let (mut proposals, mut failed) = (Vec::new(), Vec::new());
+        for path in &files {
+            match opener.proposal(path, &self.accept) {
+                Ok(proposal) => proposals.push(proposal),
+                Err(failure) => failed.extend(tables::diagnostics(failure)),
+            }
+        }
+        let all = Proposal::joined(&proposals);
+        let guesses = if self.yes { Guesses::AsComments } else { Guesses::Filled };
+        let block = all.block(guesses);
+        let shown = if all.adds_something() { &*block } else { "" };
+        let report = ReadReport { proposals: &proposals, mapping: all.mapping(guesses), block: shown };
+        output.report(&report, self.format)?;
+        if !failed.is_empty() {
+            return Err(Diagnostics(failed).into());
+        }
+        if self.write {
+            let Some(path) = named else {
+                return Err(Diagnostic::usage("--write writes into a spec, and none is given").into());
+            };
+            return self.write(path, &block, (&opener, &files), output);
+        }
+        let is_closed = proposals.iter().all(Proposal::is_closed);
+        if !is_closed && all.adds_something() {
+            output.remark("note: `--write` writes this [table] into the spec");
+        }
+        Ok(if is_closed { Status::Pass } else { Status::Undecided })
+    }
+
+    /// Writes the contract into the spec, if that is wanted; whether the tables are closed then.
+    fn write(
+        &self,
+        path: &Path,
+        block: &str,
+        (opener, files): (&Opener<'_>, &[&PathBuf]),
+        output: &mut Output,
+    ) -> Result<Status, Failure> {
+        let name = stream::name(path);
+        if is_dash(path) {
+            return Err(Diagnostic::usage("--write writes into a file, and the spec is standard input").into());
+        }
+        let is_closed = |text: &str| -> Result<Status, Failure> {
+            let mut closed = true;
+            for file in files {
+                closed &= opener.closes(file, text)?;
+            }
+            Ok(if closed { Status::Pass } else { Status::Undecided })
+        };
+        let old = read(path)?;
+        let new = written::merged(&name, &old, block, &written::stamp())?;
+        if new == old {
+            output.remark(&format!("{name}: nothing to write"));
+            return is_closed(&old);
+        }
+        if !self.yes && !ask(&format!("write this [table] into {name}?"), output)? {
+            return Ok(Status::Undecided);
+        }
+        target::write(path, files, new.as_bytes())?;
+        output.remark(&format!("{name}: [table] is written"));
+        let status = is_closed(&new)?;
+        if status != Status::Pass {
+            output
+                .remark(&format!("{name}: not all has an owner yet: what stands there as a comment is for you to say"));
+        }
+        Ok(status)
+    }
+
+    /// Compares files with the contract.
+    fn check(&self, opener: &Opener<'_>, files: &[&PathBuf], output: &mut Output) -> Result<Status, Failure> {
+        if opener.spec.batch.layout.is_none() {
+            let message = "--check compares tables with the [table] of a spec, and there is none";
+            return Err(Diagnostic::usage(message).help("`rackmesh read FILE SPEC --write` writes one").into());
+        }
+        let mut failed = Vec::new();
+        for path in files {
+            match opener.proposal(path, &self.accept) {
+                Ok(proposal) if proposal.is_closed() => {}
+                Ok(proposal) => {
+                    let message = format!("{}: {}", proposal.file, proposal.difference().join("; "));
+                    failed.push(Diagnostic::error(Code::NotUnderstood, message));
                 }
                 Err(failure) => failed.extend(tables::diagnostics(failure)),
             }
         }
-        let report = ReadReport { readings, strangers, notes, mapping };
-        output.report(&report, self.format)?;
-        failed.extend(refusal(&report.strangers, &[]));
-        if failed.is_empty() { Ok(Status::Pass) } else { Err(Diagnostics(failed).into()) }
+        if failed.is_empty() {
+            output.remark("every cell has an owner by the contract");
+            return Ok(Status::Pass);
+        }
+        Err(Diagnostics(failed).into())
     }
 }
 
-/// The line of `[batch.columns]` that names the parts' column, where its heading is another than the key.
-fn part_id(reading: &Reading) -> Option<String> {
-    const KEY: &str = "part_id";
-    let column = reading.columns.iter().find(|column| column.role == KEY && column.title != KEY)?;
-    Some(format!("{KEY} = \"{}\"", column.title.replace('\\', "\\\\").replace('"', "\\\"")))
-}
-
-/// Adds a file's line of `[batch.columns]` if it is new; as a comment where its key has a line, for it can have one.
-fn add_line(mapping: &mut Vec<String>, line: String, file: &Path) {
-    let key = |line: &str| line.split_once(" = ").map(|(key, _)| key.to_owned());
-    if mapping.iter().any(|known| known.ends_with(&line)) {
-        return;
+/// What standard input holds, for it is looked at more than once.
+fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
+    const LARGEST: u64 = 64 << 20;
+    let mut bytes = Vec::new();
+    let read = stream::open(Path::new("-"), stop)?.take(LARGEST + 1).read_to_end(&mut bytes);
+    read.map_err(|error| Diagnostic::unreadable("<stdin>", &error))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(Diagnostic::unreadable("<stdin>", &"it is larger than 64 MiB").into());
     }
-    let is_taken = mapping.iter().any(|known| key(known) == key(&line));
-    mapping.push(if is_taken { format!("# {}: {line}", shown(&target::shown(file))) } else { line });
+    Ok(bytes.into())
 }
 
-/// How tables would be read.
-struct ReadReport {
-    readings: Vec<Reading>,
-    strangers: Vec<Stranger>,
-    notes: Vec<String>,
-    /// Lines of `[batch.columns]`, each key once; comments say what files call it otherwise.
+/// The text of a spec that is to be written.
+fn read(path: &Path) -> Result<String, Failure> {
+    let name = stream::name(path);
+    let bytes = std::fs::read(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
+    if bytes.len() > LARGEST_SPEC {
+        return Err(Diagnostic::unreadable(&name, &"it is too large for a spec").into());
+    }
+    String::from_utf8(bytes).map_err(|_| Diagnostic::unreadable(&name, &"it is not text in UTF-8").into())
+}
+
+/// Asks a question that is answered by y or n.
+fn ask(question: &str, output: &mut Output) -> Result<bool, Failure> {
+    if !io::stdin().is_terminal() {
+        let message = "--write asks on a terminal, and there is none";
+        return Err(Diagnostic::usage(message).help("--yes asks nothing, and writes what is exact").into());
+    }
+    loop {
+        output.message(&format!("{question} [y/n]"));
+        let mut answer = String::new();
+        if io::stdin().lock().read_line(&mut answer)? == 0 {
+            return Ok(false);
+        }
+        match answer.trim() {
+            "y" => return Ok(true),
+            "n" => return Ok(false),
+            _ => {}
+        }
+    }
+}
+
+/// What tables hold.
+struct ReadReport<'a> {
+    proposals: &'a [Proposal],
+    /// The lines of `[table.columns]` that would be added.
     mapping: Vec<String>,
+    /// The `[table]` that closes them.
+    block: &'a str,
 }
 
-impl Report for ReadReport {
+impl ReadReport<'_> {
+    fn readings(&self) -> Vec<Reading> {
+        self.proposals.iter().filter_map(|proposal| proposal.reading.clone()).collect()
+    }
+}
+
+/// How a column is read, if it is.
+fn read_as<'p>(proposal: &'p Proposal, column: &ColumnAccount) -> Option<&'p ColumnReading> {
+    let columns = proposal.reading.as_ref()?.columns.iter();
+    columns.into_iter().find(|read| read.title == column.title && read.holds.is_some())
+}
+
+impl Report for ReadReport<'_> {
     fn json(&self) -> serde_json::Value {
+        let not_owned = self.proposals.iter().flat_map(|proposal| {
+            let columns = proposal.columns.iter().filter(|column| column.is == "not owned").map(|column| {
+                serde_json::json!({
+                    "file": proposal.file, "title": column.title,
+                    "place": format!("column {}", column.place), "values": column.first,
+                })
+            });
+            let lines = proposal.lines.iter().map(
+                |line| serde_json::json!({ "file": proposal.file, "title": line.text, "place": line.place, "values": [] }),
+            );
+            columns.chain(lines)
+        });
+        let account = self.proposals.iter().map(|proposal| {
+            serde_json::json!({
+                "file": proposal.file, "columns": proposal.columns, "lines": proposal.lines,
+                "parts": proposal.parts, "rejected": proposal.rejected,
+            })
+        });
+        let readings = self.readings();
         serde_json::json!({
-            "reading": self.readings,
-            "not_understood": self.strangers,
+            "reading": readings,
+            "account": account.collect::<Vec<_>>(),
+            "not_understood": not_owned.collect::<Vec<_>>(),
             "mapping": self.mapping,
-            "notes": remarks(&self.readings, &self.notes),
+            "table": self.block,
+            "notes": remarks(&readings, &[]),
         })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let row = |file: &str, title: &str, is: &str, rest: [Option<&str>; 3]| {
-            [file, title, is].into_iter().chain(rest.map(Option::unwrap_or_default)).map(str::to_owned).collect()
-        };
-        let mut rows = vec![row("file", "column", "is", ["unit", "holds", "nominal"].map(Some))];
-        for Reading { file, columns, not_used, .. } in &self.readings {
-            rows.extend(columns.iter().map(|column| {
-                let rest = [column.unit.as_deref(), column.holds, column.nominal.as_deref()];
-                row(file, &column.title, &column.role, rest)
+        let head = ["file", "column", "is", "unit", "holds", "nominal", "why"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        for proposal in self.proposals {
+            rows.extend(proposal.columns.iter().map(|column| {
+                let [unit, holds, nominal] = cells(proposal, column);
+                [&proposal.file, &column.title, &column.is, &unit, &holds, &nominal, &column.why]
+                    .map(Clone::clone)
+                    .to_vec()
             }));
-            rows.extend(not_used.iter().map(|column| row(file, &column.title, "not used", [None; 3])));
         }
-        let unknown = |of: &Stranger| row(&of.file, &of.title, "not understood", [of.unit.as_deref(), None, None]);
-        rows.extend(self.strangers.iter().map(unknown));
         rows
     }
 
     fn blocks(&self) -> Vec<Block> {
-        let mut blocks = reading_blocks(&self.readings, &self.notes);
-        let not_understood = Table::of(&self.strangers)
-            .text("not understood", |stranger| stranger.title.clone())
-            .text("where", |stranger| format!("{}, {}", stranger.file, stranger.place))
-            .text("values", |stranger| stranger.values.join(", "))
-            .text("near", |stranger| stranger.near.join(", "));
-        blocks.extend(not_understood.block_if_any());
-        if !self.mapping.is_empty() {
-            blocks.push(Block::Title("To say so in a spec".to_owned()));
-            blocks.push(Block::Drawing(format!("[batch.columns]\n{}", self.mapping.join("\n"))));
+        let mut blocks = Vec::new();
+        for proposal in self.proposals {
+            match &proposal.reading {
+                Some(reading) => blocks.push(reading_form(reading)),
+                None => blocks.push(Block::Title(proposal.file.clone())),
+            }
+            let each = proposal.columns.iter().map(|column| (column, cells(proposal, column)));
+            let columns = Table::of(each)
+                .text("column", |(column, _)| column.title.clone())
+                .text("is", |(column, _)| column.is.clone())
+                .text("unit", |(_, [unit, ..])| unit.clone())
+                .text("holds", |(_, [_, holds, _])| holds.clone())
+                .text("nominal", |(_, [.., nominal])| nominal.clone())
+                .text("says who", |(column, _)| column.why.clone())
+                .text("first", |(column, _)| column.first.join(", "));
+            blocks.extend(columns.block_if_any());
+            let lines = Table::of(&proposal.lines)
+                .text("line", |line| line.place.clone())
+                .text("text", |line| line.text.clone())
+                .text("is", |line| line.is.to_owned());
+            blocks.extend(lines.block_if_any());
+            let rejected = proposal.rejected.iter().map(|problem| format!("rejected: {problem}"));
+            blocks.extend(rejected.map(Block::Remark));
+        }
+        blocks.extend(remarks(&self.readings(), &[]).into_iter().map(Block::Remark));
+        if !self.block.is_empty() {
+            let is_closed = self.proposals.iter().all(Proposal::is_closed);
+            let title = if is_closed { "As a contract" } else { "What closes it, in the spec" };
+            blocks.push(Block::Title(title.to_owned()));
+            blocks.push(Block::Drawing(self.block.trim_end().to_owned()));
         }
         blocks
     }
+}
+
+/// The unit of a column, what it holds, and its nominal value.
+fn cells(proposal: &Proposal, column: &ColumnAccount) -> [String; 3] {
+    let read = read_as(proposal, column);
+    let unit = read.and_then(|read| read.unit.clone()).or_else(|| column.unit.map(str::to_owned));
+    let holds = read.and_then(|read| read.holds).map(str::to_owned);
+    [unit, holds, read.and_then(|read| read.nominal.clone())].map(Option::unwrap_or_default)
 }

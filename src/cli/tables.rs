@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 use super::output::{Failure, Output};
 use super::stream;
 use super::target::{self, is_dash, shown};
+use super::written;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
@@ -17,8 +18,8 @@ use crate::judge::Rule;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
-    ColumnOption, Container, DecimalMark, Encoding, Field, Layout, LineRule, Orientation, PartNames, Parts, Pattern,
-    Reading, Source, Stranger, Table, Want, refusal,
+    ColumnOption, Container, DecimalMark, Encoding, Field, Guesses, Layout, LineRule, Orientation, PartNames, Parts,
+    Pattern, Proposal, Reading, Source, Stranger, Table, Want, refusal,
 };
 
 /// How files are to be read.
@@ -80,6 +81,13 @@ fn separator(text: &str) -> Result<u8, String> {
 
 fn encoding(text: &str) -> Result<Encoding, String> {
     Encoding::of_name(text).ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252 or shift_jis".to_owned())
+}
+
+/// A person's word that a column has a role.
+#[derive(Debug, Clone)]
+pub(super) struct Accepted {
+    pub(super) key: String,
+    pub(super) column: String,
 }
 
 /// A table, and the spec with what its file says where the spec is silent.
@@ -208,15 +216,80 @@ impl<'a> Opener<'a> {
 
     /// A file as a table.
     pub(super) fn open(&self, path: &Path) -> Result<Opened, Failure> {
-        let name = &stream::name(path);
-        let container = match qdas_pair(path) {
+        self.table(self.container(path)?, &stream::name(path))
+    }
+
+    /// A file that is recognised.
+    fn container(&self, path: &Path) -> Result<Container, Failure> {
+        Ok(match qdas_pair(path) {
             Some((definitions, values)) => {
                 let sources = (self.source(&definitions)?, self.source(&values)?);
                 Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1))?
             }
-            None => Container::open(name, self.source(path)?, &self.want(&self.spec)?)?,
-        };
-        self.table(container, name)
+            None => Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec)?)?,
+        })
+    }
+
+    /// What would close the table of a file, by the rules of a spec.
+    fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
+        let mut spec = spec.clone();
+        spec.batch.layout.get_or_insert_default();
+        let opener = Self { spec: Arc::new(spec), ..self.clone() };
+        let container = opener.container(path)?;
+        let (spec, _) = opener.completed(&container)?;
+        Ok(container.proposal(&stream::name(path), &opener.want(&spec)?)?)
+    }
+
+    /// What would close the table of a file. The file is looked at again by what is proposed, until that adds nothing: all of it in
+    /// one go. `accepted` is what a person says of columns.
+    pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
+        const ROUNDS: usize = 4;
+        let mut proposal = self.proposed(path, &self.spec)?;
+        let accept =
+            |proposal: &mut Proposal| accepted.iter().filter(|one| proposal.accept(&one.key, &one.column)).count();
+        accept(&mut proposal);
+        let mut before = String::new();
+        for _ in 0..ROUNDS {
+            let block = proposal.block(Guesses::Filled);
+            if proposal.is_closed() || block == before {
+                break;
+            }
+            let Ok(next) = self.with_block(&block).and_then(|spec| self.proposed(path, &spec)) else { break };
+            proposal.join_next(next);
+            accept(&mut proposal);
+            before = block;
+        }
+        Ok(proposal)
+    }
+
+    /// The spec with the lines of a contract.
+    fn with_block(&self, block: &str) -> Result<Spec, Failure> {
+        let source = &self.spec.source;
+        let merged = written::merged(&source.name, &source.text, block, "")?;
+        Ok(Spec { batch: Spec::parse(&source.name, &merged)?.batch, ..(*self.spec).clone() })
+    }
+
+    /// Whether a file is closed by another text of the spec.
+    pub(super) fn closes(&self, path: &Path, text: &str) -> Result<bool, Failure> {
+        let batch = Spec::parse(&self.spec.source.name, text)?.batch;
+        Ok(self.proposed(path, &Spec { batch, ..(*self.spec).clone() })?.is_closed())
+    }
+
+    /// The refusals of files that are not closed, all that they lack in one go; the `[table]` that closes all of them stands in the
+    /// last.
+    fn refusals(&self, open: Vec<(PathBuf, Vec<Diagnostic>)>) -> Vec<Diagnostic> {
+        let (mut proposals, mut refused) = (Vec::new(), Vec::new());
+        for (path, problems) in open {
+            match self.proposal(&path, &[]) {
+                Ok(proposal) => proposals.push(proposal),
+                Err(_) => refused.extend(problems),
+            }
+        }
+        let block = Proposal::joined(&proposals).block(Guesses::Filled);
+        let last = proposals.len().saturating_sub(1);
+        let each = proposals.iter().enumerate();
+        refused.extend(each.map(|(at, proposal)| proposal.refused(Some(&*block).filter(|_| at == last))));
+        refused
     }
 
     /// Where the bytes of a file are.
@@ -236,13 +309,7 @@ impl<'a> Opener<'a> {
 
     /// The table of a file that was recognised.
     fn table(&self, container: Container, name: &str) -> Result<Opened, Failure> {
-        let (spec, notes) = match container.qdas() {
-            Some(qdas) => {
-                let (completed, notes) = self.spec.completed_by(qdas, self.model)?;
-                (Arc::new(completed), notes)
-            }
-            None => (Arc::clone(&self.spec), Vec::new()),
-        };
+        let (spec, notes) = self.completed(&container)?;
         let want = self.want(&spec)?;
         let table = container.table(name, &want)?;
         let is_so = |id: &&String| {
@@ -257,12 +324,23 @@ impl<'a> Opener<'a> {
         Ok(Opened { table, spec, notes })
     }
 
+    /// The spec with what a file says where that is silent.
+    fn completed(&self, container: &Container) -> Result<(Arc<Spec>, Vec<String>), Failure> {
+        Ok(match container.qdas() {
+            Some(qdas) => {
+                let (completed, notes) = self.spec.completed_by(qdas, self.model)?;
+                (Arc::new(completed), notes)
+            }
+            None => (Arc::clone(&self.spec), Vec::new()),
+        })
+    }
+
     /// Looks at every file before any is evaluated.
     pub(super) fn look(&self, paths: &[PathBuf]) -> Result<Files<'a>, Failure> {
         let mut strangers: Vec<Stranger> = Vec::new();
         let mut to_be_named: Vec<DeviationKind> = Vec::new();
         let (mut first, mut from_stdin, mut failed) = (None, None, Vec::new());
-        let mut kept = Vec::new();
+        let (mut kept, mut open) = (Vec::new(), Vec::new());
         let mut pairs = HashSet::new();
         // both files of a pair are one table
         let is_new = |path: &&PathBuf| qdas_pair(path).is_none_or(|pair| pairs.insert(pair));
@@ -278,9 +356,19 @@ impl<'a> Opener<'a> {
                     }
                     kept.push(path.clone());
                 }
-                Err(failure) => failed.extend(diagnostics(failure)),
+                Err(failure) => {
+                    let problems = diagnostics(failure);
+                    // what came through a pipe is gone
+                    let is_open = self.spec.batch.layout.is_some() && !is_dash(path);
+                    if is_open && problems.iter().any(|problem| problem.code == Code::NotUnderstood) {
+                        open.push((path.clone(), problems));
+                    } else {
+                        failed.extend(problems);
+                    }
+                }
             }
         }
+        failed.extend(self.refusals(open));
         match (refusal(&strangers, &to_be_named), &first) {
             (Some(refused), _) => {
                 failed.push(refused);

@@ -62,7 +62,7 @@ pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_stud
 #[cfg(feature = "cli")]
 pub(crate) use reading::add_new;
 #[cfg(feature = "table")]
-pub use reading::{WithReading, reading_blocks, remarks};
+pub use reading::{WithReading, reading_blocks, reading_form, remarks};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
 pub use table::{Align, Block, Column, Table, noted};

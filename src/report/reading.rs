@@ -38,14 +38,15 @@ pub(crate) fn add_new(all: &mut Vec<String>, more: impl IntoIterator<Item = Stri
 pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
     let mut blocks = Vec::new();
     for reading in readings {
-        blocks.extend([form(reading), columns(reading)]);
+        blocks.extend([reading_form(reading), columns(reading)]);
     }
     blocks.extend(remarks(readings, notes).into_iter().map(Block::Remark));
     blocks
 }
 
 /// What stands between cells and before decimals, and where the names stand.
-fn form(reading: &Reading) -> Block {
+#[must_use]
+pub fn reading_form(reading: &Reading) -> Block {
     let format = [Some(reading.format), reading.separator.as_deref(), reading.encoding.as_deref()];
     let mark = reading.decimal_mark.map(|mark| {
         let by = reading.settled_by.as_ref().map_or_else(String::new, |by| format!(" ({by})"));

@@ -279,19 +279,6 @@ impl Table {
         })
     }
 
-    /// How it is read, with what its contract leaves out of all its rows.
-    ///
-    /// # Errors
-    /// If it cannot be read to its end.
-    pub(crate) fn account(self) -> Result<Reading, std::io::Error> {
-        let mut reading = self.reading.clone();
-        let needed = vec![true; self.columns.len()];
-        for block in self.rows(Wanted { needed, ..Wanted::default() }) {
-            join_left_out(&mut reading.left_out, &block?.left_out);
-        }
-        Ok(reading)
-    }
-
     /// All of its rows, with every column read.
     ///
     /// # Errors

@@ -156,7 +156,8 @@ fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], w
         DecimalMark::ALL.into_iter().any(|mark| {
             let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..with(unit) }, want) else { return false };
             let numbers = rows.iter().filter(|row| row.cell(column.place).is_number());
-            let values: Vec<_> = numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
+            let values: Vec<_> =
+                numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
             let is_usual = |value: &Result<Option<DeviationValue>, _>| {
                 value.as_ref().is_ok_and(|value| value.is_none_or(|value| !usual.is_reached_by(value)))
             };

@@ -19,7 +19,7 @@ use crate::table::layout::{Layout, Parts, Repeats};
 use crate::table::ledger::{LeftOut, Tally, join};
 use crate::table::names::Role as Beside;
 use crate::table::pieces::{Pieces, Place};
-use crate::table::propose::{Proposal, Unclosed};
+use crate::table::propose::{Proposal, Unclosed, generalised};
 use crate::table::reading::{ColumnReading, Reading};
 use crate::table::rows::Setup;
 use crate::table::want::Want;
@@ -94,12 +94,7 @@ pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
 ///
 /// # Errors
 /// Everything that has no owner, at once.
-pub(crate) fn found(
-    file: &File<'_>,
-    records: &[Record],
-    layout: &Arc<Layout>,
-    want: &Want,
-) -> Result<Found, Unclosed> {
+pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, want: &Want) -> Result<Found, Unclosed> {
     let parts = orientation(records, layout).map_or(Parts::Rows, |(parts, _)| parts);
     let mut left_out = Tallies::new(layout);
     for (rule, text) in &file.left_out {
@@ -151,9 +146,8 @@ pub(crate) fn found(
     let line = matched.line;
     let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
     turned = last_of_each(rows, first, id, layout, &mut left_out).or(turned);
-    let contract = Contract::close(layout, matched).map_err(|matched| {
-        Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, &below, want)))
-    })?;
+    let contract = Contract::close(layout, matched)
+        .map_err(|matched| Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, &below, want))))?;
     let reading = Reading {
         file: file.name.to_owned(),
         format: file.format,

@@ -1,6 +1,7 @@
 //! The lines of a contract that a proposal would add, as a spec has them.
 
 use super::Proposal;
+use super::own;
 use super::rules::{Certainty, Rule, Suggestion};
 use crate::table::layout::LineRule;
 use crate::table::want::quoted;
@@ -22,6 +23,8 @@ impl Proposal {
     #[must_use]
     pub fn block(&self, guesses: Guesses) -> String {
         let mut text = "[table]\n".to_owned();
+        let own = own::keys(&self.layout).into_iter().flat_map(|line| [line, "\n".to_owned()]);
+        text.extend(own);
         for (rule, certainty) in self.each() {
             if let Rule::Key(key, value) = rule {
                 text += &entry(&format!("{key} = {value}"), certainty, guesses);
@@ -46,10 +49,17 @@ impl Proposal {
             _ => Vec::new(),
         });
         let columns = self.each().filter_map(|(rule, certainty)| match rule {
-            Rule::Column { key, entry: value } => Some(entry(&format!("{key} = {value}"), certainty, guesses)),
+            Rule::Column { key, entry: value } => {
+                Some((key != "part_id", entry(&format!("{key} = {value}"), certainty, guesses)))
+            }
             _ => None,
         });
-        let columns: String = columns.collect();
+        let mut columns: Vec<_> = columns.collect();
+        let is_new = |key: &str| self.each().any(|(rule, _)| matches!(rule, Rule::Column { key: new, .. } if new == key));
+        let own = own::columns(&self.layout).into_iter().filter(|(key, _)| !is_new(key));
+        columns.splice(0..0, own.map(|(key, line)| (key != "part_id", format!("{line}\n"))));
+        columns.sort_by_key(|(is_value, _)| *is_value);
+        let columns: String = columns.into_iter().map(|(_, line)| line).collect();
         if columns.is_empty() { text } else { format!("{text}[table.columns]\n{columns}") }
     }
 
@@ -68,7 +78,8 @@ impl Proposal {
         let mut entries: Vec<(String, Option<String>)> = known.into_iter().map(|text| (text, None)).collect();
         for (rule, certainty) in self.each() {
             let filled = || of(rule, Guesses::Filled).into_iter();
-            let commented = |why: &String| filled().map(|text| (format!("# {text}"), Some(why.clone()))).collect::<Vec<_>>();
+            let commented =
+                |why: &String| filled().map(|text| (format!("# {text}"), Some(why.clone()))).collect::<Vec<_>>();
             match (certainty, guesses) {
                 (Certainty::Exact, _) => entries.extend(filled().map(|text| (text, None))),
                 (Certainty::Guess(why), Guesses::Filled) => {

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use super::rules::{Rule, Suggestion};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
+use crate::table::column::unit_of;
 use crate::table::contract::{Matched, Open, Owner, plausible_units};
 use crate::table::dictionary::{Heading, Role, headings_of, normal};
 use crate::table::names::Field;
@@ -48,7 +49,7 @@ impl Candidate<'_> {
     /// How near its name is to the headings of a role, from 0 to 1.
     fn nearness(&self, role: Role) -> f64 {
         let name = normal(&self.name);
-        headings_of(role).map(|heading| strsim::sorensen_dice(&name, &heading)).fold(0.0, f64::max)
+        headings_of(role).map(|heading| strsim::sorensen_dice(&name, heading)).fold(0.0, f64::max)
     }
 
     fn guess(&self, key: &str, entry: String, why: &'static str) -> Guess {
@@ -72,10 +73,12 @@ pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
         guesses.extend(take(&mut left, name_of_part));
     }
     guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
-    while let Some(guess) = take(&mut left, |columns| columns.iter().enumerate().find_map(|(at, column)| Some((at, status(column)?)))) {
-        guesses.push(guess);
-        break;
-    }
+    guesses.extend(take(&mut left, |columns| {
+        if has(Role::Status) {
+            return None;
+        }
+        columns.iter().enumerate().find_map(|(at, column)| Some((at, status(column)?)))
+    }));
     guesses
 }
 
@@ -98,7 +101,8 @@ fn name_of_part(columns: &[Candidate<'_>]) -> Option<(usize, Guess)> {
     let near = columns.iter().position(|column| is_distinct(column) && column.nearness(Role::PartId) >= NEAR);
     let first = || columns.iter().position(|column| column.place == 0 && is_distinct(column) && !column.is_numeric());
     let at = near.or_else(first)?;
-    let why = if near.is_some() { "its heading is near one that is known" } else { "the first column, whose texts differ" };
+    let why =
+        if near.is_some() { "its heading is near one that is known" } else { "the first column, whose texts differ" };
     Some((at, columns[at].guess("part_id", quoted(columns[at].title), why)))
 }
 
@@ -112,15 +116,21 @@ fn values(
     let asked = if want.expected.is_empty() { DeviationKind::ALL.to_vec() } else { want.expected.clone() };
     let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
     let mut guesses = Vec::new();
-    let units = |column: &Candidate<'_>, kind| plausible_units(kind, column.title, column.place, rows, want);
+    let units = |column: &Candidate<'_>, kind: DeviationKind| {
+        let is_other = |unit: String| unit_of(&unit, Field::Error(kind).is_angle()).is_none();
+        let found = plausible_units(kind, column.title, column.place, rows, want);
+        if Heading::of(column.title).unit.is_some_and(is_other) { Vec::new() } else { found }
+    };
     loop {
         let pairs = left.iter().enumerate().filter(|(_, column)| column.is_numeric()).flat_map(|(at, column)| {
             missing.iter().map(move |kind| (at, *kind, column.nearness(Role::Value(Field::Error(*kind)))))
         });
-        let near = pairs.filter(|(.., nearness)| *nearness >= NEAR).max_by(|one, other| one.2.total_cmp(&other.2));
+        let near = pairs.filter(|(at, kind, nearness)| *nearness >= NEAR && !units(&left[*at], *kind).is_empty());
+        let near = near.max_by(|one, other| one.2.total_cmp(&other.2));
         let found = near.map(|(at, kind, _)| (at, kind, "its heading is near one that is known")).or_else(|| {
             let [kind] = missing[..] else { return None };
-            let mut able = left.iter().enumerate().filter(|(_, column)| column.is_numeric() && !units(column, kind).is_empty());
+            let mut able =
+                left.iter().enumerate().filter(|(_, column)| column.is_numeric() && !units(column, kind).is_empty());
             let (at, _) = able.next().filter(|_| !want.expected.is_empty())?;
             able.next().is_none().then_some((at, kind, "the only column of numbers that can be it"))
         });

@@ -5,6 +5,7 @@
 mod block;
 mod guess;
 mod lines;
+mod own;
 mod refusal;
 mod rules;
 
@@ -17,11 +18,13 @@ use super::cell::Record;
 use super::contract::{Matched, Open, Owner, key};
 use super::dictionary::{Form, Heading, lookup};
 use super::layout::Layout;
+use super::reading::Reading;
 use super::rows::Wanted;
 use super::want::Want;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 pub use block::Guesses;
 use lines::Shapes;
+pub(crate) use lines::generalised;
 use rules::{Rule, Suggestion};
 
 /// What a column is taken as, and why.
@@ -48,7 +51,7 @@ pub struct LineAccount {
     pub place: String,
     /// What stands there.
     pub text: String,
-    /// `left out`, `not owned`.
+    /// `not owned`, `rejected as a part`.
     pub is: &'static str,
 }
 
@@ -65,6 +68,10 @@ pub struct Proposal {
     pub parts: Option<u64>,
     /// What is wrong with rows that are rejected, the first of them.
     pub rejected: Vec<String>,
+    /// Whether the table is closed once the contract says all of this.
+    pub closes: bool,
+    /// How the table is read, once it is closed.
+    pub reading: Option<Reading>,
     open: Vec<Open>,
     layout: Arc<Layout>,
     rules: Vec<Suggestion>,
@@ -103,8 +110,7 @@ impl From<Unclosed> for Diagnostics {
 impl Proposal {
     /// Of a file in which these have no owner.
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, open: Vec<Open>) -> Self {
-        let mut proposal =
-            Self { file: file.to_owned(), layout: Arc::clone(layout), open, ..Self::default() };
+        let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, ..Self::default() };
         for open in &proposal.open {
             proposal.rules.extend(rules::of_open(open));
             proposal.lines.extend(line_account(open));
@@ -116,7 +122,8 @@ impl Proposal {
     pub(crate) fn of_matched(file: &str, layout: &Arc<Layout>, matched: Matched, rows: &[Record], want: &Want) -> Self {
         let guesses = guess::columns(&matched, rows, want);
         let mut proposal = Self::of(file, layout, matched.open);
-        let is_guessed = |rule: &Rule| matches!(rule, Rule::Ignore(title) if guesses.iter().any(|guess| guess.title == *title));
+        let is_guessed =
+            |rule: &Rule| matches!(rule, Rule::Ignore(title) if guesses.iter().any(|guess| guess.title == *title));
         proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));
         let first = |place: usize| {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
@@ -150,18 +157,23 @@ impl Proposal {
         let titles = contract.titles.clone();
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
-        let mut proposal = Self { file: name.to_string(), layout: Arc::clone(&layout), parts: Some(0), ..Self::default() };
-        for (place, (owner, title)) in owners.iter().zip(&titles).enumerate().filter(|(_, (_, title))| !title.is_empty()) {
+        let mut proposal =
+            Self { file: name.to_string(), layout: Arc::clone(&layout), parts: Some(0), ..Self::default() };
+        for (place, (owner, title)) in
+            owners.iter().zip(&titles).enumerate().filter(|(_, (_, title))| !title.is_empty())
+        {
             let unit = units.iter().find(|(at, _)| *at == place).map(|(_, unit)| unit.symbol());
             let column = column_account(*owner, title, &Heading::of(title).name, &layout);
             proposal.columns.push(ColumnAccount { place: place + 1, unit, ..column });
         }
         proposal.rules = rules::pinned(&owners, &titles, &units, &layout);
+        let mut reading = table.reading.clone();
         let needed = vec![true; table.columns.len()];
         let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
         for block in table.rows(Wanted { needed, ..Wanted::default() }) {
             let block = block.map_err(unreadable)?;
             proposal.count(&block, &mut shapes);
+            block.tell(&mut reading);
             odd.extend(block.odd);
         }
         proposal.rules.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
@@ -172,6 +184,8 @@ impl Proposal {
             is: "rejected as a part",
         }));
         rules::settle(&mut proposal.rules);
+        proposal.reading = Some(reading);
+        proposal.closes = proposal.is_closed();
         Ok(proposal)
     }
 
@@ -191,7 +205,7 @@ impl Proposal {
     /// Whether nothing is without an owner.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.open.is_empty() && self.lines.iter().all(|line| line.is == "left out")
+        self.open.is_empty() && self.lines.is_empty()
     }
 
     /// Whether it would add anything to the contract.
@@ -202,25 +216,42 @@ impl Proposal {
 
     /// Adds what is found once the contract says what this proposes.
     pub fn join_next(&mut self, next: Self) {
+        self.closes = next.is_closed();
         self.lines.extend(next.lines.into_iter().filter(|line| !self.lines.contains(line)).collect::<Vec<_>>());
-        self.parts = next.parts;
-        self.rejected = next.rejected;
+        (self.parts, self.rejected, self.reading) = (next.parts, next.rejected, next.reading);
         rules::add(&mut self.rules, next.rules);
         self.open.extend(next.open.into_iter().filter(|open| !self.open.contains(open)).collect::<Vec<_>>());
     }
 
-    /// Takes what is proposed for another file that the same contract is to close; lines that differ are generalised.
-    pub fn join_other(&mut self, other: Self) {
-        rules::generalise(&mut self.rules, other.rules, &other.file);
-        self.open.extend(other.open);
-        self.lines.extend(other.lines);
+    /// Takes a person's word that a column has a role, whether that was guessed or not. Whether there is such a column.
+    pub fn accept(&mut self, key: &str, column: &str) -> bool {
+        rules::accept(&mut self.rules, key, column)
+    }
+
+    /// What would close several files by one contract; lines are generalised where the files differ.
+    #[must_use]
+    pub fn joined(proposals: &[Self]) -> Self {
+        let mut each = proposals.iter().cloned();
+        let mut all = each.next().unwrap_or_default();
+        for other in each {
+            rules::generalise(&mut all.rules, other.rules, &other.file);
+        }
+        all
+    }
+
+    /// The lines of `[table.columns]` that it would add.
+    #[must_use]
+    pub fn mapping(&self, guesses: Guesses) -> Vec<String> {
+        let block = self.block(guesses);
+        let columns = block.split_once("[table.columns]\n").map_or("", |(_, columns)| columns);
+        columns.lines().map(str::to_owned).collect()
     }
 }
 
 /// What a line without an owner is.
 fn line_account(open: &Open) -> Option<LineAccount> {
     let (place, text) = match open {
-        Open::Line { line, text } => (format!("line {line}"), text),
+        Open::Line { line, text } | Open::Row { line, text, .. } => (format!("line {line}"), text),
         Open::Comment { place, text } => (place.clone(), text),
         _ => return None,
     };

@@ -10,6 +10,12 @@ impl Proposal {
     /// The refusal: what has no owner, how the file differs from its contract, and the `[table]` that closes it.
     #[must_use]
     pub fn refusal(&self) -> Diagnostic {
+        self.refused(Some(&self.block(Guesses::Filled)))
+    }
+
+    /// The same with the `[table]` that closes several tables, or with none.
+    #[must_use]
+    pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
         let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
         let lines = lines.map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
@@ -18,8 +24,8 @@ impl Proposal {
         if let more @ 1.. = all.len().saturating_sub(SHOWN) {
             list.push(format!("and {more} more"));
         }
-        list.push("what closes the table, in the spec:".to_owned());
-        list.extend(self.block(Guesses::Filled).lines().map(|line| format!("  {line}")));
+        list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
+        list.extend(block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")));
         let difference = self.difference();
         let message = if difference.is_empty() || *self.layout == Layout::default() {
             let things = if all.len() == 1 { "a cell or line has" } else { "cells or lines have" };
@@ -44,7 +50,7 @@ impl Proposal {
             Open::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),
             Open::Column { title, .. } => format!("new column {}", quoted(title)),
             Open::Missing { name, .. } => format!("column {} is gone", quoted(name)),
-            Open::Line { line, text } => format!("new line {line} {}", quoted(text)),
+            Open::Line { line, text } | Open::Row { line, text, .. } => format!("new line {line} {}", quoted(text)),
             Open::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
             other => other.in_words(),
         });
@@ -55,6 +61,6 @@ impl Proposal {
 
 impl Open {
     fn is_line(&self, line: &str) -> bool {
-        matches!(self, Self::Line { text, .. } | Self::Comment { text, .. } if text == line)
+        matches!(self, Self::Line { text, .. } | Self::Row { text, .. } | Self::Comment { text, .. } if text == line)
     }
 }

@@ -64,19 +64,18 @@ pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
         }
         Open::Column { title, .. } => vec![Rule::Ignore(title.clone()).exact()],
         Open::Line { text, .. } => vec![line(text, 0)],
+        Open::Row { text, pattern, could_be_part, .. } => vec![row(text, pattern.clone(), u64::from(*could_be_part))],
         Open::Comment { text, .. } => vec![Rule::Comment(text.lines().collect::<Vec<_>>().join(" ")).exact()],
         Open::Unit { key, title, units } => {
             let entry = |unit: &str| Rule::Column {
                 key: (*key).to_owned(),
                 entry: format!("{{ name = {}, unit = \"{unit}\" }}", name(title)),
             };
-            match units[..] {
-                [unit] => vec![entry(unit).guess(format!("only in {unit} its numbers are of a usual size"))],
-                _ => {
-                    let or = if units.is_empty() { "its unit".to_owned() } else { units.join(" or ") };
-                    vec![entry(units.first().unwrap_or(&"?")).choice(format!("say which unit: {or}"))]
-                }
+            if let [unit] = units[..] {
+                return vec![entry(unit).guess(format!("only in {unit} its numbers are of a usual size"))];
             }
+            let or = if units.is_empty() { "its unit".to_owned() } else { units.join(" or ") };
+            vec![entry(units.first().unwrap_or(&"?")).choice(format!("say which unit: {or}"))]
         }
         Open::Mark { .. } => {
             vec![Rule::Key("decimal", "\"comma\"".to_owned()).choice("or \"point\": say which")]
@@ -104,12 +103,26 @@ fn line(text: &str, at_most: u64) -> Suggestion {
     if is_guess { rule.guess("any number there") } else { rule.exact() }
 }
 
+/// The rule for a row that is no part by its name.
+fn row(text: &str, like: String, at_most: u64) -> Suggestion {
+    let exact = fitting(text.trim().to_owned(), text);
+    let is_same = like == exact;
+    let rule = Rule::Lines { exact: vec![exact], like: (!is_same).then_some(like), at_most };
+    if is_same { rule.exact() } else { rule.guess("any values there") }
+}
+
 /// The rule for a row that is no part, unless it looks like one.
 pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     if !odd.is_no_name && (shapes.has(&odd.name) || odd.has_text) {
         return None;
     }
-    Some(line(&odd.text, u64::from(odd.could_be_part)))
+    let at_most = u64::from(odd.could_be_part);
+    Some(if odd.is_no_name && odd.name.chars().any(char::is_alphanumeric) {
+        let pattern = if odd.text.starts_with(&format!("{};", odd.name)) { "{};*" } else { "*{}*" };
+        row(&odd.text, pattern.replace("{}", &odd.name), at_most)
+    } else {
+        line(&odd.text, at_most)
+    })
 }
 
 /// The roles that are found, as a contract names them; those that it names are none of them. A role of which two columns have
@@ -149,6 +162,35 @@ pub(super) fn pinned(
     found
 }
 
+/// Takes a person's word that a column has a role. Whether there is such a column.
+pub(super) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
+    let heading = Heading::of(column);
+    let is_of = |entry: &str| [column, &heading.name].iter().any(|name| entry.contains(&quoted(name)));
+    let mut found = false;
+    for Suggestion { rule, certainty } in rules {
+        match rule {
+            Rule::Column { key: own, entry } if own == key && is_of(entry) => {
+                found = true;
+                if matches!(certainty, Certainty::Guess(_)) {
+                    *certainty = Certainty::Exact;
+                }
+            }
+            Rule::Ignore(title)
+                if [column, &heading.name].contains(&title.as_str()) || Heading::of(title).name == column =>
+            {
+                found = true;
+                let unit = heading.unit.clone().or(Heading::of(title).unit);
+                let unit = unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
+                let name = quoted(&Heading::of(title).name);
+                let entry = if key == "part_id" { name } else { format!("{{ name = {name}{unit} }}") };
+                *rule = Rule::Column { key: key.to_owned(), entry };
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
 /// Adds rules that are not there; lines of one pattern are one rule.
 pub(super) fn add(rules: &mut Vec<Suggestion>, more: Vec<Suggestion>) {
     rules.extend(more);
@@ -169,9 +211,18 @@ pub(super) fn settle(rules: &mut Vec<Suggestion>) {
         });
         match (same, &suggestion.rule) {
             (None, _) => settled.push(suggestion),
-            (Some(Suggestion { rule: Rule::Lines { exact, at_most, .. }, .. }), Rule::Lines { exact: more, at_most: most, .. }) => {
+            (
+                Some(Suggestion { rule: Rule::Lines { exact, at_most, .. }, .. }),
+                Rule::Lines { exact: more, at_most: most, .. },
+            ) => {
                 *at_most += most;
                 exact.extend(more.iter().filter(|text| !exact.contains(text)).cloned().collect::<Vec<_>>());
+            }
+            (Some(Suggestion { rule: Rule::Column { entry, .. }, certainty }), Rule::Column { entry: next, .. }) => {
+                // its unit, that is found once its column is
+                if !entry.contains("unit = ") && next.contains("unit = ") {
+                    (*entry, *certainty) = (next.clone(), suggestion.certainty);
+                }
             }
             (Some(_), _) => {}
         }
@@ -205,7 +256,8 @@ pub(super) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, f
                 }
             }
             Rule::Column { key, entry } => {
-                let same = rules.iter().position(|known| matches!(&known.rule, Rule::Column { key: own, .. } if own == key));
+                let same =
+                    rules.iter().position(|known| matches!(&known.rule, Rule::Column { key: own, .. } if own == key));
                 match same {
                     None => rules.push(other),
                     Some(at) if matches!(&rules[at].rule, Rule::Column { entry: own, .. } if own == entry) => {}

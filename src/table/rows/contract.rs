@@ -72,33 +72,6 @@ impl Rows {
         self.setup.columns.iter().all(has_value)
     }
 
-    /// What a row is that may be no part: its name is none, or no value can be read.
-    fn may_be_no_part(
-        &self,
-        record: &Record,
-        name: Option<&Cell>,
-        values: &[(&Column, Result<Option<DeviationValue>, Problem>)],
-    ) -> Option<Odd> {
-        let read = values.iter().filter(|(_, value)| matches!(value, Ok(Some(_)))).count();
-        let is_named = name.is_some_and(|name| !name.is_missing());
-        let is_no_name = match name {
-            Some(name) if is_named => Contract::no_name(name).is_some(),
-            _ => false,
-        };
-        if read > 0 && !is_no_name {
-            return None;
-        }
-        let name = name.unwrap_or_else(|| record.cell(0)).text().into_owned();
-        Some(Odd {
-            line: record.line,
-            text: line_of(record),
-            is_no_name: is_no_name || is_named && !name.chars().any(char::is_alphanumeric),
-            has_text: values.iter().any(|(column, _)| !record.cell(column.place).is_empty()),
-            could_be_part: read == values.len(),
-            name,
-        })
-    }
-
     /// A row that is a part, or rejected.
     pub(super) fn part(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
         let ledger = RowLedger::new(record);
@@ -108,7 +81,7 @@ impl Rows {
             column.value(ledger.read(column.place), beside)
         };
         let values: Vec<_> = self.setup.columns.iter().map(|column| (column, read(column))).collect();
-        block.odd.extend(self.may_be_no_part(record, name, &values));
+        block.odd.extend(may_be_no_part(record, name, &values));
         for column in &self.setup.columns {
             for companion in column.beside.iter() {
                 let text = record.cell(companion.place).text();
@@ -150,6 +123,32 @@ impl Rows {
             put(block, number, column, record.cell(column.place), value.map_err(rejected));
         }
     }
+}
+
+/// What a row is that may be no part: its name is none, or no value can be read.
+fn may_be_no_part(
+    record: &Record,
+    name: Option<&Cell>,
+    values: &[(&Column, Result<Option<DeviationValue>, Problem>)],
+) -> Option<Odd> {
+    let read = values.iter().filter(|(_, value)| matches!(value, Ok(Some(_)))).count();
+    let is_named = name.is_some_and(|name| !name.is_missing());
+    let is_no_name = match name {
+        Some(name) if is_named => Contract::no_name(name).is_some(),
+        _ => false,
+    };
+    if read > 0 && !is_no_name {
+        return None;
+    }
+    let name = name.unwrap_or_else(|| record.cell(0)).text().into_owned();
+    Some(Odd {
+        line: record.line,
+        text: line_of(record),
+        is_no_name: is_no_name || is_named && !name.chars().any(char::is_alphanumeric),
+        has_text: values.iter().any(|(column, _)| !record.cell(column.place).is_empty()),
+        could_be_part: read == values.len(),
+        name,
+    })
 }
 
 /// Takes a line that is no part.

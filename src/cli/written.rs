@@ -1,0 +1,186 @@
+//! A contract that is written into a spec: nothing else of the text changes, and what stands there already is not written again.
+
+use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+
+use crate::diagnostic::{Code, Diagnostic};
+
+/// The day, and the version that writes.
+pub(super) fn stamp() -> String {
+    let today = chrono::Utc::now().date_naive();
+    format!("# rackmesh {}, {today}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The text of a spec with the lines of a contract; the same text if it has them all.
+///
+/// # Errors
+/// If the text is no TOML, or its `table` is none.
+pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result<String, Diagnostic> {
+    let plain = spec.replace("\r\n", "\n");
+    let cannot = |what: &str| {
+        let message = format!("cannot write the contract into {name}: {what}");
+        Diagnostic::error(Code::FileAccess, message).help("paste the [table] that `rackmesh read` shows")
+    };
+    let mut document: DocumentMut = plain.parse().map_err(|_| cannot("it is no TOML"))?;
+    let new: DocumentMut = block.parse().map_err(|_| cannot("its texts cannot stand in TOML"))?;
+    if document.to_string().trim_end() != plain.trim_end() {
+        return Err(cannot("it cannot be edited without changing more of it"));
+    }
+    let Some(table) = document.get_mut("table") else {
+        let gap = if plain.is_empty() || plain.ends_with("\n\n") { "" } else { "\n" };
+        let end = if plain.is_empty() || plain.ends_with('\n') { "" } else { "\n" };
+        return Ok(with_line_ends(&format!("{plain}{end}{gap}{stamp}\n{block}"), spec));
+    };
+    let Some(table) = table.as_table_like_mut() else { return Err(cannot("its `table` is no table")) };
+    let mut is_changed = false;
+    for (key, item) in new.get("table").and_then(Item::as_table_like).into_iter().flat_map(TableLike::iter) {
+        is_changed |= put(table, key, item);
+    }
+    let is_new = |line: &&str| line.starts_with('#') && !plain.contains(*line);
+    let comments: Vec<&str> = block.lines().map(str::trim).filter(is_new).collect();
+    if let Some(Item::Table(table)) = document.get_mut("table").filter(|_| is_changed || !comments.is_empty()) {
+        let before = table.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default();
+        let lines: String = std::iter::once(stamp).chain(comments).flat_map(|line| [line, "\n"]).collect();
+        let prefix = if before.contains(stamp) { lines.replacen(&format!("{stamp}\n"), "", 1) } else { lines };
+        let prefix = format!("{before}{prefix}");
+        table.decor_mut().set_prefix(prefix);
+    } else if !is_changed {
+        return Ok(spec.to_owned());
+    }
+    let mut text = document.to_string();
+    if !text.ends_with('\n') {
+        text.push('\n');
+    }
+    Ok(with_line_ends(&text, spec))
+}
+
+/// Puts what an item holds and is not there; whether something was not.
+fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
+    let Some(there) = table.get_mut(key) else {
+        let mut item = item.clone();
+        if let Item::Table(table) = &mut item {
+            table.set_position(None);
+        }
+        table.insert(key, item);
+        return true;
+    };
+    if let (Some(there), Some(new)) = (there.as_array_mut(), item.as_array()) {
+        return extend(there, new);
+    }
+    let Some(new) = item.as_table_like() else { return false };
+    // "Teil" is { name = "Teil" }
+    if there.is_str() && new.contains_key("name") {
+        return false;
+    }
+    let Some(entries) = there.as_table_like_mut() else { return false };
+    let mut is_changed = false;
+    for (key, item) in new.iter() {
+        is_changed |= put(entries, key, item);
+    }
+    if let Some(there) = there.as_inline_table_mut().filter(|_| is_changed) {
+        there.fmt();
+    }
+    is_changed
+}
+
+/// Adds the entries of a list that are not there, laid out as its last one is.
+fn extend(there: &mut Array, new: &Array) -> bool {
+    let bare = |value: &Value| value.clone().decorated("", "").to_string();
+    let mut is_changed = false;
+    for value in new {
+        if there.iter().any(|known| bare(known) == bare(value)) {
+            continue;
+        }
+        let prefix = there.iter().last().and_then(|last| last.decor().prefix()?.as_str().map(str::to_owned));
+        let indent = prefix.filter(|prefix| prefix.contains('\n')).map(|prefix| {
+            let start = prefix.rfind('\n').unwrap_or(0);
+            prefix[start..].to_owned()
+        });
+        let first = if there.is_empty() { "" } else { " " };
+        there.push_formatted(value.clone().decorated(indent.unwrap_or_else(|| first.to_owned()), ""));
+        is_changed = true;
+    }
+    is_changed
+}
+
+/// A text with the line ends of another: a line that stands there has its own, any other that of most.
+fn with_line_ends(text: &str, like: &str) -> String {
+    let count = like.matches("\r\n").count();
+    if count == 0 {
+        return text.to_owned();
+    }
+    let usual = if count * 2 > like.matches('\n').count() { "\r\n" } else { "\n" };
+    let mut old = like.split_inclusive('\n');
+    let mut ended = String::new();
+    for line in text.split_inclusive('\n') {
+        let Some(bare) = line.strip_suffix('\n') else {
+            ended += line;
+            continue;
+        };
+        let same = |old: &&str| old.trim_end_matches(['\r', '\n']) == bare;
+        let mut rest = old.clone();
+        let found = rest.find(same).filter(|_| !bare.is_empty()).or_else(|| old.clone().next().filter(same));
+        if found.is_some() {
+            while old.next().is_some_and(|line| !same(&line)) {}
+        }
+        let own = found.filter(|old| old.ends_with('\n')).map(|old| if old.ends_with("\r\n") { "\r\n" } else { "\n" });
+        ended += bare;
+        ended += own.unwrap_or(usual);
+    }
+    ended
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const BLOCK: &str = "[table]\nignore = [\"Temp\"]\nignore_lines = [\n  \"Datum: 1\",\n  # \"Datum: #\",   # a guess: x\n]\n\
+                         [table.columns]\npart_id = \"Teil\"\nrack_pitch = { name = \"fp\", unit = \"um\" }\n\
+                         # status = { name = \"Bew\" }   # a guess: y\n";
+
+    fn merge(spec: &str) -> String {
+        merged("rack.toml", spec, BLOCK, "# stamp").unwrap()
+    }
+
+    #[test]
+    fn a_spec_without_a_contract_gets_one_at_its_end() {
+        assert_eq!(merge("[pair]\nx = 1 # one"), format!("[pair]\nx = 1 # one\n\n# stamp\n{BLOCK}"));
+        assert_eq!(merge(""), format!("# stamp\n{BLOCK}"));
+        assert_eq!(merge("a = 1\r\n\r\n"), format!("a = 1\n\n# stamp\n{BLOCK}").replace('\n', "\r\n"));
+    }
+
+    #[test]
+    fn a_contract_gets_what_it_lacks() {
+        let spec = "# mine\n[table] # here\nignore = [\n  \"Kraft\", # N\n  \"Temp\",\n]\n\n[table.columns]\n\
+                    rack_pitch = { unit = \"um\" }   # as drawn\n[limits]\n";
+        assert_eq!(
+            merge(spec),
+            "# mine\n# stamp\n# \"Datum: #\",   # a guess: x\n# status = { name = \"Bew\" }   # a guess: y\n[table] # here\n\
+             ignore = [\n  \"Kraft\", # N\n  \"Temp\",\n]\nignore_lines = [\n  \"Datum: 1\",\n  # \"Datum: #\",   # a guess: x\n]\n\n\
+             [table.columns]\nrack_pitch = { unit = \"um\", name = \"fp\" }   # as drawn\npart_id = \"Teil\"\n[limits]\n"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_else_changes_and_once_is_enough(
+            lines in proptest::collection::vec("[a-z#\" =]{0,8}", 0..6),
+            ends in proptest::collection::vec(any::<bool>(), 6),
+            has_table in any::<bool>(),
+        ) {
+            let ends = ends.iter().map(|crlf| if *crlf { "\r\n" } else { "\n" });
+            let mut spec: String = lines.iter().zip(ends).flat_map(|(line, end)| ["# ", line, end]).collect();
+            if has_table {
+                spec += "[table]\r\nignore = [\"Kraft\"]\r\n";
+            }
+            let once = merge(&spec);
+            prop_assert_eq!(&merge(&once), &once);
+            let kept: Vec<&str> = spec.split_inclusive('\n').filter(|line| line.starts_with('#')).collect();
+            let mut rest = once.split_inclusive('\n');
+            for line in kept {
+                prop_assert!(rest.any(|other| other == line), "{:?} of {:?} in {:?}", line, spec, once);
+            }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! What a contract says already, as a spec has it.
+
+use crate::table::layout::{DeclaredColumn, Layout, PartNames, Repeats, StatusColumn};
+use crate::table::names::Role as Beside;
+use crate::table::want::quoted;
+
+/// What the contract says of the table as a whole.
+pub(super) fn keys(layout: &Layout) -> Vec<String> {
+    let parts = layout.parts.map(|parts| format!("parts = \"{}\"", parts.word()));
+    let separator = layout.separator.map(|byte| match byte {
+        b'\t' => "separator = \"tab\"".to_owned(),
+        byte => format!("separator = {}", quoted(&char::from(byte).to_string())),
+    });
+    let starts = (!layout.starts.is_empty()).then(|| format!("starts = {:?}", layout.starts));
+    let decimal = layout.decimal.map(|mark| format!("decimal = \"{}\"", mark.word()));
+    let units = layout.units.map(|line| format!("units = \"line {line}\""));
+    let repeats = match layout.repeats {
+        Repeats::Refused => None,
+        Repeats::All => Some("repeats = \"all\"".to_owned()),
+        Repeats::Last => Some("repeats = \"last\"".to_owned()),
+    };
+    let others = layout.ignores_others.then(|| "others = \"ignore\"".to_owned());
+    [parts, separator, starts, decimal, units, repeats, others].into_iter().flatten().collect()
+}
+
+/// What the contract says of columns, each with its key.
+pub(super) fn columns(layout: &Layout) -> Vec<(String, String)> {
+    let part = layout.part_id.as_ref().map(|names| match names {
+        PartNames::Column(name) => format!("part_id = {}", quoted(name)),
+        PartNames::Line(pattern) => format!("part_id = {{ line = {} }}", quoted(pattern.text())),
+    });
+    let list = |texts: &[String]| texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ");
+    let status = layout.status.as_ref().map(|StatusColumn { name, accept, reject }| {
+        format!("status = {{ name = {}, accept = [{}], reject = [{}] }}", quoted(name), list(accept), list(reject))
+    });
+    let column = |column: &DeclaredColumn| {
+        let name = column.name.iter().map(|name| format!("name = {}", quoted(name)));
+        let unit = column.unit.iter().map(|unit| format!("unit = \"{}\"", unit.symbol()));
+        let beside = column.beside.iter().map(|(beside, name)| {
+            let word = if *beside == Beside::Unit { "units" } else { beside.key() };
+            format!("{word} = {}", quoted(name))
+        });
+        let all: Vec<String> = name.chain(unit).chain(beside).collect();
+        (!all.is_empty()).then(|| format!("{} = {{ {} }}", column.field.key(), all.join(", ")))
+    };
+    let columns = layout.columns.iter().filter_map(column);
+    let keyed = |line: String| (line.split(" = ").next().unwrap_or_default().to_owned(), line);
+    part.into_iter().chain(status).chain(columns).map(keyed).collect()
+}
