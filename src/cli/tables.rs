@@ -232,10 +232,11 @@ impl<'a> Opener<'a> {
 
     /// What would close the table of a file, by the rules of a spec.
     fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
-        let mut spec = spec.clone();
-        spec.batch.layout.get_or_insert_default();
-        let opener = Self { spec: Arc::new(spec), ..self.clone() };
+        let mut opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
         let container = opener.container(path)?;
+        if container.qdas().is_none() {
+            Arc::make_mut(&mut opener.spec).batch.layout.get_or_insert_default();
+        }
         let (spec, _) = opener.completed(&container)?;
         Ok(container.proposal(&stream::name(path), &opener.want(&spec)?)?)
     }
@@ -244,7 +245,8 @@ impl<'a> Opener<'a> {
     /// one go. `accepted` is what a person says of columns.
     pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
         const ROUNDS: usize = 4;
-        let mut proposal = self.proposed(path, &self.spec)?;
+        let by_contract = if self.spec.batch.layout.is_none() { self.with_block("[table]\n").ok() } else { None };
+        let mut proposal = self.proposed(path, by_contract.as_ref().unwrap_or(&self.spec))?;
         let accept =
             |proposal: &mut Proposal| accepted.iter().filter(|one| proposal.accept(&one.key, &one.column)).count();
         accept(&mut proposal);

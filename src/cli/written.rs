@@ -1,4 +1,5 @@
 //! A contract that is written into a spec: nothing else of the text changes, and what stands there already is not written again.
+//! A `[batch]` becomes the `[table]` that takes its place.
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
@@ -25,13 +26,18 @@ pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result
     if document.to_string().trim_end() != plain.trim_end() {
         return Err(cannot("it cannot be edited without changing more of it"));
     }
+    let is_renamed = !document.contains_key("table") && document.contains_key("batch");
+    if is_renamed {
+        let batch = document.remove("batch").unwrap_or_default();
+        document.insert("table", batch);
+    }
     let Some(table) = document.get_mut("table") else {
         let gap = if plain.is_empty() || plain.ends_with("\n\n") { "" } else { "\n" };
         let end = if plain.is_empty() || plain.ends_with('\n') { "" } else { "\n" };
         return Ok(with_line_ends(&format!("{plain}{end}{gap}{stamp}\n{block}"), spec));
     };
     let Some(table) = table.as_table_like_mut() else { return Err(cannot("its `table` is no table")) };
-    let mut is_changed = false;
+    let mut is_changed = is_renamed;
     for (key, item) in new.get("table").and_then(Item::as_table_like).into_iter().flat_map(TableLike::iter) {
         is_changed |= put(table, key, item);
     }
@@ -148,6 +154,20 @@ mod tests {
         assert_eq!(merge("[pair]\nx = 1 # one"), format!("[pair]\nx = 1 # one\n\n# stamp\n{BLOCK}"));
         assert_eq!(merge(""), format!("# stamp\n{BLOCK}"));
         assert_eq!(merge("a = 1\r\n\r\n"), format!("a = 1\n\n# stamp\n{BLOCK}").replace('\n', "\r\n"));
+    }
+
+    #[test]
+    fn a_batch_becomes_the_contract() {
+        assert_eq!(
+            merged(
+                "rack.toml",
+                "[batch] # b\nignore = [\"a\"]\n[batch.columns]\npart_id = \"x\" # c\n[pair]\n",
+                "[table]\nignore = [\"b\"]\n",
+                "# s"
+            )
+            .unwrap(),
+            "# s\n[table] # b\nignore = [\"a\", \"b\"]\n[table.columns]\npart_id = \"x\" # c\n[pair]\n"
+        );
     }
 
     #[test]

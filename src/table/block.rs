@@ -104,7 +104,7 @@ pub struct Block {
     pub(crate) left_out: Vec<Tally>,
     /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
     pub(crate) doubtful: Vec<(usize, u64)>,
-    /// Rows of which no value can be read.
+    /// Rows that are rejected, and that may be no parts.
     pub(crate) odd: Vec<Odd>,
     /// What is left out of the row that is being read.
     pub(crate) unsettled: Vec<Unsettled>,

@@ -28,6 +28,7 @@ mod one_answer;
 mod outputs;
 mod plausible;
 mod process;
+mod proposals;
 mod reading;
 mod readme;
 mod set;

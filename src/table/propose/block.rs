@@ -55,7 +55,8 @@ impl Proposal {
             _ => None,
         });
         let mut columns: Vec<_> = columns.collect();
-        let is_new = |key: &str| self.each().any(|(rule, _)| matches!(rule, Rule::Column { key: new, .. } if new == key));
+        let is_new =
+            |key: &str| self.each().any(|(rule, _)| matches!(rule, Rule::Column { key: new, .. } if new == key));
         let own = own::columns(&self.layout).into_iter().filter(|(key, _)| !is_new(key));
         columns.splice(0..0, own.map(|(key, line)| (key != "part_id", format!("{line}\n"))));
         columns.sort_by_key(|(is_value, _)| *is_value);

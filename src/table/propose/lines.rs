@@ -3,11 +3,18 @@
 use std::collections::HashSet;
 
 use crate::table::block::Block;
+use crate::table::ledger::digest;
 use crate::table::pattern::Pattern;
 
 /// What the names of parts look like.
 #[derive(Debug, Default)]
-pub(super) struct Shapes(HashSet<String>);
+pub(super) struct Shapes {
+    shapes: HashSet<String>,
+    /// The names so far, as digests.
+    names: HashSet<u64>,
+    /// The first name that is there again.
+    pub(super) twice: Option<String>,
+}
 
 impl Shapes {
     /// Takes the names of parts.
@@ -15,15 +22,18 @@ impl Shapes {
         const MOST: usize = 1000;
         let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
         for name in names {
-            if self.0.len() < MOST {
-                self.0.insert(shape(&name));
+            if self.shapes.len() < MOST {
+                self.shapes.insert(shape(&name));
+            }
+            if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
+                self.twice.get_or_insert_with(|| name.into_owned());
             }
         }
     }
 
     /// Whether a text looks like one of them.
     pub(super) fn has(&self, text: &str) -> bool {
-        self.0.contains(&shape(text))
+        self.shapes.contains(&shape(text))
     }
 }
 

@@ -17,7 +17,7 @@ use super::Table;
 use super::cell::Record;
 use super::contract::{Matched, Open, Owner, key};
 use super::dictionary::{Form, Heading, lookup};
-use super::layout::Layout;
+use super::layout::{Layout, Repeats};
 use super::reading::Reading;
 use super::rows::Wanted;
 use super::want::Want;
@@ -152,7 +152,13 @@ impl Proposal {
     pub(crate) fn of_table(table: Table) -> Result<Self, Diagnostics> {
         let name = Arc::clone(&table.name);
         let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
-        let Some(contract) = table.pieces.contract() else { return Ok(Self::default()) };
+        let Some(contract) = table.pieces.contract() else {
+            if let Some(refused) = super::strangers::refusal(&table.strangers, &[]) {
+                return Err(refused.into());
+            }
+            let reading = Some(table.reading);
+            return Ok(Self { file: name.to_string(), closes: true, reading, ..Self::default() });
+        };
         let layout = Arc::clone(contract.layout());
         let titles = contract.titles.clone();
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
@@ -175,6 +181,11 @@ impl Proposal {
             proposal.count(&block, &mut shapes);
             block.tell(&mut reading);
             odd.extend(block.odd);
+        }
+        if let Some(twice) = shapes.twice.take().filter(|_| layout.repeats == Repeats::Refused) {
+            let what = format!("the part `{}` is there more than once", crate::quantity::shown(&twice));
+            proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
+            proposal.rules.push(rules::repeats());
         }
         proposal.rules.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
         let is_line = |odd: &&super::block::Odd| rules::of_odd(odd, &shapes).is_some();

@@ -26,7 +26,8 @@ impl Proposal {
         }
         list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
         list.extend(block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")));
-        let difference = self.difference();
+        let of_columns = |open: &&Open| matches!(open, Open::Column { .. } | Open::Missing { .. });
+        let difference: Vec<_> = self.open.iter().filter(of_columns).map(Open::difference).collect();
         let message = if difference.is_empty() || *self.layout == Layout::default() {
             let things = if all.len() == 1 { "a cell or line has" } else { "cells or lines have" };
             format!("{}: {things} no owner, so nothing is judged:", self.file)
@@ -45,21 +46,29 @@ impl Proposal {
     /// How the file differs from its contract: `new column "Spindel"`, `column "fp" is gone`.
     #[must_use]
     pub fn difference(&self) -> Vec<String> {
-        let quoted = |text: &str| format!("\"{}\"", shown(text));
-        let of_open = self.open.iter().map(|open| match open {
-            Open::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),
-            Open::Column { title, .. } => format!("new column {}", quoted(title)),
-            Open::Missing { name, .. } => format!("column {} is gone", quoted(name)),
-            Open::Line { line, text } | Open::Row { line, text, .. } => format!("new line {line} {}", quoted(text)),
-            Open::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
-            other => other.in_words(),
-        });
+        let of_open = self.open.iter().map(Open::difference);
         let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
         of_open.chain(lines.map(|line| format!("new {} {}", line.place, quoted(&line.text)))).collect()
     }
 }
 
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", shown(text))
+}
+
 impl Open {
+    /// What is other than the contract says.
+    fn difference(&self) -> String {
+        match self {
+            Self::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),
+            Self::Column { title, .. } => format!("new column {}", quoted(title)),
+            Self::Missing { name, .. } => format!("column {} is gone", quoted(name)),
+            Self::Line { line, text } | Self::Row { line, text, .. } => format!("new line {line} {}", quoted(text)),
+            Self::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
+            other => other.in_words(),
+        }
+    }
+
     fn is_line(&self, line: &str) -> bool {
         matches!(self, Self::Line { text, .. } | Self::Row { text, .. } | Self::Comment { text, .. } if text == line)
     }

@@ -103,6 +103,11 @@ fn line(text: &str, at_most: u64) -> Suggestion {
     if is_guess { rule.guess("any number there") } else { rule.exact() }
 }
 
+/// What becomes of parts that are there more than once.
+pub(super) fn repeats() -> Suggestion {
+    Rule::Key("repeats", "\"last\"".to_owned()).choice("or \"all\": say which")
+}
+
 /// The rule for a row that is no part by its name.
 fn row(text: &str, like: String, at_most: u64) -> Suggestion {
     let exact = fitting(text.trim().to_owned(), text);
@@ -113,8 +118,12 @@ fn row(text: &str, like: String, at_most: u64) -> Suggestion {
 
 /// The rule for a row that is no part, unless it looks like one.
 pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
-    if !odd.is_no_name && (shapes.has(&odd.name) || odd.has_text) {
+    if !odd.is_no_name && shapes.has(&odd.name) {
         return None;
+    }
+    if !odd.is_no_name && odd.has_text {
+        let like = Some(generalised(&odd.text));
+        return Some(Rule::Lines { exact: Vec::new(), like, at_most: 0 }.guess("its name is unlike those of parts"));
     }
     let at_most = u64::from(odd.could_be_part);
     Some(if odd.is_no_name && odd.name.chars().any(char::is_alphanumeric) {
@@ -203,7 +212,7 @@ pub(super) fn settle(rules: &mut Vec<Suggestion>) {
     for suggestion in rules.drain(..) {
         let same = settled.iter_mut().find(|known| match (&known.rule, &suggestion.rule) {
             (Rule::Lines { exact: a, like: one, .. }, Rule::Lines { exact: b, like: other, .. }) => {
-                a == b || one.is_some() && one == other
+                a == b && !a.is_empty() || one.is_some() && one == other
             }
             (Rule::Column { key: one, .. }, Rule::Column { key: other, .. }) => one == other && one != "status",
             (Rule::Key(one, _), Rule::Key(other, _)) => one == other,
@@ -237,8 +246,8 @@ pub(super) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, f
             Rule::Lines { exact, at_most, .. } => {
                 let found = rules.iter_mut().find_map(|known| match &mut known.rule {
                     Rule::Lines { exact: own, like, at_most } => {
-                        let pattern = common(like.as_ref().unwrap_or(&own[0]), &exact[0])
-                            .or_else(|| common(&own[0], &exact[0]))?;
+                        let (first, next) = (own.first()?, exact.first()?);
+                        let pattern = common(like.as_ref().unwrap_or(first), next).or_else(|| common(first, next))?;
                         Some((own, like, at_most, &mut known.certainty, pattern))
                     }
                     _ => None,

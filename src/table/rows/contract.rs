@@ -137,7 +137,7 @@ fn may_be_no_part(
         Some(name) if is_named => Contract::no_name(name).is_some(),
         _ => false,
     };
-    if read > 0 && !is_no_name {
+    if read == values.len() && !is_no_name {
         return None;
     }
     let name = name.unwrap_or_else(|| record.cell(0)).text().into_owned();
