@@ -9,6 +9,7 @@ mod budget;
 mod calc;
 mod class;
 mod completions;
+mod confirm;
 mod decision;
 mod eval;
 mod explain;

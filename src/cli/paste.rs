@@ -9,7 +9,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs};
 use super::target::{self, Target, is_dash};
-use super::{batch, eval, mesh, office, page, signals, spec_files, teeth, terminal};
+use super::{batch, confirm, eval, mesh, office, page, signals, spec_files, teeth, terminal};
 use crate::batch::{Duplicates, TeethJudge, refuse_without_uncertainty};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
@@ -148,10 +148,20 @@ impl Args {
         let interruption = signals::signals(output);
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
         let opener = opener.judged_by(&self.judge.rule(spec));
-        if let Some(path) = self.path() {
-            return opener.open(path);
+        let mut rest = None;
+        let (opener, opened, path) = if let Some(path) = self.path() {
+            (opener.clone(), opener.open(path), path)
+        } else {
+            let bytes = terminal::read_block(output, LARGEST_BLOCK, &mut rest)?;
+            let opened = opener.block(bytes.clone());
+            (Opener { stdin: Some(bytes.into()), ..opener }, opened, Path::new("-"))
+        };
+        match opened {
+            Err(failure) if confirm::can_ask() && !signals::signals(output).came() => {
+                confirm::confirmed(&opener, (path, &self.spec), &mut rest, output)?.ok_or(failure)
+            }
+            opened => opened,
         }
-        opener.block(terminal::read_block(output, LARGEST_BLOCK)?)
     }
 
     /// Prints a report with how its table was read, and writes it to the file that was asked for.

@@ -1,7 +1,7 @@
 //! `rackmesh read`: what tables hold and who owns it, and the contract that closes them, written into a spec if that is wanted.
 //! Evaluates nothing.
 
-use std::io::{self, BufRead as _, IsTerminal as _, Read as _};
+use std::io::{self, IsTerminal as _, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,10 +10,10 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Accepted, Opener, ReadArgs};
 use super::target::{self, is_dash};
-use super::{signals, stream, written};
+use super::{signals, stream, terminal, written};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
-use crate::report::{Block, Format, Report, Table, reading_form, remarks};
+use crate::report::{self, Block, Format, Report, Table, reading_form, remarks};
 use crate::spec::LARGEST_SPEC;
 use crate::table::{ColumnAccount, ColumnReading, Guesses, Proposal, Reading};
 
@@ -128,14 +128,21 @@ impl Args {
             }
             Ok(if closed { Status::Pass } else { Status::Undecided })
         };
-        let old = read(path)?;
+        let old = text(path)?;
         let new = written::merged(&name, &old, block, &written::stamp())?;
         if new == old {
             output.remark(&format!("{name}: nothing to write"));
             return is_closed(&old);
         }
-        if !self.yes && !ask(&format!("write this [table] into {name}?"), output)? {
-            return Ok(Status::Undecided);
+        if !self.yes {
+            if !io::stdin().is_terminal() {
+                let message = "--write asks on a terminal, and there is none";
+                return Err(Diagnostic::usage(message).help("--yes asks nothing, and writes what is exact").into());
+            }
+            let answer = terminal::ask(&format!("write this [table] into {name}?"), &["y", "n"], &mut None, output)?;
+            if answer.as_deref() != Some("y") {
+                return Ok(Status::Undecided);
+            }
         }
         target::write(path, files, new.as_bytes())?;
         output.remark(&format!("{name}: [table] is written"));
@@ -185,7 +192,7 @@ fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
 }
 
 /// The text of a spec that is to be written.
-fn read(path: &Path) -> Result<String, Failure> {
+pub(super) fn text(path: &Path) -> Result<String, Failure> {
     let name = stream::name(path);
     let bytes = std::fs::read(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
     if bytes.len() > LARGEST_SPEC {
@@ -194,24 +201,14 @@ fn read(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|_| Diagnostic::unreadable(&name, &"it is not text in UTF-8").into())
 }
 
-/// Asks a question that is answered by y or n.
-fn ask(question: &str, output: &mut Output) -> Result<bool, Failure> {
-    if !io::stdin().is_terminal() {
-        let message = "--write asks on a terminal, and there is none";
-        return Err(Diagnostic::usage(message).help("--yes asks nothing, and writes what is exact").into());
+/// Shows what a table holds beside the result.
+pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Result<(), Failure> {
+    let proposals = std::slice::from_ref(proposal);
+    let shown = ReadReport { proposals, mapping: Vec::new(), block };
+    for line in report::write(&shown, Format::Table, output.screen().of_file())?.lines() {
+        output.message(line);
     }
-    loop {
-        output.message(&format!("{question} [y/n]"));
-        let mut answer = String::new();
-        if io::stdin().lock().read_line(&mut answer)? == 0 {
-            return Ok(false);
-        }
-        match answer.trim() {
-            "y" => return Ok(true),
-            "n" => return Ok(false),
-            _ => {}
-        }
-    }
+    Ok(())
 }
 
 /// What tables hold.

@@ -265,7 +265,7 @@ impl<'a> Opener<'a> {
     }
 
     /// The spec with the lines of a contract.
-    fn with_block(&self, block: &str) -> Result<Spec, Failure> {
+    pub(super) fn with_block(&self, block: &str) -> Result<Spec, Failure> {
         let source = &self.spec.source;
         let merged = written::merged(&source.name, &source.text, block, "")?;
         Ok(Spec { batch: Spec::parse(&source.name, &merged)?.batch, ..(*self.spec).clone() })

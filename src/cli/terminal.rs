@@ -21,11 +21,11 @@ const CUT: usize = if cfg!(target_os = "macos") { 1023 } else { 4095 };
 /// What ends a block that is typed.
 const END: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
 
-/// Reads the block from standard input, of at most `largest` bytes. Where a signal comes first, it is what there was
-/// until then; callers ask whether one came before they look at it.
-pub(super) fn read_block(output: &mut Output, largest: u64) -> Result<Vec<u8>, Failure> {
+/// Reads the block from standard input, of at most `largest` bytes, and leaves there what comes behind it. Where a signal comes
+/// first, it is what there was until then; callers ask whether one came before they look at it.
+pub(super) fn read_block(output: &mut Output, largest: u64, rest: &mut Option<Stdin>) -> Result<Vec<u8>, Failure> {
     let interruption = signals::signals(output);
-    let stdin = Stdin::new(Arc::clone(interruption.stop()));
+    let stdin = rest.insert(Stdin::new(Arc::clone(interruption.stop())));
     let unread = |error: io::Error| Diagnostic::error(Code::FileAccess, format!("cannot read the block: {error}"));
     if !io::stdin().is_terminal() {
         let mut bytes = Vec::new();
@@ -55,6 +55,37 @@ pub(super) fn discard_block(output: &mut Output) {
         output.remark(&format!("(what is typed up to {END} is not used)"));
         // that it cannot be read to its end is no more than the failure that was told
         let _ = Typed::read(stdin, 0, || once_more(output));
+    }
+}
+
+/// Asks a question on a terminal; `None` if there is no more to read. `rest` is what stands behind a block that was read.
+pub(super) fn ask(
+    question: &str,
+    answers: &[&str],
+    rest: &mut Option<Stdin>,
+    output: &mut Output,
+) -> Result<Option<String>, Failure> {
+    let mut is_new = false;
+    loop {
+        output.message(&format!("{question} [{}]", answers.join("/")));
+        let stdin = rest.get_or_insert_with(|| {
+            is_new = true;
+            Stdin::new(Arc::clone(signals::signals(output).stop()))
+        });
+        let mut answer = vec![0; CUT];
+        let count = stdin.read(&mut answer)?;
+        if count == 0 {
+            // Ctrl-D ended the block, and what is typed behind it comes
+            if is_new {
+                return Ok(None);
+            }
+            *rest = None;
+            continue;
+        }
+        let answer = String::from_utf8_lossy(&unmarked(&answer[..count])).trim().to_owned();
+        if answers.contains(&answer.as_str()) {
+            return Ok(Some(answer));
+        }
     }
 }
 

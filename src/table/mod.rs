@@ -90,7 +90,7 @@ pub use ledger::{LeftOut, Tally};
 pub use names::{Field, UnknownField, ValueKind};
 pub use number::DecimalMark;
 pub use pattern::Pattern;
-pub use propose::{ColumnAccount, Guesses, LineAccount, Proposal};
+pub use propose::{ColumnAccount, Guesses, LineAccount, Proposal, table_in_sentences};
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use strangers::{Stranger, refusal};

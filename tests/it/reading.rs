@@ -283,7 +283,7 @@ fn the_mapping_of_several_files_can_be_pasted() {
     let folder = Folder::new("mapping");
     let spec = spec(&folder);
     let table = |file: &str, roller: &str| {
-        folder.file(file, format!("Teil;{roller} [mm];Ritzelteilung [um]\n{file}1;25,001;3,5\n").as_bytes())
+        folder.file(file, format!("Teil;{roller} [mm];Pinion pitch error [um]\n{file}1;25,001;3,5\n").as_bytes())
     };
     let files = [table("a.csv", "Rollenmaß"), table("b.csv", "Rollenmaß"), table("c.csv", "over roller")];
     let read = run(&["read", &spec, &files[0], &files[1], &files[2], "--format", "json"], b"");
@@ -291,7 +291,7 @@ fn the_mapping_of_several_files_can_be_pasted() {
     let text = std::fs::read_to_string(&spec).unwrap();
     let mapped = format!("{text}\n{}\n", read["table"].as_str().unwrap());
     // one name of two is none for a contract, and the dictionary knows both
-    assert!(mapped.contains("name = \"Ritzelteilung\"") && !mapped.contains("name = \"over roller\""), "{mapped}");
+    assert!(mapped.contains("name = \"Pinion pitch error\"") && !mapped.contains("name = \"over roller\""), "{mapped}");
     let mapped = folder.file("mapped.toml", mapped.as_bytes());
     let (code, said) = status(&["batch", &mapped, &files[0], &files[1], &files[2], "--partial"], b"");
     assert_eq!(code, Some(0), "{said}");

@@ -12,8 +12,10 @@ use crate::table::dictionary::{Heading, Role, headings_of, normal};
 use crate::table::names::Field;
 use crate::table::want::{Want, quoted};
 
-/// From here on a heading is near another.
+/// From here on a heading is near one of an error that is missing.
 const NEAR: f64 = 0.6;
+/// From here on a heading is near one of an error that nobody asks for.
+const VERY_NEAR: f64 = 0.75;
 
 /// What a column may be.
 #[derive(Debug)]
@@ -115,17 +117,20 @@ fn values(
 ) -> Vec<Guess> {
     let asked = if want.expected.is_empty() { DeviationKind::ALL.to_vec() } else { want.expected.clone() };
     let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
-    let mut guesses = Vec::new();
+    let (mut guesses, mut taken) = (Vec::new(), Vec::new());
     let units = |column: &Candidate<'_>, kind: DeviationKind| {
         let is_other = |unit: String| unit_of(&unit, Field::Error(kind).is_angle()).is_none();
         let found = plausible_units(kind, column.title, column.place, rows, want);
         if Heading::of(column.title).unit.is_some_and(is_other) { Vec::new() } else { found }
     };
     loop {
+        let is_left = |kind: &DeviationKind| !is_found(*kind) && !taken.contains(kind);
+        let kinds: Vec<DeviationKind> = DeviationKind::ALL.into_iter().filter(is_left).collect();
         let pairs = left.iter().enumerate().filter(|(_, column)| column.is_numeric()).flat_map(|(at, column)| {
-            missing.iter().map(move |kind| (at, *kind, column.nearness(Role::Value(Field::Error(*kind)))))
+            kinds.iter().map(move |kind| (at, *kind, column.nearness(Role::Value(Field::Error(*kind)))))
         });
-        let near = pairs.filter(|(at, kind, nearness)| *nearness >= NEAR && !units(&left[*at], *kind).is_empty());
+        let least = |kind: &DeviationKind| if missing.contains(kind) { NEAR } else { VERY_NEAR };
+        let near = pairs.filter(|(at, kind, near)| *near >= least(kind) && !units(&left[*at], *kind).is_empty());
         let near = near.max_by(|one, other| one.2.total_cmp(&other.2));
         let found = near.map(|(at, kind, _)| (at, kind, "its heading is near one that is known")).or_else(|| {
             let [kind] = missing[..] else { return None };
@@ -137,6 +142,7 @@ fn values(
         let Some((at, kind, why)) = found else { return guesses };
         let column = left.remove(at);
         missing.retain(|other| *other != kind);
+        taken.push(kind);
         let unit = Heading::of(column.title).unit.or_else(|| match units(&column, kind)[..] {
             [unit] => Some(unit.to_owned()),
             _ => None,

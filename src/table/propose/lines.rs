@@ -9,7 +9,7 @@ use crate::table::pattern::Pattern;
 /// What the names of parts look like.
 #[derive(Debug, Default)]
 pub(super) struct Shapes {
-    shapes: HashSet<String>,
+    of_names: HashSet<String>,
     /// The names so far, as digests.
     names: HashSet<u64>,
     /// The first name that is there again.
@@ -22,8 +22,8 @@ impl Shapes {
         const MOST: usize = 1000;
         let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
         for name in names {
-            if self.shapes.len() < MOST {
-                self.shapes.insert(shape(&name));
+            if self.of_names.len() < MOST {
+                self.of_names.insert(shape(&name));
             }
             if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
                 self.twice.get_or_insert_with(|| name.into_owned());
@@ -33,7 +33,7 @@ impl Shapes {
 
     /// Whether a text looks like one of them.
     pub(super) fn has(&self, text: &str) -> bool {
-        self.shapes.contains(&shape(text))
+        self.of_names.contains(&shape(text))
     }
 }
 
@@ -73,7 +73,7 @@ pub(super) fn fitting(pattern: String, text: &str) -> String {
 
 /// The pattern of two lines that begin alike: numbers that differ, or else all behind the words that they have in common.
 pub(super) fn common(one: &str, other: &str) -> Option<String> {
-    if one == other {
+    if one == other || Pattern::of_line(one).fits(other) {
         return Some(one.to_owned());
     }
     let pattern = generalised(one);
@@ -111,6 +111,7 @@ mod tests {
             ("Prüfer: Huber", "Prüfer: Meier", Some("Prüfer: *")),
             ("Prüfer;Huber", "Prüfer;Hofer", Some("Prüfer;*")),
             ("Datum: 12.03.2026", "Datum: 13.03.2026", Some("Datum: #")),
+            ("Datum: #", "Datum: 13.03.2026", Some("Datum: #")),
             ("Werk Ulm", "Werk Ulm", Some("Werk Ulm")),
             ("Ulm", "Bern", None),
             ("12 Teile", "1x Teile", None),

@@ -5,6 +5,7 @@
 mod block;
 mod guess;
 mod lines;
+mod mail;
 mod own;
 mod refusal;
 mod rules;
@@ -25,6 +26,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 pub use block::Guesses;
 use lines::Shapes;
 pub(crate) use lines::generalised;
+pub use mail::table_in_sentences;
 use rules::{Rule, Suggestion};
 
 /// What a column is taken as, and why.

@@ -1,0 +1,104 @@
+//! A pasted block that is not closed, on a terminal: what it holds and how its values would count is shown, and used once a person
+//! confirms it. The rules that were confirmed are read as those of a spec are. Through a pipe nothing is asked.
+
+use std::io::{self, IsTerminal as _};
+use std::path::Path;
+use std::sync::Arc;
+
+use super::output::{Failure, Output};
+use super::read;
+use super::stream::{self, Stdin};
+use super::tables::{Opened, Opener};
+use super::target::is_dash;
+use super::{target, terminal, written};
+use crate::deviation::DeviationKind;
+use crate::diagnostic::Diagnostic;
+use crate::quantity::shown;
+use crate::table::{Guesses, Table, decode, in_words, table_in_sentences};
+
+/// Parts whose values are shown at most.
+const PARTS_SHOWN: usize = 20;
+
+/// Whether somebody can be asked.
+pub(super) fn can_ask() -> bool {
+    io::stdin().is_terminal() && io::stderr().is_terminal()
+}
+
+/// The table of a block as a person confirms it; `None` if it is not wanted, or nothing closes the table.
+pub(super) fn confirmed(
+    opener: &Opener<'_>,
+    (path, spec_path): (&Path, &Path),
+    stdin: &mut Option<Stdin>,
+    output: &mut Output,
+) -> Result<Option<Opened>, Failure> {
+    let mut opener = opener.clone();
+    let (mut path, mut sentences) = (path.to_owned(), None);
+    let mut proposal = opener.proposal(&path, &[])?;
+    if !proposal.closes {
+        let bytes = match &opener.stdin {
+            Some(bytes) if is_dash(&path) => bytes.to_vec(),
+            _ => std::fs::read(&path).map_err(|error| Diagnostic::unreadable(&stream::name(&path), &error))?,
+        };
+        let Some(table) = table_in_sentences(&decode(&bytes)) else { return Ok(None) };
+        opener.stdin = Some(table.clone().into_bytes().into());
+        (path, sentences) = ("-".into(), Some(table));
+        proposal = opener.proposal(&path, &[])?;
+        if !proposal.closes {
+            return Ok(None);
+        }
+    }
+    let block = proposal.block(Guesses::Filled);
+    let spec = Arc::new(opener.with_block(&block)?);
+    let by_rules = Opener { spec: Arc::clone(&spec), ..opener.clone() };
+    read::show(&proposal, &block, output)?;
+    values(by_rules.open(&path)?.table, output)?;
+    let can_write = sentences.is_none() && !is_dash(spec_path);
+    let (question, answers): (_, &[&str]) = if can_write {
+        ("use these values, and leave out the rest? y, n, or w to write it to the spec as well", &["y", "n", "w"])
+    } else {
+        ("use these values, and leave out the rest? y or n", &["y", "n"])
+    };
+    let answer = terminal::ask(question, answers, stdin, output)?;
+    match answer.as_deref() {
+        Some("w") => {
+            let old = read::text(spec_path)?;
+            let new = written::merged(&stream::name(spec_path), &old, &block, &written::stamp())?;
+            target::write(spec_path, &[] as &[&Path], new.as_bytes())?;
+            output.remark(&format!("{}: [table] is written", stream::name(spec_path)));
+        }
+        Some("y") => {}
+        _ => return Ok(None),
+    }
+    let mut opened = by_rules.open(&path)?;
+    let rules = sentences.as_ref().unwrap_or(&block).lines().map(str::trim).filter(|line| !line.is_empty());
+    let what = if sentences.is_some() { "these values of sentences, and nothing else" } else { "these rules" };
+    opened.notes.push(format!("confirmed on a terminal, {what}: {}", rules.map(shown).collect::<Vec<_>>().join(" · ")));
+    Ok(Some(opened))
+}
+
+/// Shows the values of parts as they would count.
+fn values(table: Table, output: &mut Output) -> Result<(), Failure> {
+    let name = Arc::clone(&table.name);
+    let titles: Vec<_> = table.kinds().map(DeviationKind::key).collect();
+    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
+    let mut count = 0;
+    for block in &blocks {
+        let rejected = block.rejected_rows();
+        for row in 0..block.rows() {
+            count += 1;
+            if count > PARTS_SHOWN {
+                continue;
+            }
+            let part = block.name(row).map_or_else(|| format!("part {count}"), |name| shown(&name));
+            let each =
+                titles.iter().enumerate().map(|(at, key)| format!("{key} {}", in_words(block.values(at).at(row))));
+            let said =
+                if rejected.contains(&row) { "rejected".to_owned() } else { each.collect::<Vec<_>>().join(", ") };
+            output.message(&format!("{part}: {said}"));
+        }
+    }
+    if count > PARTS_SHOWN {
+        output.message(&format!("… and {} more parts", count - PARTS_SHOWN));
+    }
+    Ok(())
+}
