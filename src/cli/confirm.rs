@@ -54,9 +54,9 @@ pub(super) fn confirmed(
     values(by_rules.open(&path)?.table, output)?;
     let can_write = sentences.is_none() && !is_dash(spec_path);
     let (question, answers): (_, &[&str]) = if can_write {
-        ("use these values, and leave out the rest? y, n, or w to write it to the spec as well", &["y", "n", "w"])
+        ("use these values, and leave out the rest? (w writes it to the spec as well)", &["y", "n", "w"])
     } else {
-        ("use these values, and leave out the rest? y or n", &["y", "n"])
+        ("use these values, and leave out the rest?", &["y", "n"])
     };
     let answer = terminal::ask(question, answers, stdin, output)?;
     match answer.as_deref() {

@@ -66,8 +66,11 @@ pub(super) fn ask(
     output: &mut Output,
 ) -> Result<Option<String>, Failure> {
     let mut is_new = false;
+    let mut is_asked = false;
     loop {
-        output.message(&format!("{question} [{}]", answers.join("/")));
+        if !std::mem::replace(&mut is_asked, true) {
+            output.message(&format!("{question} [{}]", answers.join("/")));
+        }
         let stdin = rest.get_or_insert_with(|| {
             is_new = true;
             Stdin::new(Arc::clone(signals::signals(output).stop()))
@@ -86,6 +89,7 @@ pub(super) fn ask(
         if answers.contains(&answer.as_str()) {
             return Ok(Some(answer));
         }
+        is_asked = false;
     }
 }
 

@@ -71,10 +71,11 @@ pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     let mut left: Vec<Candidate<'_>> = of_open.collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
     let mut guesses = Vec::new();
-    if !has(Role::PartId) {
+    guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
+    let has_values = matched.owners.iter().any(|owner| matches!(owner, Some(Owner::Role(Role::Value(_)))));
+    if !has(Role::PartId) && (has_values || !guesses.is_empty()) {
         guesses.extend(take(&mut left, name_of_part));
     }
-    guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
     guesses.extend(take(&mut left, |columns| {
         if has(Role::Status) {
             return None;

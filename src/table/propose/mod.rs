@@ -123,7 +123,10 @@ impl Proposal {
     /// Of a table whose columns are looked at, by its first rows.
     pub(crate) fn of_matched(file: &str, layout: &Arc<Layout>, matched: Matched, rows: &[Record], want: &Want) -> Self {
         let guesses = guess::columns(&matched, rows, want);
+        let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, layout, matched.open);
+        let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
+        proposal.rules.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
         let is_guessed =
             |rule: &Rule| matches!(rule, Rule::Ignore(title) if guesses.iter().any(|guess| guess.title == *title));
         proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));

@@ -1,12 +1,13 @@
 //! The rules that a proposal would add to a contract, each exact, a guess, or a choice that is left to a person.
 
 use super::lines::{Shapes, common, fitting, generalised};
+use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use crate::table::block::Odd;
 use crate::table::contract::{Open, Owner};
 use crate::table::dictionary::{Heading, Role};
 use crate::table::layout::Layout;
-use crate::table::want::quoted;
+use crate::table::want::{Want, quoted};
 
 /// How sure a rule is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -101,6 +102,13 @@ fn line(text: &str, at_most: u64) -> Suggestion {
     let is_guess = like.is_some();
     let rule = Rule::Lines { exact: vec![exact], like, at_most };
     if is_guess { rule.guess("any number there") } else { rule.exact() }
+}
+
+/// That nothing tells which column has values.
+pub(super) fn no_values(want: &Want) -> Suggestion {
+    let kind = want.expected.first().copied().unwrap_or(DeviationKind::RackPitch);
+    let entry = "{ name = \"…\", unit = \"um\" }".to_owned();
+    Rule::Column { key: kind.key().to_owned(), entry }.choice("say which column it is")
 }
 
 /// What becomes of parts that are there more than once.
