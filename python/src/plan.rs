@@ -58,9 +58,9 @@ impl Asked {
                 other => return Err(unknown("model", other, "'exact' or 'paper'")),
             },
             stack: match self.stack.as_str() {
-                "range" | "worst" => Stack::Range,
+                "worst_case" | "worst-case" | "worst" | "range" => Stack::Range,
                 "rss" => Stack::Rss,
-                other => return Err(unknown("stack", other, "'range' or 'rss'")),
+                other => return Err(unknown("stack", other, "'worst_case' or 'rss'")),
             },
             rule,
             columns: self.columns.clone(),
@@ -176,7 +176,7 @@ fn pieces(batch: &RecordBatch) -> Vec<RecordBatch> {
 #[pymethods]
 impl Plan {
     #[new]
-    #[pyo3(signature = (spec, *, columns = None, stack = "range", rule = None, model = "exact", ignore = Vec::new(), partial = false, threads = 1))]
+    #[pyo3(signature = (spec, *, columns = None, stack = "worst_case", rule = None, model = "exact", ignore = Vec::new(), partial = false, threads = 1))]
     #[expect(clippy::too_many_arguments, reason = "options that Python gives by name")]
     fn new(
         py: Python<'_>,

@@ -1,12 +1,51 @@
-//! A progress bar where somebody watches.
+//! How far a run is, where somebody watches: one line of standard error that is drawn over, and cleared before anything
+//! else is written.
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, IsTerminal as _};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
+use super::line::{begin_waiting, clear, draw_line, draw_waiting, no_waiting};
 use super::output::{Output, is_dumb};
 
-/// How far a run is, on one line of standard error that is drawn over and cleared at the end; nothing at all unless
-/// that is a terminal that can.
+fn is_watched(output: &Output) -> bool {
+    io::stderr().is_terminal() && !is_dumb() && !output.is_quiet()
+}
+
+/// A run of which it is not known how far it is: from a second on, the line says how long it has taken.
+pub(super) struct Waiting {
+    over: Sender<()>,
+}
+
+impl Waiting {
+    /// Begins to wait for what is called `name`, if somebody watches.
+    pub(super) fn begin(name: &str, output: &Output) -> Option<Self> {
+        const EVERY: Duration = Duration::from_secs(1);
+        if !is_watched(output) {
+            return None;
+        }
+        begin_waiting();
+        let (over, is_over) = channel::<()>();
+        let (name, begun) = (name.to_owned(), Instant::now());
+        std::thread::spawn(move || {
+            while is_over.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+                let text = format!("{name}: {:.0} s", begun.elapsed().as_secs_f64());
+                draw_waiting(&text);
+            }
+        });
+        Some(Self { over })
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        no_waiting();
+        // the thread may have ended before
+        let _ = self.over.send(());
+    }
+}
+
+/// How far a run is, of which that is known.
 ///
 /// Our own, because the libraries for it load the platform's mathematics at every start of the program, `eval`'s too.
 pub(super) struct Bar {
@@ -17,11 +56,8 @@ pub(super) struct Bar {
 
 impl Bar {
     pub(super) fn new(output: &Output) -> Self {
-        Self {
-            watched: io::stderr().is_terminal() && !is_dumb() && !output.is_quiet(),
-            begun: Instant::now(),
-            drawn: None,
-        }
+        no_waiting();
+        Self { watched: is_watched(output), begun: Instant::now(), drawn: None }
     }
 
     /// Since the run began, s.
@@ -38,25 +74,23 @@ impl Bar {
             return;
         }
         self.drawn = Some(Instant::now());
-        let mut line = format!("\r{}", message());
+        let mut text = message();
         if let Some(share) = share {
             let share = share.clamp(0.0, 1.0);
             // between 0 and the number of cells
             let full = (share * CELLS as f64) as usize;
-            line.push_str(&format!("  {}{} {:.0} %", "█".repeat(full), "░".repeat(CELLS - full), 100.0 * share));
+            text.push_str(&format!("  {}{} {:.0} %", "█".repeat(full), "░".repeat(CELLS - full), 100.0 * share));
             if share > 0.0 {
-                line.push_str(&format!("  {:.0} s left", self.seconds() * (1.0 - share) / share));
+                text.push_str(&format!("  {:.0} s left", self.seconds() * (1.0 - share) / share));
             }
         }
-        line.push_str("\x1b[K");
-        // nobody is there to be told that the bar cannot be drawn
-        let _ = io::stderr().lock().write_all(line.as_bytes());
+        draw_line(&text);
     }
 
     /// Clears the line.
     pub(super) fn finish(&self) {
         if self.drawn.is_some() {
-            let _ = io::stderr().lock().write_all(b"\r\x1b[K");
+            clear();
         }
     }
 }

@@ -36,7 +36,7 @@ Without entries there, the paper's five errors are free. --delta-cd stands in pl
 
 Examples:
   rackmesh budget rack.toml
-  rackmesh budget rack.toml --delta-cd 50um --stack worst
+  rackmesh budget rack.toml --delta-cd 50um --stack worst-case
   rackmesh budget rack.toml --stack simulation --conforming 0.999 --plot tornado.svg
 
 Exit status: 0 if the limit can be met, 1 if fixed tolerances break it, 2 if there is no result.")]
@@ -48,7 +48,7 @@ pub(super) struct Args {
     delta_cd: Option<Length>,
     /// How errors add up.
     #[arg(long, value_parser = [
-        PossibleValue::new("worst").help("The bound of all tolerances"),
+        PossibleValue::new("worst-case").alias("worst").help("The bound of all tolerances"),
         PossibleValue::new("rss").help("Tolerances as three standard deviations around the bound of what was measured; no bound"),
         PossibleValue::new("simulation").help("A fraction of random assemblies"),
     ])]

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, TypedValueParser as _};
+
 use super::calc::sensible;
+use super::completions::Suggested;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part, plausible};
@@ -36,10 +39,10 @@ Exit status: 0; 1 if no grade stays within --delta-cd; 2 if there is no result."
 )]
 pub(super) struct Args {
     /// The standard and edition; of the spec's [tolerance] unless given.
-    #[arg(long)]
+    #[arg(long, value_parser = Suggested(standards).try_map(|name| name.parse::<Standard>()), hide_possible_values = true)]
     standard: Option<Standard>,
     /// The grade.
-    #[arg(long, required_unless_present_any = ["obtained", "delta_cd"], conflicts_with_all = ["obtained", "delta_cd"])]
+    #[arg(long, conflicts_with_all = ["obtained", "delta_cd"])]
     grade: Option<u8>,
     /// The grade that the measured values of this spec reach.
     #[arg(long, value_name = "SPEC", conflicts_with_all = ["spec", "delta_cd"])]
@@ -54,22 +57,22 @@ pub(super) struct Args {
     #[arg(long, value_parser = ["pinion", "rack"], default_value = "pinion")]
     part: String,
     /// Normal module m_n.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     normal_module: Option<Length>,
     /// Reference diameter d; for a rack a length, `pinion`, or `developed`.
-    #[arg(long, value_parser = rack_diameter, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = rack_diameter, allow_hyphen_values = true)]
     diameter: Option<RackDiameter>,
     /// Face width.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     face_width: Option<Length>,
     /// Number of teeth z.
-    #[arg(long, alias = "teeth", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "Z", alias = "teeth", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     tooth_count: Option<u32>,
     /// Helix angle β, right hand positive.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
     helix_angle: Option<Angle>,
     /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
     pressure_angle: Option<Angle>,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
@@ -79,6 +82,10 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
     format: Format,
+}
+
+fn standards() -> Vec<PossibleValue> {
+    Standard::ALL.map(|standard| PossibleValue::new(standard.id())).into()
 }
 
 fn rack_diameter(text: &str) -> Result<RackDiameter, String> {
@@ -107,10 +114,9 @@ impl Args {
             None => Some(self.set.without_file(output)?),
         };
         let written = spec.as_ref().and_then(|spec| spec.get(keys::TOLERANCE_STANDARD));
-        let Some(standard) = self.standard.or(written) else {
-            let known = Standard::ALL.map(Standard::id).join(", ");
-            let help = format!("give --standard, or [tolerance] standard in the spec: {known}");
-            return Err(Diagnostic::usage("no standard is given, and there is no default").help(help).into());
+        let is_complete = self.grade.is_some() || self.delta_cd.is_some() || path.as_ref().is_some_and(|path| path.1);
+        let Some(standard) = self.standard.or(written).filter(|_| is_complete) else {
+            return Err(self.lacking(self.standard.or(written), is_complete, spec.as_ref())?.into());
         };
         let doubts = self.doubts(output)?;
         match (&spec, &path) {
@@ -118,10 +124,29 @@ impl Args {
             _ => match (self.grade, &self.delta_cd) {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), doubts, output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
-                // clap requires one of them
-                (None, None) => Err(Diagnostic::usage("give --grade, --obtained or --delta-cd").into()),
+                (None, None) => Err(self.lacking(Some(standard), false, spec.as_ref())?.into()),
             },
         }
+    }
+
+    /// Everything that is not given, in one go.
+    fn lacking(&self, standard: Option<Standard>, has_task: bool, spec: Option<&Spec>) -> Result<Diagnostic, Failure> {
+        let mut lacks = Vec::new();
+        if standard.is_none() {
+            let known = Standard::ALL.map(Standard::id).join(", ");
+            lacks.push(format!("--standard, or [tolerance] standard in the spec ({known}; there is no default)"));
+        }
+        if !has_task {
+            lacks.push("--grade, or --delta-cd, or --obtained SPEC".to_owned());
+        }
+        let of = standard.unwrap_or(Standard::Iso1328Part1Of1995);
+        // a diameter that is not said stops what asks for the wheel
+        let wheel = self.sized(self.part(), spec).map(|sized| sized.wheel).unwrap_or_default();
+        let sizes = of.sizes_missing(self.grade.unwrap_or(*of.grades().end()), &wheel);
+        if !sizes.is_empty() {
+            lacks.push(format!("{}, or --spec SPEC with them", options_of(&sizes)));
+        }
+        Ok(Diagnostic::usage("the class is not asked for completely").help(format!("give {}", lacks.join("; and "))))
     }
 
     /// What is suspicious about the options; what is impossible is refused.
@@ -256,7 +281,8 @@ impl Args {
             first.filter(|_| rows.is_empty())
         };
         if let Some((_, _, error)) = fatal.or_else(nothing) {
-            return Err(no_class(error).into());
+            let missing = standard.sizes_missing(grade, &sized.wheel);
+            return Err(no_class(error, &missing).into());
         }
         let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         rows.sort_by_key(|row| row.permissible.deviation);
@@ -297,7 +323,7 @@ impl Args {
                 };
                 match grade::obtained(standard, part, deviation, value.amount, &value.origin, &sized.wheel) {
                     Ok(one) => obtained.push(one),
-                    Err(error @ StandardError::OutOfScope { .. }) => return Err(no_class(&error).into()),
+                    Err(error @ StandardError::OutOfScope { .. }) => return Err(no_class(&error, &[]).into()),
                     Err(error) => not_graded.push(format!("{} {deviation}: {}", part.name(), reason(&error))),
                 }
             }
@@ -453,7 +479,7 @@ fn remarks(rows: &[ClassRow], meshing: &Meshing) -> Vec<String> {
 /// Why there is no ΔCD of any grade.
 fn no_tolerance(error: &NoEffect) -> Diagnostic {
     match error {
-        NoEffect::Standard(error) => no_class(error),
+        NoEffect::Standard(error) => no_class(error, &[]),
         error => Diagnostic::error(Code::NoResult, format!("ΔCD of a class has no value: {error}"))
             .help("give it as an option or in the spec"),
     }
@@ -492,14 +518,22 @@ fn reason(error: &StandardError) -> String {
     }
 }
 
-fn no_class(error: &StandardError) -> Diagnostic {
+/// Why there is no value, with all sizes that are `missing` where one is.
+fn no_class(error: &StandardError, missing: &[Size]) -> Diagnostic {
     let diagnostic = Diagnostic::error(Code::NoClass, error.to_string());
     match error {
         StandardError::Missing { size, .. } => {
-            diagnostic.help(format!("give --{}, or --spec SPEC with it", option_of(*size)))
+            let sizes = if missing.is_empty() { std::slice::from_ref(size) } else { missing };
+            let them = if sizes.len() == 1 { "it" } else { "them" };
+            diagnostic.help(format!("give {}, or --spec SPEC with {them}", options_of(sizes)))
         }
         _ => diagnostic,
     }
+}
+
+/// The options that give these sizes.
+fn options_of(sizes: &[Size]) -> String {
+    sizes.iter().map(|size| format!("--{}", option_of(*size))).collect::<Vec<_>>().join(", ")
 }
 
 fn positive(size: Size, length: Option<Length>) -> Result<(), Failure> {

@@ -1,5 +1,8 @@
 //! `rackmesh completions`: shell completions.
 
+use std::ffi::OsStr;
+
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap_complete::Shell;
 
 use super::output::{Failure, Output, Status};
@@ -14,6 +17,27 @@ pub(super) const ABOUT: &str = "Print completions for a shell";
 pub(super) struct Args {
     /// The shell.
     shell: Shell,
+}
+
+/// Takes any text, and tells shells what it may be.
+#[derive(Clone)]
+pub(super) struct Suggested(pub(super) fn() -> Vec<PossibleValue>);
+
+impl TypedValueParser for Suggested {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new((self.0)().into_iter()))
+    }
 }
 
 impl Args {

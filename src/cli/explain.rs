@@ -2,10 +2,13 @@
 
 use std::fmt::Write as _;
 
+use clap::builder::PossibleValue;
+
+use super::completions::Suggested;
 use super::output::{Failure, Output, Status};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, wrap};
 use crate::formula::{CATALOGUE, FormulaPage as Page};
-use crate::report::{Column, Table, table_text, wrap};
+use crate::report::{Column, Table, table_text};
 use crate::spec::{self, KeyEntry};
 
 pub(super) const ABOUT: &str = "Print the page of a formula, a method or a diagnostic code";
@@ -19,6 +22,7 @@ pub(super) const ABOUT: &str = "Print the page of a formula, a method or a diagn
   rackmesh explain keys           every key of the spec; also one of them, such as rack.face_width")]
 pub(super) struct Args {
     /// A formula, a method, a diagnostic code or a key of the spec; without one, all are listed.
+    #[arg(value_parser = Suggested(topics), hide_possible_values = true)]
     topic: Option<String>,
 }
 
@@ -165,9 +169,16 @@ fn names() -> impl Iterator<Item = &'static str> {
     CATALOGUE.iter().chain(METHODS).map(|page| page.name).chain(Code::ALL.iter().map(|code| code.name()))
 }
 
+/// The topics that shells complete.
+fn topics() -> Vec<PossibleValue> {
+    let keys = spec::keys().into_iter().map(|key| PossibleValue::new(key.path).help(key.doc));
+    names().chain([KEYS]).map(PossibleValue::new).chain(keys).collect()
+}
+
 fn unknown(topic: &str) -> Diagnostic {
-    let similar = names()
-        .map(|name| (strsim::jaro_winkler(topic, name), name))
+    let all = || names().map(str::to_owned).chain(spec::keys().into_iter().map(|key| key.path));
+    let similar = all()
+        .map(|name| (strsim::jaro_winkler(topic, &name), name))
         .filter(|(likeness, _)| *likeness > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let message = format!("there is no formula, method or diagnostic `{topic}`");

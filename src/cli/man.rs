@@ -1,17 +1,20 @@
 //! `rackmesh man`: manual pages.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::{self, Stdio};
 
 use clap::Command;
 
 use super::output::{Failure, Output, Status};
 use super::target;
 
-pub(super) const ABOUT: &str = "Print the manual page, or write those of all subcommands";
+pub(super) const ABOUT: &str = "Show the manual page, or write those of all subcommands";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  rackmesh man | man -l -
+  rackmesh man
+  rackmesh man > rackmesh.1
   rackmesh man --dir ~/.local/share/man/man1")]
 pub(super) struct Args {
     /// Write one page per subcommand to this folder.
@@ -30,9 +33,22 @@ impl Args {
         }
         let mut page = Vec::new();
         clap_mangen::Man::new(super::command()).render(&mut page)?;
-        output.text(&String::from_utf8_lossy(&page))?;
+        if output.screen().width.is_none() {
+            output.text(&String::from_utf8_lossy(&page))?;
+        } else if !is_shown(&page) {
+            output.text(&super::command().render_long_help().to_string())?;
+        }
         Ok(Status::Pass)
     }
+}
+
+/// Shows a page by the system's `man`; whether there is one that can.
+fn is_shown(page: &[u8]) -> bool {
+    let man = process::Command::new("man").args(["-l", "-"]).stdin(Stdio::piped()).stderr(Stdio::null()).spawn();
+    let Ok(mut man) = man else { return false };
+    // who leaves the pager early closes the pipe
+    let _ = man.stdin.take().map(|mut pipe| pipe.write_all(page));
+    man.wait().is_ok_and(|status| status.success())
 }
 
 /// Writes the page of a command and those of its subcommands.

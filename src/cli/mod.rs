@@ -15,6 +15,7 @@ mod eval;
 mod explain;
 mod held;
 mod init;
+mod line;
 mod man;
 mod measure;
 mod mesh;
@@ -76,7 +77,10 @@ macro_rules! subcommand {
             name: $name,
             about: $module::ABOUT,
             // a set of arguments taken in by another one would put its own description in place of the subcommand's
-            arguments: |command| $module::Args::augment_args(command).about($module::ABOUT).long_about(None::<&str>),
+            arguments: |command| {
+                let command = $module::Args::augment_args(command);
+                with_short_help(command).about($module::ABOUT).long_about(None::<&str>)
+            },
             run: |matches, output| $module::Args::from_arg_matches(matches).map_err(Failure::Usage)?.run(output),
         }
     };
@@ -144,24 +148,48 @@ fn help_template() -> String {
     template + "\nOptions:\n{options}{after-help}"
 }
 
+/// What is asked for seldom, by its name within the program: `-h` leaves it out.
+const SELDOM: &str = "model seed digits tolerance decimals columns rejects strict junit annotations threads partial \
+                      first_rack study merge conforming distribution no_worst_teeth worst_teeth only_failures";
+
+/// A subcommand whose `-h` fits a screen; `--help` has all.
+fn with_short_help(command: Command) -> Command {
+    const MOST_EXAMPLES: usize = 2;
+    let is_seldom = |argument: &clap::Arg| {
+        let is_of_tables = argument.get_help_heading().is_some();
+        is_of_tables || SELDOM.split_whitespace().any(|seldom| argument.get_id() == seldom)
+    };
+    let command = command.mut_args(|argument| {
+        let is_hidden = is_seldom(&argument) || argument.is_hide_short_help_set();
+        argument.hide_short_help(is_hidden)
+    });
+    let Some(all) = command.get_after_help().map(ToString::to_string) else { return command };
+    let examples = all.split("\n\n").find(|part| part.starts_with("Example")).unwrap_or_default();
+    let examples: Vec<_> = examples.lines().take(1 + MOST_EXAMPLES).collect();
+    command.after_help(examples.join("\n")).after_long_help(all)
+}
+
 /// Behind the options that a subcommand has of its own.
 const LAST: usize = 1000;
 
 // what every subcommand takes; no documentation, for that would be the program's own
 #[derive(clap::Args)]
 struct Global {
-    /// Print help.
-    #[arg(long, short, global = true, display_order = LAST, action = ArgAction::HelpShort)]
+    /// Print help; --help has all of it.
+    #[arg(long, short, global = true, display_order = LAST, action = ArgAction::Help)]
     help: Option<bool>,
+    /// Show every remark on a result, not the first two.
+    #[arg(long, short, global = true, display_order = LAST, conflicts_with = "quiet")]
+    verbose: bool,
     /// Leave out remarks and progress; warnings and errors stay.
     #[arg(long, short, global = true, display_order = LAST)]
     quiet: bool,
     /// Put an apostrophe before texts in CSV that a spreadsheet would compute.
-    #[arg(long, global = true, display_order = LAST)]
+    #[arg(long, global = true, display_order = LAST, hide_short_help = true)]
     safe_csv: bool,
     /// When to use colours: auto, always or never.
     #[arg(long, global = true, display_order = LAST, value_name = "WHEN", default_value = "auto")]
-    #[arg(hide_possible_values = true)]
+    #[arg(hide_possible_values = true, hide_short_help = true)]
     color: ColorChoice,
 }
 
@@ -176,13 +204,12 @@ pub fn command() -> Command {
         .after_help(EXAMPLES)
         .subcommand_required(true)
         .arg_required_else_help(true)
-        // one page for -h and --help; what each value means is in docs/flags.md
         .disable_help_flag(true);
     for subcommand in subcommands() {
         let arguments = Command::new(subcommand.name).about(subcommand.about).defer(subcommand.arguments);
         command = command.subcommand(arguments);
     }
-    command
+    with_short_help(command)
 }
 
 /// Runs the program with the process's own arguments.
@@ -197,7 +224,7 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let _watched = signals::watch();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let matches = command().try_get_matches_from(&arguments);
-    let (Global { quiet, color, safe_csv, .. }, matches) =
+    let (Global { quiet, verbose, color, safe_csv, .. }, matches) =
         match matches.and_then(|found| Ok((Global::from_arg_matches(&found)?, found))) {
             Ok(matches) => matches,
             Err(error) => {
@@ -206,9 +233,15 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             }
         };
     let mut output = Output::new(color, quiet, safe_csv);
+    output.show_all_remarks(verbose);
+    let waiting = bar::Waiting::begin(matches.subcommand_name().unwrap_or_default(), &output);
     let called = called(&matches, &mut output);
+    drop(waiting);
     // a subcommand is required, so there always is one
     let status = output.finish(called.unwrap_or(Ok(Status::Pass)));
+    for name in target::written() {
+        output.remark(&format!("wrote {name}"));
+    }
     for line in target::said() {
         output.message(&line);
     }
@@ -238,6 +271,28 @@ fn called(matches: &ArgMatches, output: &mut Output) -> Option<Result<Status, Fa
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn lines_of_short_help(command: &mut Command, found: &mut Vec<(String, usize)>) {
+        let mut alone = command.clone().term_width(80);
+        found.push((command.get_name().to_owned(), alone.render_help().to_string().lines().count()));
+        command.get_subcommands_mut().for_each(|inner| lines_of_short_help(inner, found));
+    }
+
+    #[test]
+    fn the_short_help_fits_a_screen_and_the_long_one_has_all() {
+        let mut command = command().disable_help_subcommand(true);
+        command.build();
+        let mut found = Vec::new();
+        lines_of_short_help(&mut command, &mut found);
+        let too_long: Vec<_> = found.iter().filter(|(_, lines)| *lines > 40).collect();
+        assert!(found.len() > 20 && too_long.is_empty(), "{too_long:?}");
+        let batch = command.find_subcommand_mut("batch").expect("a subcommand");
+        assert!(!batch.render_help().to_string().contains("--strict"));
+        let help = batch.render_long_help().to_string();
+        for argument in batch.get_arguments().filter_map(clap::Arg::get_long) {
+            assert!(help.contains(&format!("--{argument}")), "{argument}");
+        }
+    }
 
     #[test]
     fn the_help_of_each_subcommand_begins_with_what_it_does() {

@@ -7,10 +7,12 @@ use std::sync::atomic::AtomicBool;
 
 use anstream::AutoStream;
 use clap::ColorChoice;
+use terminal_size::{Height, Width, terminal_size_of};
 
 use super::held::{Answer, Held, HeldSpec};
+use super::line;
 use super::target::named;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, harmless, harmless_lines, render};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, harmless, harmless_lines, render, wrap};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
@@ -108,6 +110,16 @@ pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
 }
 
+/// The columns of a terminal; one that does not tell its width is taken to be 80 columns wide.
+fn width_of(is_terminal: bool, size: Option<(Width, Height)>) -> Option<u16> {
+    is_terminal.then(|| size.map_or(80, |(width, _)| width.0))
+}
+
+fn width_of_stderr() -> Option<u16> {
+    let stderr = io::stderr();
+    width_of(stderr.is_terminal(), terminal_size_of(&stderr))
+}
+
 /// Standard output and standard error, each with its own answer to whether it is a screen.
 pub(super) struct Output {
     stdout: io::Stdout,
@@ -130,15 +142,14 @@ impl Output {
         };
         choice.write_global();
         let (stdout, stderr) = (io::stdout(), io::stderr());
-        // a terminal that does not tell its width is taken to be 80 columns wide
-        let width = || terminal_size::terminal_size_of(&stdout).map_or(80, |(width, _)| width.0);
         Self {
             screen: Screen {
-                width: stdout.is_terminal().then(width),
+                width: width_of(stdout.is_terminal(), terminal_size_of(&stdout)),
                 color: AutoStream::choice(&stdout) != anstream::ColorChoice::Never,
                 is_dumb: is_dumb(),
                 is_quiet,
                 safe_csv,
+                shows_all_remarks: false,
             },
             color_messages: AutoStream::choice(&stderr) != anstream::ColorChoice::Never,
             is_quiet,
@@ -183,6 +194,11 @@ impl Output {
     /// The spec that a program holds, in place of a file.
     pub(super) fn held_spec(&mut self) -> Option<HeldSpec> {
         self.held.as_mut()?.spec.take()
+    }
+
+    /// Says whether results come with every remark.
+    pub(super) fn show_all_remarks(&mut self, all: bool) {
+        self.screen.shows_all_remarks = all;
     }
 
     /// What standard output is shown on.
@@ -233,6 +249,7 @@ impl Output {
             text.clone_into(&mut answer.markdown);
             return Ok(());
         }
+        line::clear();
         let mut stdout = self.stdout.lock();
         let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
         Ok(written.map_err(|error| named(STDOUT, &error))?)
@@ -255,11 +272,12 @@ impl Output {
         if let Some(Held { answer, .. }) = &mut self.held {
             return answer.remarks.push(text.to_owned());
         }
-        self.say(&harmless(text));
+        self.say(&wrap(&harmless(text), width_of_stderr()));
     }
 
     /// Writes lines to standard error in which nothing steers a terminal but the program's own colours.
     fn say(&mut self, text: &str) {
+        line::clear();
         // there is nowhere left to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
     }
@@ -269,7 +287,7 @@ impl Output {
         if let Some(Held { answer, .. }) = &mut self.held {
             return answer.warnings.push(diagnostic.clone());
         }
-        self.say(&render(diagnostic, self.color_messages));
+        self.say(&render(diagnostic, self.color_messages, width_of_stderr()));
     }
 
     /// Shows why a command has no result, if it has none.
@@ -292,7 +310,8 @@ impl Output {
 /// Prints help, the version, or what is wrong with the arguments, of which some may be names of files that a stranger gave.
 pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
     if error.use_stderr() {
-        write!(io::stderr().lock(), "{}", harmless_lines(&error.render().to_string()))
+        let text = wrap(&harmless_lines(&error.render().to_string()), width_of_stderr());
+        write!(io::stderr().lock(), "{text}")
     } else {
         error.print()
     }

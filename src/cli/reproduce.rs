@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use super::bar::Bar;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
-use super::target::{self, shown};
+use super::target;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::chart::{Chart, Layer, Shape};
 use crate::report::{Format, Reproduction};
@@ -54,7 +54,6 @@ impl Args {
                     "centre distance [mm]".clone_into(&mut chart.y.label);
                     let path = folder.join(format!("{name}-{suffix}.svg"));
                     Picture::begin(&path, &[])?.draw(&chart)?.finish()?;
-                    output.remark(&format!("wrote {}", shown(&path)));
                 }
             }
         }

@@ -1,12 +1,13 @@
 //! `--set KEY=VALUE`, and the spec that is read with it: what every subcommand that takes a spec has in common.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
 use std::io::Read as _;
 use std::path::Path;
 
-use clap::builder::{PossibleValue, StringValueParser, StyledStr, TypedValueParser};
+use clap::builder::{PossibleValue, StyledStr};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use super::completions::Suggested;
 use super::held::HeldSpec;
 use super::output::{Failure, Output};
 use super::stream;
@@ -16,9 +17,10 @@ use crate::spec::{self, LARGEST_SPEC, Spec};
 
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct SetArgs {
-    /// Set a key of the spec, in place of what the file says: `errors.rack_pitch=12um`; may be repeated. The keys are
-    /// those of `rackmesh explain keys`.
-    #[arg(long, value_name = "KEY=VALUE", value_parser = Keys, hide_possible_values = true)]
+    /// Set a key of the spec: `errors.rack_pitch=12um`
+    ///
+    /// It takes the place of what the file says; may be repeated. `rackmesh explain keys` lists all keys.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = Suggested(keys), hide_possible_values = true)]
     set: Vec<String>,
 }
 
@@ -32,6 +34,7 @@ impl SetArgs {
         let name = &stream::name(path);
         let most = LARGEST_SPEC as u64 + 1;
         let read = if is_dash(path) {
+            super::line::no_waiting();
             std::io::stdin().lock().take(most).read_to_end(&mut bytes)
         } else {
             std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes))
@@ -96,23 +99,7 @@ pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> c
     error
 }
 
-/// Takes any text, and tells shells the keys that it may begin with.
-#[derive(Clone)]
-struct Keys;
-
-impl TypedValueParser for Keys {
-    type Value = String;
-
-    fn parse_ref(
-        &self,
-        command: &clap::Command,
-        argument: Option<&clap::Arg>,
-        value: &OsStr,
-    ) -> Result<String, clap::Error> {
-        StringValueParser::new().parse_ref(command, argument, value)
-    }
-
-    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(spec::keys().into_iter().map(|key| PossibleValue::new(key.path).help(key.doc))))
-    }
+/// What a setting may begin with.
+fn keys() -> Vec<PossibleValue> {
+    spec::keys().into_iter().map(|key| PossibleValue::new(key.path).help(key.doc)).collect()
 }

@@ -5,6 +5,7 @@ use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::line;
 use super::output::{Failure, Output, is_dumb};
 use super::signals;
 use super::stream::Stdin;
@@ -32,6 +33,7 @@ pub(super) fn read_block(output: &mut Output, largest: u64, rest: &mut Option<St
         stdin.take(largest.saturating_add(1)).read_to_end(&mut bytes).map_err(unread)?;
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
+    line::no_waiting();
     // the terminal is asked to mark pastes, and has to be told when that is over
     let interruption = signals::interrupted(output);
     output.remark(&format!("Paste the values, then press {END} (on a line of its own):"));

@@ -110,6 +110,11 @@ impl DeviationKind {
 
 display_by_name!(DeviationKind);
 
+/// A key of the spec, or a column of results, in words: `rack over-roller`.
+pub(crate) fn key_in_words(key: &str) -> String {
+    key.replace('_', " ").replace("over roller", "over-roller")
+}
+
 /// The value of an error: a length, or an angle for a lead error of the rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DeviationValue {

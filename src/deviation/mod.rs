@@ -21,6 +21,7 @@ pub use error::{DeviationError, DeviationQuantity};
 pub(crate) use error::{MAX_LEAD_RAD, MAX_LENGTH_MM};
 pub use extent::{Countable, Extent, UnknownExtent};
 pub use form::{PinionForm, RackForm};
+pub(crate) use kind::key_in_words;
 pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{
     PinionToothRow, RackSpaceRow, RowValue, pinion_flanks_from_rows, pitch_steps, rack_flanks_from_spaces,

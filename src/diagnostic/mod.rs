@@ -8,11 +8,13 @@ mod code;
 mod harmless;
 #[cfg(feature = "spec")]
 mod render;
+mod wrap;
 
 pub use code::Code;
 pub use harmless::{harmless, harmless_lines, is_formula, is_steering};
 #[cfg(feature = "spec")]
 pub use render::render;
+pub use wrap::wrap;
 
 use std::fmt;
 use std::ops::Range;

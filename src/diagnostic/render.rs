@@ -7,20 +7,26 @@ use std::ops::Range;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::harmless::escaped;
-use super::{Diagnostic, Place, Severity, harmless};
+use super::{Diagnostic, Place, Severity, harmless, wrap};
 
 /// Longer lines are not shown, only where they are.
 const LONGEST: usize = 10_000;
 
-/// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal.
+/// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal. What is said
+/// breaks between words to fit `width`, if there is one.
 #[must_use]
-pub fn render(diagnostic: &Diagnostic, color: bool) -> String {
+pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> String {
+    /// What stands before help.
+    const HELP: u16 = "   = help: ".len() as u16;
     let level = match diagnostic.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
     let message = harmless(&diagnostic.message).into_owned();
     let message = diagnostic.list.iter().fold(message, |text, line| text + "\n  " + &harmless(line));
+    // `error[code]: `
+    let before = u16::try_from(diagnostic.code.name().len()).unwrap_or(0) + 11;
+    let message = wrap(&message, width.map(|width| width.saturating_sub(before)));
     let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
     let lines = diagnostic.place.as_ref().map(Lines::of);
@@ -38,8 +44,9 @@ pub fn render(diagnostic: &Diagnostic, color: bool) -> String {
         group = group.element(snippet.annotation(annotation));
     }
     let help = diagnostic.help.as_deref().map(harmless);
+    let help = help.map(|help| wrap(&help, width.map(|width| width.saturating_sub(HELP))));
     if let Some(help) = &help {
-        group = group.element(Level::HELP.message(help.as_ref()));
+        group = group.element(Level::HELP.message(help.as_str()));
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
     renderer.render(&[group])

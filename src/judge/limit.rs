@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::Interval;
 use crate::deviation::DeviationKind;
-use crate::quantity::Length;
+use crate::quantity::{Length, Rounded};
 
 /// Permitted values: from `lower` to `upper`, both inside; an end that is not given is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,10 +90,11 @@ impl Limit {
 /// `-0.03 … 0.05 mm`, `at most 0.05 mm`, `at least -0.03 mm` or `none`.
 impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (&self.lower, &self.upper) {
-            (Some(lower), Some(upper)) => write!(f, "{} … {upper}", lower.to_string().trim_end_matches(" mm")),
-            (None, Some(upper)) => write!(f, "at most {upper}"),
-            (Some(lower), None) => write!(f, "at least {lower}"),
+        let [lower, upper] = [self.lower, self.upper].map(|end| end.map(|end| Rounded(end.mm())));
+        match (lower, upper) {
+            (Some(lower), Some(upper)) => write!(f, "{lower} … {upper} mm"),
+            (None, Some(upper)) => write!(f, "at most {upper} mm"),
+            (Some(lower), None) => write!(f, "at least {lower} mm"),
             (None, None) => f.write_str("none"),
         }
     }

@@ -6,7 +6,7 @@ use std::ops::{Bound, RangeBounds as _};
 
 use thiserror::Error;
 
-use super::{Angle, Length, QuantityError};
+use super::{Angle, Length, QuantityError, Rounded};
 
 /// A named quantity and the values that it may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub enum DomainError {
         bounds: String,
     },
     /// A tooth as thick as the pitch leaves no space.
-    #[error("the tooth thickness s_n is {thickness}; it must be below the normal pitch π m_n = {pitch}")]
+    #[error("the tooth thickness s_n is {thickness}; it must be below the normal pitch π m_n = {} mm", Rounded(.pitch.mm()))]
     NoSpace {
         /// The tooth thickness.
         thickness: Length,
@@ -44,7 +44,7 @@ pub enum DomainError {
         pitch: Length,
     },
     /// No error in the domain reaches the ΔCD that was asked about.
-    #[error("no {error} reaches a ΔCD of {delta_cd}: the largest possible is {largest}")]
+    #[error("no {error} reaches a ΔCD of {delta_cd}: the largest possible is {} mm", Rounded(.largest.mm()))]
     NeverReached {
         /// The error's name.
         error: &'static str,

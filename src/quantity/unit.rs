@@ -232,7 +232,8 @@ const CASE_COUNTS: [&str; 4] = ["m", "nm", "mrad", "Grad"];
 pub(crate) fn spelling_pattern(spelling: &str) -> String {
     let letter = |letter: char| format!("[{}{}]", letter.to_ascii_lowercase(), letter.to_ascii_uppercase());
     let has_case = |letter: char| letter.is_ascii_alphabetic() && !CASE_COUNTS.contains(&spelling);
-    spelling.chars().map(|part| if has_case(part) { letter(part) } else { part.into() }).collect()
+    let sign = |part: char| if part == '.' { r"\.".to_owned() } else { part.into() };
+    spelling.chars().map(|part| if has_case(part) { letter(part) } else { sign(part) }).collect()
 }
 
 /// Whether a symbol is one of a unit's spellings, in any case where that changes nothing.

@@ -8,7 +8,7 @@ use super::number::{ends, grouped, millimetres, unsigned};
 use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, MOST_TESTED, Outcome, Part, Plan, QUANTILES, Quantity};
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, key_in_words};
 use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
@@ -119,7 +119,7 @@ impl ResultFact<'_> {
 
     /// Its name for people.
     fn shown(&self) -> String {
-        self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm").replace('_', " ")
+        key_in_words(self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm"))
     }
 
     fn indices(&self) -> [(&'static str, Option<Index>); 4] {

@@ -5,6 +5,7 @@ use std::io;
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
 use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColumns, ResultValues};
+use crate::deviation::key_in_words;
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
 
@@ -28,7 +29,7 @@ fn histogram(Quantity { name, limits, statistics, .. }: &Quantity) -> Option<Cha
     let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
     let counts = statistics.histogram(low, high, BINS);
     let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
-    let title = name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of ").replace('_', " ");
+    let title = key_in_words(&name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of "));
     let bars = counts.into_iter().enumerate().map(|(bin, count)| Bar {
         left: edge(bin),
         right: edge(bin + 1),

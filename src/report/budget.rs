@@ -4,7 +4,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text};
+use super::evaluation::{
+    ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text, why_ends_differ,
+};
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
@@ -171,6 +173,11 @@ impl BudgetReport<'_> {
         Some(format!("reached: {reached} mm, of the worst case's {bound} mm; {ON_WORST_TEETH}"))
     }
 
+    fn why_ends_differ(&self) -> Option<String> {
+        let alone: Vec<_> = self.budget.lines.iter().map(|line| Some(line.range)).collect();
+        why_ends_differ(&alone, self.budget.combined.range.ok(), &self.budget.notes)
+    }
+
     /// Horizontal bars for a screen.
     fn tornado(&self) -> Option<String> {
         const NAME: usize = 17;
@@ -240,7 +247,7 @@ impl Report for BudgetReport<'_> {
                     key: value,
                     "delta_cd_mm": value.map(|_| line.delta_cd),
                     "extent": line.error.extent().name(),
-                    "range_mm": value.map(|_| line.range),
+                    "worst_case_mm": value.map(|_| line.range),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
                     "class": class.map(class_fact),
@@ -294,7 +301,7 @@ impl Report for BudgetReport<'_> {
     fn blocks(&self) -> Vec<Block> {
         let budget = self.budget;
         let feasible = budget.is_feasible();
-        let share = if self.request.rule == Summation::WorstCase { "share" } else { "share of\nsquares" };
+        let share = if self.request.rule == Summation::WorstCase { "share of\nΔCD" } else { "share of\nsquares" };
         let has_extents = budget.lines.iter().any(|line| line.error.extent() != Extent::Each);
         let if_known = |line: &Line, text: String| (feasible || line.is_fixed).then_some(text);
         let grade = |line: &Line| self.grades.iter().find(|grade| grade.kind == line.error.kind());
@@ -332,7 +339,7 @@ impl Report for BudgetReport<'_> {
                 settings.draws
             )));
         }
-        blocks.extend(self.notes.iter().cloned().map(Block::Remark));
+        blocks.extend(self.why_ends_differ().into_iter().chain(self.notes.iter().cloned()).map(Block::Remark));
         blocks.extend(self.reached_text().map(Block::Note));
         blocks.push(if feasible {
             Block::Verdict(Some(Verdict::Pass), format!("{}{}", self.sentence(), assumed(&self.assumptions())))

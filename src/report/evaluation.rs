@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{ends, millimetres, percent, plain, signed, tidy, unsigned};
+use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, WITHOUT, fact, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
@@ -74,7 +74,7 @@ impl EvaluationReport<'_> {
                 "error": c.kind.key(),
                 deviation: c.value.base(),
                 "extent": c.extent.name(),
-                "range_mm": c.range.ok(),
+                "worst_case_mm": c.range.ok(),
                 "delta_cd_mm": c.delta_cd(model),
                 "delta_cd_exact_mm": c.exact,
                 "delta_cd_paper_mm": c.paper,
@@ -116,8 +116,7 @@ impl EvaluationReport<'_> {
             })
             .number("worst case\n[mm]", |c| c.range.map_or_else(|_| "open".to_owned(), |range| interval_text(&range)))
             .text("on", |c| c.extent_in_words())
-            .number("share", |c| c.share.map(percent))
-            .text(format!("formula ({model})"), |c| equation(c.kind, model))
+            .column_if(true, Column::text(format!("formula ({model})")).unless_narrow(), |c| equation(c.kind, model))
             .block_if_any()
     }
 
@@ -236,19 +235,32 @@ pub(super) fn assumed(assumptions: &[String]) -> String {
     }
 }
 
-/// What a bound rests on, a remark each.
+/// What a bound rests on, a remark each, the most important one first; what would narrow it is one remark.
 #[must_use]
 pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
-    notes.iter().map(|note| bound_note(note, missing)).collect()
+    let rank = |note: &&Note| match note {
+        Note::GeometryNeeded => 0,
+        Note::GeometryNarrows | Note::BothFlanksNarrows => 1,
+        Note::OwnCurveAt(_) => 3,
+        Note::WholeTeeth => 4,
+        _ => 2,
+    };
+    let mut ranked: Vec<_> = notes.iter().collect();
+    ranked.sort_by_key(rank);
+    let are_one = |a: &&Note, b: &&Note| rank(a) == 1 && rank(b) == 1;
+    let in_words = |notes: &[&Note]| notes.iter().map(|note| bound_note(note, missing)).collect::<Vec<_>>().join("; ");
+    ranked.chunk_by(are_one).map(in_words).collect()
 }
 
 /// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
 #[must_use]
 pub fn bound_note(note: &Note, missing: &[&str]) -> String {
     match note {
-        Note::GeometryNarrows => format!("the pair's geometry would narrow the worst case: {} missing", listed(missing)),
+        Note::GeometryNarrows => {
+            format!("Geometry incomplete, the bound is wider than it need be: {}", to_add(missing))
+        }
         Note::BothFlanksNarrows => {
-            "so would `contact = \"both flanks\"` below [pair], if a tooth of either part always carries with both flanks"
+            "`contact = \"both flanks\"` below [pair] narrows it, too, if a tooth of either part always carries with both flanks"
                 .to_owned()
         }
         Note::OwnCurveAt(0.0) => {
@@ -269,7 +281,7 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             "no bound of ΔCD is known where {} is off by its uncertainty: the results are shown without uncertainties",
             source.key()
         ),
-        Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {} missing", listed(missing)),
+        Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {}", to_add(missing)),
         Note::AssumedHeight(AssumedHeight { mm, from }) => {
             let from = match from {
                 HeightFrom::FaceWidth => "a quarter of the face width, as `pair.normal_module` is not given: a module above two thirds of that",
@@ -290,15 +302,38 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
     }
 }
 
-fn listed(keys: &[&str]) -> String {
-    match keys {
-        [] => "part of it is".to_owned(),
-        [one] => format!("`{one}` is"),
-        several => {
-            let keys: Vec<_> = several.iter().map(|key| format!("`{key}`")).collect();
-            format!("{} are", keys.join(", "))
-        }
+/// The keys that complete the geometry.
+fn to_add(keys: &[&str]) -> String {
+    let keys: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
+    if keys.is_empty() { "add what is missing of it".to_owned() } else { format!("add {}", keys.join(", ")) }
+}
+
+/// The last decimal that columns of mm have.
+const SEEN_MM: f64 = 1e-4;
+
+/// Why the ends of a worst case are not the sums of the ends that errors have alone, in a sentence; `None` if they are.
+pub(super) fn why_ends_differ(
+    errors: &[Option<Interval>],
+    combined: Option<Interval>,
+    notes: &[Note],
+) -> Option<String> {
+    let combined = combined?;
+    let own = notes.iter().find_map(|note| match note {
+        Note::OwnRange(range) | Note::KnownTeeth(range) => Some(*range),
+        Note::OwnCurveAt(mm) => Some(Range { lower: *mm, upper: *mm }),
+        _ => None,
+    });
+    let (mut lower, mut upper) = own.map_or((0.0, 0.0), |own| (own.lower, own.upper));
+    for error in errors {
+        let error = (*error)?;
+        (lower, upper) = (lower + error.lower.mm(), upper + error.upper.mm());
     }
+    let differs = |sum: f64, end: Length| (sum - end.mm()).abs() >= SEEN_MM;
+    (differs(lower, combined.lower) || differs(upper, combined.upper)).then(|| {
+        "the worst case is not the sum of the errors' own: where one error lifts a tooth out of contact, what another one \
+         lowers counts in full, and not every error lifts at the same stroke"
+            .to_owned()
+    })
 }
 
 /// What a class came to, for programs.
@@ -352,13 +387,9 @@ pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
         .into_iter()
         .flatten()
         .map(|(result, limit, side)| {
-            let by = (result - limit).abs();
-            format!(
-                "{} mm is {} mm {side} the limit {} mm",
-                millimetres(result.mm()),
-                unsigned(by.mm()),
-                plain(limit.mm())
-            )
+            let by = (result - limit).abs().mm();
+            let shown = if by < SEEN_MM { plain(by) } else { unsigned(by) };
+            format!("{} mm is {shown} mm {side} the limit {} mm", millimetres(result.mm()), plain(limit.mm()))
         })
         .collect();
     format!("{what}: {}", parts.join(", and "))
@@ -388,7 +419,7 @@ fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
 
 /// The columns of CSV, of an error, a combination, a limit or an uncertainty.
 const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm delta_cd_exact_mm delta_cd_paper_mm \
-                       model formula share lower_mm=range_mm/lower upper_mm=range_mm/upper \
+                       model formula share lower_mm=worst_case_mm/lower upper_mm=worst_case_mm/upper \
                        limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
                        standard=class/standard grade=class/grade diameter_mm=class/diameter_mm reason=limit/reason";
 
@@ -408,7 +439,6 @@ impl Report for EvaluationReport<'_> {
             "model": evaluation.model.name(),
             "contributions": self.contributions().collect::<Vec<_>>(),
             "combined": {
-                "range_mm": combined.range.ok(),
                 "worst_case_mm": combined.range.ok(),
                 "rss_mm": combined.rss.ok(),
             },
@@ -440,7 +470,7 @@ impl Report for EvaluationReport<'_> {
     fn rows(&self) -> Vec<Vec<String>> {
         let evaluation = &self.evaluation;
         let ends = |kind, name, range: Value| {
-            record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
+            record(kind, name, json!({ "model": evaluation.model.name(), "worst_case_mm": range }))
         };
         let mut records: Vec<_> =
             self.contributions().map(|fact| record("error", fact["error"].clone(), fact)).collect();
@@ -496,9 +526,14 @@ impl<'a> EvaluationReport<'a> {
     /// where they would narrow a range.
     #[must_use]
     pub fn new(title: Option<&'a str>, evaluation: Evaluation, missing: &[&str]) -> Self {
+        let alone: Vec<_> = evaluation.contributions.iter().map(|error| error.range.ok()).collect();
+        let why = why_ends_differ(&alone, evaluation.combined.range.ok(), &evaluation.notes);
+        let mut rests_on = bound_remarks(&evaluation.notes, missing);
+        // what is missing comes first
+        rests_on.splice(rests_on.len().min(1)..rests_on.len().min(1), why);
         Self {
             title,
-            rests_on: bound_remarks(&evaluation.notes, missing),
+            rests_on,
             evaluation,
             notes: Vec::new(),
             mesh: None,

@@ -11,7 +11,7 @@ use super::{Block, Column, Report, Screen, Table, document, fact, geometry, note
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
 use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
-use crate::mesh::{Curve, Mesh, PinionReading, RackReading, Summary};
+use crate::mesh::{Curve, FlankSide, Mesh, MeshPoint, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
 
 /// A solved stroke range.
@@ -63,13 +63,31 @@ impl MeshReport<'_> {
         let points: Vec<_> = self.curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect();
         let (low, high) = self.prediction.range_mm();
         let ends = points.first().into_iter().chain(points.last());
-        let layers = vec![
+        let mut layers = vec![
             Layer::new("formulas", Shape::Band(ends.map(|(x, _)| Span { x: *x, low, high }).collect())),
             Layer::new("limits", Shape::Limits(limits.map(Length::mm).collect())),
             Layer::new("exact mesh", Shape::Line(points)),
             Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
         ];
+        layers.extend(self.extreme_in_words());
         Chart::along_the_stroke(self.title.unwrap_or("ΔCD along the stroke"), layers)
+    }
+
+    /// The value farthest from 0, its stroke and the teeth that carry there; all that stands in the legend.
+    fn extreme_in_words(&self) -> Option<Layer> {
+        let farther = |a: &&MeshPoint, b: &&MeshPoint| a.delta_cd_mm.abs().total_cmp(&b.delta_cd_mm.abs());
+        let point = self.curve.points.iter().max_by(farther)?;
+        let carriers = [(FlankSide::Right, point.right), (FlankSide::Left, point.left)].map(|(side, carrier)| {
+            format!("{side} flank: rack tooth {} on pinion tooth {}", carrier.rack_tooth, carrier.pinion_tooth)
+        });
+        let text = format!(
+            "extreme {} mm at stroke {:.2} mm; {}",
+            millimetres(point.delta_cd_mm),
+            point.stroke_mm,
+            carriers.join(", ")
+        );
+        let mark = Mark { x: point.stroke_mm, y: point.delta_cd_mm, text: String::new() };
+        Some(Layer::new(&text, Shape::Marks(vec![mark])))
     }
 
     /// How far the curve's own points can be trusted.

@@ -65,9 +65,9 @@ pub(crate) use reading::add_new;
 pub use reading::{WithReading, reading_blocks, reading_form, remarks};
 pub use reproduction::Reproduction;
 pub use simulation::SimulationReport;
-pub use table::{Align, Block, Column, Table, noted};
 #[cfg(feature = "cli")]
-pub(crate) use table::{table_text, wrap};
+pub(crate) use table::table_text;
+pub use table::{Align, Block, Column, Table, noted};
 pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;
@@ -103,6 +103,8 @@ pub struct Screen {
     pub is_dumb: bool,
     /// Whether remarks are left out.
     pub is_quiet: bool,
+    /// Whether a table comes with all remarks, and not only with the first ones.
+    pub shows_all_remarks: bool,
     /// Whether a text in CSV that a spreadsheet would compute gets an apostrophe.
     pub safe_csv: bool,
 }
@@ -111,7 +113,7 @@ impl Screen {
     /// A file in place of the screen.
     #[cfg(feature = "cli")]
     pub(crate) fn of_file(self) -> Self {
-        Self { safe_csv: self.safe_csv, ..Self::default() }
+        Self { safe_csv: self.safe_csv, shows_all_remarks: true, ..Self::default() }
     }
 
     /// The columns that a drawing may take; `None` if nothing can be drawn.
@@ -169,6 +171,26 @@ fn keys_of(kinds: &[DeviationKind]) -> String {
     kinds.iter().map(|kind| kind.key()).collect::<Vec<_>>().join("; ")
 }
 
+/// Keeps the first remarks, which are the most important ones, and says how many there are besides.
+fn keep_first_remarks(blocks: &mut Vec<Block>) {
+    const MOST: usize = 2;
+    let mut remarks = 0;
+    let mut last = None;
+    let all = std::mem::take(blocks);
+    for block in all {
+        let is_remark = matches!(block, Block::Remark(_));
+        remarks += usize::from(is_remark);
+        if !is_remark || remarks <= MOST {
+            blocks.push(block);
+            last = if is_remark { Some(blocks.len()) } else { last };
+        }
+    }
+    if let (Some(last), Some(more @ 1..)) = (last, remarks.checked_sub(MOST)) {
+        let what = if more == 1 { "remark" } else { "remarks" };
+        blocks.insert(last, Block::Note(format!("{more} more {what}: --verbose")));
+    }
+}
+
 /// The report as text in `format`, ending in a newline.
 ///
 /// # Errors
@@ -181,7 +203,13 @@ pub fn write(report: &dyn Report, format: Format, screen: Screen) -> Result<Stri
         blocks
     };
     match format {
-        Format::Table => Ok(table::text(&blocks(), screen)),
+        Format::Table => {
+            let mut blocks = blocks();
+            if !screen.shows_all_remarks {
+                keep_first_remarks(&mut blocks);
+            }
+            Ok(table::text(&blocks, screen))
+        }
         Format::Markdown => Ok(table::markdown(&blocks())),
         Format::Json => Ok(harmless_lines(&format!("{:#}\n", document(report.json()))).into_owned()),
         Format::Csv => {

@@ -2,8 +2,7 @@
 
 pub(super) use crate::quantity::{padded, plain, plain_padded, tidy};
 
-/// A length in mm for people: signed, to 0.1 µm; a value too small for that in powers of ten, so that
-/// nothing but zero is printed as zero.
+/// A length in mm for people: signed, to 0.1 µm; a smaller one to 1 nm.
 pub(super) fn millimetres(mm: f64) -> String {
     signed(mm, 4)
 }
@@ -32,19 +31,18 @@ pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     if lower == upper { upper } else { format!("{lower} … {upper}") }
 }
 
-/// A signed number with that many decimals, or in powers of ten where they would show nothing or too
-/// much.
+/// A signed number with that many decimals, or up to two more where these would show nothing; what is zero even so has no
+/// sign. Too large a number stands in powers of ten.
 pub(super) fn signed(value: f64, decimals: usize) -> String {
     const LARGE: f64 = 1e7;
-    let fixed = format!("{value:+.decimals$}");
-    let vanishes = value != 0.0 && fixed.bytes().all(|b| !b.is_ascii_digit() || b == b'0');
-    if value == 0.0 {
-        format!("{:.decimals$}", 0.0)
-    } else if vanishes || value.abs() >= LARGE {
-        format!("{value:+.2e}")
-    } else {
-        fixed
+    const MORE: usize = 2;
+    if value.abs() >= LARGE {
+        return format!("{value:+.2e}");
     }
+    let texts = (decimals..=decimals + MORE).map(|decimals| format!("{value:+.decimals$}"));
+    let shows = |text: &String| text.bytes().any(|byte| matches!(byte, b'1'..=b'9'));
+    let mut shown = texts.filter(|text| !value.is_finite() || shows(text));
+    shown.next().unwrap_or_else(|| format!("{:.decimals$}", 0.0))
 }
 
 /// The number with that many decimals, the rest cut off.
@@ -69,14 +67,16 @@ mod tests {
     }
 
     #[test]
-    fn only_zero_is_printed_as_zero() {
+    fn no_column_of_millimetres_has_powers_of_ten_or_a_signed_zero() {
         for (value, text) in [
             (0.0, "0.0000"),
             (-0.0, "0.0000"),
             (0.013, "+0.0130"),
             (-0.00006, "-0.0001"),
-            (0.00004, "+4.00e-5"),
-            (-1e-300, "-1.00e-300"),
+            (0.00004, "+0.00004"),
+            (-0.000_000_6, "-0.000001"),
+            (-8.02e-8, "0.0000"),
+            (-1e-300, "0.0000"),
             (1e8, "+1.00e8"),
         ] {
             assert_eq!(millimetres(value), text);

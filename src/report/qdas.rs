@@ -2,6 +2,7 @@
 //! from.
 
 use super::WITHOUT;
+use crate::deviation::key_in_words;
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
 use crate::table::qdas::{CharacteristicColumn, PartDefinition, ValueRow, definition_lines, row_lines};
@@ -52,14 +53,14 @@ impl QdasRows {
     fn definitions(&self, first_row: &[&str]) -> Vec<u8> {
         let column = |(index, stem, unit): (usize, &str, &str)| {
             let limited = |target: &LimitTarget| match target {
-                LimitTarget::CenterDistance => stem == "range_lower" || stem == "range_upper",
+                LimitTarget::CenterDistance => stem == "worst_case_lower" || stem == "worst_case_upper",
                 LimitTarget::Error(kind) => stem.strip_prefix("delta_cd_") == Some(kind.key()),
             };
             let limit = self.limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);
             let end = |end: fn(&crate::judge::Limit) -> Option<Length>| limit.and_then(end).map(Length::mm);
             CharacteristicColumn {
                 number: self.header[index].clone(),
-                name: stem.replace('_', " ").replace("delta cd", "Delta CD"),
+                name: key_in_words(stem).replace("delta cd", "Delta CD"),
                 unit: unit.to_owned(),
                 nominal: None,
                 lower: end(|limit| limit.lower),

@@ -13,7 +13,7 @@ use crate::chance::racks::{
     Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
     STEPS_PER_PITCH, Scatter, StudyError,
 };
-use crate::deviation::DeviationKind;
+use crate::deviation::{DeviationKind, key_in_words};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Limit, Verdict};
 use crate::quantity::Length;
@@ -73,7 +73,7 @@ impl RacksReport<'_> {
                 other => format!("{}, ± {}", other.name(), amount(drawn.standard * other.half_width())),
             }
         };
-        Table::of(self.spreads()).text("scatter per tooth", |(of, _)| of.replace('_', " ")).text("drawn", drawn).block()
+        Table::of(self.spreads()).text("scatter per tooth", |(of, _)| key_in_words(of)).text("drawn", drawn).block()
     }
 
     fn quantile_table(&self) -> Block {
@@ -82,7 +82,7 @@ impl RacksReport<'_> {
         let rows = self.quantities().into_iter().flat_map(|(name, of)| {
             let is_short = matches!(name, "smallest" | "largest");
             let deviation = or_unknown(of.standard_deviation_mm.map(|mm| format!("{mm:.4}")));
-            let moments = (format!("{}: mean, σ", name.replace('_', " ")), of.mean_mm, [deviation, String::new()]);
+            let moments = (format!("{}: mean, σ", key_in_words(name)), of.mean_mm, [deviation, String::new()]);
             let shown = of.quantiles.iter().filter(move |quantile| !is_short || FEW.contains(&quantile.share));
             let quantiles = shown.map(move |quantile| {
                 let ends = [quantile.lower_mm, quantile.upper_mm].map(|end| or_unknown(end.map(millimetres)));

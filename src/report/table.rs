@@ -8,7 +8,7 @@ use comfy_table::{
 };
 
 use super::Screen;
-use crate::diagnostic::{harmless, harmless_lines};
+use crate::diagnostic::{harmless, harmless_lines, wrap};
 use crate::judge::Verdict;
 
 /// A piece of a report.
@@ -62,6 +62,8 @@ pub struct Column {
     pub heading: String,
     /// How its cells are aligned.
     pub align: Align,
+    /// Whether a screen that is too narrow for the table is spared the column.
+    pub may_go: bool,
 }
 
 /// The alignment of a column.
@@ -76,12 +78,17 @@ pub enum Align {
 impl Column {
     /// A column of text.
     pub fn text(heading: impl Into<String>) -> Self {
-        Self { heading: heading.into(), align: Align::Left }
+        Self { heading: heading.into(), align: Align::Left, may_go: false }
     }
 
     /// A column of numbers.
     pub fn number(heading: impl Into<String>) -> Self {
-        Self { heading: heading.into(), align: Align::Right }
+        Self { align: Align::Right, ..Self::text(heading) }
+    }
+
+    /// The same column, which a screen that is too narrow for the table is spared.
+    pub(crate) fn unless_narrow(self) -> Self {
+        Self { may_go: true, ..self }
     }
 }
 
@@ -225,6 +232,8 @@ pub(super) fn text(blocks: &[Block], screen: Screen) -> String {
 
 /// A table for a screen that is `width` wide, without the last line's end.
 pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
+    let narrowed = width.map(|width| without_what_may_go(table, width.into()));
+    let table = narrowed.as_ref().unwrap_or(table);
     let mut grid = grid(table, PLAIN, (1, 0));
     if let Some(width) = width {
         grid.set_width(width).set_content_arrangement(ContentArrangement::Dynamic);
@@ -241,13 +250,28 @@ pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
     lines.join("\n")
 }
 
+/// The table without the columns that may go, where its lines are longer than the screen.
+fn without_what_may_go(table: &Table, room: usize) -> Table {
+    let longest = |column: usize| texts(table, column).flat_map(str::lines).map(|line| line.chars().count()).max();
+    let width: usize = (0..table.columns.len()).map(|column| 2 + longest(column).unwrap_or(0)).sum();
+    let stays: Vec<_> = table.columns.iter().map(|column| !column.may_go || width <= room + 1).collect();
+    let kept = |cells: &[String]| {
+        cells.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(cell, _)| cell.clone()).collect()
+    };
+    let columns = table.columns.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(column, _)| column.clone());
+    Table { columns: columns.collect(), rows: table.rows.iter().map(|row| kept(row)).collect() }
+}
+
+/// What stands in a column, its heading too.
+fn texts(table: &Table, column: usize) -> impl Iterator<Item = &str> {
+    let cells = table.rows.iter().filter_map(move |row| row.get(column));
+    cells.chain(std::iter::once(&table.columns[column].heading)).map(String::as_str)
+}
+
 /// The columns' widths, with the blank before each, such that lines break between words only; nothing if no line needs
 /// to, or if there is no room for the longest words.
 fn column_widths(table: &Table, room: usize) -> Option<Vec<usize>> {
-    let texts = |column: usize| {
-        let cells = table.rows.iter().filter_map(move |row| row.get(column));
-        cells.chain(std::iter::once(&table.columns[column].heading)).map(String::as_str)
-    };
+    let texts = |column: usize| texts(table, column);
     let longest = |parts: &mut dyn Iterator<Item = &str>| 1 + parts.map(|part| part.chars().count()).max().unwrap_or(0);
     let columns = 0..table.columns.len();
     let full: Vec<_> = columns.clone().map(|column| longest(&mut texts(column).flat_map(str::lines))).collect();
@@ -325,34 +349,6 @@ fn mark_alignment(rule: &str, columns: &[Column]) -> String {
     format!("|{}|", marked.collect::<Vec<_>>().join("|"))
 }
 
-/// Characters that take room: all but escape sequences for colours.
-fn visible(word: &str) -> usize {
-    let mut parts = word.split('\u{1b}');
-    let first = parts.next().map_or(0, |text| text.chars().count());
-    first + parts.map(|rest| rest.split_once('m').map_or(0, |(_, text)| text.chars().count())).sum::<usize>()
-}
-
-/// Breaks text at blanks to fit `width`.
-pub(crate) fn wrap(text: &str, width: Option<u16>) -> String {
-    let Some(width) = width else { return text.to_owned() };
-    let width = usize::from(width.max(20));
-    let mut out = String::new();
-    let mut column = 0;
-    for word in text.split(' ') {
-        let length = visible(word);
-        if column > 0 && column + 1 + length > width {
-            out.push('\n');
-            column = 0;
-        } else if column > 0 {
-            out.push(' ');
-            column += 1;
-        }
-        out.push_str(word);
-        column += length;
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -375,14 +371,5 @@ mod tests {
                 "{width}:\n{text}"
             );
         }
-    }
-
-    #[test]
-    fn colours_take_no_room() {
-        assert_eq!(visible("\u{1b}[1m\u{1b}[32mPASS\u{1b}[0m:"), 5);
-        assert_eq!(
-            wrap("\u{1b}[1mPASS\u{1b}[0m: the limit is met by far", Some(20)),
-            "\u{1b}[1mPASS\u{1b}[0m: the limit is\nmet by far"
-        );
     }
 }

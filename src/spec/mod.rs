@@ -249,10 +249,8 @@ impl SectionReader<'_> {
                         .help(format!("write its keys under a line `[{name}]`"));
                 }
                 let message = format!("there is no {} `{}`", if is_table { "section" } else { "key" }, shown(name));
-                let help =
-                    reader::home(name).map(|home| format!("`{name}` is a key of [{home}]: write it below that line"));
                 let all = || sections.clone().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(" ");
-                let help = help.unwrap_or_else(|| format!("the sections are {}", all()));
+                let help = reader::elsewhere(name).unwrap_or_else(|| format!("the sections are {}", all()));
                 reader::unknown(message, name, sections.clone().chain(own.clone()), help)
             };
             self.diagnostics.add(|| diagnostic().at(self.source, key.span(), ""));

@@ -12,7 +12,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::Located;
 use super::found::Found;
-use super::keys::{AnyKey, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTIONS, Section};
+use super::keys::{AnyKey, ERRORS, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTIONS, Section};
 use super::value::{KeyType, Value, Values};
 use crate::deviation::ToothRange;
 use crate::diagnostic::{Code, Diagnostic, Source};
@@ -48,10 +48,8 @@ impl<'a> SectionReader<'a> {
             let name = key.get_ref().as_ref();
             self.diagnostics.add(|| {
                 let message = format!("{section} has no key `{}`", shown(name));
-                let help = home(name).map(|home| format!("`{name}` is a key of [{home}]"));
-                let help = help.unwrap_or_else(|| {
-                    format!("the keys of {section} are {}", own.clone().collect::<Vec<_>>().join(", "))
-                });
+                let all = || format!("the keys of {section} are {}", own.clone().collect::<Vec<_>>().join(", "));
+                let help = elsewhere(name).unwrap_or_else(all);
                 unknown(message, name, own.clone(), help).at(self.source, key.span(), "unknown key")
             });
         }
@@ -354,10 +352,24 @@ fn others<'t>(
     others
 }
 
-/// The first section that has a key of this name.
-pub(super) fn home(name: &str) -> Option<&'static str> {
-    let has_key = |section: &&Section| section.keys.iter().any(|key| key.name() == name);
-    SECTIONS.iter().find(has_key).map(|section| section.name)
+/// The keys of any section that are called so, or else those of the first section whose names end so, or else the one most
+/// like it: with the way to them, which is what `--set` needs.
+pub(super) fn elsewhere(name: &str) -> Option<String> {
+    // what is measured is meant most often
+    let (errors, others): (Vec<_>, Vec<_>) = SECTIONS.iter().partition(|section| section.name == ERRORS.name);
+    let sections: Vec<&Section> = errors.into_iter().chain(others).collect();
+    let all = || sections.iter().flat_map(|section| section.keys);
+    let called = |is: &dyn Fn(&str) -> bool| all().filter(|key| is(key.name())).collect::<Vec<_>>();
+    let ending = format!("_{name}");
+    let ends_so = || {
+        let of =
+            |section: &&Section| section.keys.iter().filter(|key| key.name().ends_with(&ending)).collect::<Vec<_>>();
+        sections.iter().map(of).find(|found| !found.is_empty())
+    };
+    let nearest = || similar(name, all().map(AnyKey::name)).map(|nearest| called(&|name| name == nearest));
+    let found = Some(called(&|key| key == name)).filter(|found| !found.is_empty()).or_else(ends_so).or_else(nearest)?;
+    let ways: Vec<_> = found.iter().map(|key| format!("`{}`", key.path)).collect();
+    Some(format!("did you mean {}?", ways.join(" or ")))
 }
 
 /// A name that is none of those that are known: which of them it is like, or else `help`.

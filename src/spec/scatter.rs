@@ -10,6 +10,7 @@ use super::{Located, Spec};
 use crate::chance::racks::Scatter;
 use crate::deviation::{
     DeviationKind, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, ToothRange,
+    key_in_words,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::law::RADIANS_PER_DEGREE;
@@ -134,10 +135,8 @@ impl Spec {
             }
             let unit = if *name == "rack_lead" { "°" } else { " mm" };
             let [lower, upper] = [lower, upper].map(|end| plain((1e9 * end).round() / 1e9));
-            notes.push(format!(
-                "{} scatters from {lower}{unit} to {upper}{unit}, about the middle",
-                name.replace('_', " ")
-            ));
+            notes
+                .push(format!("{} scatters from {lower}{unit} to {upper}{unit}, about the middle", key_in_words(name)));
         }
         let refused = |problem: String| Diagnostic::error(Code::OutOfDomain, format!("[scatter]: {problem}"));
         let flanks = mesh.rack().clone().with_deviations(pair, &rack).and_then(|rack| {

@@ -1,6 +1,5 @@
 //! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
 
-use std::collections::BTreeSet;
 use std::ops::Bound;
 
 use serde_json::{Map, Value, json};
@@ -17,14 +16,9 @@ use crate::uncertainty::Influence;
 /// The JSON Schema (draft 2020-12) of the spec, so that editors complete keys and mark mistakes.
 #[must_use]
 pub fn json_schema() -> Value {
-    let sections = SECTIONS.iter().map(|section| (section.name, object(section)));
-    let properties: Map<_, _> = TOP
-        .keys
-        .iter()
-        .map(|key| (key.name(), property(key)))
-        .chain(sections)
-        .map(|(name, schema)| (name.to_owned(), schema))
-        .collect();
+    let mut schema = Schema::default();
+    let mut properties = schema.properties(&TOP);
+    properties.extend(SECTIONS.iter().map(|section| (section.name.to_owned(), schema.section(section))));
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "rackmesh gear spec",
@@ -32,212 +26,265 @@ pub fn json_schema() -> Value {
         "type": "object",
         "additionalProperties": false,
         "properties": properties,
+        "$defs": schema.definitions,
     })
 }
 
-fn object(section: &Section) -> Value {
-    let properties: Map<_, _> = section.keys.iter().map(|key| (key.name().to_owned(), property(key))).collect();
-    json!({
-        "description": section.doc,
-        "type": "object",
-        "additionalProperties": false,
-        "properties": properties,
-    })
+/// What is said once, by name, and referred to.
+#[derive(Default)]
+struct Schema {
+    definitions: Map<String, Value>,
+}
+
+impl Schema {
+    /// Refers to a schema under this name, or under the name with a number where another one has it.
+    fn shared(&mut self, name: &str, schema: Value) -> Value {
+        let names = (1..).map(|number| if number == 1 { name.to_owned() } else { format!("{name}_{number}") });
+        let is_free = |name: &String| self.definitions.get(name).is_none_or(|there| *there == schema);
+        let Some(name) = names.into_iter().find(is_free) else { return schema };
+        let reference = json!({ "$ref": format!("#/$defs/{name}") });
+        self.definitions.insert(name, schema);
+        reference
+    }
+
+    fn properties(&mut self, section: &Section) -> Map<String, Value> {
+        section.keys.iter().map(|key| (key.name().to_owned(), self.described(key))).collect()
+    }
+
+    fn section(&mut self, section: &Section) -> Value {
+        let mut schema = closed(self.properties(section), &[]);
+        schema["description"] = section.doc.into();
+        schema
+    }
+
+    /// A key with what it means; what several tables have under one name stands among the definitions.
+    fn described(&mut self, key: &AnyKey) -> Value {
+        let mut schema = self.key(key);
+        schema["description"] = key.doc.into();
+        let has_one_place = key.path.contains('.') || matches!(key.kind, Kind::Table(_) | Kind::Tables(_));
+        if has_one_place { schema } else { self.shared(key.name(), schema) }
+    }
+
+    fn key(&mut self, key: &AnyKey) -> Value {
+        let source = Influence::of_gear(key.path);
+        match key.kind {
+            Kind::Text | Kind::File => text(),
+            Kind::Number(domain) => typed("number", &domain),
+            Kind::Count(domain) => typed("integer", &domain),
+            Kind::Length(domain) => {
+                let forms = vec![typed("number", &domain), self.length()];
+                self.size(forms, source)
+            }
+            Kind::Measure(domain, unit) if unit.symbol.is_empty() => typed("number", &domain),
+            Kind::Angle(domain) | Kind::Measure(domain, _) => self.size(vec![typed("number", &domain), text()], source),
+            Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
+            Kind::Spread { is_angle, class } => self.spread(is_angle, class.is_some()),
+            Kind::Texts => json!({ "type": "array", "items": text() }),
+            Kind::LineRules => {
+                let most = json!({ "type": "integer", "minimum": 0 });
+                let rule = closed(json!({ "like": text(), "at_most": most }), &["like"]);
+                json!({ "type": "array", "items": any_of([text(), rule]) })
+            }
+            Kind::PartId => any_of([text(), closed(json!({ "line": text() }), &["line"])]),
+            Kind::Starts => json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } }),
+            Kind::NominalOrHeading { .. } => self.quantity(),
+            Kind::ColumnUnit { of_lead } => {
+                let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).collect::<Vec<_>>();
+                let angles = AngleUnit::ALL.into_iter().flat_map(AngleUnit::spellings).collect::<Vec<_>>();
+                let lengths = self.shared("unit_of_length", json!({ "enum": lengths }));
+                let either = |angles| any_of([lengths.clone(), angles]);
+                if of_lead { either(self.shared("unit_of_angle", json!({ "enum": angles }))) } else { lengths }
+            }
+            Kind::Pair => json!({ "type": "array", "items": text(), "minItems": 2, "maxItems": 2 }),
+            Kind::Error(kind) => self.error(kind),
+            Kind::Extent(counted) => self.extent(counted),
+            Kind::Word(words) => json!({ "enum": words }),
+            Kind::Tolerance(kind) => self.tolerance(kind),
+            Kind::Standard => any_of([json!({ "enum": Standard::ALL.map(Standard::id) }), text()]),
+            Kind::RackDiameter => any_of([json!({ "enum": ["pinion", "developed"] }), above_zero(), self.length()]),
+            Kind::Teeth => any_of([json!({ "type": "integer" }), text()]),
+            // the columns of several errors have the same keys
+            Kind::Table(section) if section.name.contains("columns.") => {
+                let column = closed(self.properties(section), &[]);
+                self.shared("column", column)
+            }
+            Kind::Table(section) | Kind::Whole(section) => self.section(section),
+            Kind::Tables(section) => json!({ "type": "array", "items": self.section(section) }),
+            Kind::Limit => self.limit(),
+        }
+    }
+
+    /// Text that is a length: a number with a sign and one of the units, or none.
+    fn length(&mut self) -> Value {
+        self.signed_length("length", r"^\s*[+\-−]?[0-9.]")
+    }
+
+    /// The same behind what `sign` matches.
+    fn signed_length(&mut self, name: &str, sign: &str) -> Value {
+        let spellings = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).copied();
+        let all: Vec<&str> = spellings.collect();
+        let one = |spelling: &&str| {
+            let plural = format!("{spelling}s");
+            let is_plural = spelling.strip_suffix('s').is_some_and(|one| all.contains(&one));
+            let ending = if all.contains(&plural.as_str()) { "[sS]?" } else { "" };
+            (!is_plural).then(|| spelling_pattern(spelling) + ending)
+        };
+        let units: Vec<_> = all.iter().filter_map(one).collect();
+        let pattern = format!(r"^\s*(±|\+/?-|[+\-−])?\s*[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"));
+        let any_sign = self.shared("in_units_of_length", json!({ "type": "string", "pattern": pattern }));
+        self.shared(name, json!({ "allOf": [{ "pattern": sign }, any_sign] }))
+    }
+
+    /// A number, or text with a unit.
+    fn quantity(&mut self) -> Value {
+        self.shared("quantity", any_of([json!({ "type": "number" }), text()]))
+    }
+
+    fn readings(&mut self) -> Value {
+        let items = self.quantity();
+        self.shared("readings", json!({ "type": "array", "items": items, "minItems": 2 }))
+    }
+
+    /// Both ends of a tolerance.
+    fn ends(&mut self) -> Value {
+        let end = self.quantity();
+        self.shared("ends", closed(json!({ "lower": end, "upper": end }), &["lower", "upper"]))
+    }
+
+    fn limit(&mut self) -> Value {
+        let either_way = self.signed_length("either_way", r"^\s*(±|\+/?-)");
+        let end = any_of([json!({ "type": "number" }), self.length()]);
+        let mut ends = closed(json!({ "lower": end, "upper": end }), &[]);
+        ends["minProperties"] = 1.into();
+        self.shared("limit", any_of([either_way, ends]))
+    }
+
+    /// The forms of a size, with those that carry an uncertainty where that means anything.
+    fn size(&mut self, mut forms: Vec<Value>, source: Option<Influence>) -> Value {
+        if source.is_some() {
+            let mut properties = self.uncertainty();
+            properties.insert("value".to_owned(), json!({}));
+            let uncertain = self.shared("uncertain", closed(properties, &["value"]));
+            let value = self.size(forms.clone(), None);
+            forms.push(json!({ "allOf": [uncertain, { "properties": { "value": value } }] }));
+            let readings = closed(json!({ READINGS: self.readings() }), &[READINGS]);
+            forms.push(self.shared("mean_of_readings", readings));
+        }
+        self.shared("size", any_of(forms))
+    }
+
+    fn extent(&mut self, counted: Countable) -> Value {
+        self.shared("extent", json!({ "enum": Extent::names(counted) }))
+    }
+
+    fn uncertainty(&mut self) -> Map<String, Value> {
+        let amount = self.shared("u", any_of([json!({ "type": "number", "minimum": 0 }), text()]));
+        let distribution = json!({ "enum": ["normal", "rectangular", "triangular", "arcsine"] });
+        let distribution = self.shared("distribution", distribution);
+        let schema = |name| match name {
+            "k" => above_zero(),
+            "dof" => json!({ "type": "number", "minimum": 1 }),
+            "distribution" => distribution.clone(),
+            _ => amount.clone(),
+        };
+        UNCERTAINTY_KEYS.into_iter().map(|name| (name.to_owned(), schema(name))).collect()
+    }
+
+    /// A spread: of an angle or a length, as a class too where there is one.
+    fn spread(&mut self, is_angle: bool, has_class: bool) -> Value {
+        let amount = if is_angle { text() } else { self.length() };
+        let amount = self.size(vec![above_zero(), amount], None);
+        let distribution = self.uncertainty()["distribution"].clone();
+        let half_width = json!({ "half_width": amount, "distribution": distribution });
+        let between = json!({ "value": self.ends(), "distribution": distribution });
+        let mut forms = vec![
+            amount,
+            self.shared("half_width", closed(half_width, &["half_width", "distribution"])),
+            self.shared("within", closed(between, &["value"])),
+        ];
+        if has_class {
+            forms.push(self.shared("class", closed(json!({ "class": grade() }), &["class"])));
+        }
+        self.shared("spread", any_of(forms))
+    }
+
+    /// An entry of `[budget]`.
+    fn tolerance(&mut self, kind: DeviationKind) -> Value {
+        let extent = self.extent(kind.counts());
+        let free = |name: &str| closed(json!({ name: above_zero(), EXTENT: extent }), &[name]);
+        let free = any_of([json!({ "const": "free" }), free("weight"), free("cost")]);
+        any_of([self.shared("free", free), self.error(kind)])
+    }
+
+    /// An error: a value, or a table whose keys make one. The table lists its keys once, and then which go together.
+    fn error(&mut self, kind: DeviationKind) -> Value {
+        let mut beside = self.uncertainty();
+        beside.insert(EXTENT.to_owned(), self.extent(kind.counts()));
+        if has_circle(kind) {
+            beside.insert(MEASURED_AT.to_owned(), any_of([json!({ "type": "number" }), self.length()]));
+        }
+        let forms = error_table_forms(kind);
+        // the last: the uncertainty and extent of values that come from a table
+        let combinations = forms.iter().copied().chain([&[][..]]).map(|form| self.combination(form, &beside));
+        let combinations: Vec<_> = combinations.collect();
+        let mut properties = beside;
+        for name in forms.iter().copied().flatten().copied().chain([EVERY_PART]) {
+            let schema = match name {
+                "class" => grade(),
+                "value" | "f_h_beta" => any_of([self.quantity(), self.ends()]),
+                READINGS => self.readings(),
+                EVERY_PART => json!({ "type": "boolean" }),
+                _ => self.quantity(),
+            };
+            properties.insert(name.to_owned(), schema);
+        }
+        let mut table = closed(properties, &[]);
+        table["minProperties"] = 1.into();
+        table["allOf"] = json!([self.shared("forms", any_of(combinations))]);
+        let value = if kind == DeviationKind::RackLead { text() } else { self.length() };
+        self.shared("error", any_of([json!({ "type": "number" }), value, table]))
+    }
+
+    /// Keys that make an error, and what may stand beside them.
+    fn combination(&mut self, form: &[&str], beside: &Map<String, Value>) -> Value {
+        let own = json!({ "enum": form });
+        let of_readings = form.first() == Some(&READINGS);
+        let may_stand = |name: &&str| !(of_readings && UNCERTAINTY_KEYS.contains(name));
+        let mut others: Vec<&str> = beside.keys().map(String::as_str).filter(may_stand).collect();
+        others.extend((!form.is_empty() && is_of_a_part(form)).then_some(EVERY_PART));
+        let known = match form {
+            ["class"] => own,
+            [] => self.shared("beside", json!({ "enum": others })),
+            _ => any_of([own, self.shared("beside", json!({ "enum": others }))]),
+        };
+        json!({ "required": form, "propertyNames": known })
+    }
 }
 
 /// A table with these keys and no others, some of which it must have.
 fn closed(properties: impl Into<Value>, required: &[&str]) -> Value {
     let properties: Value = properties.into();
-    json!({ "type": "object", "additionalProperties": false, "required": required, "properties": properties })
-}
-
-fn property(key: &AnyKey) -> Value {
-    let source = Influence::of_gear(key.path);
-    let mut schema = match key.kind {
-        Kind::Text | Kind::File => json!({ "type": "string" }),
-        Kind::Number(domain) => typed("number", &domain),
-        Kind::Count(domain) => typed("integer", &domain),
-        Kind::Length(domain) => json!({ "anyOf": forms(vec![typed("number", &domain), length_text()], source) }),
-        Kind::Measure(domain, unit) if unit.symbol.is_empty() => typed("number", &domain),
-        Kind::Angle(domain) | Kind::Measure(domain, _) => {
-            json!({ "anyOf": forms(vec![typed("number", &domain), json!({ "type": "string" })], source) })
-        }
-        Kind::Rule => json!({ "type": "string", "pattern": r"^\s*(simple|iso14253|guard=.+)\s*$" }),
-        Kind::Spread { is_angle, class } => spread(is_angle, class.is_some()),
-        Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
-        Kind::LineRules => {
-            let most = json!({ "type": "integer", "minimum": 0 });
-            let rule = closed(json!({ "like": { "type": "string" }, "at_most": most }), &["like"]);
-            json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, rule] } })
-        }
-        Kind::PartId => {
-            json!({ "anyOf": [{ "type": "string" }, closed(json!({ "line": { "type": "string" } }), &["line"])] })
-        }
-        Kind::Starts => json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } }),
-        Kind::NominalOrHeading { .. } => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
-        Kind::ColumnUnit { of_lead } => {
-            let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
-            let angles = AngleUnit::ALL.into_iter().filter(|_| of_lead).flat_map(AngleUnit::spellings);
-            json!({ "enum": lengths.chain(angles).collect::<BTreeSet<_>>() })
-        }
-        Kind::Pair => json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 }),
-        Kind::Error(kind) => error(kind),
-        Kind::Extent(counted) => extent(counted),
-        Kind::Word(words) => json!({ "enum": words }),
-        Kind::Tolerance(kind) => tolerance(kind),
-        Kind::Standard => json!({ "anyOf": [
-            { "enum": Standard::ALL.map(Standard::id) },
-            { "type": "string" },
-        ] }),
-        Kind::RackDiameter => json!({ "anyOf": [
-            { "enum": ["pinion", "developed"] },
-            { "type": "number", "exclusiveMinimum": 0 },
-            length_text(),
-        ] }),
-        Kind::Teeth => json!({ "anyOf": [{ "type": "integer" }, { "type": "string" }] }),
-        Kind::Table(section) | Kind::Whole(section) => object(section),
-        Kind::Tables(section) => json!({ "type": "array", "items": object(section) }),
-        Kind::Limit => {
-            let end = json!({ "anyOf": [{ "type": "number" }, length_text()] });
-            json!({ "anyOf": [
-                { "type": "string", "pattern": length_pattern(r"(±|\+-|\+/-)\s*") },
-                {
-                    "type": "object",
-                    "additionalProperties": false,
-                    "minProperties": 1,
-                    "properties": { "lower": end, "upper": end },
-                },
-            ] })
-        }
-    };
-    if let Value::Object(schema) = &mut schema {
-        schema.insert("description".to_owned(), key.doc.into());
+    let mut schema = json!({ "type": "object", "additionalProperties": false, "properties": properties });
+    if !required.is_empty() {
+        schema["required"] = json!(required);
     }
     schema
 }
 
-/// A spread: of an angle or a length, as a class too where there is one.
-fn spread(is_angle: bool, has_class: bool) -> Value {
-    let text = if is_angle { json!({ "type": "string" }) } else { length_text() };
-    let amount = json!({ "anyOf": [{ "type": "number", "exclusiveMinimum": 0 }, text] });
-    let distribution = &uncertainty_properties()["distribution"];
-    let properties = json!({ "half_width": amount, "distribution": distribution });
-    let half_width = closed(properties, &["half_width", "distribution"]);
-    let between = closed(json!({ "value": ends(), "distribution": distribution }), &["value"]);
-    let mut forms = vec![amount, half_width, between];
-    if has_class {
-        forms.push(closed(json!({ "class": grade() }), &["class"]));
-    }
-    json!({ "anyOf": forms })
+fn any_of(forms: impl Into<Vec<Value>>) -> Value {
+    json!({ "anyOf": forms.into() })
 }
 
-/// An entry of `[budget]`.
-fn tolerance(kind: DeviationKind) -> Value {
-    let number = json!({ "type": "number", "exclusiveMinimum": 0 });
-    let free = |name: &str| closed(json!({ name: number, EXTENT: extent(kind.counts()) }), &[name]);
-    json!({ "anyOf": [{ "const": "free" }, free("weight"), free("cost"), error(kind)] })
+fn text() -> Value {
+    json!({ "type": "string" })
 }
 
-/// The forms of a value, with one that carries an uncertainty where that means anything.
-fn forms(mut forms: Vec<Value>, source: Option<Influence>) -> Vec<Value> {
-    if source.is_some() {
-        let mut properties = uncertainty_properties();
-        properties.insert("value".to_owned(), json!({ "anyOf": forms }));
-        forms.push(closed(properties, &["value"]));
-        forms.push(closed(json!({ READINGS: readings() }), &[READINGS]));
-    }
-    forms
-}
-
-fn uncertainty_properties() -> Map<String, Value> {
-    let quantity = json!({ "anyOf": [{ "type": "number", "minimum": 0 }, { "type": "string" }] });
-    UNCERTAINTY_KEYS
-        .into_iter()
-        .map(|name| {
-            let schema = match name {
-                "k" => json!({ "type": "number", "exclusiveMinimum": 0 }),
-                "dof" => json!({ "type": "number", "minimum": 1 }),
-                "distribution" => json!({ "enum": ["normal", "rectangular", "triangular", "arcsine"] }),
-                _ => quantity.clone(),
-            };
-            (name.to_owned(), schema)
-        })
-        .collect()
-}
-
-/// Repeated readings.
-fn readings() -> Value {
-    json!({ "type": "array", "items": { "anyOf": [{ "type": "number" }, { "type": "string" }] }, "minItems": 2 })
-}
-
-/// The extents that an error that counts these may have.
-fn extent(counted: Countable) -> Value {
-    json!({ "enum": Extent::names(counted) })
+fn above_zero() -> Value {
+    json!({ "type": "number", "exclusiveMinimum": 0 })
 }
 
 fn grade() -> Value {
     json!({ "type": "integer", "minimum": 0, "maximum": LARGEST_CLASS })
-}
-
-fn length_text() -> Value {
-    json!({ "type": "string", "pattern": length_pattern(r"[+\-−]?") })
-}
-
-/// A length as text, behind what `sign` matches.
-fn length_pattern(sign: &str) -> String {
-    let spellings = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings);
-    let units: Vec<_> = spellings.map(|spelling| spelling_pattern(spelling)).collect();
-    format!(r"^\s*{sign}[0-9.]+([eE][+\-]?[0-9]+)?\s*({})?\s*$", units.join("|"))
-}
-
-fn error(kind: DeviationKind) -> Value {
-    let text = if kind == DeviationKind::RackLead { json!({ "type": "string" }) } else { length_text() };
-    let mut forms = vec![json!({ "type": "number" }), text];
-    for form in error_table_forms(kind) {
-        let value = |name: &str| match name {
-            "class" => grade(),
-            "value" | "f_h_beta" => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }, ends()] }),
-            READINGS => readings(),
-            _ => json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] }),
-        };
-        let mut properties: Map<_, _> = form.iter().map(|name| ((*name).to_owned(), value(name))).collect();
-        if *form != ["class"] {
-            properties.extend(beside(kind));
-            if form[0] == READINGS {
-                for key in UNCERTAINTY_KEYS {
-                    properties.remove(key);
-                }
-            }
-        }
-        if is_of_a_part(form) {
-            properties.insert(EVERY_PART.to_owned(), json!({ "type": "boolean" }));
-        }
-        forms.push(closed(properties, form));
-    }
-    // the uncertainty and extent of values that come from a table
-    forms.push(json!({
-        "type": "object",
-        "additionalProperties": false,
-        "minProperties": 1,
-        "properties": beside(kind),
-    }));
-    json!({ "anyOf": forms })
-}
-
-/// What may stand beside the value of an error: its uncertainty, its extent, and the circle of a pitch.
-fn beside(kind: DeviationKind) -> Map<String, Value> {
-    let mut properties = uncertainty_properties();
-    properties.insert(EXTENT.to_owned(), extent(kind.counts()));
-    if has_circle(kind) {
-        properties.insert(MEASURED_AT.to_owned(), json!({ "anyOf": [{ "type": "number" }, length_text()] }));
-    }
-    properties
-}
-
-/// Both ends of a tolerance.
-fn ends() -> Value {
-    let end = json!({ "anyOf": [{ "type": "number" }, { "type": "string" }] });
-    closed(json!({ "lower": end, "upper": end }), &["lower", "upper"])
 }
 
 fn typed(name: &str, domain: &Domain) -> Value {

@@ -167,6 +167,31 @@ impl Standard {
             _ => formula::permissible(self, self.formulas(), deviation, grade, wheel),
         }
     }
+
+    /// The sizes that its deviations of a grade depend on and the wheel lacks.
+    #[must_use]
+    pub fn sizes_missing(self, grade: u8, wheel: &Wheel) -> Vec<Size> {
+        let (mut wheel, mut missing) = (wheel.clone(), Vec::new());
+        let lacks = |wheel: &Wheel| {
+            let errors = self.deviations().into_iter().map(|deviation| self.permissible(deviation, grade, wheel));
+            errors.filter_map(Result::err).find_map(|error| match error {
+                StandardError::Missing { size, .. } => Some(size),
+                _ => None,
+            })
+        };
+        while let Some(size) = lacks(&wheel).filter(|size| !missing.contains(size)) {
+            missing.push(size);
+            // any value shows what else is lacking
+            match size {
+                Size::NormalModule => wheel.normal_module = Length::from_mm(2.0).ok(),
+                Size::Diameter => wheel.diameter = Length::from_mm(50.0).ok(),
+                Size::FaceWidth => wheel.face_width = Length::from_mm(20.0).ok(),
+                Size::Teeth => wheel.teeth = Some(20),
+                Size::HelixAngle => wheel.helix_angle = Some(Angle::ZERO),
+            }
+        }
+        missing
+    }
 }
 
 display_by_name!(Standard);

@@ -185,13 +185,61 @@ fn negative_quantities_are_values_and_no_flags() {
     assert!(ended.stderr.contains("error[out-of-domain]"), "{}", ended.stderr);
 }
 
-/// At the 100 columns that clap takes where there is no terminal.
 #[test]
-fn a_help_is_one_page() {
+fn the_short_help_fits_a_screen_and_the_long_one_has_all() {
     for name in commands().into_iter().map(|named| named.name).collect::<BTreeSet<_>>() {
-        let help = run(&[&name, "--help"], "").stdout;
-        assert!(help.lines().count() <= 60, "{name}: {} lines", help.lines().count());
-        assert_eq!(run(&[&name, "-h"], "").stdout, help);
+        let [short, long] = ["-h", "--help"].map(|flag| run(&[&name, flag], "").stdout);
+        assert!(short.lines().count() <= 40, "{name}: {} lines", short.lines().count());
+        assert!(short.contains("--help has all of it"), "{short}");
+        let flags = |help: &str| help.matches("\n      --").count() + help.matches(", --").count();
+        assert!(flags(&long) > flags(&short), "{name}: {long}");
+    }
+}
+
+/// A word that is nearly one that the program knows is answered with that, and with the way to it.
+#[test]
+fn what_is_misspelt_names_the_nearest() {
+    let rack = "[errors]\nrack_over_roller = 0.01\n";
+    for (arguments, nearest) in [
+        (&["evl"][..], "'eval'"),
+        (&["eval", "-", "--stak", "rss"], "'--stack'"),
+        (&["eval", "-", "--stack", "rs"], "'rss'"),
+        (&["eval", "-", "--set", "normal_pressure_angle=25"], "`pair.normal_pressure_angle`"),
+        (&["eval", "-", "--set", "normal_presure_angle=25"], "`pair.normal_pressure_angle`"),
+        (&["eval", "-", "--set", "pair.face_width=25"], "`rack.face_width` or `pinion.face_width`"),
+        (&["eval", "-", "--set", "pitch=25um"], "`errors.rack_pitch` or `errors.pinion_pitch`"),
+        (&["simulate", "-", "--preload", "2000"], "--set simulation.preload=2000"),
+        (&["explain", "rack-pich"], "`rack-pitch`"),
+        (&["explain", "rack.face_widht"], "`rack.face_width`"),
+    ] {
+        let ended = run(arguments, rack);
+        assert!(ended.code == Some(2) && ended.stderr.contains(nearest), "{arguments:?}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn a_class_asks_for_everything_at_once() {
+    for (arguments, options) in [
+        (&[][..], &["--standard", "--grade", "--normal-module", "--diameter", "--face-width"][..]),
+        (&["--grade", "7"], &["--standard", "--normal-module", "--diameter", "--face-width"]),
+        (&["--grade", "7", "--standard", "iso1328-1:1995"], &["--normal-module", "--diameter", "--face-width"]),
+    ] {
+        let ended = run(&[&["class"], arguments].concat(), "");
+        assert_eq!(ended.code, Some(2), "{arguments:?}: {}", ended.stderr);
+        assert!(options.iter().all(|option| ended.stderr.contains(option)), "{arguments:?}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn the_schema_is_small() {
+    assert!(run(&["schema"], "").stdout.len() <= 40_000);
+}
+
+#[test]
+fn shells_complete_topics_and_standards() {
+    let script = run(&["completions", "bash"], "").stdout;
+    for word in ["rack-pitch", "pair.normal_module", "iso1328-1:1995"] {
+        assert!(script.contains(word), "{word}");
     }
 }
 

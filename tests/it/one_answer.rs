@@ -253,7 +253,7 @@ fn a_batch_meshes_what_its_bound_does_not_pass() {
     let at = |name: &str| rows[0].iter().position(|title| *title == name).unwrap();
     let column = |name: &str| rows[1..].iter().map(|row| row[at(name)]).collect::<Vec<_>>();
     assert_eq!(column("verdict"), ["pass", "pass", "fail", "pass"], "{}", ended.stdout);
-    assert!(column("range_lower_mm")[1].starts_with("-0.024"), "{}", ended.stdout);
+    assert!(column("worst_case_lower_mm")[1].starts_with("-0.024"), "{}", ended.stdout);
     let reasons = column("reason");
     assert_eq!(reasons[0], "");
     assert!(reasons[1].starts_with("judged by the exact mesh: ΔCD = 0.0101"), "{}", ended.stdout);

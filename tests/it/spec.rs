@@ -1,5 +1,8 @@
 //! The spec's schema, template and reader agree with each other.
 
+use std::sync::LazyLock;
+
+use jsonschema::Validator;
 use rackmesh::evaluation::{Evaluation, evaluate};
 use rackmesh::formula::{Model, PartDeviation};
 use rackmesh::judge::Stack;
@@ -17,8 +20,11 @@ fn as_json(text: &str) -> Value {
     serde_json::to_value(table).expect("TOML without dates is JSON")
 }
 
+static SCHEMA: LazyLock<Validator> =
+    LazyLock::new(|| jsonschema::validator_for(&json_schema()).expect("the schema is a schema"));
+
 fn valid(text: &str) -> bool {
-    jsonschema::validator_for(&json_schema()).expect("the schema is a schema").is_valid(&as_json(text))
+    SCHEMA.is_valid(&as_json(text))
 }
 
 const EXAMPLES: [&str; 4] = [
@@ -131,20 +137,106 @@ fn the_schema_and_the_reader_accept_the_same() {
 }
 
 #[test]
-fn the_template_and_the_full_example_name_every_key() {
-    for text in [TEMPLATE, EXAMPLES[2]] {
-        let uncommented: String = text.lines().map(|line| line.trim_start_matches('#').to_owned() + "\n").collect();
-        for (section, schema) in json_schema()["properties"].as_object().expect("properties") {
-            for key in schema["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
-                let written = match key.as_str() {
-                    "deviation" => format!("\n[[{section}.deviation]]"),
-                    _ => format!("\n{key} = "),
-                };
-                // limits repeat the errors' names
-                assert!(section == "limits" || uncommented.contains(&written), "{section}.{key}");
+fn the_full_example_names_every_key() {
+    let uncommented: String = EXAMPLES[2].lines().map(|line| line.trim_start_matches('#').to_owned() + "\n").collect();
+    for (section, schema) in json_schema()["properties"].as_object().expect("properties") {
+        for key in schema["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
+            let written = match key.as_str() {
+                "deviation" => format!("\n[[{section}.deviation]]"),
+                _ => format!("\n{key} = "),
+            };
+            // limits repeat the errors' names
+            assert!(section == "limits" || uncommented.contains(&written), "{section}.{key}");
+        }
+    }
+}
+
+#[test]
+fn the_template_is_short_and_names_its_schema() {
+    assert!(TEMPLATE.lines().count() <= 60);
+    assert!(TEMPLATE.starts_with("#:schema rackmesh.schema.json\n"));
+}
+
+/// Every spec below these folders.
+fn corpus() -> Vec<String> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders: Vec<_> =
+        ["examples", "tests/specs", "tests/tables", "tests/reference"].map(|folder| root.join(folder)).into();
+    let mut texts = vec![TEMPLATE.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "toml") {
+                texts.push(std::fs::read_to_string(path).expect("a file"));
             }
         }
     }
+    texts
+}
+
+/// Every place of a table: the keys and indices that lead there.
+fn places(value: &toml::Value, above: &[String], found: &mut Vec<Vec<String>>) {
+    let inner: Vec<(String, &toml::Value)> = match value {
+        toml::Value::Table(table) => table.iter().map(|(key, value)| (key.clone(), value)).collect(),
+        toml::Value::Array(list) => list.iter().enumerate().map(|(at, value)| (at.to_string(), value)).collect(),
+        _ => Vec::new(),
+    };
+    for (name, value) in inner {
+        let place = [above, &[name]].concat();
+        places(value, &place, found);
+        found.push(place);
+    }
+}
+
+fn at<'a>(mut value: &'a mut toml::Value, place: &[String]) -> &'a mut toml::Value {
+    for name in place {
+        value = match value {
+            toml::Value::Array(list) => &mut list[name.parse::<usize>().expect("an index")],
+            inner => inner.get_mut(name).expect("a key"),
+        };
+    }
+    value
+}
+
+/// What the reader takes, the schema accepts; a key that is misspelt and a value of another type both refuse, in every
+/// place of every spec.
+#[test]
+fn the_schema_and_the_reader_agree_on_every_spec() {
+    let accepts =
+        |spec: &toml::Value| SCHEMA.is_valid(&serde_json::to_value(spec).expect("TOML without dates is JSON"));
+    let mut tried = 0;
+    for text in corpus() {
+        let Ok(table) = text.parse::<toml::Table>() else { continue };
+        if Spec::parse("corpus", &text).is_err() {
+            continue;
+        }
+        let spec = toml::Value::Table(table);
+        assert!(accepts(&spec), "the schema refuses {text}");
+        let mut found = Vec::new();
+        places(&spec, &[], &mut found);
+        for place in found {
+            let (last, above) = place.split_last().expect("a place has a name");
+            let mut misspelt = spec.clone();
+            if let toml::Value::Table(table) = at(&mut misspelt, above) {
+                let value = table.remove(last).expect("a key");
+                table.insert(format!("{last}x"), value);
+            }
+            let mut mistyped = spec.clone();
+            *at(&mut mistyped, &place) = toml::Value::Array(vec![toml::Value::Array(Vec::new())]);
+            for changed in [misspelt, mistyped] {
+                let written = toml::to_string(&changed).expect("it can be written");
+                if changed != spec {
+                    tried += 1;
+                    let is_read = Spec::parse("corpus", &written).is_ok();
+                    assert!(!is_read, "the reader accepts {place:?} of\n{written}");
+                    assert!(!accepts(&changed), "the schema accepts {place:?} of\n{written}");
+                }
+            }
+        }
+    }
+    assert!(tried > 1000, "{tried} changes");
 }
 
 /// 12 µm at α_n = 20°, β_p = 25°, and what a class permits of it: by cos β_b / (2 sin α_n) = 1.3417 in both models.

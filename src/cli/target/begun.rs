@@ -42,6 +42,9 @@ static BEGUN: Mutex<Vec<Begun>> = Mutex::new(Vec::new());
 /// What is to be said of files that were dropped.
 static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
+/// The files that were put in their places, as the command line names them.
+static WRITTEN: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
 /// A lock that outlives a panic of another thread.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -195,6 +198,16 @@ pub(super) fn drop_file(id: u64) {
 /// What is to be said of files that were not completed, and was not said so far.
 pub(in crate::cli) fn said() -> Vec<String> {
     std::mem::take(&mut *lock(&SAID))
+}
+
+/// Keeps the name of a file that stands in its place.
+pub(super) fn note_written(name: String) {
+    lock(&WRITTEN).push(name);
+}
+
+/// The files that were written, and were not named so far.
+pub(in crate::cli) fn written() -> Vec<String> {
+    std::mem::take(&mut *lock(&WRITTEN))
 }
 
 /// Ends all files, none of which is complete, for a process that ends next: nobody begins, writes or completes one any

@@ -10,7 +10,7 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-pub(super) use begun::{UnlessComplete, abandon_all, said};
+pub(super) use begun::{UnlessComplete, abandon_all, said, written};
 pub(super) use names::{ending, is_dash, known_ending, refuse_inputs, refuse_same, shown};
 
 use super::output::{Failure, Output};
@@ -64,8 +64,10 @@ impl Target {
         self.writer.flush()?;
         // some systems do not rename a file that is open
         drop(self.take_writer());
-        let put = self.begun.map_or(Ok(()), |begun| begun::finish(begun, replaces));
-        put.map_err(|error| unwritable(&self.path, error))
+        let Some(begun) = self.begun else { return Ok(()) };
+        begun::finish(begun, replaces).map_err(|error| unwritable(&self.path, error))?;
+        begun::note_written(shown(&self.path));
+        Ok(())
     }
 
     /// Puts the file in its place if the run is complete; otherwise keeps what there is beside it, and says so.

@@ -46,7 +46,7 @@ fn text(path: &str) -> String {
 
 fn message(failure: &Failure) -> String {
     match failure {
-        Failure::Diagnostics(diagnostics) => crate::diagnostic::render(&diagnostics[0], false),
+        Failure::Diagnostics(diagnostics) => crate::diagnostic::render(&diagnostics[0], false, None),
         other => format!("{other:?}"),
     }
 }
