@@ -80,13 +80,13 @@ enum Formula {
   rackmesh calc pin --normal-module 2 --pressure-angle 20")]
     Pin {
         /// Normal module m_n.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         normal_module: Length,
         /// Normal pressure angle α_n.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
         pressure_angle: Angle,
         /// Normal tooth thickness s_n; π m_n / 2 unless given.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         tooth_thickness: Option<Length>,
         #[command(flatten)]
         common: Common,
@@ -96,19 +96,19 @@ enum Formula {
   rackmesh calc over-pin --normal-module 2 --pressure-angle 20 --pin 4 --datum 22")]
     OverPin {
         /// Normal module m_n.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         normal_module: Length,
         /// Normal pressure angle α_n.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
         pressure_angle: Angle,
         /// Diameter of the pin.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         pin: Length,
         /// Distance K from the datum to the reference plane.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         datum: Length,
         /// Normal tooth thickness s_n; π m_n / 2 unless given.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
         tooth_thickness: Option<Length>,
         #[command(flatten)]
         common: Common,
@@ -118,13 +118,13 @@ enum Formula {
   rackmesh calc roller-change --old-roller 4 --new-roller 3.5 --pressure-angle 20")]
     RollerChange {
         /// Diameter of the roller that is replaced.
-        #[arg(long, alias = "from", allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", alias = "from", allow_hyphen_values = true)]
         old_roller: Length,
         /// Diameter of the roller that replaces it.
-        #[arg(long, alias = "to", allow_hyphen_values = true)]
+        #[arg(long, value_name = "LENGTH", alias = "to", allow_hyphen_values = true)]
         new_roller: Length,
         /// Normal pressure angle α_n.
-        #[arg(long, allow_hyphen_values = true)]
+        #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
         pressure_angle: Angle,
         #[command(flatten)]
         common: Common,
@@ -192,10 +192,10 @@ struct Pitch {
 #[derive(Debug, clap::Args)]
 struct Gear {
     /// Normal pressure angle α_n.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
     pressure_angle: Angle,
     /// Helix angle β, right hand positive.
-    #[arg(long, default_value = "0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", default_value = "0", allow_hyphen_values = true)]
     helix_angle: Angle,
     /// Formulas exact for rigid teeth, or as the paper prints them.
     #[arg(long, value_enum, default_value_t)]
@@ -226,10 +226,10 @@ struct Lead {
           allow_hyphen_values = true)]
     f_h_beta: Option<Length>,
     /// Evaluation length of the helix slope deviation; with --inverse, the result is one too, in µm.
-    #[arg(long, requires = "f_h_beta_or_inverse", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", requires = "f_h_beta_or_inverse", allow_hyphen_values = true)]
     length: Option<Length>,
     /// Face width.
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     face_width: Length,
     #[command(flatten)]
     gear: Gear,

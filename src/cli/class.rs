@@ -116,7 +116,7 @@ impl Args {
         let written = spec.as_ref().and_then(|spec| spec.get(keys::TOLERANCE_STANDARD));
         let is_complete = self.grade.is_some() || self.delta_cd.is_some() || path.as_ref().is_some_and(|path| path.1);
         let Some(standard) = self.standard.or(written).filter(|_| is_complete) else {
-            return Err(self.lacking(self.standard.or(written), is_complete, spec.as_ref())?.into());
+            return Err(self.lacking(self.standard.or(written), is_complete, spec.as_ref()).into());
         };
         let doubts = self.doubts(output)?;
         match (&spec, &path) {
@@ -124,13 +124,13 @@ impl Args {
             _ => match (self.grade, &self.delta_cd) {
                 (Some(grade), _) => self.run_grade(standard, grade, spec.as_ref(), doubts, output),
                 (None, Some(limit)) => self.run_search(standard, limit.abs(), spec.as_ref(), output),
-                (None, None) => Err(self.lacking(Some(standard), false, spec.as_ref())?.into()),
+                (None, None) => Err(self.lacking(Some(standard), false, spec.as_ref()).into()),
             },
         }
     }
 
     /// Everything that is not given, in one go.
-    fn lacking(&self, standard: Option<Standard>, has_task: bool, spec: Option<&Spec>) -> Result<Diagnostic, Failure> {
+    fn lacking(&self, standard: Option<Standard>, has_task: bool, spec: Option<&Spec>) -> Diagnostic {
         let mut lacks = Vec::new();
         if standard.is_none() {
             let known = Standard::ALL.map(Standard::id).join(", ");
@@ -146,7 +146,7 @@ impl Args {
         if !sizes.is_empty() {
             lacks.push(format!("{}, or --spec SPEC with them", options_of(&sizes)));
         }
-        Ok(Diagnostic::usage("the class is not asked for completely").help(format!("give {}", lacks.join("; and "))))
+        Diagnostic::usage("the class is not asked for completely").help(format!("give {}", lacks.join("; and ")))
     }
 
     /// What is suspicious about the options; what is impossible is refused.

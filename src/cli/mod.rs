@@ -150,16 +150,16 @@ fn help_template() -> String {
 
 /// What is asked for seldom, by its name within the program: `-h` leaves it out.
 const SELDOM: &str = "model seed digits tolerance decimals columns rejects strict junit annotations threads partial \
-                      first_rack study merge conforming distribution no_worst_teeth worst_teeth only_failures";
+                      first_rack study merge conforming distribution unit explain f_h_beta length no_worst_teeth worst_teeth only_failures";
 
 /// A subcommand whose `-h` fits a screen; `--help` has all.
 fn with_short_help(command: Command) -> Command {
-    const MOST_EXAMPLES: usize = 2;
+    const MOST_EXAMPLES: usize = 3;
     let is_seldom = |argument: &clap::Arg| {
         let is_of_tables = argument.get_help_heading().is_some();
         is_of_tables || SELDOM.split_whitespace().any(|seldom| argument.get_id() == seldom)
     };
-    let command = command.mut_args(|argument| {
+    let command = command.mut_subcommands(with_short_help).mut_args(|argument| {
         let is_hidden = is_seldom(&argument) || argument.is_hide_short_help_set();
         argument.hide_short_help(is_hidden)
     });
@@ -201,7 +201,7 @@ pub fn command() -> Command {
         .about("How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion")
         .version(env!("CARGO_PKG_VERSION"))
         .help_template(help_template())
-        .after_help(EXAMPLES)
+        .after_long_help(EXAMPLES)
         .subcommand_required(true)
         .arg_required_else_help(true)
         .disable_help_flag(true);
@@ -209,7 +209,7 @@ pub fn command() -> Command {
         let arguments = Command::new(subcommand.name).about(subcommand.about).defer(subcommand.arguments);
         command = command.subcommand(arguments);
     }
-    with_short_help(command)
+    command
 }
 
 /// Runs the program with the process's own arguments.

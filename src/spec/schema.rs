@@ -225,8 +225,14 @@ impl Schema {
         }
         let forms = error_table_forms(kind);
         // the last: the uncertainty and extent of values that come from a table
-        let combinations = forms.iter().copied().chain([&[][..]]).map(|form| self.combination(form, &beside));
-        let combinations: Vec<_> = combinations.collect();
+        let every_kind = error_table_forms(DeviationKind::RackPitch);
+        let (common, own): (Vec<_>, Vec<_>) =
+            forms.iter().copied().chain([&[][..]]).partition(|form| form.is_empty() || every_kind.contains(form));
+        let mut combinations = |forms: Vec<&[&'static str]>| -> Vec<Value> {
+            forms.into_iter().map(|form| self.combination(form, &beside)).collect()
+        };
+        let (common, mut combinations) = (combinations(common), combinations(own));
+        combinations.push(self.shared("forms", any_of(common)));
         let mut properties = beside;
         for name in forms.iter().copied().flatten().copied().chain([EVERY_PART]) {
             let schema = match name {
@@ -240,7 +246,7 @@ impl Schema {
         }
         let mut table = closed(properties, &[]);
         table["minProperties"] = 1.into();
-        table["allOf"] = json!([self.shared("forms", any_of(combinations))]);
+        table["allOf"] = json!([any_of(combinations)]);
         let value = if kind == DeviationKind::RackLead { text() } else { self.length() };
         self.shared("error", any_of([json!({ "type": "number" }), value, table]))
     }
