@@ -56,7 +56,7 @@ const METHODS: &[Page] = &[
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
-            None => list(),
+            None => list(output.screen().width),
             Some(topic) => for_screen(
                 &page_of(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?,
                 output.screen().width,
@@ -140,20 +140,24 @@ fn table_of(lines: &[&str]) -> Table {
     }
 }
 
-fn list() -> String {
+fn list(width: Option<u16>) -> String {
+    const NAMES: u16 = 20;
+    let row = |name: &str, what: &str| {
+        let what = wrap(what, width.map(|width| width.saturating_sub(NAMES)));
+        format!("  {name:<18}{}\n", what.replace('\n', &format!("\n{:20}", "")))
+    };
     let mut text = String::new();
     for (heading, pages) in [("Formulas:", &CATALOGUE[..]), ("\nMethods:", METHODS)] {
         text.push_str(heading);
         text.push('\n');
         for page in pages {
-            // writing to a string cannot fail
-            let _ = writeln!(text, "  {:<18}{}", page.name, first_sentence(page.text));
+            text += &row(page.name, &first_sentence(page.text));
         }
     }
     text.push_str("\nThe spec:\n  keys              every key, what it holds and what it means\n\nDiagnostics:\n");
     for code in Code::ALL {
         let body = code.page().split_once("## What is wrong\n").map_or("", |(_, body)| body);
-        let _ = writeln!(text, "  {:<18}{}", code.name(), first_sentence(body));
+        text += &row(code.name(), &first_sentence(body));
     }
     text
 }

@@ -111,7 +111,7 @@ impl EvaluationReport<'_> {
             .text("error", |c| c.kind.to_string())
             .number("deviation", |c| either_way(deviation(c), is_unsigned(c)))
             .number(format!("ΔCD {model}\n[mm]"), |c| delta_cd(c, model))
-            .column_if(evaluation.models_differ(), Column::number(format!("ΔCD {other}\n[mm]")), |c| {
+            .column_if(evaluation.models_differ(), Column::number(format!("ΔCD {other}\n[mm]")).unless_narrow(), |c| {
                 delta_cd(c, other)
             })
             .number("worst case\n[mm]", |c| c.range.map_or_else(|_| "open".to_owned(), |range| interval_text(&range)))

@@ -250,16 +250,22 @@ pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
     lines.join("\n")
 }
 
-/// The table without the columns that may go, where its lines are longer than the screen.
+/// The table without columns that may go, the last one first, as long as its lines are longer than the screen.
 fn without_what_may_go(table: &Table, room: usize) -> Table {
-    let longest = |column: usize| texts(table, column).flat_map(str::lines).map(|line| line.chars().count()).max();
-    let width: usize = (0..table.columns.len()).map(|column| 2 + longest(column).unwrap_or(0)).sum();
-    let stays: Vec<_> = table.columns.iter().map(|column| !column.may_go || width <= room + 1).collect();
-    let kept = |cells: &[String]| {
-        cells.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(cell, _)| cell.clone()).collect()
-    };
-    let columns = table.columns.iter().zip(&stays).filter(|(_, stays)| **stays).map(|(column, _)| column.clone());
-    Table { columns: columns.collect(), rows: table.rows.iter().map(|row| kept(row)).collect() }
+    let mut table = table.clone();
+    let longest =
+        |table: &Table, column| texts(table, column).flat_map(str::lines).map(|line| line.chars().count()).max();
+    let width =
+        |table: &Table| (0..table.columns.len()).map(|column| 2 + longest(table, column).unwrap_or(0)).sum::<usize>();
+    while width(&table) > room + 1
+        && let Some(last) = table.columns.iter().rposition(|column| column.may_go)
+    {
+        table.columns.remove(last);
+        for row in table.rows.iter_mut().filter(|row| row.len() > last) {
+            row.remove(last);
+        }
+    }
+    table
 }
 
 /// What stands in a column, its heading too.
@@ -268,15 +274,22 @@ fn texts(table: &Table, column: usize) -> impl Iterator<Item = &str> {
     cells.chain(std::iter::once(&table.columns[column].heading)).map(String::as_str)
 }
 
-/// The columns' widths, with the blank before each, such that lines break between words only; nothing if no line needs
-/// to, or if there is no room for the longest words.
+/// The columns' widths, with the blank before each, such that lines break between words only, and numbers that belong
+/// together only where there is no other way; nothing if no line needs to, or if there is no room for the longest words.
 fn column_widths(table: &Table, room: usize) -> Option<Vec<usize>> {
+    widths_by(table, room, true).or_else(|| widths_by(table, room, false))
+}
+
+/// The same with numbers kept together, or not.
+fn widths_by(table: &Table, room: usize, keeps_numbers: bool) -> Option<Vec<usize>> {
     let texts = |column: usize| texts(table, column);
     let longest = |parts: &mut dyn Iterator<Item = &str>| 1 + parts.map(|part| part.chars().count()).max().unwrap_or(0);
     let columns = 0..table.columns.len();
     let full: Vec<_> = columns.clone().map(|column| longest(&mut texts(column).flat_map(str::lines))).collect();
+    let is_whole = |column: usize| keeps_numbers && table.columns[column].align == Align::Right;
+    let of_words = |column| longest(&mut texts(column).flat_map(str::split_whitespace));
     let mut widths: Vec<_> =
-        columns.map(|column| longest(&mut texts(column).flat_map(str::split_whitespace))).collect();
+        columns.map(|column| if is_whole(column) { full[column] } else { of_words(column) }).collect();
     // a blank stands between columns, too
     let room = (room + 1).checked_sub(widths.len())?;
     let mut left = room.checked_sub(widths.iter().sum())?;
