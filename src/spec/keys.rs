@@ -635,6 +635,16 @@ const TABLE_ANGLE: Section = section(
     &and_key(&table_column(Countable::Tooth, true), EVALUATION_LENGTH.any),
 );
 
+pub(crate) const TABLE_TOOTH: Section = section(
+    "table.columns.(space or tooth)",
+    "A column of spaces or teeth.",
+    &[
+        COLUMN_NAME.any,
+        key("unit", Kind::ColumnUnit { of_lead: true }, "Unit of its numbers, if its heading says none."),
+        COLUMN_KIND.any,
+    ],
+);
+
 pub(crate) const TABLE_STATUS: Section = section(
     "table.columns.status",
     "The decision of a measuring program: a part whose text is neither accepted nor rejected has no verdict.",
@@ -661,14 +671,34 @@ pub(crate) const TABLE_COLUMNS: Section = section(
         key("pinion_radial", Kind::Table(&TABLE_SIZE), "The pinion's radial measure or error."),
         key("pinion_pitch", Kind::Table(&TABLE_PINION_PITCH), "The pinion's single pitch deviation."),
         key("pinion_lead", Kind::Table(&TABLE_SLOPE), "The pinion's helix slope deviation f_Hβ."),
+        key("name", Kind::Text, "Of characteristics: heading of the column of their names."),
+        key("actual", Kind::Text, "Heading of the column of measured values."),
+        key("nominal", Kind::Text, "Heading of the column of nominal values."),
+        key("upper", Kind::Text, "Heading of the column of upper limits, which are read and judge nothing."),
+        key("lower", Kind::Text, "Heading of the column of lower limits, which are read and judge nothing."),
+        key("deviation", Kind::Text, "Heading of the column of deviations."),
+        key("uncertainty", Kind::Text, "Heading of the column of uncertainties, which are read and judge nothing."),
+        key("unit", Kind::Text, "Heading of the column of units."),
+        key("space", Kind::Text, "Of a rack's spaces: heading of the column of their numbers."),
+        key("tooth", Kind::Text, "Of a pinion's teeth: heading of the column of their numbers."),
+        key("over_pin", Kind::Table(&TABLE_TOOTH), "The measure over the pin in a space, or its deviation."),
+        key("position", Kind::Table(&TABLE_TOOTH), "The position of the pin in a space, or its deviation."),
+        key("radial", Kind::Table(&TABLE_TOOTH), "The radial deviation of the space behind a tooth."),
+        key("left_pitch", Kind::Table(&TABLE_TOOTH), "The single pitch deviation of a tooth's left flank."),
+        key("right_pitch", Kind::Table(&TABLE_TOOTH), "The single pitch deviation of a tooth's right flank."),
+        key("lead", Kind::Table(&TABLE_TOOTH), "The helix angle deviation of a space or tooth."),
     ],
 );
+
+/// The keys of `[table.columns]` that are headings.
+pub(crate) const HEADINGS: [&str; 10] =
+    ["name", "actual", "nominal", "upper", "lower", "deviation", "uncertainty", "unit", "space", "tooth"];
 
 section! {
     TABLE = "table", "The contract of tables with values of parts: every column and line is read, or left out by a rule." {
         "columns", of(Kind::Table(&TABLE_COLUMNS)), "What columns are, whose headings do not say it by themselves.";
-        TABLE_PARTS: &'static str = "parts", word(&["rows", "columns"]),
-            "Whether each part is a row or a column. Default: found from the headings.";
+        TABLE_PARTS: &'static str = "parts", word(&["rows", "columns", "characteristics", "spaces", "teeth"]),
+            "What each row is, or columns if each part is one. Default: found from the headings.";
         TABLE_DECIMAL: &'static str = "decimal", word(&["comma", "point"]),
             "What stands before decimals. Default: the only mark by which every number can be read.";
         TABLE_SEPARATOR: String = "separator", text(),

@@ -52,8 +52,8 @@ impl Spec {
     /// # Errors
     /// If the file says different things of one error, of which the spec says nothing.
     pub fn completed_by(&self, qdas: &Qdas, model: Model) -> Result<(Self, Vec<String>), Diagnostic> {
-        let own = self.want().own;
-        let of_errors = qdas.characteristics.iter().map(|found| (Qdas::error_of(found, &own), found));
+        let layout = self.want().contract();
+        let of_errors = qdas.characteristics.iter().map(|found| (Qdas::error_of(found, &layout), found));
         let of_errors: Vec<_> = of_errors.filter_map(|(kind, found)| Some((kind?, found))).collect();
         let mut spec = self.clone();
         let mut notes = Vec::new();
@@ -97,6 +97,7 @@ impl Spec {
     /// Takes what a characteristic says of its error.
     fn take(&mut self, kind: DeviationKind, found: &Characteristic, model: Model, notes: &mut Vec<String>) {
         self.take_nominal(kind, found, notes);
+        notes.extend(found.unused.iter().map(|unused| format!("{kind}: {unused}")));
         self.take_limits(kind, found, model, notes);
         self.take_uncertainty(kind, found, notes);
     }
@@ -140,8 +141,12 @@ impl Spec {
         let end = |text: &Option<String>| text.as_deref().and_then(|text| value(kind, text, found));
         let (lower, upper) = (end(&found.lower), end(&found.upper));
         let is_read = lower.is_some() == found.lower.is_some() && upper.is_some() == found.upper.is_some();
-        if (found.lower.is_none() && found.upper.is_none()) || self.limit_on(target).is_some() {
+        if found.lower.is_none() && found.upper.is_none() {
             return;
+        }
+        if self.limit_on(target).is_some() {
+            return notes
+                .push(format!("{kind}: the limits of the file (K2110, K2111) are not used: the spec has its own"));
         }
         if !is_read {
             let unit = found.unit.as_deref().unwrap_or_default();

@@ -14,7 +14,9 @@ use super::{Located, Spec, syntax_error};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::shown;
-use crate::table::{DecimalMark, DeclaredColumn, Layout, LineRule, PartNames, Parts, Pattern, Repeats, StatusColumn};
+use crate::table::{
+    DecimalMark, DeclaredColumn, Field, Layout, LineRule, PartNames, Parts, Pattern, Repeats, StatusColumn,
+};
 
 /// Reads `[table]`, if it is there.
 pub(super) fn read(sections: &mut SectionReader<'_>, spec: &mut Spec) {
@@ -64,9 +66,19 @@ pub(super) fn file(name: &str, text: &str) -> Result<BatchSection, Diagnostics> 
 
 fn section(reader: &mut SectionReader<'_>) -> BatchSection {
     let (mut declared, mut part_id, mut status) = (Vec::new(), None, None);
+    let (mut headings, mut of_teeth) = (Vec::new(), Vec::new());
     let columns = reader.table("columns", &keys::TABLE_COLUMNS, |reader| {
         part_id = part_names(reader);
         status = status_column(reader);
+        for key in keys::HEADINGS {
+            let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
+            headings.extend(text.map(|text| (key, text.to_owned())));
+        }
+        of_teeth.extend(Field::ALL.into_iter().filter(|field| field.is_of_space_or_tooth()).filter_map(|field| {
+            reader
+                .table(field.key(), &keys::TABLE_TOOTH, |reader| tooth_column(reader, field))
+                .map(|column| column.value)
+        }));
         of_each(|kind| column(reader, kind, &mut declared))
     });
     let columns = columns.map(|columns| columns.value).unwrap_or_default();
@@ -75,30 +87,39 @@ fn section(reader: &mut SectionReader<'_>) -> BatchSection {
         _ => DecimalMark::Point,
     });
     let parts = reader.get(keys::TABLE_PARTS).map(|parts| match parts.value {
-        "columns" => Parts::Columns,
-        _ => Parts::Rows,
+        "columns" => Some(Parts::Columns),
+        "characteristics" => Some(Parts::Characteristics),
+        "spaces" | "teeth" => None,
+        _ => Some(Parts::Rows),
     });
+    // a space or tooth is a row or a column
+    let teeth = parts == Some(None);
     let repeats = reader.get(keys::TABLE_REPEATS).map(|repeats| match repeats.value {
         "last" => Repeats::Last,
         _ => Repeats::All,
     });
     let patterns = |texts: Vec<Located<String>>| texts.iter().map(|text| Pattern::of_heading(&text.value)).collect();
-    let layout = Layout {
-        parts,
+    let mut layout = Layout {
+        parts: parts.flatten(),
+        teeth,
+        index: None,
         separator: separator(reader),
         starts: starts(reader),
         decimal,
         headings: Vec::new(),
         units: units(reader),
         part_id: part_id.clone(),
-        columns: declared,
+        columns: declared.into_iter().chain(of_teeth).collect(),
         status,
+        of_characteristics: Vec::new(),
+        of_format: Vec::new(),
         ignore: patterns(reader.texts("ignore")),
         ignore_lines: line_rules(reader),
         comments: patterns(reader.texts("comments")),
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
         repeats: repeats.unwrap_or_default(),
     };
+    headings.into_iter().for_each(|(key, heading)| layout.call(key, heading));
     let part_id = part_id.and_then(|names| if let PartNames::Column(name) = names { Some(name) } else { None });
     BatchSection { decimal, part_id, columns, layout: Some(Arc::new(layout)), ..BatchSection::default() }
 }
@@ -119,6 +140,14 @@ fn part_names(reader: &mut SectionReader<'_>) -> Option<PartNames> {
         return reader.refuse(Diagnostic::error(Code::WrongType, message), line.span());
     }
     Some(PartNames::Line(Pattern::of_heading(text)))
+}
+
+/// A column of a space or tooth.
+fn tooth_column(reader: &mut SectionReader<'_>, field: Field) -> DeclaredColumn {
+    let name = reader.get(keys::COLUMN_NAME).map(|name| name.value);
+    let is_deviation = reader.get(keys::COLUMN_KIND).is_some_and(|kind| kind.value == "deviation");
+    let unit = reader.column_unit("unit", true).map(|unit| unit.value);
+    DeclaredColumn { is_deviation, ..DeclaredColumn::new(field, name, unit, Vec::new()) }
 }
 
 /// The column of a measuring program's decision.

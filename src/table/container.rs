@@ -9,9 +9,10 @@ use super::Table;
 use super::encoding::{decode, peek, unpacked};
 use super::parquet::ParquetTable;
 use super::propose::{Proposal, Unclosed};
-use super::qdas::Qdas;
+use super::qdas::{Qdas, qdas_table};
+use super::report::is_numbered_report;
 use super::text::Text;
-use super::typed::{parquet_table, qdas_table, workbook_table};
+use super::typed::{parquet_table, workbook_table};
 use super::want::Want;
 use super::workbook::Workbook;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -179,6 +180,11 @@ fn refuse_foreign(name: &str, start: &[u8]) -> Result<(), Diagnostic> {
             refused("a web page, whatever its name says", save)
         }
         _ if lower.starts_with("<?xml") => refused("XML", save),
+        _ if is_numbered_report(&decode(start)) => refused(
+            "a report of a gear measuring centre (.mka)",
+            "export its deviations as a table, such as a row per tooth: tooth, left_pitch_deviation [um], \
+             right_pitch_deviation [um]",
+        ),
         _ if lower.trim_start_matches('[').trim_start().starts_with('{') => {
             refused("JSON", "save it as .csv or .parquet")
         }

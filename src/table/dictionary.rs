@@ -44,9 +44,10 @@ pub(crate) struct Heading {
 }
 
 /// What the headings of a table are looked up for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) enum Form {
     /// Values of parts: headings of columns, or names of characteristics.
+    #[default]
     Parts,
     /// Values of spaces or teeth.
     Teeth,
@@ -92,11 +93,11 @@ const fn meaning(role: Role, is_deviation: bool, is_key: bool) -> Meaning {
 
 /// What a row of the list is of, its role, and whether its values are deviations.
 fn role_of(written: &str) -> Option<(Form, Role, bool)> {
-    let (name, is_deviation) =
-        written.trim().strip_suffix(" deviation").map_or((written.trim(), false), |name| (name, true));
-    if let Some(beside) = name.strip_prefix("characteristic ") {
+    if let Some(beside) = written.trim().strip_prefix("characteristic ") {
         return Some((Form::Characteristics, Role::Of(Beside::of_key(beside)?), false));
     }
+    let (name, is_deviation) =
+        written.trim().strip_suffix(" deviation").map_or((written.trim(), false), |name| (name, true));
     let field: Field = name.parse().ok()?;
     Some(match field {
         Field::PartId => (Form::Parts, Role::PartId, false),
@@ -124,7 +125,11 @@ pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
 /// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
 /// or a dot at its end.
 pub(crate) fn normal(name: &str) -> String {
-    let plain: Vec<char> = plain_widths(name).to_lowercase().chars().collect();
+    // Fp adds up what fp is of each tooth
+    let is_total = |word: &str| matches!(word, "Fp" | "FP");
+    let word = |word: &str| if is_total(word) { "Fp".to_owned() } else { word.to_lowercase() };
+    let words: Vec<String> = plain_widths(name).split_whitespace().map(word).collect();
+    let plain: Vec<char> = words.join(" ").chars().collect();
     let is_letter = |at: Option<usize>| at.and_then(|at| plain.get(at)).is_some_and(|c| c.is_alphabetic());
     let joins = |at: usize| plain[at] == '-' && is_letter(at.checked_sub(1)) && is_letter(Some(at + 1));
     let spaced = (0..plain.len()).map(|at| if joins(at) || plain[at] == '.' { ' ' } else { plain[at] });
@@ -180,6 +185,7 @@ mod tests {
             ("Istwert", None),
             ("pitch", None),
             ("fp", None),
+            ("Fp links", None),
             ("Rollenmaß 2", None),
             ("Rollenmaß links", None),
             ("", None),

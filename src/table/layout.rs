@@ -4,7 +4,7 @@
 use std::str::FromStr;
 
 use super::column::unit_of;
-use super::dictionary::{Heading, Role};
+use super::dictionary::{Form, Heading, Role};
 use super::names::{Field, Role as Beside};
 use super::number::DecimalMark;
 use super::pattern::Pattern;
@@ -18,14 +18,17 @@ pub enum Parts {
     Rows,
     /// In a column.
     Columns,
+    /// In rows of which each is a characteristic.
+    Characteristics,
 }
 
 impl Parts {
-    /// The word of a contract.
+    /// The word by which a contract says it.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Rows => "rows",
             Self::Columns => "columns",
+            Self::Characteristics => "characteristics",
         }
     }
 }
@@ -71,6 +74,8 @@ pub struct DeclaredColumn {
     pub unit: Option<Unit>,
     /// What the columns beside it are called, with what they hold.
     pub(crate) beside: Vec<(Beside, String)>,
+    /// Whether its values are deviations, whatever it is called.
+    pub is_deviation: bool,
 }
 
 /// The column of a measuring program's decision.
@@ -89,6 +94,8 @@ pub struct StatusColumn {
 pub struct Layout {
     /// Where the values of a part stand, if the contract says so.
     pub parts: Option<Parts>,
+    /// Whether each row or column is known to be a space or tooth, and no part.
+    pub teeth: bool,
     /// What separates cells of a text, if the contract says so.
     pub separator: Option<u8>,
     /// In which column of characters each cell of a text of fixed width starts; none if the contract does not say so.
@@ -101,10 +108,16 @@ pub struct Layout {
     pub units: Option<u64>,
     /// Where the names of parts stand; `None` if the dictionary finds their column.
     pub part_id: Option<PartNames>,
+    /// What the column with the numbers of spaces or teeth is called; `None` if the dictionary finds it.
+    pub index: Option<(Field, String)>,
     /// What the columns of errors are called.
     pub columns: Vec<DeclaredColumn>,
     /// The column of a measuring program's decision.
     pub status: Option<StatusColumn>,
+    /// What the columns of a table with a row per characteristic are called, by what they hold.
+    pub(crate) of_characteristics: Vec<(Beside, String)>,
+    /// Headings of columns that the format of the file owns, and that say nothing of values.
+    pub(crate) of_format: Vec<String>,
     /// Columns that are not used.
     pub ignore: Vec<Pattern>,
     /// Lines that belong to no part.
@@ -160,19 +173,37 @@ impl DeclaredColumn {
     ) -> Self {
         let role = |key| if key == "units" { Beside::Unit } else { Beside::of_key(key).unwrap_or(Beside::Unit) };
         let beside = beside.into_iter().map(|(key, name)| (role(key), name)).collect();
-        Self { field: field.into(), name, unit, beside }
+        Self { field: field.into(), name, unit, beside, is_deviation: false }
     }
 }
 
 impl Layout {
+    /// What headings are looked up for where none is known.
+    pub(crate) const fn form(&self) -> Form {
+        if self.teeth { Form::Teeth } else { Form::Parts }
+    }
+
+    /// The same where the format says which column names the part.
+    pub(crate) fn with_part_column(&self, name: &str) -> Self {
+        Self { part_id: Some(PartNames::Column(name.to_owned())), ..self.clone() }
+    }
+
     /// The role that the contract gives to a heading, which is its whole text or that without the unit.
-    pub(crate) fn declared(&self, title: &str, name: &str) -> Option<Role> {
+    pub(crate) fn declared(&self, title: &str, name: &str, form: Form) -> Option<Role> {
         let is_called = |declared: &str| is_same(declared, title) || is_same(declared, name);
         if matches!(&self.part_id, Some(PartNames::Column(declared)) if is_called(declared)) {
             return Some(Role::PartId);
         }
         if self.status.as_ref().is_some_and(|status| is_called(&status.name)) {
             return Some(Role::Status);
+        }
+        if form == Form::Teeth
+            && let Some((index, _)) = self.index.as_ref().filter(|(_, name)| is_called(name))
+        {
+            return Some(Role::Index(*index));
+        }
+        if form == Form::Characteristics {
+            return self.of_characteristics.iter().find(|(_, name)| is_called(name)).map(|(of, _)| Role::Of(*of));
         }
         self.columns.iter().find_map(|column| {
             let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.field));
@@ -187,7 +218,9 @@ impl Layout {
             Role::PartId => matches!(self.part_id, Some(PartNames::Column(_))),
             Role::Value(field) => self.columns.iter().any(|column| column.field == field && column.name.is_some()),
             Role::Status => self.status.is_some(),
-            Role::Beside(..) | Role::Index(_) | Role::Of(_) => false,
+            Role::Index(_) => self.index.is_some(),
+            Role::Beside(..) => false,
+            Role::Of(of) => self.of_characteristics.iter().any(|(other, _)| *other == of),
         }
     }
 
@@ -198,9 +231,21 @@ impl Layout {
             own.into_iter()
                 .chain(column.beside.iter().map(|(beside, name)| (Role::Beside(column.field, *beside), name.as_str())))
         });
+        let of = self.of_characteristics.iter().map(|(of, name)| (Role::Of(*of), name.as_str()));
+        let index = self.index.as_ref().map(|(index, name)| (Role::Index(*index), name.as_str()));
         let part = if let Some(PartNames::Column(name)) = &self.part_id { Some(name.as_str()) } else { None };
         let status = self.status.as_ref().map(|status| (Role::Status, status.name.as_str()));
-        part.map(|name| (Role::PartId, name)).into_iter().chain(status).chain(columns)
+        let part = part.map(|name| (Role::PartId, name)).into_iter();
+        part.chain(status).chain(index).chain(columns).chain(of)
+    }
+
+    /// Says what the column of a key of `[table.columns]` is called, of a table of characteristics, spaces or teeth.
+    pub(crate) fn call(&mut self, key: &str, heading: String) {
+        if let Some(beside) = Beside::of_key(key) {
+            self.of_characteristics.push((beside, heading));
+        } else if let Ok(index) = key.parse() {
+            self.index = Some((index, heading));
+        }
     }
 
     /// The pattern of the lines that name the parts below them.

@@ -10,6 +10,8 @@ use twox_hash::XxHash64;
 use super::cell::{Cell, Record};
 use crate::quantity::shown;
 
+/// What the format of a file says besides values, as a rule.
+pub(crate) const OF_FORMAT: &str = "the format's";
 /// How many texts of each rule are shown.
 const SHOWN: usize = 3;
 

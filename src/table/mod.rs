@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `encoding`, `chunk`, `split`, `grid` | bytes to text, text to records, records to cells |
 //! | `workbook`, `qdas`, `parquet`, `typed` | files whose cells are typed |
+//! | `report` | texts of measuring programs, whose cells have a fixed meaning |
 //! | `names` | what headings mean, in four languages |
 //! | `shape` | where the names stand, which cells belong to them |
 //! | `number`, `column`, `companions` | what a cell means |
@@ -68,6 +69,7 @@ mod propose;
 pub mod qdas;
 mod reading;
 mod rejection;
+mod report;
 mod rows;
 mod shape;
 mod split;
@@ -157,7 +159,7 @@ impl Table {
     fn new(name: &str, format: &'static str, understood: &Understood, want: &Want) -> Self {
         let shape = &understood.shape;
         let others = Others::of(&understood.columns, want);
-        let part = if understood.is_teeth && !teeth::is_rack(&understood.columns, shape.index_field) {
+        let part = if understood.is_teeth && !column::is_rack(&understood.columns, shape.index_field) {
             Part::Pinion
         } else {
             Part::Rack

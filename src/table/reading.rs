@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ledger::LeftOut;
+use super::ledger::OF_FORMAT;
 use super::names::names_page;
 use crate::quantity::shown;
 
@@ -95,7 +96,9 @@ impl Reading {
         let assumed =
             assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
         let assumed = self.sentence("units assumed, because nothing tells them:", &assumed.collect::<Vec<_>>(), "");
-        let used = self.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string);
+        // what its format says is nobody's rule
+        let is_rule = |rule: &&LeftOut| rule.tally.count > 0 && rule.rule != OF_FORMAT;
+        let used = self.left_out.iter().filter(is_rule).map(ToString::to_string);
         let left_out = self.sentence("left out:", &used.collect::<Vec<_>>(), "");
         let pages = self.missing_page().filter(|_| self.left_out.is_empty());
         self.notes.iter().cloned().chain(assumed).chain(left_out).chain(pages).collect()

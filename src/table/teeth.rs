@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use super::block::{Block, Fault};
-use super::column::{Column, Nominal};
+use super::column::{Column, Nominal, is_rack};
 use super::names::{Field, ValueKind};
 use super::{Container, Reading, Source, Table, Want};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
@@ -190,11 +190,6 @@ pub(crate) struct ToothedPart {
 pub(crate) struct LineFault {
     pub(crate) line: u64,
     pub(crate) message: String,
-}
-
-/// Whether columns of teeth or spaces are those of a rack.
-pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
-    !columns.iter().map(|column| column.field).chain(index).any(Field::is_of_tooth)
 }
 
 /// A space or tooth has no higher number: racks have some thousands at most.

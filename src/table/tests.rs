@@ -1,5 +1,6 @@
 //! The reader of tables as a whole: bytes in, parts and how they were read out.
 
+mod characteristics;
 mod closure;
 mod columns;
 mod containers;

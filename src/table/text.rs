@@ -7,10 +7,13 @@ use std::io::Read;
 use std::sync::Arc;
 
 use super::Table;
-use super::chunk::Chunker;
+use super::chunk::{Chunker, LONGEST_RECORD};
+use super::contract::{File, of_records};
 use super::encoding::{Encoding, recoded, text};
 use super::grid::{Separator, records};
+use super::pieces::Place;
 use super::propose::Unclosed;
+use super::report::{Report, is_report, report};
 use super::shape::has_digit;
 use super::split::next_record;
 use super::understand::{Understood, understand};
@@ -77,8 +80,11 @@ impl Text {
     }
 
     pub(crate) fn table(mut self, want: &Want) -> Result<Table, Unclosed> {
-        if let Some(layout) = &want.layout {
-            return self.by_contract(layout, want);
+        if is_report(&text(&self.start(START)?.0)) {
+            return self.report(want);
+        }
+        if let Some(layout) = want.only_contract() {
+            return self.by_contract(&layout, want);
         }
         let mut want = want.clone();
         want.separator = want.separator.or(self.stated);
@@ -107,6 +113,38 @@ impl Text {
             return Err(refused.into());
         }
         Ok(self.whole_table(&source, &understood, &want))
+    }
+
+    /// Refuses a line that is longer than a row is where rows are streamed.
+    fn refuse_long_lines(&self, bytes: &[u8]) -> Result<(), Diagnostic> {
+        let mut start = 0;
+        for (end, line) in memchr::memchr_iter(b'\n', bytes).chain([bytes.len()]).zip(self.lines + 1..) {
+            if end - start > LONGEST_RECORD {
+                let limit = LONGEST_RECORD >> 10;
+                let message = format!("{}, line {line}: it is longer than {limit} KiB", self.name);
+                return Err(Diagnostic::error(Code::BadTable, message).help("a line end or a quote may be missing"));
+            }
+            start = end;
+        }
+        Ok(())
+    }
+
+    /// The table of a report that a measuring program wrote.
+    fn report(mut self, want: &Want) -> Result<Table, Unclosed> {
+        let layout = want.contract();
+        let (bytes, is_all) = self.start(LARGEST_WHOLE)?;
+        self.refuse_long_lines(&bytes)?;
+        let Some(report) = report(&text(&bytes), &layout).filter(|_| is_all) else {
+            let message =
+                format!("{} is larger than {} MiB, and its parts are not in rows", self.name, LARGEST_WHOLE >> 20);
+            return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into());
+        };
+        let Report { format, records, layout, said, left_out, open } = report;
+        let file = File { said, left_out, open, ..File::new(&self.name, format) };
+        let mut table = of_records(&file, records, std::iter::empty(), &Arc::new(layout), want)?;
+        table.reading.header_line = None;
+        table.place = Place::Line;
+        Ok(table)
     }
 
     /// The text as messages point into it: whole lines, line ends of one kind where it is all there.

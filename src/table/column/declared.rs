@@ -17,6 +17,8 @@ use crate::table::want::Want;
 pub(crate) struct Declared {
     /// The error, or the size of a space or tooth.
     pub(crate) field: Field,
+    /// Whether each row is a part, and no space or tooth.
+    pub(crate) is_of_part: bool,
     pub(crate) title: String,
     pub(crate) place: usize,
     pub(crate) unit: Unit,
@@ -35,7 +37,8 @@ impl Column {
     /// # Errors
     /// A nominal value that is missing, or contradicts what the column holds.
     pub(crate) fn declared(of: &Declared, want: &Want) -> Result<Self, Diagnostics> {
-        let kind = if let Field::Error(kind) = of.field { Some(kind) } else { None };
+        let kind = of.field.kind().filter(|_| of.is_of_part);
+        let module = want.module.filter(|_| of.is_of_part);
         let given = kind.and_then(|kind| want.given(kind));
         let holds = given.and_then(|given| given.holds);
         if of.is_deviation && holds == Some(ValueKind::Measured) {
@@ -57,8 +60,8 @@ impl Column {
             nominal: Nominal::None,
             evaluated: Stated::None,
             stated: None,
-            farthest: Reach::possible(want.module),
-            module: want.module,
+            farthest: Reach::possible(module),
+            module,
             tolerance: None,
             mark: of.mark.unwrap_or(DecimalMark::Point),
             mark_is_open: of.mark.is_none(),
@@ -76,8 +79,16 @@ impl Column {
         if self.holds == Some(ValueKind::Deviation) {
             return Ok(());
         }
-        let kind = self.kind.and_then(|kind| want.given(kind));
-        let given = kind.and_then(|given| given.nominal.clone()).transpose()?;
+        let given = self.field.kind().and_then(|kind| want.given(kind)?.nominal.clone());
+        let given = match self.kind {
+            Some(_) => given.transpose()?,
+            // a space or tooth has its nominal value by its place, unless a deviation stands beside it
+            None if self.beside.get(Role::Nominal).or(self.beside.get(Role::Deviation)).is_none() => return Ok(()),
+            None => {
+                let over_pin = want.over_pin.filter(|_| self.field == Field::OverPin).map(DeviationValue::Length);
+                given.and_then(Result::ok).or(over_pin)
+            }
+        };
         if self.beside.get(Role::Nominal).is_some() {
             (self.nominal, self.stated) = (Nominal::Beside, given);
         } else if let Some(nominal) = given {

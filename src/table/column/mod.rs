@@ -443,6 +443,11 @@ impl Column {
     }
 }
 
+/// Whether columns of teeth or spaces are those of a rack.
+pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
+    !columns.iter().map(|column| column.field).chain(index).any(Field::is_of_tooth)
+}
+
 /// What is measured in a text: without the uncertainty or the tolerance behind it, and with the inch for the quotes that stand
 /// for it.
 fn measured(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {

@@ -66,7 +66,7 @@ fn one(
     (layout, want): (&Layout, &Want),
 ) -> Option<Declared> {
     let (title, name) = (matched.titles[place].clone(), matched.headings[place].name.clone());
-    let meaning = lookup(Form::Parts, &name).filter(|meaning| meaning.role == Role::Value(field));
+    let meaning = lookup(matched.form, &name).filter(|meaning| meaning.role == Role::Value(field));
     let is_angle = field.is_angle();
     let beside = beside(matched, field, is_angle);
     let of_row = units.map(|units| units.cell(place).text().into_owned()).filter(|unit| !unit.is_empty());
@@ -80,8 +80,10 @@ fn one(
         };
         said.push((unit, UnitFrom::Table));
     }
-    let declared = layout.columns.iter().find(|column| column.field == field).and_then(|column| column.unit);
-    let given = declared.or_else(|| want.given(field.kind()?)?.unit);
+    let own = layout.columns.iter().find(|column| column.field == field);
+    let declared = own.and_then(|column| column.unit);
+    let kind = if let (Field::Error(kind), Form::Parts) = (field, matched.form) { Some(kind) } else { None };
+    let given = declared.or_else(|| want.given(kind?)?.unit);
     said.extend(given.map(|unit| (unit, UnitFrom::Spec)));
     let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
     if let Some((_, at, _)) = unit_column {
@@ -92,10 +94,12 @@ fn one(
         let default = if is_angle { Unit::Angle(AngleUnit::Degree) } else { Unit::Length(LengthUnit::Millimetre) };
         said.push((default, UnitFrom::Key));
     }
-    let is_deviation = meaning.is_some_and(|meaning| meaning.is_deviation);
+    let is_own = own.is_some_and(|own| own.is_deviation) || field.is_deviation();
+    let is_deviation = matched.are_deviations || is_own || meaning.is_some_and(|meaning| meaning.is_deviation);
+    let is_of_part = matched.form == Form::Parts;
     let with = |unit: Unit, unit_from| {
         let (title, beside) = (title.clone(), beside.clone());
-        Declared { field, title, place, unit, unit_from, is_deviation, mark: None, beside }
+        Declared { field, is_of_part, title, place, unit, unit_from, is_deviation, mark: None, beside }
     };
     let Some((unit, from)) = said.first().copied() else {
         let units = plausible(&|unit| with(unit, UnitFrom::Spec), is_angle, rows, want);
@@ -137,7 +141,7 @@ pub(crate) fn plausible_units(
     let is_deviation = meaning.is_some_and(|meaning| meaning.is_deviation);
     let with = |unit: Unit| {
         let (title, beside, unit_from) = (title.to_owned(), Vec::new(), UnitFrom::Spec);
-        Declared { field, title, place, unit, unit_from, is_deviation, mark: None, beside }
+        Declared { field, is_of_part: true, title, place, unit, unit_from, is_deviation, mark: None, beside }
     };
     plausible(&with, field.is_angle(), rows, want)
 }

@@ -7,6 +7,7 @@ use crate::quantity::Unit;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
 use crate::table::layout::Layout;
+use crate::table::names::Role as Beside;
 
 /// A table whose columns are looked at.
 #[derive(Debug, Default)]
@@ -22,57 +23,84 @@ pub(crate) struct Matched {
     pub(crate) line: u64,
     /// Everything that has no owner so far.
     pub(crate) open: Vec<Open>,
+    /// What its headings are looked up for.
+    pub(crate) form: Form,
+    /// Whether all values are deviations, whatever their columns are called.
+    pub(crate) are_deviations: bool,
+}
+
+impl Matched {
+    /// Adds a column of a role.
+    pub(super) fn push(&mut self, role: Role, title: &str) {
+        self.owners.push(Some(Owner::Role(role)));
+        self.headings.push(Heading::of(title));
+        self.titles.push(title.to_owned());
+    }
 }
 
 /// The role of a heading in any table: what the contract declares, or the dictionary knows.
-fn role(title: &str, layout: &Layout) -> Option<(Role, Option<Meaning>)> {
+fn role(title: &str, layout: &Layout, form: Form) -> Option<(Role, Option<Meaning>)> {
     let heading = Heading::of(title);
-    if let Some(role) = layout.declared(title, &heading.name) {
+    if let Some(role) = layout.declared(title, &heading.name, form) {
         return Some((role, None));
     }
     if layout.ignores(title, &heading.name, usize::MAX - 1, true).is_some() {
         return None;
     }
-    lookup(Form::Parts, &heading.name).map(|meaning| (meaning.role, Some(meaning)))
+    lookup(form, &heading.name).map(|meaning| (meaning.role, Some(meaning)))
 }
 
 /// The roles of the cells of a record that are headings.
-pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout) -> impl Iterator<Item = Role> + 'r {
+pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout, form: Form) -> impl Iterator<Item = Role> + 'r {
     let filled = record.cells.iter().filter(|cell| !cell.is_empty() && !cell.is_number());
-    filled.filter_map(|cell| Some(role(&cell.text(), layout)?.0))
+    filled.filter_map(move |cell| Some(role(&cell.text(), layout, form)?.0))
 }
 
-/// How many headings of a record have a role, if it is a line of headings: one of them is of an error, and nothing is a number.
-pub(crate) fn score(record: &Record, layout: &Layout) -> Option<usize> {
+/// Whether a record is a line of headings: two or more of its cells have a role in one form of tables.
+pub(crate) fn is_one(record: &Record, layout: &Layout) -> bool {
+    let is_of = |form: Form| roles(record, layout, form).take(2).count() == 2;
+    [Form::Parts, Form::Teeth, Form::Characteristics].into_iter().any(is_of)
+}
+
+/// How many headings of a record have a role, if it is a line of headings: one of them is of a value, and nothing is a number; of
+/// spaces or teeth, one numbers them, unless the rows are known to be that; of characteristics, one is of their names.
+pub(crate) fn score(record: &Record, layout: &Layout, form: Form) -> Option<usize> {
     if record.cells.iter().any(Cell::is_number) {
         return None;
     }
-    let found: Vec<Role> = roles(record, layout).collect();
-    found.iter().any(|role| matches!(role, Role::Value(_))).then_some(found.len())
+    let found: Vec<Role> = roles(record, layout, form).collect();
+    let has = |is_it: &dyn Fn(&Role) -> bool| found.iter().any(is_it);
+    let has_of = |beside: Beside| found.contains(&Role::Of(beside));
+    let is_one = match form {
+        Form::Characteristics => has_of(Beside::Name) && (has_of(Beside::Measured) || has_of(Beside::Deviation)),
+        Form::Teeth if !layout.teeth && !has(&|role| matches!(role, Role::Index(_))) => false,
+        Form::Parts | Form::Teeth => has(&|role| matches!(role, Role::Value(_))),
+    };
+    is_one.then_some(found.len())
 }
 
 /// The place of the line of headings, and how many roles it has: the first with two of them, or else the first with one.
-pub(crate) fn find(records: &[Record], layout: &Layout) -> Option<(usize, usize)> {
+pub(crate) fn find(records: &[Record], layout: &Layout, form: Form) -> Option<(usize, usize)> {
     if !layout.headings.is_empty() {
-        return Some((0, score(records.first()?, layout)?));
+        return Some((0, score(records.first()?, layout, form)?));
     }
     let headings = || {
         let each = records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
-        each.filter_map(|(at, record)| Some((at, score(record, layout)?)))
+        each.filter_map(|(at, record)| Some((at, score(record, layout, form)?)))
     };
     headings().find(|(_, score)| *score > 1).or_else(|| headings().next())
 }
 
 /// Gives each column of a heading its owner. `below` are rows, to show what is not owned.
-pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout) -> Matched {
+pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form: Form) -> Matched {
     let titles: Vec<String> = heading.filled().iter().map(|cell| cell.text().into_owned()).collect();
     let width = below.iter().map(|record| record.filled().len()).chain([titles.len()]).max().unwrap_or(0);
-    let mut found = Matched { heading: line_of(heading), line: heading.line, ..Matched::default() };
+    let mut found = Matched { heading: line_of(heading), line: heading.line, form, ..Matched::default() };
     let mut roles: Vec<(Role, String)> = Vec::new();
     for place in 0..width {
         let title = titles.get(place).cloned().unwrap_or_default();
         let named = Heading::of(&title);
-        let owner = owner(&title, &named.name, place, layout);
+        let owner = owner(&title, &named.name, place, layout, form);
         if let Ok(Some(Owner::Role(role))) = owner {
             if let Some((_, other)) = roles.iter().find(|(other, _)| *other == role) {
                 found.open.push(Open::Twice { key: key(role), titles: [other.clone(), title.clone()] });
@@ -97,7 +125,10 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout) -> Ma
             found.headings.push(named);
         }
     }
-    for (role, name) in layout.promised().filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {
+    let is_of_form =
+        |role: Role| (form == Form::Characteristics) == matches!(role, Role::Of(_)) || role == Role::PartId;
+    let promised = layout.promised().filter(|(role, _)| is_of_form(*role));
+    for (role, name) in promised.filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {
         found.open.push(Open::Missing { key: key(role), name: name.to_owned() });
     }
     found.titles = titles;
@@ -108,17 +139,20 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout) -> Ma
 ///
 /// # Errors
 /// A pattern that would leave out a heading that is known.
-fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Option<Owner>, Open> {
-    if let Some(role) = layout.declared(title, name) {
+pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form: Form) -> Result<Option<Owner>, Open> {
+    if let Some(role) = layout.declared(title, name, form) {
         return Ok(Some(Owner::Role(role)));
     }
     if let Some(rule) = layout.ignores(title, name, place, true) {
         return Ok(Some(Owner::Rule(rule)));
     }
+    if form == Form::Characteristics && layout.of_format.iter().any(|own| own == title) {
+        return Ok(Some(Owner::Rule(layout.of_format())));
+    }
     if title.is_empty() {
         return Ok(Some(layout.ignores(title, name, place, false).map_or(Owner::Nameless, Owner::Rule)));
     }
-    let known = lookup(Form::Parts, name).map(|meaning| meaning.role);
+    let known = lookup(form, name).map(|meaning| meaning.role);
     if let Some(role) = known.filter(|role| !layout.names(*role)) {
         return Ok(Some(Owner::Role(role)));
     }
@@ -127,9 +161,7 @@ fn owner(title: &str, name: &str, place: usize, layout: &Layout) -> Result<Optio
             Err(Open::Pattern { pattern: layout.ignore[rule].text().to_owned(), title: title.to_owned() })
         }
         Some(rule) => Ok(Some(Owner::Rule(rule))),
-        None => {
-            Ok((layout.ignores_others && lookup(Form::Parts, name).is_none()).then(|| Owner::Rule(layout.others())))
-        }
+        None => Ok((layout.ignores_others && lookup(form, name).is_none()).then(|| Owner::Rule(layout.others()))),
     }
 }
 

@@ -4,6 +4,7 @@
 //! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark;
 //! [`Contract::close`] is the only way to a table that can be read, and says what has no owner.
 
+mod characteristics;
 mod columns;
 mod heading;
 mod open;
@@ -12,7 +13,7 @@ mod table;
 mod whole;
 
 pub(crate) use columns::plausible_units;
-pub(crate) use heading::{Matched, key};
+pub(crate) use heading::{Matched, key, owner};
 pub(crate) use open::Open;
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
@@ -23,7 +24,8 @@ use std::sync::Arc;
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
 use super::layout::{Layout, Repeats, StatusColumn};
-use super::ledger::{LeftOut, Tally};
+use super::ledger::{LeftOut, OF_FORMAT, Tally};
+use super::names::Field;
 use crate::quantity::shown;
 
 /// A table of which every column has an owner. Only this one can be read.
@@ -101,6 +103,18 @@ impl Contract {
         &self.layout
     }
 
+    /// The column of a role.
+    fn place(&self, is_it: impl Fn(Role) -> bool) -> Option<usize> {
+        self.owners.iter().position(|owner| matches!(owner, Owner::Role(role) if is_it(*role)))
+    }
+
+    /// What numbers the rows, where they are spaces or teeth.
+    fn index(&self) -> Option<Field> {
+        self.owners
+            .iter()
+            .find_map(|owner| if let Owner::Role(Role::Index(field)) = owner { Some(*field) } else { None })
+    }
+
     /// The columns that a rule leaves out, with the rule.
     pub(crate) fn left_out(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let rule =
@@ -141,7 +155,7 @@ impl Contract {
 
     /// Whether a record is another heading: two or more of its cells are.
     pub(crate) fn is_other_heading(&self, record: &Record) -> bool {
-        record.numbers() == 0 && heading::roles(record, &self.layout).take(2).count() == 2
+        record.numbers() == 0 && heading::is_one(record, &self.layout)
     }
 
     /// What is wrong with the name of a part; `None` if it is one.
@@ -204,8 +218,8 @@ impl Contract {
 
 impl Layout {
     /// The rule that leaves out a line, by its place among those for lines. A heading is never left out.
-    fn covering(&self, record: &Record) -> Option<usize> {
-        if self.ignore_lines.is_empty() || heading::roles(record, self).take(2).count() == 2 {
+    pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
+        if self.ignore_lines.is_empty() || heading::is_one(record, self) {
             return None;
         }
         let line = line_of(record);
@@ -245,6 +259,11 @@ impl Layout {
         self.others() + 4
     }
 
+    /// What the format of a file says besides values.
+    pub(crate) fn of_format(&self) -> usize {
+        self.others() + 5
+    }
+
     /// A rule as it is written.
     pub(crate) fn rule_in_words(&self, rule: usize) -> String {
         self.rules().swap_remove(rule).rule
@@ -256,8 +275,15 @@ impl Layout {
         let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
         let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));
         let comments = self.comments.iter().map(|rule| quoted("comments ", rule.text()));
-        let own = ["others", "headings again", "beside values", "other sheets", "rows before the last of their part"]
-            .map(str::to_owned);
+        let own = [
+            "others",
+            "headings again",
+            "beside values",
+            "other sheets",
+            "rows before the last of their part",
+            OF_FORMAT,
+        ];
+        let own = own.map(str::to_owned);
         let all = ignored.chain(lines).chain(comments).chain(own);
         all.map(|rule| LeftOut { rule, tally: Tally::default() }).collect()
     }

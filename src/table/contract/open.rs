@@ -7,6 +7,8 @@ use crate::quantity::shown;
 pub(crate) enum Open {
     /// A column without a role or a rule.
     Column { place: usize, title: String, first: Vec<String> },
+    /// A characteristic without a role or a rule, with its first value.
+    Characteristic { title: String, first: Vec<String> },
     /// A line that is no part.
     Line { line: u64, text: String },
     /// A row that is no part by its name, or because it has no value; whether it has a number for each value.
@@ -43,6 +45,7 @@ impl Open {
                 format!("column {} has no heading: {}", place + 1, first.join(", "))
             }
             Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
+            Self::Characteristic { title, first } => format!("characteristic `{}`: {}", shown(title), first.join(", ")),
             Self::Line { line, text } => format!("line {line}: {}", shown(text)),
             Self::Row { line, text, .. } => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),

@@ -1,23 +1,27 @@
 //! From records to a closed table, whatever file they are of.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::Contract;
+use super::characteristics::{self, Turned};
 use super::columns::columns;
 use super::heading::{Matched, find, key, matched};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::whole::{last_of_each, named, own_headings};
+use crate::quantity::{Unit, shown};
 use crate::table::Table;
 use crate::table::cell::Record;
-use crate::table::column::{Column, Nominal, UnitFrom, unit_of};
+use crate::table::column::{Column, Nominal, UnitFrom, is_rack, unit_of};
 use crate::table::companions::Companions;
-use crate::table::dictionary::Role;
+use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
 use crate::table::grid::only_units;
 use crate::table::layout::{Layout, Parts, Repeats};
-use crate::table::ledger::{LeftOut, Tally, join};
+use crate::table::ledger::{LeftOut, Tally};
 use crate::table::names::Role as Beside;
+use crate::table::number::DecimalMark;
 use crate::table::pieces::{Pieces, Place};
 use crate::table::propose::{Proposal, Unclosed, generalised};
 use crate::table::reading::{ColumnReading, Reading};
@@ -26,6 +30,7 @@ use crate::table::want::Want;
 use crate::table::{column_reading_of, named_only};
 
 /// What is known of a file besides its records.
+#[derive(Clone)]
 pub(crate) struct File<'f> {
     pub(crate) name: &'f str,
     pub(crate) format: &'static str,
@@ -33,6 +38,10 @@ pub(crate) struct File<'f> {
     pub(crate) open: Vec<Open>,
     /// What rules left out there, by the number of the rule.
     pub(crate) left_out: Vec<(usize, String)>,
+    /// What the format says besides values.
+    pub(crate) said: Tally,
+    /// How far the file says that values of a column may be from nominal, mm or degrees.
+    pub(crate) widest: Option<&'f dyn Fn(usize, Unit) -> Option<f64>>,
     /// Whether the last cells of a row stand where its separators say.
     pub(crate) separator: Option<u8>,
 }
@@ -49,25 +58,46 @@ pub(crate) struct Found {
 }
 
 impl<'f> File<'f> {
+    /// Tells a column how far its values may be from nominal, if the file says so.
+    fn tell_tolerance(&self, column: &mut Column) {
+        column.tolerance = self.widest.and_then(|widest| widest(column.place, column.unit));
+    }
+
     /// A file of which nothing but its records is known.
     pub(crate) fn new(name: &'f str, format: &'static str) -> Self {
-        Self { name, format, open: Vec::new(), left_out: Vec::new(), separator: None }
+        Self {
+            name,
+            format,
+            open: Vec::new(),
+            left_out: Vec::new(),
+            said: Tally::default(),
+            widest: None,
+            separator: None,
+        }
     }
 }
 
 /// How many roles the heading of some records has; 0 if there is none.
 pub(crate) fn score(records: &[Record], layout: &Layout) -> usize {
-    orientation(records, layout).map_or(0, |(_, score)| score)
+    orientation(records, layout).map_or(0, |(.., score)| score)
 }
 
-/// Whether parts are in rows, and how many roles the heading has.
-fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, usize)> {
-    let tried = [Parts::Rows, Parts::Columns].into_iter();
-    let mut tried = tried.filter(|parts| layout.parts.is_none_or(|declared| declared == *parts));
-    tried.find_map(|parts| {
-        let turned = if parts == Parts::Columns { turned(records, layout) } else { Vec::new() };
-        let rows = if parts == Parts::Columns { &turned } else { records };
-        Some((parts, find(rows, layout)?.1))
+/// Where parts stand, what the headings are looked up for, and how many roles they have.
+fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usize)> {
+    let forms = [
+        (Parts::Rows, Form::Teeth),
+        (Parts::Rows, Form::Parts),
+        (Parts::Characteristics, Form::Characteristics),
+        (Parts::Columns, Form::Teeth),
+        (Parts::Columns, Form::Parts),
+    ];
+    let is_possible = |(parts, form): &(Parts, Form)| {
+        layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
+    };
+    forms.into_iter().filter(is_possible).find_map(|(parts, form)| {
+        let turned = (parts == Parts::Columns).then(|| turned(records, layout));
+        let found = find(turned.as_deref().unwrap_or(records), layout, form);
+        Some((parts, form, found?.1))
     })
 }
 
@@ -87,7 +117,7 @@ pub(crate) fn needs_all(layout: &Layout) -> bool {
 
 /// Whether the parts of a table stand in rows, by its first records.
 pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
-    orientation(records, layout).is_none_or(|(parts, _)| parts == Parts::Rows)
+    orientation(records, layout).is_none_or(|(parts, ..)| parts == Parts::Rows)
 }
 
 /// Finds the columns of a table by its first records, or by all of them where parts are not in rows.
@@ -95,44 +125,45 @@ pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
 /// # Errors
 /// Everything that has no owner, at once.
 pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, want: &Want) -> Result<Found, Unclosed> {
-    let parts = orientation(records, layout).map_or(Parts::Rows, |(parts, _)| parts);
+    let (parts, form) =
+        orientation(records, layout).map_or((Parts::Rows, layout.form()), |(parts, form, _)| (parts, form));
     let mut left_out = Tallies::new(layout);
     for (rule, text) in &file.left_out {
         left_out.add(*rule, 0, 0, text);
     }
+    left_out.rules[layout.of_format()].tally.join(&file.said);
     let mut open = file.open.clone();
     open.extend(own_headings(records, layout));
+    if parts == Parts::Characteristics {
+        let named = named(records, layout, form, &mut open);
+        let records = named.as_deref().unwrap_or(records);
+        return by_characteristic(&File { open, ..file.clone() }, records, left_out, layout, want);
+    }
     let is_turned = parts == Parts::Columns;
-    let mut turned = if is_turned { Some(turned(records, layout)) } else { named(records, layout, &mut open) };
+    let mut turned = if is_turned { Some(turned(records, layout)) } else { named(records, layout, form, &mut open) };
     if is_turned {
         left_out.lines(records, layout);
     }
     let rows = turned.as_deref().unwrap_or(records);
-    let at = find(rows, layout).map(|(at, _)| at);
+    let at = find(rows, layout, form).map(|(at, _)| at);
     let (heading, is_known) = (at.unwrap_or_else(|| likely_heading(rows, layout)), at.is_some());
-    let units = match layout.units {
-        Some(line) => rows.iter().position(|record| record.line == line),
-        None => Some(heading + 1).filter(|at| rows.get(*at).is_some_and(|units| only_units(&units.cells).is_some())),
-    };
+    let units = line_of_units(rows, heading, layout, &mut open);
     let first = units.map_or(heading + 1, |at| (at + 1).max(heading + 1));
     let before = || rows.iter().enumerate().take(first).filter(|(at, _)| *at != heading && Some(*at) != units);
     if !is_turned {
         before().for_each(|(_, record)| left_out.lines(std::slice::from_ref(record), layout));
     }
     open.extend(before().filter_map(|(_, record)| unowned(record, layout)));
-    if let Some(line) = layout.units.filter(|_| units.is_none()) {
-        let what = format!("there is no line {line}, which is to have the units");
-        open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
-    }
     let units = units.and_then(|at| rows.get(at));
-    let nothing = Record::default();
     let below: Vec<Record> = rows.iter().skip(first).filter(|row| layout.covering(row).is_none()).cloned().collect();
-    let mut matched = matched(rows.get(heading).unwrap_or(&nothing), &below, layout);
+    let mut matched = matched(&rows.get(heading).cloned().unwrap_or_default(), &below, layout, form);
+    let want = &*of_pinion(&matched, want);
     if !is_known {
-        matched.open.insert(0, Open::NoValues { titles: matched.titles.clone() });
+        matched.open.insert(0, no_values(&matched));
     }
     matched.open.splice(0..0, open);
-    let (columns, mark) = columns(&mut matched, units, &below, layout, want);
+    let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);
+    columns.iter_mut().for_each(|column| file.tell_tolerance(column));
     if let Some(units) = units {
         own_units(units, &mut matched, &mut left_out);
     }
@@ -142,25 +173,90 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         matched.open.extend(no_parts);
     }
     left_out.headings(&matched);
-    let titles = matched.titles.clone();
-    let line = matched.line;
     let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
-    turned = last_of_each(rows, first, id, layout, &mut left_out).or(turned);
+    turned = last_of_each((rows, first), id, form, layout, &mut left_out).or(turned);
+    let table = closed(file, (layout, want), (matched, columns, mark), &below, left_out, parts)?;
+    Ok(Found { table, above: first, heading, turned })
+}
+
+/// The table of the columns that were found, whose first rows are these.
+///
+/// # Errors
+/// Everything that has no owner, at once.
+fn closed(
+    file: &File<'_>,
+    (layout, want): (&Arc<Layout>, &Want),
+    (matched, columns, mark): (Matched, Vec<Column>, Option<DecimalMark>),
+    rows: &[Record],
+    left_out: Tallies,
+    parts: Parts,
+) -> Result<Table, Unclosed> {
+    let titles = matched.titles.clone();
+    let (line, form) = (matched.line, matched.form);
     let contract = Contract::close(layout, matched)
-        .map_err(|matched| Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, &below, want))))?;
+        .map_err(|matched| Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, rows, want))))?;
     let reading = Reading {
         file: file.name.to_owned(),
         format: file.format,
-        decimal_mark: mark.map(crate::table::DecimalMark::word),
-        parts_in: if parts == Parts::Columns { "columns" } else { "rows" },
-        header_line: Some(line).filter(|line| *line > 0 && parts == Parts::Rows),
-        unit_counted: "part",
+        decimal_mark: mark.map(DecimalMark::word),
+        parts_in: parts.word(),
+        header_line: Some(line).filter(|line| *line > 0 && parts != Parts::Columns),
+        unit_counted: match form {
+            Form::Teeth if is_rack(&columns, contract.index()) => "space",
+            Form::Teeth => "tooth",
+            Form::Parts | Form::Characteristics => "part",
+        },
         columns: column_readings(&contract, &titles, &columns),
         left_out: left_out.rules,
         ..Reading::default()
     };
     let table = table(file, reading, Arc::new(contract), titles, columns, want);
-    Ok(Found { table, above: first, heading, turned })
+    // columns of the file are copied where its rows are parts
+    Ok(if parts == Parts::Rows { table } else { Table { titles: Vec::new(), ..table } })
+}
+
+/// A table with a row per characteristic, as one with a row per part.
+fn by_characteristic(
+    file: &File<'_>,
+    records: &[Record],
+    mut left_out: Tallies,
+    layout: &Arc<Layout>,
+    want: &Want,
+) -> Result<Found, Unclosed> {
+    let heading = find(records, layout, Form::Characteristics).map_or(0, |(at, _)| at);
+    left_out.lines(records, layout);
+    let above = records[..heading].iter().filter_map(|record| unowned(record, layout));
+    let open: Vec<Open> = file.open.iter().cloned().chain(above).collect();
+    let Turned { mut matched, units, rows, headings } =
+        characteristics::turned(records, heading, layout, &mut left_out);
+    matched.open.splice(0..0, open);
+    let (columns, mark) = columns(&mut matched, Some(&units), &rows, layout, want);
+    let mut table = closed(file, (layout, want), (matched, columns, mark), &rows, left_out, Parts::Characteristics)?;
+    let of_headings = headings.iter().map(|(title, role)| named_only(title, &key(*role)));
+    table.reading.columns.splice(0..0, of_headings);
+    Ok(Found { table, above: 0, heading, turned: Some(rows) })
+}
+
+/// The place of the line of units: the one that the contract names, or that below the headings, if it has nothing but units.
+fn line_of_units(rows: &[Record], heading: usize, layout: &Layout, open: &mut Vec<Open>) -> Option<usize> {
+    let units = match layout.units {
+        Some(line) => rows.iter().position(|record| record.line == line),
+        None => Some(heading + 1).filter(|at| rows.get(*at).is_some_and(|units| only_units(&units.cells).is_some())),
+    };
+    if let Some(line) = layout.units.filter(|_| units.is_none()) {
+        let what = format!("there is no line {line}, which is to have the units");
+        open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
+    }
+    units
+}
+
+/// What is wanted of a table: of a pinion's teeth, with the pinion's face width.
+fn of_pinion<'w>(matched: &Matched, want: &'w Want) -> Cow<'w, Want> {
+    let is_of_tooth = |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(field) | Role::Index(field))) if field.is_of_tooth());
+    if matched.form == Form::Teeth && matched.owners.iter().any(is_of_tooth) {
+        return Cow::Owned(Want { face_width: want.pinion_face_width, ..want.clone() });
+    }
+    Cow::Borrowed(want)
 }
 
 /// Where the headings may stand, of records of which no line has any that is known: to show what has no owner.
@@ -169,6 +265,18 @@ fn likely_heading(records: &[Record], layout: &Layout) -> usize {
     let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
     let likely = uncovered().find(|(_, record)| is_likely(record)).or_else(|| uncovered().next());
     likely.map_or(0, |(at, _)| at)
+}
+
+/// That no heading is of a value.
+fn no_values(matched: &Matched) -> Open {
+    if matched.form != Form::Teeth {
+        return Open::NoValues { titles: matched.titles.clone() };
+    }
+    let titles: Vec<_> = matched.titles.iter().map(|title| format!("`{}`", shown(title))).collect();
+    let what = format!("no column is known as that of a rack's spaces or a pinion's teeth: {}", titles.join(", "));
+    let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+                tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
+    Open::Wrong { what, help: help.to_owned() }
 }
 
 /// A line above a table that no rule leaves out.
@@ -183,7 +291,7 @@ fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
         match matched.owners.get(place) {
             Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
             Some(Some(Owner::Role(Role::Value(_)))) => {}
-            Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status))) => {
+            Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status | Role::Index(_)))) => {
                 left_out.add(left_out.beside, units.line, place, &cell.text())
             }
             _ => {
@@ -228,9 +336,7 @@ fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
         let name = id.map(|place| record.cell(place)).filter(|name| !name.is_missing());
         let statistic = name.filter(|name| Contract::no_name(name).is_some());
         let is_line = || record.numbers() == 0 && record.filled().len() == 1 || record.cell(0).text().contains(':');
-        if super::heading::roles(record, layout).take(2).count() == 2
-            || statistic.is_none() && (numbers > 0 || !is_line())
-        {
+        if super::heading::is_one(record, layout) || statistic.is_none() && (numbers > 0 || !is_line()) {
             return None;
         }
         let text = line_of(record);
@@ -257,9 +363,7 @@ impl Tallies {
     }
 
     pub(crate) fn add(&mut self, rule: usize, line: u64, place: usize, text: &str) {
-        let mut tallies = vec![Tally::default(); self.rules.len()];
-        tallies[rule].add(line, place, text);
-        join(&mut self.rules, &tallies);
+        self.rules[rule].tally.add(line, place, text);
     }
 
     /// The lines that rules leave out.
@@ -272,7 +376,7 @@ impl Tallies {
     }
 
     /// The headings of columns that rules leave out.
-    fn headings(&mut self, matched: &Matched) {
+    pub(super) fn headings(&mut self, matched: &Matched) {
         for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
             if let Some(Owner::Rule(rule)) = owner {
                 self.add(*rule, matched.line, place, title);
@@ -307,21 +411,25 @@ fn table(
     columns: Vec<Column>,
     want: &Want,
 ) -> Table {
-    let id = contract.owners.iter().position(|owner| *owner == Owner::Role(Role::PartId));
-    let may_repeat = contract.may_repeat();
-    let setup = Setup::by_contract(contract, columns.clone(), titles.clone(), id, file.separator, want);
+    let is_teeth = reading.unit_counted != "part";
+    let index_field = contract.index();
+    let (id, index) =
+        (contract.place(|role| role == Role::PartId), contract.place(|role| matches!(role, Role::Index(_))));
+    let may_repeat = contract.may_repeat() || is_teeth;
+    let setup =
+        Setup { index, ..Setup::by_contract(contract, columns.clone(), titles.clone(), id, file.separator, want) };
     Table {
         name: file.name.into(),
         reading,
         strangers: Vec::new(),
         to_be_named: Vec::new(),
-        is_teeth: false,
+        is_teeth,
         has_id: id.is_some(),
         refuses_repeats: !may_repeat,
         header_raw: crate::table::block::line_of(titles.iter()),
         titles,
         columns,
-        index_field: None,
+        index_field,
         pinion_teeth: want.pinion_teeth,
         encoding: Encoding::PLAIN,
         place: Place::Line,
@@ -350,7 +458,6 @@ pub(crate) fn of_records(
         Some(rows) => {
             if table.reading.parts_in == "columns" {
                 table.place = Place::Record;
-                table.titles = Vec::new();
             }
             table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
         }

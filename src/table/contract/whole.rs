@@ -9,7 +9,7 @@ use super::owner::{Owner, line_of};
 use super::table::Tallies;
 use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
-use crate::table::dictionary::Role;
+use crate::table::dictionary::{Form, Role};
 use crate::table::layout::{Layout, Repeats};
 
 /// The heading that the user gives to a file without one.
@@ -22,7 +22,7 @@ pub(crate) fn with_headings(layout: &Layout) -> Option<Record> {
 pub(super) fn own_headings(records: &[Record], layout: &Layout) -> Option<Open> {
     let first = records.iter().skip(1).find(|record| layout.covering(record).is_none() && !record.filled().is_empty());
     let first = first.filter(|_| !layout.headings.is_empty())?;
-    let known = super::heading::roles(first, layout).next()?;
+    let known = super::heading::roles(first, layout, layout.form()).next()?;
     let what = format!(
         "line {} has a heading that is known, {}: --as is for tables without headings",
         first.line,
@@ -32,11 +32,11 @@ pub(super) fn own_headings(records: &[Record], layout: &Layout) -> Option<Open> 
 }
 
 /// The records with the name of their part in a last column of its own, as lines above them say it.
-pub(super) fn named(records: &[Record], layout: &Layout, open: &mut Vec<Open>) -> Option<Vec<Record>> {
+pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut Vec<Open>) -> Option<Vec<Record>> {
     let pattern = layout.part_line()?;
     let width = records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
-    let own = records.iter().find(|record| score(record, layout).is_some()).and_then(|heading| {
-        let owners = matched(heading, &[], layout).owners;
+    let own = records.iter().find(|record| score(record, layout, form).is_some()).and_then(|heading| {
+        let owners = matched(heading, &[], layout, form).owners;
         owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)))
     });
     let place = own.unwrap_or(width);
@@ -53,7 +53,7 @@ pub(super) fn named(records: &[Record], layout: &Layout, open: &mut Vec<Open>) -
         }
         let mut cells = record.cells.clone();
         cells.resize(cells.len().max(place + 1), Cell::default());
-        let text = if score(record, layout).is_some() { "part_id" } else { &name };
+        let text = if score(record, layout, form).is_some() { "part_id" } else { &name };
         match own {
             Some(_) if text == "part_id" && text != name => {}
             Some(_) if !cells[place].is_empty() && cells[place].text() != name => {
@@ -71,9 +71,9 @@ pub(super) fn named(records: &[Record], layout: &Layout, open: &mut Vec<Open>) -
 
 /// The records without rows of parts that are there again below, which a rule leaves out.
 pub(super) fn last_of_each(
-    records: &[Record],
-    first: usize,
+    (records, first): (&[Record], usize),
     place: Option<usize>,
+    form: Form,
     layout: &Layout,
     left_out: &mut Tallies,
 ) -> Option<Vec<Record>> {
@@ -85,7 +85,7 @@ pub(super) fn last_of_each(
     let mut kept = records[..first].to_vec();
     for record in &records[first..] {
         let is_before = is_row(record) && last.get(&name(record)).is_some_and(|line| *line != record.line);
-        if is_before && score(record, layout).is_none() {
+        if is_before && score(record, layout, form).is_none() {
             left_out.add(layout.repeated_parts(), record.line, 0, &line_of(record));
         } else {
             kept.push(record.clone());

@@ -104,6 +104,11 @@ impl Field {
         )
     }
 
+    /// Whether it is a size or an angle of a space or tooth.
+    pub(crate) const fn is_of_space_or_tooth(self) -> bool {
+        matches!(self, Self::OverPin | Self::Position | Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
+    }
+
     /// Whether its values are deviations, whatever it is called.
     pub(crate) const fn is_deviation(self) -> bool {
         matches!(self, Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)

@@ -6,6 +6,7 @@ use chrono::DateTime;
 use half::f16;
 
 use crate::quantity::Decimal;
+use crate::table::chunk::LONGEST_RECORD;
 use crate::table::stored::Stored;
 
 /// A column of a file.
@@ -197,6 +198,9 @@ fn of_integers(column: &ColumnDescriptor) -> Option<Values> {
 }
 
 fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
+    if usize::try_from(column.type_length()).is_ok_and(|length| length > LONGEST_RECORD) {
+        return None;
+    }
     match (column.converted_type(), column.logical_type_ref()) {
         (ConvertedType::DECIMAL, _) => Some(Values::Decimal { scale: column.type_scale() }),
         (ConvertedType::UTF8 | ConvertedType::ENUM | ConvertedType::JSON, _)

@@ -5,6 +5,7 @@
 //! are what they are. Nothing here knows what a column means.
 
 mod column;
+mod header;
 mod pages;
 
 pub(crate) use column::Unread;
@@ -17,19 +18,27 @@ use ::parquet::file::metadata::ColumnChunkMetaData;
 use ::parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use bytes::Bytes;
 
+use std::sync::Arc;
+
 use super::cell::Content;
+use super::ledger::digest;
 use super::stored::{Stored, number};
 use super::want::ignore_option;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Decimal;
 use column::{Leaf, StoredColumn, Values};
-use pages::CheckedPages;
+use pages::{CheckedPages, Texts};
 
 /// Rows that are read together: their columns stay near at hand.
 pub(crate) const ROWS_TOGETHER: usize = 1 << 11;
 
-/// Reads the stored bytes of a column in a group.
-type StoredBytes = Box<dyn Fn(&ColumnChunkMetaData) -> Option<Bytes> + Send>;
+/// Reads so many bytes of a file from a place on.
+type StoredBytes = Box<dyn Fn(u64, usize) -> Option<Bytes> + Send>;
+
+/// Bytes of texts that are read together, about.
+const TEXT_TOGETHER: usize = 8 << 20;
+/// Stored bytes that are hashed together.
+const HASHED_TOGETHER: usize = 1 << 20;
 
 /// A Parquet file that was opened.
 pub struct ParquetTable {
@@ -37,7 +46,7 @@ pub struct ParquetTable {
     /// Bytes of the file.
     length: u64,
     reader: Box<dyn FileReader>,
-    /// The stored bytes of a column in a group.
+    /// Its stored bytes.
     bytes: StoredBytes,
     /// Its columns, in their order.
     pub(crate) columns: Vec<StoredColumn>,
@@ -45,6 +54,8 @@ pub struct ParquetTable {
     group: usize,
     /// The columns of the group that is being read, by place; `None` of one that is not looked at.
     open: Vec<Option<(ColumnReader, Values)>>,
+    /// Bytes of the longest text of each, as far as its pages were read.
+    longest: Vec<Arc<Texts>>,
     /// How many rows of that group are still to be read.
     left: usize,
     /// How many rows of the file were read.
@@ -86,10 +97,7 @@ impl ParquetTable {
         check_marks(name, &source)?;
         let length = source.len();
         let again = source.again().map_err(|error| Diagnostic::unreadable(name, &error))?;
-        let bytes = Box::new(move |chunk: &ColumnChunkMetaData| {
-            let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
-            again.get_bytes(u64::try_from(start).ok()?, usize::try_from(chunk.compressed_size()).ok()?).ok()
-        });
+        let bytes = Box::new(move |start: u64, count: usize| again.get_bytes(start, count).ok());
         let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut columns = column::columns(reader.metadata().file_metadata().schema_descr());
         for column in &mut columns {
@@ -99,8 +107,9 @@ impl ParquetTable {
                 column.leaf = Err(Unread::Packing(packing));
             }
         }
-        let (reader, open) = (Box::new(reader), Vec::new());
-        Ok(Self { name: name.to_owned(), length, reader, bytes, columns, group: 0, open, left: 0, before: 0 })
+        let (reader, name) = (Box::new(reader), name.to_owned());
+        let (open, longest) = (Vec::new(), Vec::new());
+        Ok(Self { name, length, reader, bytes, columns, group: 0, open, longest, left: 0, before: 0 })
     }
 
     /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
@@ -122,13 +131,24 @@ impl ParquetTable {
         pairs.map(|pair| (pair.key.as_str(), pair.value.as_deref().unwrap_or_default()))
     }
 
-    /// The stored bytes of a column, by its place in the schema, group by group; nothing is unpacked.
-    pub(crate) fn stored_bytes(&self, place: usize) -> Vec<Bytes> {
+    /// A digest of the stored bytes of a column, by its place in the schema; nothing is unpacked.
+    pub(crate) fn stored_digest(&self, place: usize) -> u64 {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         let root = |leaf: usize| schema.get_column_root_idx(leaf);
         let leaves = || (0..schema.num_columns()).filter(|leaf| root(*leaf) == place);
         let groups = self.reader.metadata().row_groups().iter();
-        groups.flat_map(|group| leaves().filter_map(|leaf| (self.bytes)(group.column(leaf)))).collect()
+        let chunks = groups.flat_map(|group| leaves().map(|leaf| group.column(leaf)));
+        let pieces = chunks.flat_map(|chunk| {
+            let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
+            let [start, size] = [start, chunk.compressed_size()].map(|number| usize::try_from(number).unwrap_or(0));
+            let end = start.saturating_add(size);
+            (start..end).step_by(HASHED_TOGETHER).map(move |at| (at, HASHED_TOGETHER.min(end - at)))
+        });
+        let digests = pieces.zip(0..).map(|((at, count), number)| {
+            let bytes = (self.bytes)(at as u64, count).unwrap_or_default();
+            digest(number, place, &bytes)
+        });
+        digests.fold(0, u64::wrapping_add)
     }
 
     /// Whether the values of the columns that can be read lie in the file.
@@ -168,6 +188,8 @@ impl ParquetTable {
             }
             self.open_group(places)?;
         }
+        let widest: usize = self.longest.iter().map(|texts| texts.begin()).sum();
+        let most = most.min((TEXT_TOGETHER / widest.max(1)).max(1));
         let (rows, before) = (self.left.min(most), self.before);
         (self.left, self.before) = (self.left - rows, before + rows as u64);
         let column = |column: &mut Option<(ColumnReader, Values)>| {
@@ -180,15 +202,22 @@ impl ParquetTable {
     fn open_group(&mut self, places: &[bool]) -> Result<(), ParquetError> {
         let group = self.reader.get_row_group(self.group)?;
         let leaves = self.columns.iter().filter_map(|column| column.leaf.as_ref().ok());
+        let bytes = &self.bytes;
+        let mut longest = Vec::new();
         let column = |(leaf, is_wanted): (&Leaf, &bool)| {
             let open = || {
-                let column = group.metadata().column(leaf.index).column_descr_ptr();
-                let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column);
+                let chunk = group.metadata().column(leaf.index);
+                header::check(chunk, bytes).map_err(ParquetError::General)?;
+                let column = chunk.column_descr_ptr();
+                let texts = Arc::new(Texts::default());
+                let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column, &texts)?;
+                longest.push(texts);
                 Ok((get_column_reader(column, Box::new(pages)), leaf.values))
             };
             is_wanted.then(open).transpose()
         };
         self.open = leaves.zip(places).map(column).collect::<Result<_, ParquetError>>()?;
+        self.longest = longest;
         self.left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         self.group += 1;
         Ok(())

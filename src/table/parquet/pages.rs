@@ -1,11 +1,37 @@
 //! The pages of a column, checked before they are decoded. Stands between the file and the decoder, which takes it for
 //! granted that a page is as long as it says and has the dictionary that it refers to.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::super::chunk::LONGEST_RECORD;
+use super::header::LARGEST_PAGE;
 use ::bytes::Bytes;
 use ::parquet::basic::{Encoding, Type as Physical};
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
 use ::parquet::errors::{ParquetError, Result};
 use ::parquet::schema::types::ColumnDescriptor;
+
+/// How long texts are that were read.
+#[derive(Default)]
+pub(super) struct Texts {
+    longest: AtomicUsize,
+    /// Bytes of pages since rows were asked for.
+    together: AtomicUsize,
+}
+
+impl Texts {
+    /// Begins with the next rows: how long a text is at most, as far as is known.
+    pub(super) fn begin(&self) -> usize {
+        self.together.store(0, Ordering::Relaxed);
+        self.longest.load(Ordering::Relaxed)
+    }
+}
+
+/// Bytes of a text at most: those of a row of a CSV file.
+const LONGEST_TEXT: usize = LONGEST_RECORD;
+/// Bytes of pages of texts that are unpacked for the rows that are read together.
+const MOST_TOGETHER: usize = 2 * LARGEST_PAGE;
 
 /// Pages that can be decoded.
 pub(super) struct CheckedPages {
@@ -15,12 +41,27 @@ pub(super) struct CheckedPages {
     /// Whether a row can be without a value.
     is_optional: bool,
     has_dictionary: bool,
+    texts: Arc<Texts>,
+    /// The dictionary, which is read first.
+    dictionary: Option<Page>,
 }
 
 impl CheckedPages {
-    pub(super) fn new(pages: Box<dyn PageReader>, column: &ColumnDescriptor) -> Self {
+    /// How long the texts of its dictionary are is known from then on.
+    pub(super) fn new(pages: Box<dyn PageReader>, column: &ColumnDescriptor, texts: &Arc<Texts>) -> Result<Self> {
         let is_text = column.physical_type() == Physical::BYTE_ARRAY;
-        Self { pages, is_text, is_optional: column.max_def_level() > 0, has_dictionary: false }
+        let is_optional = column.max_def_level() > 0;
+        let texts = Arc::clone(texts);
+        let mut pages = Self { pages, is_text, is_optional, has_dictionary: false, texts, dictionary: None };
+        if is_text && pages.pages.peek_next_page()?.is_some_and(|page| page.is_dict) {
+            pages.dictionary = pages.next_page()?;
+        }
+        Ok(pages)
+    }
+
+    fn next_page(&mut self) -> Result<Option<Page>> {
+        let page = self.pages.get_next_page()?;
+        page.map(|page| self.checked(page)).transpose()
     }
 
     /// Whether the decoder finds all that a page promises; texts get an end that it notices.
@@ -44,7 +85,13 @@ impl CheckedPages {
         if self.is_text && is_plain {
             let (Page::DictionaryPage { buf, .. } | Page::DataPage { buf, .. } | Page::DataPageV2 { buf, .. }) =
                 &mut page;
-            *buf = ended(buf, start).ok_or_else(|| broken("a text is longer than its page"))?;
+            let (ended, longest) = ended(buf, start).ok_or_else(|| broken("a text is longer than its page"))?;
+            let together = self.texts.together.fetch_add(buf.len(), Ordering::Relaxed) + buf.len();
+            if longest > LONGEST_TEXT || together > MOST_TOGETHER {
+                return Err(broken(&format!("a text is longer than {} KiB, or some are together", LONGEST_TEXT >> 10)));
+            }
+            self.texts.longest.fetch_max(longest, Ordering::Relaxed);
+            *buf = ended;
         }
         Ok(page)
     }
@@ -88,13 +135,14 @@ fn behind_length(bytes: &[u8], at: usize) -> Option<usize> {
 }
 
 /// A page of texts from `start` on, and at its end a length that no text has: whoever reads beyond the end finds it.
-/// `None` if the texts do not fill the page.
-fn ended(page: &[u8], start: usize) -> Option<Bytes> {
-    let mut at = start;
+/// With the length of the longest text; `None` if the texts do not fill the page.
+fn ended(page: &[u8], start: usize) -> Option<(Bytes, usize)> {
+    let (mut at, mut longest) = (start, 0);
     while at < page.len() {
-        at = behind_length(page, at)?;
+        let end = behind_length(page, at)?;
+        (at, longest) = (end, longest.max(end - at - 4));
     }
-    (at == page.len()).then(|| [page, &[0xff; 4]].concat().into())
+    (at == page.len()).then(|| ([page, &[0xff; 4]].concat().into(), longest))
 }
 
 impl Iterator for CheckedPages {
@@ -107,16 +155,21 @@ impl Iterator for CheckedPages {
 
 impl PageReader for CheckedPages {
     fn get_next_page(&mut self) -> Result<Option<Page>> {
-        let page = self.pages.get_next_page()?;
-        page.map(|page| self.checked(page)).transpose()
+        match self.dictionary.take() {
+            Some(page) => Ok(Some(page)),
+            None => self.next_page(),
+        }
     }
 
     fn peek_next_page(&mut self) -> Result<Option<PageMetadata>> {
-        self.pages.peek_next_page()
+        match self.dictionary {
+            Some(_) => Ok(Some(PageMetadata { num_rows: None, num_levels: None, is_dict: true })),
+            None => self.pages.peek_next_page(),
+        }
     }
 
     fn skip_next_page(&mut self) -> Result<()> {
-        self.pages.skip_next_page()
+        if self.dictionary.take().is_some() { Ok(()) } else { self.pages.skip_next_page() }
     }
 
     fn at_record_boundary(&mut self) -> Result<bool> {

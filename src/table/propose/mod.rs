@@ -280,7 +280,7 @@ fn column_account(owner: Option<Owner>, title: &str, name: &str, layout: &Layout
         Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
         Some(Owner::Rule(rule)) => ("left out".to_owned(), layout.rule_in_words(rule)),
         Some(Owner::Role(role)) => {
-            let why = if layout.declared(title, name).is_some() {
+            let why = if layout.declared(title, name, layout.form()).is_some() {
                 "the spec names it"
             } else if lookup(Form::Parts, name).is_some_and(|meaning| meaning.is_key) {
                 "it is the key"

@@ -63,7 +63,7 @@ pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Column { place, title, .. } if title.is_empty() => {
             vec![Rule::Ignore(format!("column {}", place + 1)).exact()]
         }
-        Open::Column { title, .. } => vec![Rule::Ignore(title.clone()).exact()],
+        Open::Column { title, .. } | Open::Characteristic { title, .. } => vec![Rule::Ignore(title.clone()).exact()],
         Open::Line { text, .. } => vec![line(text, 0)],
         Open::Row { text, pattern, could_be_part, .. } => vec![row(text, pattern.clone(), u64::from(*could_be_part))],
         Open::Comment { text, .. } => vec![Rule::Comment(text.lines().collect::<Vec<_>>().join(" ")).exact()],

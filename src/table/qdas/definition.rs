@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use super::{Characteristic, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::{Length, parse_f64};
+use crate::quantity::{Decimal, Length, parse_f64};
 
 /// The keys that say what a characteristic is.
-const KEYS: [u16; 12] = [2001, 2002, 2004, 2101, 2106, 2110, 2111, 2112, 2113, 2120, 2121, 2142];
+const KEYS: [u16; 16] =
+    [2001, 2002, 2004, 2101, 2106, 2110, 2111, 2112, 2113, 2114, 2115, 2116, 2117, 2120, 2121, 2142];
 /// Those of them that are numbers.
 pub(super) const NUMBERS: [u16; 6] = [2101, 2106, 2110, 2111, 2112, 2113];
 
@@ -73,12 +74,13 @@ impl Draft {
         self.said.get(&key).map(|said| said.text.clone())
     }
 
-    /// Takes the values out of a characteristic that is none of a size (K2004): they count faults, or say good or bad. Their lines.
-    pub(super) fn take_counts(&mut self) -> Vec<u32> {
+    /// Takes the values out of a characteristic that is none of a size (K2004): they count faults, or say good or bad. Their lines, and
+    /// what they are.
+    pub(super) fn take_counts(&mut self) -> Vec<(u32, Decimal)> {
         if self.said.get(&2004).is_none_or(|said| said.text == "0") {
             return Vec::new();
         }
-        let counted = self.values.iter_mut().filter_map(|value| value.number.take().map(|_| value.line));
+        let counted = self.values.iter_mut().filter_map(|value| Some((value.line, value.number.take()?)));
         counted.collect()
     }
 
@@ -96,6 +98,7 @@ impl Draft {
             let problem = said.bad(format!("the lower limit {lower} is above the upper limit {upper}"));
             return Err(problem.help("correct K2110 and K2111, or the allowances K2112 and K2113"));
         }
+        let unused = self.unused();
         Ok(Characteristic {
             number: self.text(2001).unwrap_or_default(),
             name: self.text(2002).unwrap_or_default(),
@@ -105,7 +108,7 @@ impl Draft {
             unit: self.text(2142),
             uncertainty: self.text(2106),
             part: self.part.unwrap_or(0),
-            gear: None,
+            unused,
             values: self.values,
         })
     }
@@ -139,6 +142,19 @@ impl Draft {
                 Err(allowed.bad(message).help("correct the one that is wrong, or leave it out"))
             }
         }
+    }
+
+    /// Limits that are found and not used, with why.
+    fn unused(&self) -> Vec<String> {
+        let off = [([2110, 2112], 2120), ([2111, 2113], 2121)].into_iter().filter(|(_, kind)| self.is_off(*kind));
+        let off = off.flat_map(|(keys, kind)| keys.map(|key| (key, Some(kind))));
+        let unused = off.chain([2114, 2115, 2116, 2117].map(|key| (key, None)));
+        let in_words = |(key, kind): (u16, Option<u16>)| {
+            let limit = self.text(key)?;
+            let why = kind.map_or_else(String::new, |kind| format!(": K{kind} is 0"));
+            Some(format!("the limit {limit} (K{key}) is not used{why}"))
+        };
+        unused.filter_map(in_words).collect()
     }
 
     /// Whether there is no limit of that end (K2120, K2121).

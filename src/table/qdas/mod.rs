@@ -12,24 +12,31 @@
 //! attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
 //! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
 //! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
-//! comma and no thousands marks; text is UTF-8 or Latin-1. Keys that are not listed are passed over.
+//! comma and no thousands marks; text is UTF-8 or Latin-1. Other keys of the format say nothing of values; what stands under any
+//! other key, and every remark, needs a rule.
 //!
 //! # Which values count
 //! Those with attribute 0 or none. The maker lists the attributes 0 (valid), 129, 255, 256 and 290 (Hexagon, Q-DAS data
 //! format, "Defined contents K00xx"), and none but 0 enters a calculation. Whatever has another attribute, one that is
 //! not in that list included, is no value; [`Qdas::left_out`] lists them.
 
+mod closed;
 mod definition;
 mod read;
 mod table;
 mod write;
 
+pub(crate) use closed::qdas_table;
 pub use read::read;
 pub use write::{CharacteristicColumn, ValueRow, definition_lines, row_lines};
 
-use super::names::{Field, heading};
+use super::contract::{Owner, owner};
+use super::dictionary::{Form, Role, lookup};
+use super::layout::Layout;
+use super::ledger::Tally;
+use super::names::Field;
 use super::number::DecimalMark;
-use crate::deviation::{DeviationKind, Part};
+use crate::deviation::DeviationKind;
 use crate::quantity::Decimal;
 
 /// A characteristic and its values.
@@ -51,8 +58,8 @@ pub struct Characteristic {
     pub uncertainty: Option<String>,
     /// Which part definition of the file it belongs to, from 0.
     pub part: usize,
-    /// Whether that is a rack or a pinion, if its name says so.
-    gear: Option<Part>,
+    /// Limits that are found and not used, with why.
+    pub unused: Vec<String>,
     values: Vec<Value>,
 }
 
@@ -69,12 +76,20 @@ impl Characteristic {
         self.values.is_empty()
     }
 
-    /// The entry of the spec's names that means this characteristic, by its number or name, with its unit or without;
-    /// neither letter case nor blanks around it matter.
-    fn own_name<'n>(&self, own: &'n [(String, Field)]) -> Option<&'n (String, Field)> {
-        let plain = |name: &str| name.trim().to_lowercase();
-        let names = [&self.number, &self.name].map(|name| [plain(name), plain(&self.with_unit(name))]);
-        own.iter().find(|(name, _)| !name.trim().is_empty() && names.as_flattened().contains(&plain(name)))
+    /// Its number and its name, as far as it has them.
+    fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        [self.number.trim(), self.name.trim()].into_iter().filter(|name| !name.is_empty())
+    }
+
+    /// What a contract calls it: its number or its name, whichever has an owner; its name if neither has.
+    fn called(&self, layout: &Layout) -> &str {
+        let of =
+            |is_owned: &dyn Fn(&str, &str) -> bool| self.names().find(|name| is_owned(&self.with_unit(name), name));
+        of(&|title, name| layout.declared(title, name, Form::Parts).is_some())
+            .or_else(|| of(&|title, name| layout.ignores(title, name, usize::MAX - 1, true).is_some()))
+            .or_else(|| of(&|_, name| lookup(Form::Parts, name).is_some()))
+            .or_else(|| self.names().last())
+            .unwrap_or_default()
     }
 
     /// A name with the unit of the values behind it.
@@ -122,14 +137,17 @@ pub struct Qdas {
     pub characteristics: Vec<Characteristic>,
     /// The values that do not count, by their attribute, in the order of their first lines.
     pub left_out: Vec<LeftOut>,
-    /// What is remarked.
+    /// What is remarked, and what stands under keys that are not known.
     pub remarks: Vec<Remark>,
+    /// What else the file says, which is its format's.
+    pub(crate) said: Tally,
     /// What messages call the file of its values.
     pub name: String,
     part_names: Vec<String>,
 }
 
-/// A remark on a value (K0009), an event in words (K0005), a remark on a part (K1900) or a characteristic (K2900).
+/// A remark on a value (K0009), an event in words (K0005), a remark on a part (K1900) or a characteristic (K2900), or a text under
+/// a key that is not known: what only a rule leaves out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Remark {
     /// Its key.
@@ -170,31 +188,15 @@ impl LeftOut {
 }
 
 impl Qdas {
-    /// Which error a characteristic is: by the name that the spec gives to it; of an error that the spec gives no name
-    /// to, by the error's own name, or what its number or name says in English or German, beside that of its part.
+    /// Which error a characteristic is: by the name that the contract gives to it, or because its number or name is a heading of
+    /// the dictionary.
     #[must_use]
-    pub fn error_of(characteristic: &Characteristic, own: &[(String, Field)]) -> Option<DeviationKind> {
-        if let Some((_, field)) = characteristic.own_name(own) {
-            return error(*field);
+    pub fn error_of(characteristic: &Characteristic, layout: &Layout) -> Option<DeviationKind> {
+        let called = characteristic.called(layout);
+        match owner(&characteristic.with_unit(called), called, usize::MAX - 1, layout, Form::Parts) {
+            Ok(Some(Owner::Role(Role::Value(Field::Error(kind))))) => Some(kind),
+            _ => None,
         }
-        let names = [&characteristic.number, &characteristic.name];
-        names.into_iter().find_map(|name| {
-            let fields = heading(name, &[])?.fields;
-            let mut kinds = fields.iter().filter_map(|field| error(*field));
-            let kind = match fields[..] {
-                [_] => kinds.next(),
-                _ => kinds.find(|kind| characteristic.gear == Some(kind.part())),
-            };
-            kind.filter(|kind| own.iter().all(|(_, named)| error(*named) != Some(*kind)))
-        })
-    }
-}
-
-fn error(field: Field) -> Option<DeviationKind> {
-    match field {
-        Field::Error(kind) => Some(kind),
-        Field::OverPin => Some(DeviationKind::RackOverRoller),
-        _ => None,
     }
 }
 

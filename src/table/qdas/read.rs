@@ -1,23 +1,64 @@
 //! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what is said, and judges nothing.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::sync::Arc;
 
 use super::definition::{Draft, NUMBERS, Said};
 use super::{Characteristic, LeftOut, OF_NO_SIZE, PartDefinition, Qdas, Remark, Value};
-use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Decimal, parse_f64};
-use crate::table::names::{heading, part_said};
+use crate::table::cell::Content;
+use crate::table::chunk::LONGEST_RECORD;
+use crate::table::ledger::Tally;
 use crate::table::number::{DecimalMark, normalise};
 
 /// Characteristics and parts of a header at most: more is a broken index, not a measuring plan.
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 500_000;
-/// The keys of remarks.
-const REMARKS: [u16; 3] = [9, 1900, 2900];
+/// The keys that say what is measured, where, when, with what and by whom: those that are read, and others that say nothing of
+/// values. All further keys and those of remarks need a rule.
+const FORMAT: [RangeInclusive<u16>; 38] = [
+    1..=2,
+    4..=8,
+    10..=12,
+    14..=17,
+    53..=53,
+    97..=97,
+    100..=101,
+    1001..=1017,
+    1021..=1022,
+    1031..=1032,
+    1041..=1046,
+    1051..=1055,
+    1061..=1063,
+    1071..=1072,
+    1081..=1087,
+    1091..=1092,
+    1100..=1115,
+    1201..=1231,
+    1301..=1303,
+    1311..=1315,
+    1341..=1363,
+    2001..=2011,
+    2015..=2016,
+    2022..=2024,
+    2027..=2031,
+    2041..=2049,
+    2060..=2061,
+    2071..=2072,
+    2090..=2093,
+    2101..=2106,
+    2110..=2117,
+    2120..=2121,
+    2130..=2131,
+    2141..=2143,
+    2151..=2152,
+    2201..=2228,
+    2301..=2322,
+    2401..=2411,
+];
 /// The key of an event: a number of a catalogue, or words.
 const EVENT: u16 = 5;
 /// Values of a file at most: a lot of a million parts has some millions.
@@ -51,6 +92,8 @@ struct Reader {
     /// By attribute.
     left_out: BTreeMap<String, LeftOut>,
     remarks: Vec<Remark>,
+    /// What else the file says.
+    said: Tally,
 }
 
 /// One line with a key.
@@ -58,6 +101,9 @@ struct Line<'t> {
     key: u16,
     index: usize,
     text: &'t str,
+    /// Where the line starts.
+    at: usize,
+    /// Where the text starts.
     start: usize,
 }
 
@@ -96,6 +142,10 @@ impl Reader {
             if line.trim().is_empty() {
                 continue;
             }
+            if line.len() > LONGEST_RECORD {
+                let message = format!("the line is longer than {} KiB", LONGEST_RECORD >> 10);
+                return Err(self.bad(at..at + 1, message));
+            }
             let number = u32::try_from(number + 1).unwrap_or(u32::MAX);
             match keyed(line, at) {
                 Some(Ok(line)) => self.field(&line, number)?,
@@ -130,8 +180,14 @@ impl Reader {
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         let text = line.text.trim();
-        let is_remark = REMARKS.contains(&line.key) || line.key == EVENT && text.contains(char::is_alphabetic);
-        if is_remark && !text.is_empty() {
+        let is_own = FORMAT.iter().any(|keys| keys.contains(&line.key))
+            && !(line.key == EVENT && text.contains(char::is_alphabetic));
+        if is_own {
+            // the index of a value is said by the order of values
+            let index = self.source.text[line.at..line.start].trim();
+            let said = if line.key == 1 { index.to_owned() } else { format!("{index} {text}") };
+            self.said.add(number.into(), 0, &said);
+        } else if !text.is_empty() {
             self.remarks.push(Remark { key: line.key, line: number, text: text.to_owned() });
         }
         match line.key {
@@ -256,7 +312,9 @@ impl Reader {
                 last.part_name = name;
             }
             if !counts {
-                last.number = None;
+                let left_out = last.number.take();
+                let said = left_out.map_or_else(String::new, |value| Content::Number(value).to_string());
+                self.said.add(number.into(), index, &said);
                 self.leave_out(text, number);
             }
         }
@@ -319,12 +377,14 @@ impl Reader {
             let (text, rest) = field.split_once('\u{14}').unwrap_or((field, ""));
             let mut value = self.value(text, at, number)?;
             let attribute = rest.split('\u{14}').next().unwrap_or("").trim();
+            self.said.add(number.into(), index, rest);
             if !counts(attribute) {
                 value.number = None;
+                self.said.add(number.into(), index, text.trim());
                 self.leave_out(attribute, number);
             }
             value.sample = self.samples;
-            let line = Line { key: 1, index: index + 1, text, start: at };
+            let line = Line { key: 1, index: index + 1, text, at, start: at };
             self.draft(index + 1, &line)?.values.push(value);
             at += field.len() + 1;
         }
@@ -343,7 +403,10 @@ impl Reader {
             self.parts.push(PartDefinition::default());
         }
         for mut draft in drafts {
-            draft.take_counts().into_iter().for_each(|line| self.leave_out(OF_NO_SIZE, line));
+            for (line, value) in draft.take_counts() {
+                self.said.add(line.into(), 0, &Content::Number(value).to_string());
+                self.leave_out(OF_NO_SIZE, line);
+            }
             self.samples = self.samples.max(draft.values.last().map_or(0, |last| last.sample + 1));
             self.characteristics.push(draft.characteristic()?);
         }
@@ -356,17 +419,6 @@ impl Reader {
         Ok(())
     }
 
-    /// Whether a part is a rack or a pinion: its name says so, and each of its characteristics may be one of that.
-    fn gear_of(&self, part: usize) -> Option<Part> {
-        let gear = part_said(&self.parts[part].name)?;
-        let may_be_of_it = |characteristic: &Characteristic| {
-            let fields = heading(&characteristic.name, &[]).map(|heading| heading.fields).unwrap_or_default();
-            fields.iter().any(|field| field.kind().is_some_and(|kind| kind.part() == gear))
-        };
-        let mut own = self.characteristics.iter().filter(|characteristic| characteristic.part == part);
-        own.all(may_be_of_it).then_some(gear)
-    }
-
     fn finish(mut self) -> Result<Qdas, Diagnostic> {
         self.end_header()?;
         if self.characteristics.iter().all(Characteristic::is_empty) {
@@ -374,16 +426,13 @@ impl Reader {
             return Err(Diagnostic::error(Code::BadTable, message)
                 .help("values are K0001 lines, or lines without a key; those of a .dfd stand in its .dfx"));
         }
-        let gears: Vec<Option<Part>> = (0..self.parts.len()).map(|part| self.gear_of(part)).collect();
-        for characteristic in &mut self.characteristics {
-            characteristic.gear = gears.get(characteristic.part).copied().flatten();
-        }
         let mut left_out: Vec<LeftOut> = self.left_out.into_values().collect();
         left_out.sort_by_key(|left_out| left_out.first_line);
         Ok(Qdas {
             characteristics: self.characteristics,
             left_out,
             remarks: self.remarks,
+            said: self.said,
             parts: self.parts,
             name: self.source.name.clone(),
             part_names: self.part_names,
@@ -416,8 +465,8 @@ fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>> {
     let Some(index) = parsed else {
         return Some(Err(format!("K{key:04}: `/{index}` is not a number of a characteristic or part")));
     };
-    let start = start + line.len() - text.len();
-    Some(Ok(Line { key, index, text, start }))
+    let (at, start) = (start, start + line.len() - text.len());
+    Some(Ok(Line { key, index, text, at, start }))
 }
 
 /// What a key says that values are changed by, if it changes them: the additive constant (K2071) or the factor (K2072).

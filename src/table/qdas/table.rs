@@ -4,11 +4,11 @@
 use std::collections::HashMap;
 
 use super::{Characteristic, Qdas};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
-use crate::table::names::{self, Field};
+use crate::table::layout::Layout;
 use crate::table::number::{DecimalMark, quantity};
 
 impl Characteristic {
@@ -25,15 +25,14 @@ impl Characteristic {
 }
 
 impl Qdas {
-    /// The values as a table: a row per measured part, a column per characteristic with its unit. Columns of errors
-    /// have the error's name.
-    pub(crate) fn table(self, own: &[(String, Field)]) -> QdasTable {
+    /// The values as a table: a row per measured part, a column per characteristic with its unit.
+    pub(crate) fn table(self, layout: &Layout) -> QdasTable {
         let mut indices: Vec<Vec<usize>> = Vec::new();
         // the same characteristic of several parts is one column
         let mut columns: HashMap<String, Vec<usize>> = HashMap::new();
         let mut of_part: HashMap<(usize, usize), usize> = HashMap::new();
         for (index, characteristic) in self.characteristics.iter().enumerate() {
-            let titled = columns.entry(title(characteristic, own)).or_default();
+            let titled = columns.entry(title(characteristic, layout)).or_default();
             let first = titled.first().copied().unwrap_or(indices.len());
             let before = of_part.entry((first, characteristic.part)).or_default();
             if let Some(column) = titled.get(*before) {
@@ -126,10 +125,9 @@ impl QdasTable {
         })
     }
 
-    /// The names of the columns as the file writes them, with their units: `part_id` first. Of a characteristic's number
-    /// and name it is what the spec or an error is called, if either is.
-    pub(crate) fn header(&self, own: &[(String, Field)]) -> Record {
-        let names = self.indices.iter().map(|indices| heading(&self.qdas.characteristics[indices[0]], own));
+    /// The names of the columns with their units: `part_id` first.
+    pub(crate) fn header(&self, layout: &Layout) -> Record {
+        let names = self.indices.iter().map(|indices| title(&self.qdas.characteristics[indices[0]], layout));
         let cells = std::iter::once("part_id".to_owned()).chain(names).map(|name| Content::of_text(&name).into());
         Record::new(cells.collect(), 1)
     }
@@ -161,28 +159,7 @@ impl QdasTable {
     }
 }
 
-/// What a column is called in the reader of tables: as the spec calls it, or by the name of the error that it is.
-pub(super) fn title(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
-    match Qdas::error_of(characteristic, own) {
-        Some(kind) if characteristic.own_name(own).is_none() => characteristic.with_unit(kind.key()),
-        _ => heading(characteristic, own),
-    }
-}
-
-/// What a column is called: as the spec calls it, by the error whose name its number or name is, or by its name.
-fn heading(characteristic: &Characteristic, own: &[(String, Field)]) -> String {
-    if let Some((name, _)) = characteristic.own_name(own) {
-        let has_unit = characteristic.unit.as_ref().is_some_and(|unit| name.trim().ends_with(&format!("[{unit}]")));
-        return if has_unit { name.trim().to_owned() } else { characteristic.with_unit(name.trim()) };
-    }
-    let names = [&characteristic.number, &characteristic.name];
-    let key =
-        names.into_iter().find(|name| DeviationKind::ALL.iter().any(|kind| kind.key().eq_ignore_ascii_case(name)));
-    let [number, name] = names;
-    let named = key.unwrap_or(if name.is_empty() { number } else { name });
-    let is_open = names::heading(named, &[]).is_some_and(|heading| heading.fields.len() > 1);
-    match characteristic.gear.filter(|_| is_open) {
-        Some(gear) => characteristic.with_unit(&format!("{} {named}", gear.name())),
-        None => characteristic.with_unit(named),
-    }
+/// What a column is called: as the contract or the dictionary knows it, with its unit.
+pub(super) fn title(characteristic: &Characteristic, layout: &Layout) -> String {
+    characteristic.with_unit(characteristic.called(layout))
 }

@@ -2,15 +2,16 @@ use super::table::{QdasTable, title};
 use super::*;
 use crate::quantity::{Decimal, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
+use crate::table::layout::DeclaredColumn;
 
 /// The names of the columns and the cells of each row.
 fn rows(text: &str) -> Vec<String> {
-    let table = read(&[("lot.dfq", text)]).unwrap_or_else(|error| panic!("{error}")).table(&[]);
-    std::iter::once(titles(&table, &[]).join("|")).chain(records(&table)).collect()
+    let table = read(&[("lot.dfq", text)]).unwrap_or_else(|error| panic!("{error}")).table(&Layout::default());
+    std::iter::once(titles(&table, &Layout::default()).join("|")).chain(records(&table)).collect()
 }
 
-fn titles(table: &QdasTable, own: &[(String, Field)]) -> Vec<String> {
-    let others = table.indices.iter().map(|indices| title(&table.qdas.characteristics[indices[0]], own));
+fn titles(table: &QdasTable, layout: &Layout) -> Vec<String> {
+    let others = table.indices.iter().map(|indices| title(&table.qdas.characteristics[indices[0]], layout));
     std::iter::once("part_id".to_owned()).chain(others).collect()
 }
 
@@ -29,7 +30,10 @@ fn values_under_keys() {
         "{HEAD}K0001/1 25,013\r\nK0002/1 0\r\nK0004/1 01.01.2026/15:18:31\r\nK0014/1 P1\r\nK0001/2 12\r\n\
          K0001/1 25.02\r\nK0001/2 99\r\nK0002/2 255\r\nK0014/0 P2\r\n"
     );
-    assert_eq!(rows(&text), ["part_id|rack_over_roller [mm]|rack_pitch [µm]", "P1|25.013|12", "P2|25.02|"]);
+    assert_eq!(
+        rows(&text),
+        ["part_id|rack_over_roller [mm]|Teilungsabweichung Zahnstange [µm]", "P1|25.013|12", "P2|25.02|"]
+    );
     let qdas = read(&[("lot.dfq", &text)]).unwrap();
     let first = &qdas.characteristics[0];
     assert_eq!(
@@ -46,7 +50,7 @@ fn values_on_binary_lines_in_a_file_of_their_own() {
     let definitions = HEAD.to_owned();
     let values = "25,013\u{14}0\u{14}1.1.2026/15:18:31\u{f}12\u{14}0\r\nK0014/0 P1\r\n25,02\u{f}99\u{14}255\r\n25,03\r\n\u{f}7\u{f}\r\n";
     let qdas = read(&[("lot.dfd", &definitions), ("lot.dfx", values)]).unwrap();
-    let table = qdas.table(&[]);
+    let table = qdas.table(&Layout::default());
     assert_eq!(records(&table), ["P1|25.013|12", "2|25.02|", "3|25.03|", "4||7"]);
     assert_eq!(table.line(2), 4);
 }
@@ -129,7 +133,7 @@ fn what_is_written_is_read_again() {
         qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(),
         ["judged without rack_lead", "no lead"]
     );
-    assert_eq!(qdas.table(&[]).record(1).unwrap().cells[0].text(), "P2");
+    assert_eq!(qdas.table(&Layout::default()).record(1).unwrap().cells[0].text(), "P2");
 }
 
 #[test]
@@ -175,29 +179,31 @@ fn only_attribute_0_makes_a_value() {
 fn a_name_in_the_spec_finds_its_characteristic() {
     let text = "K0100 3\nK2001/1 17\nK2002/1  MYROLL \nK2142/1 mm\nK2002/2 rack_over_roller\nK2142/2 mm\nK2001/3 ß1\n\
                 K2002/3 Teilung Zahnstange\n25.1\u{f}24\u{f}0.1\n";
-    let own = |name: &str, kind| (name.to_owned(), Field::Error(kind));
-    let columns = |own: &[(String, Field)]| titles(&read(&[("lot.dfq", text)]).unwrap().table(own), own)[1..].to_vec();
-    for name in ["MyRoll", " myroll", "MyRoll [mm]", "17"] {
-        let own = [own(name, DeviationKind::RackOverRoller)];
-        let titled = if name.ends_with(']') { name.to_owned() } else { format!("{} [mm]", name.trim()) };
-        assert_eq!(columns(&own), [titled.as_str(), "rack_over_roller [mm]", "rack_pitch"]);
+    let own = |name: &str, kind| {
+        let columns = vec![DeclaredColumn::new(kind, Some(name.to_owned()), None, Vec::new())];
+        Layout { columns, ..Layout::default() }
+    };
+    let columns = |layout: &Layout| titles(&read(&[("lot.dfq", text)]).unwrap().table(layout), layout)[1..].to_vec();
+    for (name, titled) in [("MYROLL", "MYROLL [mm]"), ("MYROLL [mm]", "MYROLL [mm]"), ("17", "17 [mm]")] {
+        let own = own(name, DeviationKind::RackOverRoller);
+        assert_eq!(columns(&own), [titled, "rack_over_roller [mm]", "Teilung Zahnstange"]);
         let qdas = read(&[("lot.dfq", text)]).unwrap();
         let errors = qdas.characteristics.iter().map(|characteristic| Qdas::error_of(characteristic, &own));
         let expected = [Some(DeviationKind::RackOverRoller), None, Some(DeviationKind::RackPitch)];
         assert_eq!(errors.collect::<Vec<_>>(), expected, "{name}");
     }
-    assert_eq!(columns(&[own("ẞ1", DeviationKind::RackPitch)]), ["MYROLL [mm]", "rack_over_roller [mm]", "ẞ1"]);
+    assert_eq!(columns(&own("ß1", DeviationKind::RackPitch)), ["MYROLL [mm]", "rack_over_roller [mm]", "ß1"]);
 }
 
 #[test]
 fn values_as_records() {
     let text = format!("{HEAD}25,013\u{f}+1.25e1\u{14}129\r\nK0014/0 P1\r\n\u{f}-,5\r\n");
-    let table = read(&[("lot.dfq", &text)]).unwrap().table(&[]);
+    let table = read(&[("lot.dfq", &text)]).unwrap().table(&Layout::default());
     let number = |digits, exponent| Content::Number(Decimal { negative: false, digits, exponent });
     let record = |cells: Vec<Content>, line| Record::new(cells.into_iter().map(Cell::from).collect(), line);
     let text = |text: &str| Content::Text(text.to_owned());
     let header = ["part_id", "rack_over_roller [mm]", "Teilungsabweichung Zahnstange [µm]"];
-    assert_eq!(table.header(&[]), record(header.map(text).to_vec(), 1));
+    assert_eq!(table.header(&Layout::default()), record(header.map(text).to_vec(), 1));
     assert_eq!(table.record(0), Some(record(vec![text("P1"), number(25_013, -3), Content::Empty], 14)));
     let half = Content::Number(Decimal { negative: true, digits: 5, exponent: -1 });
     assert_eq!(table.record(1), Some(record(vec![text("2"), Content::Empty, half], 16)));
@@ -215,7 +221,7 @@ fn widest_um(table: &QdasTable, column: usize) -> Option<i64> {
 fn each_part_of_a_file_has_its_limits() {
     let text = "K0100 2\nK1001/1 A\nK2002/1 rack_over_roller\nK2101/1 25\nK2111/1 25.1\nK1001/2 B\n\
                 K2002/2 rack_over_roller\nK2101/2 26\nK2110/2 25.8\nK0001/1 25.1\nK0001/2 26.1\n";
-    let table = read(&[("lot.dfq", text)]).unwrap().table(&[]);
+    let table = read(&[("lot.dfq", text)]).unwrap().table(&Layout::default());
     assert_eq!(widest_um(&table, 1), Some(200));
 }
 

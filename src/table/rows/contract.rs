@@ -6,7 +6,7 @@ use super::super::contract::{Contract, Owner, line_of};
 use super::super::ledger::RowLedger;
 use super::super::reading::AsideReading;
 use super::contradiction::contradiction;
-use super::{Column, PlainField, Problem, Rows, put, start, swallowed};
+use super::{Column, PlainField, Problem, Rows, put, start, swallowed, take_index};
 use crate::deviation::DeviationValue;
 use crate::quantity::shown;
 use crate::table::companions::Companions;
@@ -76,6 +76,7 @@ impl Rows {
     pub(super) fn part(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
         let ledger = RowLedger::new(record);
         let name = self.setup.id.map(|place| ledger.read(place));
+        let index = self.setup.index.map(|place| ledger.read(place));
         let read = |column: &Column| -> Result<Option<DeviationValue>, Problem> {
             let beside: Companions<&Cell> = column.beside.map(|companion| Some(ledger.read(companion.place)));
             column.value(ledger.read(column.place), beside)
@@ -93,7 +94,7 @@ impl Rows {
             block.tally(contract.beside_values()).add(record.line, place, &text);
             contract.accepts(text.trim())
         });
-        for (place, rule) in contract.left_out() {
+        for (place, rule) in contract.left_out().take_while(|(place, _)| *place < record.cells.len()) {
             block.tally(rule).add(record.line, place, &ledger.read(place).text());
         }
         let surplus = ledger.close().err().map(|unowned| {
@@ -105,7 +106,14 @@ impl Rows {
             .or_else(|| name.and_then(Contract::no_name))
             .or_else(|| status.clone()?.err());
         if let Some(message) = wrong {
-            return self.refuse(record.line, raw, block, &record.in_words(), message);
+            self.refuse(record.line, raw, block, &record.in_words(), message);
+            if let Some(name) = name.filter(|_| index.is_some()) {
+                // the part of the space or tooth
+                let name = block.append(name.text().as_bytes());
+                block.names.pop();
+                block.names.push(name);
+            }
+            return;
         }
         start(record.line, raw, block);
         if status == Some(Ok(false)) {
@@ -121,6 +129,9 @@ impl Rows {
         }
         for (number, (column, value)) in values.into_iter().enumerate() {
             put(block, number, column, record.cell(column.place), value.map_err(rejected));
+        }
+        if let Some(index) = index {
+            take_index(block, index);
         }
     }
 }

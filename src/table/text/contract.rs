@@ -43,6 +43,12 @@ impl Text {
         let (mut bytes, mut is_all) = self.start(START)?;
         let declared = want.separator.or(layout.separator).or(self.stated);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
+        if !is_all && head.records.is_empty() {
+            // a heading of thousands of columns
+            (bytes, is_all) = self.start(LARGEST_WHOLE)?;
+            self.refuse_long_lines(&bytes)?;
+            head = self.head(&bytes, is_all, declared, layout)?;
+        }
         let is_cut = matches!(head.separator, Separator::Character(_) | Separator::Lines);
         let is_streamed = is_cut && is_in_rows(&head.records, layout) && !needs_all(layout);
         if !is_streamed && !is_all {
@@ -54,6 +60,7 @@ impl Text {
                     .help("split it, or write a row per part")
                     .into());
             }
+            self.refuse_long_lines(&bytes)?;
             head = self.head(&bytes, is_all, declared, layout)?;
         }
         let byte = head.separator.byte();
@@ -65,9 +72,6 @@ impl Text {
         table.reading.separator = Some(head.separator.name());
         if !is_streamed {
             let rows = turned.unwrap_or(head.records);
-            if table.reading.parts_in == "columns" {
-                table.titles = Vec::new();
-            }
             table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
             return Ok(table);
         }

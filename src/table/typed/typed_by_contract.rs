@@ -6,9 +6,9 @@ use super::{HEAD, head_records, whole};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
 use crate::table::Table;
-use crate::table::contract::{File, Found, Open, found, needs_all, of_records, with_headings};
+use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::Layout;
-use crate::table::ledger::{Tally, digest};
+use crate::table::ledger::Tally;
 use crate::table::parquet::{ParquetTable, Unread};
 use crate::table::pieces::Place;
 use crate::table::propose::{Proposal, Unclosed};
@@ -109,24 +109,23 @@ pub(super) fn parquet(
         let message = format!("{name} has headings, and --as is for tables without any");
         return Err(Diagnostic::error(Code::Usage, message).help("leave --as out").into());
     }
-    let head = if needs_all(layout) {
+    let mut head = if needs_all(layout) {
         whole(name, &mut file, &titles)?
     } else {
         head_records(&titles, &file.next(&vec![true; titles.len()], HEAD)?.map_or_else(Vec::new, |head| head.columns))
     };
     file.rewind();
+    if !is_in_rows(&head, layout) {
+        head = whole(name, &mut file, &titles)?;
+        file.rewind();
+    }
     let Found { mut table, above, turned, .. } = found(&of, &head, layout, want)?;
     if table.reading.parts_in == "columns" {
         let message = format!("{name}: the parts of a Parquet file are its rows");
         return Err(Diagnostic::error(Code::BadTable, message).into());
     }
     for (rule, place, title) in unread.into_iter().chain(table.left_out_columns(&places)) {
-        let stored = file
-            .stored_bytes(place)
-            .iter()
-            .zip(0..)
-            .fold(0, |sum: u64, (bytes, group)| sum.wrapping_add(digest(group, place, bytes)));
-        let tally = Tally { count: 1, first: vec![title], digest: stored };
+        let tally = Tally { count: 1, first: vec![title], digest: file.stored_digest(place) };
         table.reading.left_out[rule].tally.join(&tally);
     }
     table.reading.header_line = None;
@@ -146,7 +145,11 @@ pub(super) fn stored(
     head: &[Option<Stored<'_>>],
     (layout, want): (&Arc<Layout>, &Want),
 ) -> Result<Table, Unclosed> {
-    let Found { mut table, .. } = found(&File::new(name, format), &head_records(titles, head), layout, want)?;
+    let Found { mut table, turned, .. } = found(&File::new(name, format), &head_records(titles, head), layout, want)?;
+    if turned.is_some() {
+        let message = format!("{name}: each row of stored columns is a part");
+        return Err(Diagnostic::error(Code::BadTable, message).into());
+    }
     table.reading.header_line = None;
     table.place = Place::Record;
     Ok(table)

@@ -34,6 +34,12 @@ const LARGEST_SHEET: u64 = 768 << 20;
 /// Bytes at most of what is kept in memory as a whole: texts, styles, names.
 const LARGEST_OTHER: u64 = 96 << 20;
 
+/// Characters of a text at most: the format's own limit.
+const LONGEST_TEXT: usize = 32_767;
+/// How far right of a row's other cells one may stand; beyond, as many times as there are of them.
+const FARTHEST: usize = 1024;
+const FARTHEST_TIMES: usize = 4;
+
 type Book = Xlsx<Cursor<Vec<u8>>>;
 
 /// A workbook that was checked and opened.
@@ -157,7 +163,7 @@ fn each_row(
     take: &mut dyn FnMut(Record) -> bool,
 ) -> Result<(), String> {
     let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
-    let mut record = Record::default();
+    let (mut record, mut filled) = (Record::default(), 0);
     loop {
         let cell = match reader.next_cell_with_formula() {
             Ok(Some(cell)) => cell,
@@ -170,12 +176,16 @@ fn each_row(
         let line = u64::from(row) + 1;
         if line != record.line {
             let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
+            filled = 0;
             if !before.cells.is_empty() && !take(before) {
                 return Ok(());
             }
         }
         if row > range.rows.1 {
             break;
+        }
+        if is_too_long(&cell.value) || cell.formula.as_ref().is_some_and(|text| text.len() > 4 * LONGEST_TEXT) {
+            return Err(format!("row {line}: a text is longer than {LONGEST_TEXT} characters"));
         }
         let content = match cell.formula {
             _ if !range.has_row(row) || !range.has_column(column) => Content::Empty,
@@ -184,6 +194,13 @@ fn each_row(
         };
         if content != Content::Empty {
             let index = (column - range.columns.0) as usize;
+            filled += 1;
+            if index > FARTHEST.max(FARTHEST_TIMES * filled) {
+                let column = column + 1;
+                return Err(format!(
+                    "row {line}: a cell stands in column {column}, far from all others: choose a --range"
+                ));
+            }
             if record.cells.len() <= index {
                 record.cells.resize(index + 1, Cell::default());
             }
@@ -194,6 +211,16 @@ fn each_row(
         take(record);
     }
     Ok(())
+}
+
+/// Whether a text is longer than the format allows.
+fn is_too_long(value: &DataRef<'_>) -> bool {
+    let text = match value {
+        DataRef::String(text) => text.as_str(),
+        DataRef::SharedString(text) => text,
+        _ => return false,
+    };
+    text.len() > LONGEST_TEXT && text.chars().count() > LONGEST_TEXT
 }
 
 fn content(value: &DataRef<'_>, struck: &HashSet<String>) -> Content {

@@ -1,0 +1,297 @@
+//! Tables with a row per characteristic become tables with a row per part: the column of names says what each row is, the others
+//! what its cells are. Called by [`table`](super::table).
+
+use std::collections::{HashMap, HashSet};
+
+use super::heading::{Matched, key, matched, owner};
+use super::open::Open;
+use super::owner::{Owner, line_of};
+use super::table::Tallies;
+use crate::table::cell::{Cell, Record};
+use crate::table::dictionary::{Form, Heading, Role};
+use crate::table::layout::{Layout, Repeats};
+use crate::table::ledger::RowLedger;
+use crate::table::names::{Field, Role as Beside};
+
+/// What stands beside a value in a row of its characteristic.
+const BESIDE: [Beside; 6] =
+    [Beside::Nominal, Beside::Deviation, Beside::Upper, Beside::Lower, Beside::Uncertainty, Beside::Unit];
+
+/// The table of parts.
+pub(super) struct Turned {
+    /// Its columns.
+    pub(super) matched: Matched,
+    /// The units of its columns, as the headings of the characteristics' table say them.
+    pub(super) units: Record,
+    pub(super) rows: Vec<Record>,
+    /// The headings of the characteristics' table that have a role.
+    pub(super) headings: Vec<(String, Role)>,
+}
+
+/// An error or a size, by the name that it has in the table.
+struct Characteristic {
+    field: Field,
+    title: String,
+    /// What stands beside its values in some row.
+    beside: Vec<Beside>,
+}
+
+/// The rows of a part.
+struct PartRows<'r> {
+    name: Option<&'r Cell>,
+    line: u64,
+    /// By characteristic.
+    rows: HashMap<usize, &'r Record>,
+    /// A cell below no heading.
+    surplus: Option<&'r Cell>,
+}
+
+/// Characteristics and parts as they are found row by row.
+struct Reader<'r, 'l> {
+    layout: &'l Layout,
+    columns: &'l Matched,
+    left_out: &'l mut Tallies,
+    open: Vec<Open>,
+    found: Vec<Characteristic>,
+    parts: Vec<PartRows<'r>>,
+    /// The last rows of each part, by its name.
+    known: HashMap<String, usize>,
+    /// The owner of each name of a characteristic.
+    owners: HashMap<String, Result<Option<Owner>, Open>>,
+    /// The nominal values and units of those that are read.
+    owned: HashSet<[String; 2]>,
+    /// The names that are listed as without an owner.
+    listed: HashSet<String>,
+}
+
+/// The table of parts of the records below the line of headings.
+pub(super) fn turned(records: &[Record], heading: usize, layout: &Layout, left_out: &mut Tallies) -> Turned {
+    let below = &records[heading + 1..];
+    let mut columns = matched(&records[heading], below, layout, Form::Characteristics);
+    left_out.headings(&columns);
+    let open = std::mem::take(&mut columns.open);
+    let mut reader = Reader {
+        layout,
+        columns: &columns,
+        left_out,
+        open,
+        found: Vec::new(),
+        parts: Vec::new(),
+        known: HashMap::new(),
+        owners: HashMap::new(),
+        owned: HashSet::new(),
+        listed: HashSet::new(),
+    };
+    reader.look(below);
+    below.iter().for_each(|record| reader.row(record));
+    reader.missing();
+    reader.turned()
+}
+
+impl<'r> Reader<'r, '_> {
+    /// The column of a role.
+    fn place(&self, role: Role) -> Option<usize> {
+        self.columns.owners.iter().position(|owner| *owner == Some(Owner::Role(role)))
+    }
+
+    /// The column of values, and whether they are deviations.
+    fn values(&self) -> Option<(usize, bool)> {
+        let of = |beside| self.place(Role::Of(beside));
+        of(Beside::Measured).map(|place| (place, false)).or_else(|| Some((of(Beside::Deviation)?, true)))
+    }
+
+    /// The name of a row's characteristic, if it has one.
+    fn name(&self, record: &'r Record) -> Option<String> {
+        let name = record.cell(self.place(Role::Of(Beside::Name))?);
+        (!name.is_missing()).then(|| name.text().into_owned())
+    }
+
+    /// The nominal value and the unit of a row.
+    fn nominal(&self, record: &Record) -> Option<[String; 2]> {
+        let nominal = record.cell(self.place(Role::Of(Beside::Nominal))?).text().into_owned();
+        let unit = self.place(Role::Of(Beside::Unit)).map(|place| record.cell(place).text().into_owned());
+        nominal.contains(|c: char| ('1'..='9').contains(&c)).then(|| [nominal, unit.unwrap_or_default()])
+    }
+
+    /// Finds the owners of all names.
+    fn look(&mut self, records: &'r [Record]) {
+        for record in records.iter().filter(|record| self.layout.covering(record).is_none()) {
+            let Some(title) = self.name(record) else { continue };
+            let named = Heading::of(&title);
+            let found = |title: &String| owner(title, &named.name, usize::MAX - 1, self.layout, Form::Parts);
+            let is_read =
+                matches!(self.owners.entry(title).or_insert_with_key(found), Ok(Some(Owner::Role(Role::Value(_)))));
+            let nominal = self.nominal(record).filter(|_| is_read);
+            self.owned.extend(nominal);
+        }
+    }
+
+    fn row(&mut self, record: &'r Record) {
+        if record.filled().is_empty() || self.layout.covering(record).is_some() {
+            return;
+        }
+        let line = line_of(record);
+        if line == self.columns.heading {
+            return self.left_out.add(self.layout.repeated_headings(), record.line, 0, &line);
+        }
+        let Some(title) = self.name(record) else {
+            return self.open.push(Open::Line { line: record.line, text: line });
+        };
+        match self.owners.get(&title).cloned().unwrap_or(Ok(None)) {
+            Ok(Some(Owner::Role(Role::Value(field)))) => self.value(record, field, title),
+            Ok(Some(Owner::Rule(rule))) if !self.repeats_owned(record, rule) => self.ignored(record, rule),
+            Err(open) => self.unowned(open),
+            _ if record.filled().len() == 1 => self.open.push(Open::Line { line: record.line, text: line }),
+            _ => {
+                let places = [Beside::Measured, Beside::Deviation].map(|of| self.place(Role::Of(of)));
+                let value = places.into_iter().flatten().map(|place| record.cell(place)).find(|cell| !cell.is_empty());
+                let first = value.map(|value| value.text().into_owned()).into_iter().collect();
+                self.unowned(Open::Characteristic { title, first });
+            }
+        }
+    }
+
+    /// Adds what is not owned, once.
+    fn unowned(&mut self, open: Open) {
+        let is_new = match &open {
+            Open::Characteristic { title, .. } | Open::Pattern { title, .. } => self.listed.insert(title.clone()),
+            Open::Twice { titles, .. } => self.listed.insert(titles.concat()),
+            _ => true,
+        };
+        self.open.extend(is_new.then_some(open));
+    }
+
+    /// Whether the rule for all others would leave out what has the nominal value and the unit of a characteristic that is read: it
+    /// may be the same, measured again.
+    fn repeats_owned(&self, record: &Record, rule: usize) -> bool {
+        rule == self.layout.others() && self.nominal(record).is_some_and(|nominal| self.owned.contains(&nominal))
+    }
+
+    /// The rows of a record's part; the last ones of it.
+    fn part(&mut self, record: &'r Record) -> usize {
+        let name = self.place(Role::PartId).map(|place| record.cell(place));
+        let text = name.map(|name| name.text().into_owned()).unwrap_or_default();
+        *self.known.entry(text).or_insert_with(|| {
+            self.parts.push(PartRows { name, line: record.line, rows: HashMap::new(), surplus: None });
+            self.parts.len() - 1
+        })
+    }
+
+    /// A row that a rule leaves out; its part is one all the same.
+    fn ignored(&mut self, record: &'r Record, rule: usize) {
+        self.part(record);
+        for (place, cell) in record.cells.iter().enumerate() {
+            self.left_out.add(rule, record.line, place, &cell.text());
+        }
+    }
+
+    /// A row with a value.
+    fn value(&mut self, record: &'r Record, field: Field, title: String) {
+        let known = self.found.iter().position(|characteristic| characteristic.field == field);
+        let number = known.unwrap_or_else(|| {
+            self.found.push(Characteristic { field, title: title.clone(), beside: Vec::new() });
+            self.found.len() - 1
+        });
+        let mut part = self.part(record);
+        let is_again = self.parts[part].rows.contains_key(&number);
+        let is_named = self.parts[part].name.is_some();
+        if self.found[number].title != title || is_again && !is_named {
+            let titles = [self.found[number].title.clone(), title];
+            return self.unowned(Open::Twice { key: key(Role::Value(field)), titles });
+        }
+        if is_again {
+            // the part is there twice
+            let name = self.parts[part].name;
+            let next = PartRows { name, line: record.line, rows: HashMap::new(), surplus: None };
+            if self.layout.repeats == Repeats::Last {
+                let before = std::mem::replace(&mut self.parts[part], next);
+                for row in before.rows.values() {
+                    self.left_out.add(self.layout.repeated_parts(), row.line, 0, &line_of(row));
+                }
+            } else {
+                self.parts.push(next);
+                part = self.parts.len() - 1;
+                self.known.insert(name.map(|name| name.text().into_owned()).unwrap_or_default(), part);
+            }
+        }
+        let ledger = RowLedger::new(record);
+        for (place, owner) in self.columns.owners.iter().enumerate().take(record.cells.len()) {
+            match owner {
+                Some(Owner::Role(role)) => {
+                    let cell = ledger.read(place);
+                    let beside = BESIDE.into_iter().find(|beside| *role == Role::Of(*beside) && !cell.is_missing());
+                    let known = &mut self.found[number].beside;
+                    if let Some(beside) = beside.filter(|beside| !known.contains(beside)) {
+                        known.push(beside);
+                    }
+                }
+                Some(Owner::Rule(rule)) => self.left_out.add(*rule, record.line, place, &ledger.read(place).text()),
+                Some(Owner::Nameless) | None => {}
+            }
+        }
+        let surplus = ledger.close().err().map(|unowned| unowned.cell);
+        self.parts[part].surplus = self.parts[part].surplus.or(surplus);
+        self.parts[part].rows.insert(number, record);
+    }
+
+    /// The characteristics that the contract names and the table lacks.
+    fn missing(&mut self) {
+        let is_there = |role: Role| self.found.iter().any(|known| Role::Value(known.field) == role);
+        let promised = self.layout.promised().filter(|(role, _)| matches!(role, Role::Value(_)) && !is_there(*role));
+        let missing: Vec<_> =
+            promised.map(|(role, name)| Open::Missing { key: key(role), name: name.to_owned() }).collect();
+        self.open.extend(missing);
+        if self.found.is_empty() {
+            let names = self.open.iter().filter_map(|open| match open {
+                Open::Characteristic { title, .. } => Some(title.clone()),
+                _ => None,
+            });
+            self.open.insert(0, Open::NoValues { titles: names.collect() });
+        }
+    }
+
+    /// The table of parts.
+    fn turned(self) -> Turned {
+        let mut matched = Matched { line: self.columns.line, open: Vec::new(), ..Matched::default() };
+        let mut units: Vec<Cell> = Vec::new();
+        // which column of the characteristics' table each column is of which characteristic
+        let mut sources: Vec<(usize, usize)> = Vec::new();
+        let id = self.place(Role::PartId);
+        if let Some(id) = id {
+            matched.push(Role::PartId, &self.columns.titles[id]);
+            units.push(Cell::default());
+        }
+        let values = self.values();
+        matched.are_deviations = values.is_some_and(|(_, are_deviations)| are_deviations);
+        for (number, characteristic) in self.found.iter().enumerate() {
+            let Some((value, are_deviations)) = values else { continue };
+            matched.push(Role::Value(characteristic.field), &characteristic.title);
+            units.push(Cell::of_text(self.columns.headings[value].unit.as_deref().unwrap_or_default(), 0..0));
+            sources.push((number, value));
+            for beside in &characteristic.beside {
+                let place = self.place(Role::Of(*beside)).filter(|_| !(are_deviations && *beside == Beside::Deviation));
+                let Some(place) = place else { continue };
+                matched.push(Role::Beside(characteristic.field, *beside), &self.columns.titles[place]);
+                units.push(Cell::default());
+                sources.push((number, place));
+            }
+        }
+        let row = |part: &PartRows<'_>| {
+            let cell = |(number, place): &(usize, usize)| {
+                part.rows.get(number).map(|row| row.cell(*place).clone()).unwrap_or_default()
+            };
+            let id = id.map(|_| part.name.cloned().unwrap_or_default());
+            let cells = id.into_iter().chain(sources.iter().map(cell)).chain(part.surplus.cloned());
+            Record::new(cells.collect(), part.line)
+        };
+        let rows = self.parts.iter().map(row).collect();
+        matched.open = self.open;
+        let owned = self.columns.owners.iter().zip(&self.columns.titles);
+        let headings = owned.filter_map(|(owner, title)| match owner {
+            Some(Owner::Role(role @ Role::Of(_))) => Some((title.clone(), *role)),
+            _ => None,
+        });
+        let headings = headings.collect();
+        Turned { headings, matched, units: Record::new(units, self.columns.line), rows }
+    }
+}

@@ -1,0 +1,56 @@
+//! Tables with a row per characteristic, by contract.
+
+use super::*;
+
+fn layout() -> Layout {
+    let line = |text| LineRule { pattern: Pattern::of_line(text), at_most: 0 };
+    Layout {
+        ignore: ["Status", "Ebenheit", "Bohrung*"].map(Pattern::of_heading).to_vec(),
+        ignore_lines: vec![line("Prüfplan: *"), line("Ende")],
+        ..Layout::default()
+    }
+}
+
+fn read(text: &str, layout: Layout) -> Result<(Vec<String>, Reading), String> {
+    let want = Want { layout: Some(Arc::new(layout)), ..want() };
+    let table = Container::open("lot", Source::bytes(text.into()), &want).and_then(|found| found.table("lot", &want));
+    let table = table.map_err(|problem| problem.to_string())?;
+    let mut reading = table.reading.clone();
+    let keys: Vec<_> = table.columns.iter().map(|column| column.field.key()).collect();
+    let mut parts = Vec::new();
+    for block in table.blocks().map_err(|error| error.to_string())? {
+        parts.extend((0..block.rows()).map(|row| part(&block, row, &keys)));
+        block.tell(&mut reading);
+    }
+    Ok((parts, reading))
+}
+
+const ROWS: &str = "Prüfplan: 7\nMerkmal;Teil;Soll;Ist;Abw.;Einheit;Status\nRollenmaß;P1;25,000;25,011;0,011;mm;i.O.\n\
+                    Zahnstangenteilung Fehler;P1;0;3;3;µm;\nEbenheit;P1;0;412;412;mm;\nRollenmaß;P2;25,000;25,004;0,004;mm;i.O.\n\nEnde\n";
+
+#[test]
+fn a_row_per_characteristic_is_a_table_of_parts() {
+    let text = ROWS.replace("Zahnstangenteilung Fehler", "Rack pitch error");
+    let (parts, reading) = read(&text, layout()).unwrap();
+    assert_eq!(
+        parts,
+        ["P1: rack_over_roller 0.011 mm rack_pitch 0.003 mm", "P2: rack_over_roller 0.004 mm rack_pitch missing"]
+    );
+    assert_eq!(reading.parts_in, "characteristics");
+    let counts: Vec<_> = reading.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string).collect();
+    assert_eq!(counts.len(), 5, "{counts:?}");
+}
+
+#[test]
+fn what_nobody_owns_is_listed_at_once() {
+    let text = ROWS.replace("Ebenheit;P1", "CHR_9;P1").replace("Prüfplan", "Plan").replace("Status", "Neu");
+    let problem = read(&text, layout()).unwrap_err();
+    for said in [
+        "line 1: Plan: 7",
+        "column `Neu`: i.O., i.O.",
+        "characteristic `CHR_9`: 412",
+        "characteristic `Zahnstangenteilung Fehler`: 3",
+    ] {
+        assert!(problem.contains(said), "{said}: {problem}");
+    }
+}
