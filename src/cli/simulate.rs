@@ -15,7 +15,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
 use crate::quantity::Length;
-use crate::report::chart::{Chart, Layer, Shape};
+use crate::report::chart::{Axis, Chart, Layer, Scale, Shape};
 use crate::report::{Format, SimulationReport};
 
 pub(super) const ABOUT: &str = "Simulate forces: elastic bodies in contact along the stroke";
@@ -53,9 +53,11 @@ impl Args {
     fn watched(&self, scene: &Scene, interruption: &Interruption, output: &Output) -> Outcome {
         let mut bar = super::bar::Bar::new(output);
         let parameters = scene.parameters();
+        let way = if parameters.returns { 2.0 } else { 1.0 } * parameters.stroke_mm;
+        let mut seen = 0.0;
         let mut watch = |sample: &Sample| {
-            let share = (sample.stroke_mm - parameters.start_mm) / parameters.stroke_mm;
-            bar.show(Some(share), || format!("stroke {:.1} mm", sample.stroke_mm));
+            seen += parameters.spacing_mm;
+            bar.show(Some(f64::min(seen / way, 1.0)), || format!("stroke {:.1} mm", sample.stroke_mm));
             if interruption.came() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let outcome = if self.quasi_static { scene.quasi_static(&mut watch) } else { scene.dynamic(&mut watch) };
@@ -119,9 +121,20 @@ impl Args {
 
 const RIGID: &str = "limits are held against rigid teeth, as `mesh` does; the elastic part goes with the stiffness";
 
-/// ΔCD over the stroke, the exact mesh beside it.
+/// ΔCD over the stroke, the exact mesh beside it; of a rack that comes back the loop of the torque.
 fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {
-    let samples = report.outcome.samples.iter();
+    let (there, back) = report.outcome.samples.split_at(report.outcome.there);
+    if !back.is_empty() {
+        let torque = |sample: &Sample| (sample.stroke_mm, sample.pinion_torque_n_m);
+        let layers = vec![
+            Layer::new("stroke rising", Shape::Line(there.iter().map(torque).collect())),
+            Layer::new("stroke falling", Shape::Line(back.iter().rev().map(torque).collect())),
+        ];
+        let chart = Chart::along_the_stroke(report.title.unwrap_or("torque at the pinion"), layers);
+        let y = Axis { label: "torque at the pinion [N m]".to_owned(), scale: Scale::Airy };
+        return Chart { y, ..chart };
+    }
+    let samples = there.iter();
     let strokes: Vec<f64> = samples.clone().map(|sample| sample.stroke_mm).collect();
     let exact = strokes.iter().zip(mesh.sample(&strokes));
     let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));

@@ -91,7 +91,7 @@ impl Scene {
                 Some(run) => run,
                 none => none.insert(MotionRun::new(self, work)?),
             };
-            let until = if index > 0 { run.drive.time(self.sample_stroke(index)) } else { 0.0 };
+            let until = if index > 0 { run.drive.time(self.sample_stroke(index), self.is_back(index)) } else { 0.0 };
             while run.here.time < until {
                 run.advance(until, work)?;
             }
@@ -215,14 +215,14 @@ struct MotionRun<'a> {
 impl<'a> MotionRun<'a> {
     fn new(scene: &'a Scene, work: &mut Work) -> Result<Self, SimulationError> {
         let p = &scene.parameters;
-        let drive = Drive::new(p.start_mm, p.speed_mm_per_s, p.ramp_mm);
+        let drive = Drive::new(p);
         let law = scene.law.without_damping().without_friction();
-        let (q, _) = scene.equilibrium(p.start_mm, None, &law, work)?;
+        let (q, _) = scene.equilibrium((p.start_mm, p.speed_mm_per_s), None, &law, work)?;
         let start = scene.state(drive.at(0.0), q, [0.0; 3], work);
         Ok(Self {
             scene,
-            total: drive.time(scene.sample_stroke(scene.intervals())),
-            step: drive.time(scene.sample_stroke(1)),
+            total: drive.time(scene.sample_stroke(scene.last_sample()), p.returns),
+            step: drive.time(scene.sample_stroke(1), false),
             drive,
             start,
             here: start,

@@ -35,7 +35,7 @@ impl Flow {
             flow.driven += time * (passed_on + contact.dissipation());
             flow.damped += time * contact.damped;
             flow.rubbed += time * contact.rubbed;
-            flow.exchanged += time * contact.along * state.speed;
+            flow.exchanged += time * contact.along * state.speed.abs();
             flow.impulse += time * state.f[1];
         }
         flow
@@ -92,7 +92,7 @@ impl Scene {
             driven: to.contact.energy - from.contact.energy + passed_on + time * mean(Forces::dissipation),
             damped: time * mean(|contact| contact.damped),
             rubbed: time * mean(|contact| contact.rubbed),
-            exchanged: mean(|contact| contact.along) * (to.stroke - from.stroke),
+            exchanged: mean(|contact| contact.along) * (to.stroke - from.stroke).abs(),
             impulse: 0.5 * time * (from.f[1] + to.f[1]),
         }
     }

@@ -1,6 +1,6 @@
 //! What a run says. Filled by the runs, read by everyone.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use super::SimulationError;
 
@@ -192,8 +192,10 @@ pub struct Outcome {
     pub counters: Counters,
     /// How it ended.
     pub end: RunEnd,
-    /// Stroke from which on the rack has its speed, mm.
-    pub speed_from_mm: f64,
+    /// How many positions are on the way there; the others are on the way back.
+    pub there: usize,
+    /// Strokes at which the rack has its speed, mm.
+    pub at_speed_mm: RangeInclusive<f64>,
 }
 
 impl Outcome {
@@ -203,11 +205,24 @@ impl Outcome {
         extremes(&self.samples, |sample| sample.delta_cd_mm)
     }
 
-    /// The forces over the run; `None` without a position.
+    /// The forces on the way there; `None` without a position.
     #[must_use]
     pub fn forces(&self) -> Option<RunForces> {
-        let from = self.samples.partition_point(|sample| sample.stroke_mm < self.speed_from_mm);
-        let part = self.samples.get(from..).filter(|part| !part.is_empty()).unwrap_or(&self.samples);
+        self.forces_of(&self.samples[..self.there])
+    }
+
+    /// The forces on the way back; `None` without one.
+    #[must_use]
+    pub fn forces_back(&self) -> Option<RunForces> {
+        let rising: Vec<Sample> = self.samples[self.there..].iter().rev().copied().collect();
+        self.forces_of(&rising)
+    }
+
+    /// Those of positions in the order of the stroke.
+    fn forces_of(&self, samples: &[Sample]) -> Option<RunForces> {
+        let from = samples.partition_point(|sample| sample.stroke_mm < *self.at_speed_mm.start());
+        let to = samples.partition_point(|sample| sample.stroke_mm <= *self.at_speed_mm.end());
+        let part = samples.get(from..to).filter(|part| !part.is_empty()).unwrap_or(samples);
         let (first, last) = (part.first()?, part.last()?);
         let extent = |of: fn(&Sample) -> f64| {
             let [low, high] = extremes(part, of)?;

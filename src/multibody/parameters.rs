@@ -119,6 +119,8 @@ pub struct Parameters {
     pub start_mm: f64,
     /// How far the rack travels, mm; default 50.
     pub stroke_mm: f64,
+    /// Whether it comes back; default no.
+    pub returns: bool,
     /// Its speed, mm/s; default 20.
     pub speed_mm_per_s: f64,
     /// Travel during which the speed is reached, mm; default 1.
@@ -163,6 +165,7 @@ impl Default for Parameters {
         Self {
             start_mm: 0.0,
             stroke_mm: 50.0,
+            returns: false,
             speed_mm_per_s: 20.0,
             ramp_mm: 1.0,
             preload_n: 500.0,

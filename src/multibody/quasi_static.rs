@@ -36,8 +36,7 @@ struct AtRest<'a> {
 }
 
 impl<'a> AtRest<'a> {
-    fn new(scene: &'a Scene, stroke: f64, law: &'a Law, work: &'a mut Work) -> Self {
-        let speed = scene.parameters.speed_mm_per_s;
+    fn new(scene: &'a Scene, (stroke, speed): (f64, f64), law: &'a Law, work: &'a mut Work) -> Self {
         let pinion_angle = speed * scene.mesh.pair().rotation_per_stroke_rad();
         let rates = Coordinates { pinion_angle, stroke: speed, ..Coordinates::default() };
         Self { scene, law, stroke, rates, descend: false, work }
@@ -149,8 +148,10 @@ impl Scene {
                 let guess: [f64; 3] = std::array::from_fn(|i| 2.0 * last[i] - before[i]);
                 [guess[0] + stroke * turn, guess[1], guess[2]]
             });
-            let (q, contact) = self.equilibrium(stroke, guess, &law, work)?;
-            let time = (stroke - p.start_mm) / p.speed_mm_per_s;
+            let (travel, v) = (stroke - p.start_mm, p.speed_mm_per_s);
+            let (way, speed) = if self.is_back(index) { (2.0 * p.stroke_mm - travel, -v) } else { (travel, v) };
+            let (q, contact) = self.equilibrium((stroke, speed), guess, &law, work)?;
+            let time = way / v;
             let next = State { time, q, v: [0.0; 3], stroke, speed: 0.0, f: self.unbalanced(&q, &contact), contact };
             if let Some(here) = here {
                 ledger.add(&self.flow_at_rest(&here, &next), false);
@@ -170,7 +171,7 @@ impl Scene {
         mut step: impl FnMut(u32, &mut Work) -> Result<(State, Energy), SimulationError>,
     ) -> Outcome {
         let mut work = Work::default();
-        let last = self.intervals();
+        let last = self.last_sample();
         let mut samples = Vec::with_capacity(last as usize + 1);
         let (mut energy, mut end) = (None, RunEnd::Completed);
         for index in 0..=last {
@@ -192,7 +193,17 @@ impl Scene {
         self.outcome(samples, energy, work.counters, end)
     }
 
-    /// Number of samples less 1.
+    /// Number of the last sample: at the end of the stroke, or back at its start.
+    pub(super) fn last_sample(&self) -> u32 {
+        if self.parameters.returns { 2 * self.intervals() } else { self.intervals() }
+    }
+
+    /// Whether a sample is on the way back.
+    pub(super) fn is_back(&self, index: u32) -> bool {
+        index > self.intervals()
+    }
+
+    /// Number of samples less 1 on the way there.
     pub(super) fn intervals(&self) -> u32 {
         let p = &self.parameters;
         (p.stroke_mm / p.spacing_mm * (1.0 - 1e-12)).ceil().clamp(1.0, 1e9) as u32
@@ -200,6 +211,7 @@ impl Scene {
 
     pub(super) fn sample_stroke(&self, index: u32) -> f64 {
         let p = &self.parameters;
+        let index = index.min(2 * self.intervals() - index);
         let intervals = f64::from(self.intervals());
         // whole numbers of decimal spacings come out rounded once
         let travel = if (intervals * p.spacing_mm / p.stroke_mm - 1.0).abs() < 1e-9 {
@@ -226,10 +238,10 @@ impl Scene {
         }
     }
 
-    /// The equilibrium at a stroke, from a guess or from the rigid mesh.
+    /// The equilibrium at a stroke, the rack moving at a speed, from a guess or from the rigid mesh.
     pub(super) fn equilibrium(
         &self,
-        stroke: f64,
+        (stroke, speed): (f64, f64),
         guess: Option<[f64; 3]>,
         law: &Law,
         work: &mut Work,
@@ -238,7 +250,7 @@ impl Scene {
             Some(guess) => guess,
             None => self.rigid(stroke)?,
         };
-        let mut at_rest = AtRest::new(self, stroke, law, work);
+        let mut at_rest = AtRest::new(self, (stroke, speed), law, work);
         let mut found = at_rest.settle(start, self.rolls);
         if self.rolls && !found.converged {
             found = at_rest.settle_rolling(found.x);
@@ -308,7 +320,11 @@ impl Scene {
 
     fn outcome(&self, samples: Vec<Sample>, energy: Option<Energy>, mut counters: Counters, end: RunEnd) -> Outcome {
         let run_up = if counters.steps > 0 { 2.0 * self.parameters.ramp_mm } else { 0.0 };
-        let speed_from_mm = self.parameters.start_mm + run_up;
+        let p = &self.parameters;
+        // it comes to rest as it starts
+        let speed_to_mm = if p.returns { p.start_mm + p.stroke_mm - run_up } else { f64::MAX };
+        let at_speed_mm = p.start_mm + run_up..=speed_to_mm;
+        let there = samples.len().min(self.intervals() as usize + 1);
         // how far from the middle any tooth touches
         let pitch = self.shared.pitch;
         let place = |tooth: i64, sample: &Sample| (tooth as f64 * pitch - sample.stroke_mm).abs();
@@ -317,18 +333,20 @@ impl Scene {
             .filter_map(|sample| sample.teeth.map(|(low, high)| place(low, sample).max(place(high, sample))))
             .fold(0.0, f64::max);
         let all = |deviating: bool| {
+            let at_speed_mm = &at_speed_mm;
             move |sample: &Sample| {
                 let (low, high) = (
                     ((sample.stroke_mm - reach) / pitch).ceil() as i64,
                     ((sample.stroke_mm + reach) / pitch).floor() as i64,
                 );
-                sample.stroke_mm >= speed_from_mm && (low..=high).all(|tooth| self.is_deviating(tooth) == deviating)
+                at_speed_mm.contains(&sample.stroke_mm)
+                    && (low..=high).all(|tooth| self.is_deviating(tooth) == deviating)
             }
         };
-        let nominal = steady(&samples, pitch, all(false));
-        let deviating = steady(&samples, pitch, all(true));
+        let nominal = steady(&samples[..there], pitch, all(false));
+        let deviating = steady(&samples[..there], pitch, all(true));
         counters.coordinates = self.coordinates();
-        Outcome { samples, nominal, deviating, energy, counters, end, speed_from_mm }
+        Outcome { samples, nominal, deviating, energy, counters, end, there, at_speed_mm }
     }
 }
 
@@ -349,7 +367,7 @@ mod tests {
             let scene = Scene::new(pair, rack, pinion, Parameters { support, ..Parameters::default() }).unwrap();
             let law = scene.law.without_damping();
             let (mut work, stroke) = (Work::default(), 20.0);
-            let (at, forces) = scene.equilibrium(stroke, None, &law, &mut work).unwrap();
+            let (at, forces) = scene.equilibrium((stroke, 20.0), None, &law, &mut work).unwrap();
             work.margin = NEAR * forces.penetration;
             let mut limits = scene.limits(1e-12);
             limits.iterations = 1;

@@ -7,7 +7,9 @@ use super::number::{plain, signed, tidy};
 use super::{Block, Report, Screen, Table, fact, mesh, sketch, titled};
 use crate::evaluation::Evaluation;
 use crate::judge::Verdict;
-use crate::multibody::{ContactModel, Energy, Outcome, ParameterName, Parameters, RunEnd, Sample, Steady, Support};
+use crate::multibody::{
+    ContactModel, Energy, Outcome, ParameterName, Parameters, RunEnd, RunForces, Sample, Steady, Support,
+};
 
 /// A simulated stroke.
 #[derive(Debug)]
@@ -168,8 +170,21 @@ impl SimulationReport<'_> {
         Some(table.block())
     }
 
-    fn forces_table(&self) -> Option<Block> {
-        let forces = self.outcome.forces()?;
+    /// The forces there, and back if the rack comes back.
+    fn forces_tables(&self) -> impl Iterator<Item = Block> {
+        let back = self.outcome.forces_back();
+        let there = self.outcome.forces().map(|forces| {
+            let from = plain(tidy(forces.from_mm));
+            (
+                if back.is_some() { "forces, stroke rising".to_owned() } else { format!("forces, from {from} mm on") },
+                forces,
+            )
+        });
+        let back = back.map(|forces| ("forces, stroke falling".to_owned(), forces));
+        there.into_iter().chain(back).map(|(heading, forces)| Self::forces_table(heading, forces))
+    }
+
+    fn forces_table(heading: String, forces: RunForces) -> Block {
         let rows = [
             ("normal, right flanks [N]", forces.normal_right_n, 1),
             ("normal, left flanks [N]", forces.normal_left_n, 1),
@@ -177,14 +192,14 @@ impl SimulationReport<'_> {
             ("torque at the pinion [N m]", forces.pinion_torque_n_m, 4),
         ];
         let stroke = |mm: f64| format!("{mm:.2}");
-        let table = Table::of(rows)
-            .text(format!("forces, from {} mm on", plain(tidy(forces.from_mm))), |(name, ..)| *name)
+        Table::of(rows)
+            .text(heading, |(name, ..)| *name)
             .number("mean", |(_, force, decimals)| fixed(force.mean, *decimals))
             .number("smallest", |(_, force, decimals)| fixed(force.smallest, *decimals))
             .number("at stroke\n[mm]", |(_, force, _)| stroke(force.smallest_stroke_mm))
             .number("largest", |(_, force, decimals)| fixed(force.largest, *decimals))
-            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.largest_stroke_mm));
-        Some(table.block())
+            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.largest_stroke_mm))
+            .block()
     }
 
     /// The columns of the listing that the run has.
@@ -215,7 +230,7 @@ impl SimulationReport<'_> {
             Support::FreeRoll { .. } => "pinion on a slider, rack may roll",
             Support::Yoke(_) => "pinion axis fixed, rack carried by bush and yoke",
         };
-        format!("{support}; {contact}; {time}")
+        format!("{support}; {contact}; {time}{}", if p.returns { "; there and back" } else { "" })
     }
 
     /// The parameters that the run follows, and masses, as they are told.
@@ -315,6 +330,7 @@ impl Report for SimulationReport<'_> {
             "smallest": smallest,
             "largest": largest,
             "forces": self.outcome.forces(),
+            "forces_falling": self.outcome.forces_back(),
             "judged_mm": self.evaluation.judged.ok(),
             "judged_by": self.evaluation.judged_by.name(),
             "verdict": self.evaluation.verdict.map(Verdict::name),
@@ -336,10 +352,11 @@ impl Report for SimulationReport<'_> {
         let mut blocks = titled(self.title);
         blocks.extend(self.steady_table());
         blocks.extend(self.extremes_table());
-        blocks.extend(self.forces_table());
+        blocks.extend(self.forces_tables());
         blocks.push(Block::Note(format!("elastic part: {}", self.elastic_part())));
         if let Some(width) = self.screen.drawing_width() {
-            let points: Vec<_> = self.outcome.samples.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
+            let there = &self.outcome.samples[..self.outcome.there];
+            let points: Vec<_> = there.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
             blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
         let given = self.given();

@@ -83,6 +83,7 @@ fn parameters(values: &Values) -> Parameters {
         }
     }
     let Numbers { all: mut parameters, mut yoke, spheres, strips } = numbers;
+    parameters.returns = word(keys::SIMULATION_DIRECTION) == "both";
     let is_analytic = word(keys::SIMULATION_CONTACT) == "analytic";
     parameters.contact = if is_analytic { ContactModel::Analytic(strips) } else { ContactModel::Spheres(spheres) };
     if values.at(keys::SIMULATION_YOKE_PRELOAD.any.path).is_none() {

@@ -137,6 +137,36 @@ fn the_mean_torque_is_that_of_theory() {
     }
 }
 
+/// There and back: friction turns round with the stroke, and the loop is what is lost; without friction there is none.
+#[test]
+fn there_and_back_is_a_loop_of_what_is_lost() {
+    let run = |friction: f64, is_dynamic: bool| {
+        let parameters = Parameters { friction, returns: true, stroke_mm: 13.0, ..Parameters::default() };
+        let scene = paper::scene(None, parameters);
+        let outcome = if is_dynamic { scene.dynamic(&mut go_on) } else { scene.quasi_static(&mut go_on) };
+        assert_eq!((outcome.end, outcome.samples.len(), outcome.there), (RunEnd::Completed, 261, 131));
+        let (first, last) = (outcome.samples[0], outcome.samples[260]);
+        assert!((first.stroke_mm - last.stroke_mm).abs() < 1e-12 && last.time_s > 1.2, "{last:?}");
+        outcome
+    };
+    for is_dynamic in [false, true] {
+        let rough = run(0.1, is_dynamic);
+        let mean = |forces: Option<RunForces>| forces.unwrap().pinion_torque_n_m.mean;
+        let (there, back) = (mean(rough.forces()), mean(rough.forces_back()));
+        assert!(there > 0.4 && (there + back).abs() < 0.01 * there, "{there} {back}");
+        let energy = rough.energy.unwrap();
+        assert!((energy.driven - energy.dissipated - energy.settling).abs() < 0.01 * energy.driven, "{energy:?}");
+        let smooth = run(0.0, is_dynamic);
+        assert!(smooth.energy.unwrap().driven.abs() < 1e-3 * energy.driven, "{:?}", smooth.energy);
+        // the same place either way
+        for (there, back) in smooth.samples.iter().zip(smooth.samples.iter().rev()) {
+            assert!((there.delta_cd_mm - back.delta_cd_mm).abs() < 1e-5, "{there:?} {back:?}");
+        }
+    }
+    let once = paper::scene(None, Parameters { stroke_mm: 13.0, ..Parameters::default() }).quasi_static(&mut go_on);
+    assert_eq!(once.forces_back(), None);
+}
+
 fn position(scene: &Scene, stroke: f64) -> Coordinates {
     let rigid = scene.mesh().at(stroke).unwrap();
     Coordinates {

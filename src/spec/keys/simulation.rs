@@ -35,6 +35,8 @@ section! {
             "Stroke at which the run starts. Default 0.";
         SIMULATION_STROKE: Length = "stroke", length(Domain::positive("stroke", "s")),
             "How far the rack travels. Default 50 mm.";
+        SIMULATION_DIRECTION: &'static str = "direction", word(&["rising", "both"]),
+            "rising: the rack travels over the stroke; both: there and back. Default rising.";
         SIMULATION_SPEED: f64 = "speed", measure(Domain::positive("speed of the rack", "v"), MeasureUnit::SPEED),
             "Speed of the rack. Default 20 mm/s.";
         SIMULATION_RAMP: Length = "ramp", length(Domain::positive("ramp", "s_r")),
