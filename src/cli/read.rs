@@ -87,11 +87,19 @@ impl Args {
                 Err(failure) => failed.extend(tables::diagnostics(failure)),
             }
         }
+        let mut is_taken =
+            |one: &&Accepted| proposals.iter_mut().any(|proposal| proposal.accept(&one.key, &one.column));
+        if let Some(Accepted { key, column }) = self.accept.iter().find(|one| !is_taken(one)) {
+            let message = format!("--accept {key}={column}: nothing is proposed like that");
+            return Err(Diagnostic::usage(message)
+                .help(format!("--column '{key}={column}' says it of any column"))
+                .into());
+        }
         let all = Proposal::joined(&proposals);
         let guesses = if self.yes { Guesses::AsComments } else { Guesses::Filled };
         let block = all.block(guesses);
         let shown = if all.adds_something() { &*block } else { "" };
-        let report = ReadReport { proposals: &proposals, mapping: all.mapping(guesses), block: shown };
+        let report = ReadReport { proposals: &proposals, block: shown };
         output.report(&report, self.format)?;
         if !failed.is_empty() {
             return Err(Diagnostics(failed).into());
@@ -204,7 +212,7 @@ pub(super) fn text(path: &Path) -> Result<String, Failure> {
 /// Shows what a table holds beside the result.
 pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Result<(), Failure> {
     let proposals = std::slice::from_ref(proposal);
-    let shown = ReadReport { proposals, mapping: Vec::new(), block };
+    let shown = ReadReport { proposals, block };
     for line in report::write(&shown, Format::Table, output.screen().of_file())?.lines() {
         output.message(line);
     }
@@ -214,8 +222,6 @@ pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Res
 /// What tables hold.
 struct ReadReport<'a> {
     proposals: &'a [Proposal],
-    /// The lines of `[table.columns]` that would be added.
-    mapping: Vec<String>,
     /// The `[table]` that closes them.
     block: &'a str,
 }
@@ -257,7 +263,7 @@ impl Report for ReadReport<'_> {
             "reading": readings,
             "account": account.collect::<Vec<_>>(),
             "not_understood": not_owned.collect::<Vec<_>>(),
-            "mapping": self.mapping,
+            "mapping": self.block.split_once("[table.columns]\n").map_or("", |(_, columns)| columns).lines().collect::<Vec<_>>(),
             "table": self.block,
             "notes": remarks(&readings, &[]),
         })

@@ -1,6 +1,8 @@
 //! A contract that is written into a spec: nothing else of the text changes, and what stands there already is not written again.
 //! A `[batch]` becomes the `[table]` that takes its place.
 
+use std::collections::HashSet;
+
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use crate::diagnostic::{Code, Diagnostic};
@@ -92,10 +94,8 @@ fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
 fn extend(there: &mut Array, new: &Array) -> bool {
     let bare = |value: &Value| value.clone().decorated("", "").to_string();
     let mut is_changed = false;
-    for value in new {
-        if there.iter().any(|known| bare(known) == bare(value)) {
-            continue;
-        }
+    let known: HashSet<String> = there.iter().map(bare).collect();
+    for value in new.iter().filter(|value| !known.contains(&bare(value))) {
         let prefix = there.iter().last().and_then(|last| last.decor().prefix()?.as_str().map(str::to_owned));
         let indent = prefix.filter(|prefix| prefix.contains('\n')).map(|prefix| {
             let start = prefix.rfind('\n').unwrap_or(0);

@@ -1,8 +1,8 @@
 //! The lines of a contract that a proposal would add, as a spec has them.
 
-use super::Proposal;
 use super::own;
-use super::rules::{Certainty, Rule, Suggestion};
+use super::proposal::Proposal;
+use super::rules::{Certainty, MOST_EXACT, Rule, Suggestion};
 use crate::table::layout::LineRule;
 use crate::table::want::quoted;
 
@@ -116,7 +116,7 @@ fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
         most => format!("{{ like = {}, at_most = {most} }}", quoted(text)),
     };
     match like {
-        Some(like) if guesses == Guesses::Filled => vec![entry(like, *at_most)],
+        Some(like) if guesses == Guesses::Filled || exact.len() > MOST_EXACT => vec![entry(like, *at_most)],
         _ if exact.len() > 1 => exact.iter().map(|text| entry(text, (*at_most).min(1))).collect(),
         _ => exact.iter().map(|text| entry(text, *at_most)).collect(),
     }

@@ -12,6 +12,8 @@ use crate::table::dictionary::{Heading, Role, headings_of, normal};
 use crate::table::names::Field;
 use crate::table::want::{Want, quoted};
 
+/// Columns that are looked at, at most.
+const MOST: usize = 100;
 /// From here on a heading is near one of an error that is missing.
 const NEAR: f64 = 0.6;
 /// From here on a heading is near one of an error that nobody asks for.
@@ -68,7 +70,7 @@ pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
         }
         _ => None,
     });
-    let mut left: Vec<Candidate<'_>> = of_open.collect();
+    let mut left: Vec<Candidate<'_>> = of_open.take(MOST).collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
     let mut guesses = Vec::new();
     guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));

@@ -1,6 +1,7 @@
 //! What is said of a table that is not closed.
 
-use super::{Guesses, Proposal};
+use super::block::Guesses;
+use super::proposal::{LineAccount, Proposal, REJECTED};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
 use crate::table::contract::Open;
@@ -17,8 +18,7 @@ impl Proposal {
     #[must_use]
     pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
-        let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
-        let lines = lines.map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
+        let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
         let all: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).collect();
         let mut list: Vec<String> = all.iter().take(SHOWN).cloned().collect();
         if let more @ 1.. = all.len().saturating_sub(SHOWN) {
@@ -47,8 +47,11 @@ impl Proposal {
     #[must_use]
     pub fn difference(&self) -> Vec<String> {
         let of_open = self.open.iter().map(Open::difference);
-        let lines = self.lines.iter().filter(|line| !self.open.iter().any(|open| open.is_line(&line.text)));
-        of_open.chain(lines.map(|line| format!("new {} {}", line.place, quoted(&line.text)))).collect()
+        of_open.chain(self.rejected_lines().map(|line| format!("new {} {}", line.place, quoted(&line.text)))).collect()
+    }
+
+    fn rejected_lines(&self) -> impl Iterator<Item = &LineAccount> {
+        self.lines.iter().filter(|line| line.is == REJECTED)
     }
 }
 
@@ -67,9 +70,5 @@ impl Open {
             Self::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
             other => other.in_words(),
         }
-    }
-
-    fn is_line(&self, line: &str) -> bool {
-        matches!(self, Self::Line { text, .. } | Self::Row { text, .. } | Self::Comment { text, .. } if text == line)
     }
 }

@@ -1,5 +1,7 @@
 //! The rules that a proposal would add to a contract, each exact, a guess, or a choice that is left to a person.
 
+use std::collections::HashMap;
+
 use super::lines::{Shapes, common, fitting, generalised};
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
@@ -8,6 +10,9 @@ use crate::table::contract::{Open, Owner};
 use crate::table::dictionary::{Heading, Role};
 use crate::table::layout::Layout;
 use crate::table::want::{Want, quoted};
+
+/// So many lines of one pattern stand there one by one, at most.
+pub(super) const MOST_EXACT: usize = 20;
 
 /// How sure a rule is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -179,69 +184,63 @@ pub(super) fn pinned(
     found
 }
 
-/// Takes a person's word that a column has a role. Whether there is such a column.
+/// Takes a person's word that a guess is right. Whether there was one.
 pub(super) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
-    let heading = Heading::of(column);
-    let is_of = |entry: &str| [column, &heading.name].iter().any(|name| entry.contains(&quoted(name)));
+    let name = quoted(&Heading::of(column).name);
     let mut found = false;
     for Suggestion { rule, certainty } in rules {
-        match rule {
-            Rule::Column { key: own, entry } if own == key && is_of(entry) => {
-                found = true;
-                if matches!(certainty, Certainty::Guess(_)) {
-                    *certainty = Certainty::Exact;
-                }
-            }
-            Rule::Ignore(title)
-                if [column, &heading.name].contains(&title.as_str()) || Heading::of(title).name == column =>
-            {
-                found = true;
-                let unit = heading.unit.clone().or(Heading::of(title).unit);
-                let unit = unit.as_ref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-                let name = quoted(&Heading::of(title).name);
-                let entry = if key == "part_id" { name } else { format!("{{ name = {name}{unit} }}") };
-                *rule = Rule::Column { key: key.to_owned(), entry };
-            }
-            _ => {}
+        let is_it = matches!(rule, Rule::Column { key: own, entry } if own == key && entry.contains(&name));
+        if is_it && !matches!(certainty, Certainty::Choice(_)) {
+            (found, *certainty) = (true, Certainty::Exact);
         }
     }
     found
 }
 
-/// Adds rules that are not there; lines of one pattern are one rule.
-pub(super) fn add(rules: &mut Vec<Suggestion>, more: Vec<Suggestion>) {
-    rules.extend(more);
-    settle(rules);
+impl Rule {
+    /// What another rule has in common that says the same.
+    fn identity(&self) -> (u8, &str) {
+        match self {
+            Self::Key(key, _) => (0, key),
+            Self::Ignore(title) => (1, title),
+            Self::Lines { exact, like, .. } => {
+                (2, like.as_deref().or(exact.first().map(String::as_str)).unwrap_or_default())
+            }
+            Self::Comment(text) => (3, text),
+            Self::Column { key, .. } => (4, key),
+        }
+    }
+
+    /// Takes what another rule says that is the same.
+    fn take(&mut self, next: Suggestion, certainty: &mut Certainty) {
+        match (self, next.rule) {
+            (Self::Lines { exact, at_most, .. }, Self::Lines { exact: more, at_most: most, .. }) => {
+                *at_most += most;
+                let room = (MOST_EXACT + 1).saturating_sub(exact.len());
+                let new: Vec<String> = more.into_iter().filter(|text| room > 0 && !exact.contains(text)).collect();
+                exact.extend(new.into_iter().take(room));
+            }
+            // its unit, that is found once its column is
+            (Self::Column { entry, .. }, Self::Column { entry: more, .. })
+                if !entry.contains("unit = ") && more.contains("unit = ") =>
+            {
+                (*entry, *certainty) = (more, next.certainty);
+            }
+            _ => {}
+        }
+    }
 }
 
-/// Joins rules that say the same.
+/// Joins rules that say the same; lines of one pattern are one rule.
 pub(super) fn settle(rules: &mut Vec<Suggestion>) {
+    let mut places: HashMap<(u8, String), usize> = HashMap::new();
     let mut settled: Vec<Suggestion> = Vec::new();
     for suggestion in rules.drain(..) {
-        let same = settled.iter_mut().find(|known| match (&known.rule, &suggestion.rule) {
-            (Rule::Lines { exact: a, like: one, .. }, Rule::Lines { exact: b, like: other, .. }) => {
-                a == b && !a.is_empty() || one.is_some() && one == other
-            }
-            (Rule::Column { key: one, .. }, Rule::Column { key: other, .. }) => one == other && one != "status",
-            (Rule::Key(one, _), Rule::Key(other, _)) => one == other,
-            (one, other) => one == other,
-        });
-        match (same, &suggestion.rule) {
-            (None, _) => settled.push(suggestion),
-            (
-                Some(Suggestion { rule: Rule::Lines { exact, at_most, .. }, .. }),
-                Rule::Lines { exact: more, at_most: most, .. },
-            ) => {
-                *at_most += most;
-                exact.extend(more.iter().filter(|text| !exact.contains(text)).cloned().collect::<Vec<_>>());
-            }
-            (Some(Suggestion { rule: Rule::Column { entry, .. }, certainty }), Rule::Column { entry: next, .. }) => {
-                // its unit, that is found once its column is
-                if !entry.contains("unit = ") && next.contains("unit = ") {
-                    (*entry, *certainty) = (next.clone(), suggestion.certainty);
-                }
-            }
-            (Some(_), _) => {}
+        let (kind, text) = suggestion.rule.identity();
+        let place = *places.entry((kind, text.to_owned())).or_insert(settled.len());
+        match settled.get_mut(place) {
+            Some(known) => known.rule.take(suggestion, &mut known.certainty),
+            None => settled.push(suggestion),
         }
     }
     *rules = settled;

@@ -1,0 +1,286 @@
+//! The account of a table, and what would close it.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::guess::{self, Guess};
+use super::lines::Shapes;
+use super::rules::{self, Rule, Suggestion};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::quantity::shown;
+use crate::table::block::{Block, Odd};
+use crate::table::cell::Record;
+use crate::table::contract::{Matched, Open, Owner, key};
+use crate::table::dictionary::{Form, Heading, lookup};
+use crate::table::layout::{Layout, Repeats};
+use crate::table::reading::Reading;
+use crate::table::rows::Wanted;
+use crate::table::want::Want;
+use crate::table::{Table, strangers};
+
+/// What a column is taken as, and why.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ColumnAccount {
+    /// As the table calls it.
+    pub title: String,
+    /// Its place, from 1.
+    pub place: usize,
+    /// `rack_pitch`, `left out`, `not owned`.
+    pub is: String,
+    /// The unit of its numbers.
+    pub unit: Option<&'static str>,
+    /// What says so.
+    pub why: String,
+    /// Its first texts.
+    pub first: Vec<String>,
+}
+
+/// A line, or a comment of a workbook, that is no part.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize)]
+pub struct LineAccount {
+    /// Where it stands.
+    pub place: String,
+    /// What stands there.
+    pub text: String,
+    /// `not owned`, `rejected as a part`.
+    pub is: &'static str,
+}
+
+/// What a row is that may be no part.
+pub(super) const REJECTED: &str = "rejected as a part";
+
+/// What would close a table.
+#[derive(Debug, Clone, Default)]
+pub struct Proposal {
+    /// The file.
+    pub file: String,
+    /// Each column that is not empty.
+    pub columns: Vec<ColumnAccount>,
+    /// Each line that is no part and has no rule.
+    pub lines: Vec<LineAccount>,
+    /// How many rows are parts; `None` where they are not counted, because the table is not closed.
+    pub parts: Option<u64>,
+    /// What is wrong with rows that are rejected, the first of them.
+    pub rejected: Vec<String>,
+    /// Whether the table is closed once the contract says all of this.
+    pub closes: bool,
+    /// How the table is read, once it is closed.
+    pub reading: Option<Reading>,
+    pub(super) open: Vec<Open>,
+    pub(super) layout: Arc<Layout>,
+    pub(super) rules: Vec<Suggestion>,
+}
+
+/// Why a file is no table that can be read.
+#[derive(Debug)]
+pub(crate) enum Unclosed {
+    /// Cells or lines have no owner.
+    Open(Box<Proposal>),
+    /// Anything else.
+    Wrong(Diagnostics),
+}
+
+impl From<Diagnostics> for Unclosed {
+    fn from(problems: Diagnostics) -> Self {
+        Self::Wrong(problems)
+    }
+}
+
+impl From<Diagnostic> for Unclosed {
+    fn from(problem: Diagnostic) -> Self {
+        Self::Wrong(problem.into())
+    }
+}
+
+impl From<Unclosed> for Diagnostics {
+    fn from(unclosed: Unclosed) -> Self {
+        match unclosed {
+            Unclosed::Open(proposal) => proposal.refusal().into(),
+            Unclosed::Wrong(problems) => problems,
+        }
+    }
+}
+
+impl Proposal {
+    /// Of a file in which these have no owner.
+    pub(crate) fn of(file: &str, layout: &Arc<Layout>, open: Vec<Open>) -> Self {
+        let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, ..Self::default() };
+        for open in &proposal.open {
+            proposal.rules.extend(rules::of_open(open));
+            proposal.lines.extend(line_account(open));
+        }
+        proposal
+    }
+
+    /// Of a table whose columns are looked at, by its first rows.
+    pub(crate) fn of_matched(file: &str, layout: &Arc<Layout>, matched: Matched, rows: &[Record], want: &Want) -> Self {
+        let guesses = guess::columns(&matched, rows, want);
+        let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
+        let mut proposal = Self::of(file, layout, matched.open);
+        let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
+        proposal.rules.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
+        let is_guessed =
+            |rule: &Rule| matches!(rule, Rule::Ignore(title) if guesses.iter().any(|guess| guess.title == *title));
+        proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));
+        let first = |place: usize| {
+            let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
+            cells.take(3).map(|cell| cell.text().into_owned()).collect()
+        };
+        for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
+            let unit = matched.units.iter().find(|(at, ..)| *at == place).map(|(_, unit)| unit.symbol());
+            let mut column = column_account(*owner, title, &matched.headings[place].name, layout);
+            if let Some(guess) = guesses.iter().find(|guess| guess.place == place) {
+                column.why = format!("nobody; {}, a guess: {}", guess.key, guess.why);
+            }
+            let first: Vec<String> = first(place);
+            let is_empty = title.is_empty() && first.is_empty();
+            proposal.columns.extend((!is_empty).then_some(ColumnAccount { place: place + 1, unit, first, ..column }));
+        }
+        proposal.rules.extend(rules::pinned(&matched.owners, &matched.titles, &matched.units, layout));
+        proposal.rules.extend(guesses.into_iter().map(Guess::suggestion));
+        rules::settle(&mut proposal.rules);
+        proposal
+    }
+
+    /// Of a table that is closed, whose rows are read.
+    ///
+    /// # Errors
+    /// If it cannot be read to its end.
+    pub(crate) fn of_table(table: Table) -> Result<Self, Diagnostics> {
+        let name = Arc::clone(&table.name);
+        let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
+        let Some(contract) = table.pieces.contract() else {
+            if let Some(refused) = strangers::refusal(&table.strangers, &[]) {
+                return Err(refused.into());
+            }
+            let reading = Some(table.reading);
+            return Ok(Self { file: name.to_string(), closes: true, reading, ..Self::default() });
+        };
+        let layout = Arc::clone(contract.layout());
+        let titles = contract.titles.clone();
+        let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
+        let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
+        let mut proposal =
+            Self { file: name.to_string(), layout: Arc::clone(&layout), parts: Some(0), ..Self::default() };
+        for (place, (owner, title)) in
+            owners.iter().zip(&titles).enumerate().filter(|(_, (_, title))| !title.is_empty())
+        {
+            let unit = units.iter().find(|(at, _)| *at == place).map(|(_, unit)| unit.symbol());
+            let column = column_account(*owner, title, &Heading::of(title).name, &layout);
+            proposal.columns.push(ColumnAccount { place: place + 1, unit, ..column });
+        }
+        proposal.rules = rules::pinned(&owners, &titles, &units, &layout);
+        let mut reading = table.reading.clone();
+        let needed = vec![true; table.columns.len()];
+        let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
+        for block in table.rows(Wanted { needed, ..Wanted::default() }) {
+            let block = block.map_err(unreadable)?;
+            proposal.count(&block, &mut shapes);
+            block.tell(&mut reading);
+            odd.extend(block.odd);
+        }
+        if let Some(twice) = shapes.twice.take().filter(|_| layout.repeats == Repeats::Refused) {
+            let what = format!("the part `{}` is there more than once", shown(&twice));
+            proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
+            proposal.rules.push(rules::repeats());
+        }
+        proposal.rules.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
+        let is_line = |odd: &&Odd| rules::of_odd(odd, &shapes).is_some();
+        proposal.lines.extend(odd.iter().filter(is_line).map(|odd| LineAccount {
+            place: format!("line {}", odd.line),
+            text: odd.text.clone(),
+            is: REJECTED,
+        }));
+        rules::settle(&mut proposal.rules);
+        proposal.reading = Some(reading);
+        proposal.closes = proposal.is_closed();
+        Ok(proposal)
+    }
+
+    fn count(&mut self, block: &Block, shapes: &mut Shapes) {
+        const SHOWN: usize = 5;
+        let rejected = block.rejected_rows();
+        *self.parts.get_or_insert(0) += (block.rows() - rejected.len()) as u64;
+        shapes.add(block, &rejected);
+        let room = SHOWN.saturating_sub(self.rejected.len());
+        let faults = block.faults().iter().take(room);
+        self.rejected.extend(faults.map(|fault| format!("line {}: {}", block.lines[fault.row], fault.message)));
+        if let Some(contradiction) = &block.contradiction {
+            self.rejected.push(format!("line {}: {}", contradiction.line, contradiction.message));
+        }
+    }
+
+    /// Whether nothing is without an owner.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.open.is_empty() && self.lines.is_empty()
+    }
+
+    /// Whether it would add anything to the contract.
+    #[must_use]
+    pub fn adds_something(&self) -> bool {
+        !self.rules.is_empty()
+    }
+
+    /// Adds what is found once the contract says what this proposes.
+    pub fn join_next(&mut self, next: Self) {
+        self.closes = next.is_closed();
+        let known: HashSet<LineAccount> = self.lines.iter().cloned().collect();
+        self.lines.extend(next.lines.into_iter().filter(|line| !known.contains(line)));
+        (self.parts, self.rejected, self.reading) = (next.parts, next.rejected, next.reading);
+        self.rules.extend(next.rules);
+        rules::settle(&mut self.rules);
+        // what is the same in both is said once
+        if !next.closes {
+            let known: HashSet<String> = self.open.iter().map(Open::in_words).collect();
+            self.open.extend(next.open.into_iter().filter(|open| !known.contains(&open.in_words())));
+        }
+    }
+
+    /// Takes a person's word that a guess is right. Whether there was one.
+    pub fn accept(&mut self, key: &str, column: &str) -> bool {
+        rules::accept(&mut self.rules, key, column)
+    }
+
+    /// What would close several files by one contract; lines are generalised where the files differ.
+    #[must_use]
+    pub fn joined(proposals: &[Self]) -> Self {
+        let mut each = proposals.iter().cloned();
+        let mut all = each.next().unwrap_or_default();
+        for other in each {
+            rules::generalise(&mut all.rules, other.rules, &other.file);
+        }
+        all
+    }
+}
+
+/// What a line without an owner is.
+fn line_account(open: &Open) -> Option<LineAccount> {
+    let (place, text) = match open {
+        Open::Line { line, text } | Open::Row { line, text, .. } => (format!("line {line}"), text),
+        Open::Comment { place, text } => (place.clone(), text),
+        _ => return None,
+    };
+    Some(LineAccount { place, text: text.clone(), is: "not owned" })
+}
+
+fn column_account(owner: Option<Owner>, title: &str, name: &str, layout: &Layout) -> ColumnAccount {
+    let (is, why) = match owner {
+        None => ("not owned".to_owned(), "nobody".to_owned()),
+        Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
+        Some(Owner::Rule(rule)) => ("left out".to_owned(), layout.rule_in_words(rule)),
+        Some(Owner::Role(role)) => {
+            let why = if layout.declared(title, name).is_some() {
+                "the spec names it"
+            } else if lookup(Form::Parts, name).is_some_and(|meaning| meaning.is_key) {
+                "it is the key"
+            } else {
+                "its whole heading is known"
+            };
+            (key(role), why.to_owned())
+        }
+    };
+    ColumnAccount { title: title.to_owned(), is, why, ..ColumnAccount::default() }
+}
