@@ -98,7 +98,7 @@ impl Args {
         let all = Proposal::joined(&proposals);
         let guesses = if self.yes { Guesses::AsComments } else { Guesses::Filled };
         let block = all.block(guesses);
-        let shown = if all.adds_something() { &*block } else { "" };
+        let shown = if all.count() > 0 { &*block } else { "" };
         let report = ReadReport { proposals: &proposals, block: shown };
         output.report(&report, self.format)?;
         if !failed.is_empty() {
@@ -111,7 +111,7 @@ impl Args {
             return self.write(path, &block, (&opener, &files), output);
         }
         let is_closed = proposals.iter().all(Proposal::is_closed);
-        if !is_closed && all.adds_something() {
+        if !is_closed && all.count() > 0 {
             output.remark("note: `--write` writes this [table] into the spec");
         }
         Ok(if is_closed { Status::Pass } else { Status::Undecided })

@@ -245,6 +245,7 @@ impl<'a> Opener<'a> {
     /// one go. `accepted` is what a person says of columns.
     pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
         const ROUNDS: usize = 4;
+        const MOST_RULES: usize = 1000;
         let by_contract = if self.spec.batch.layout.is_none() { self.with_block("[table]\n").ok() } else { None };
         let mut proposal = self.proposed(path, by_contract.as_ref().unwrap_or(&self.spec))?;
         let accept =
@@ -253,7 +254,8 @@ impl<'a> Opener<'a> {
         let mut before = String::new();
         for _ in 0..ROUNDS {
             let block = proposal.block(Guesses::Filled);
-            if proposal.is_closed() || block == before {
+            // nobody writes so many rules: the table is another
+            if proposal.is_closed() || block == before || proposal.count() > MOST_RULES {
                 break;
             }
             let Ok(next) = self.with_block(&block).and_then(|spec| self.proposed(path, &spec)) else { break };

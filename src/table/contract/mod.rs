@@ -264,13 +264,8 @@ impl Layout {
         self.others() + 5
     }
 
-    /// A rule as it is written.
-    pub(crate) fn rule_in_words(&self, rule: usize) -> String {
-        self.rules().swap_remove(rule).rule
-    }
-
     /// All rules by their number, with nothing left out so far.
-    fn rules(&self) -> Vec<LeftOut> {
+    pub(crate) fn rules(&self) -> Vec<LeftOut> {
         let quoted = |what: &str, text: &str| format!("{what}`{text}`");
         let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
         let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));

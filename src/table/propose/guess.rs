@@ -19,6 +19,8 @@ const NEAR: f64 = 0.6;
 /// From here on a heading is near one of an error that nobody asks for.
 const VERY_NEAR: f64 = 0.75;
 
+const IS_NEAR: &str = "its heading is near one that is known";
+
 /// What a column may be.
 #[derive(Debug)]
 pub(super) struct Guess {
@@ -62,7 +64,7 @@ impl Candidate<'_> {
 }
 
 /// The guesses for the columns of a table, one a column.
-pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
+pub(super) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
     let of_open = matched.open.iter().filter_map(|open| match open {
         Open::Column { place, title, .. } if !title.is_empty() => {
             let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
@@ -75,27 +77,17 @@ pub(super) fn columns(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     let mut guesses = Vec::new();
     guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
     let has_values = matched.owners.iter().any(|owner| matches!(owner, Some(Owner::Role(Role::Value(_)))));
+    let status = left.iter().filter(|_| !has(Role::Status)).find_map(status);
+    left.retain(|column| status.as_ref().is_none_or(|status| status.place != column.place));
     if !has(Role::PartId) && (has_values || !guesses.is_empty()) {
-        guesses.extend(take(&mut left, name_of_part));
+        guesses.extend(name_of_part(&left));
     }
-    guesses.extend(take(&mut left, |columns| {
-        if has(Role::Status) {
-            return None;
-        }
-        columns.iter().enumerate().find_map(|(at, column)| Some((at, status(column)?)))
-    }));
+    guesses.extend(status);
     guesses
 }
 
-/// Takes the column out of which a guess is made.
-fn take(left: &mut Vec<Candidate<'_>>, guess: impl Fn(&[Candidate<'_>]) -> Option<(usize, Guess)>) -> Option<Guess> {
-    let (at, guess) = guess(left)?;
-    left.remove(at);
-    Some(guess)
-}
-
 /// The column that may name the parts: each has another text.
-fn name_of_part(columns: &[Candidate<'_>]) -> Option<(usize, Guess)> {
+fn name_of_part(columns: &[Candidate<'_>]) -> Option<Guess> {
     let is_distinct = |column: &Candidate<'_>| {
         let mut texts: Vec<_> = column.cells.iter().map(|cell| cell.text()).collect();
         let count = texts.len();
@@ -103,12 +95,11 @@ fn name_of_part(columns: &[Candidate<'_>]) -> Option<(usize, Guess)> {
         texts.dedup();
         count > 0 && texts.len() == count
     };
-    let near = columns.iter().position(|column| is_distinct(column) && column.nearness(Role::PartId) >= NEAR);
-    let first = || columns.iter().position(|column| column.place == 0 && is_distinct(column) && !column.is_numeric());
-    let at = near.or_else(first)?;
-    let why =
-        if near.is_some() { "its heading is near one that is known" } else { "the first column, whose texts differ" };
-    Some((at, columns[at].guess("part_id", quoted(columns[at].title), why)))
+    let mut able = columns.iter().filter(|column| is_distinct(column));
+    let near = able.clone().find(|column| column.nearness(Role::PartId) >= NEAR).map(|column| (column, IS_NEAR));
+    let first = able.find(|column| column.place == 0 && !column.is_numeric());
+    let (column, why) = near.or(first.map(|column| (column, "the first column, whose texts differ")))?;
+    Some(column.guess("part_id", quoted(column.title), why))
 }
 
 /// The columns that may have the values of errors that the spec asks for; of any error if it asks for none.
@@ -135,7 +126,7 @@ fn values(
         let least = |kind: &DeviationKind| if missing.contains(kind) { NEAR } else { VERY_NEAR };
         let near = pairs.filter(|(at, kind, near)| *near >= least(kind) && !units(&left[*at], *kind).is_empty());
         let near = near.max_by(|one, other| one.2.total_cmp(&other.2));
-        let found = near.map(|(at, kind, _)| (at, kind, "its heading is near one that is known")).or_else(|| {
+        let found = near.map(|(at, kind, _)| (at, kind, IS_NEAR)).or_else(|| {
             let [kind] = missing[..] else { return None };
             let mut able =
                 left.iter().enumerate().filter(|(_, column)| column.is_numeric() && !units(column, kind).is_empty());

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::guess::{self, Guess};
+use super::guess::{Guess, guesses};
 use super::lines::Shapes;
 use super::rules::{self, Rule, Suggestion};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::quantity::shown;
+use crate::quantity::{Unit, shown};
 use crate::table::block::{Block, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
@@ -21,7 +21,7 @@ use crate::table::want::Want;
 use crate::table::{Table, strangers};
 
 /// What a column is taken as, and why.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct ColumnAccount {
     /// As the table calls it.
     pub title: String,
@@ -116,7 +116,7 @@ impl Proposal {
 
     /// Of a table whose columns are looked at, by its first rows.
     pub(crate) fn of_matched(file: &str, layout: &Arc<Layout>, matched: Matched, rows: &[Record], want: &Want) -> Self {
-        let guesses = guess::columns(&matched, rows, want);
+        let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, layout, matched.open);
         let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
@@ -128,16 +128,14 @@ impl Proposal {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
             cells.take(3).map(|cell| cell.text().into_owned()).collect()
         };
-        for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
-            let unit = matched.units.iter().find(|(at, ..)| *at == place).map(|(_, unit)| unit.symbol());
-            let mut column = column_account(*owner, title, &matched.headings[place].name, layout);
-            if let Some(guess) = guesses.iter().find(|guess| guess.place == place) {
+        proposal.columns = columns(&matched.owners, &matched.titles, &matched.units, layout);
+        for column in &mut proposal.columns {
+            column.first = first(column.place - 1);
+            if let Some(guess) = guesses.iter().find(|guess| guess.place + 1 == column.place) {
                 column.why = format!("nobody; {}, a guess: {}", guess.key, guess.why);
             }
-            let first: Vec<String> = first(place);
-            let is_empty = title.is_empty() && first.is_empty();
-            proposal.columns.extend((!is_empty).then_some(ColumnAccount { place: place + 1, unit, first, ..column }));
         }
+        proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
         proposal.rules.extend(rules::pinned(&matched.owners, &matched.titles, &matched.units, layout));
         proposal.rules.extend(guesses.into_iter().map(Guess::suggestion));
         rules::settle(&mut proposal.rules);
@@ -164,20 +162,15 @@ impl Proposal {
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
         let mut proposal =
             Self { file: name.to_string(), layout: Arc::clone(&layout), parts: Some(0), ..Self::default() };
-        for (place, (owner, title)) in
-            owners.iter().zip(&titles).enumerate().filter(|(_, (_, title))| !title.is_empty())
-        {
-            let unit = units.iter().find(|(at, _)| *at == place).map(|(_, unit)| unit.symbol());
-            let column = column_account(*owner, title, &Heading::of(title).name, &layout);
-            proposal.columns.push(ColumnAccount { place: place + 1, unit, ..column });
-        }
+        proposal.columns = columns(&owners, &titles, &units, &layout);
+        proposal.columns.retain(|column| !column.title.is_empty());
         proposal.rules = rules::pinned(&owners, &titles, &units, &layout);
         let mut reading = table.reading.clone();
         let needed = vec![true; table.columns.len()];
         let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
         for block in table.rows(Wanted { needed, ..Wanted::default() }) {
             let block = block.map_err(unreadable)?;
-            proposal.count(&block, &mut shapes);
+            proposal.count_rows(&block, &mut shapes);
             block.tell(&mut reading);
             odd.extend(block.odd);
         }
@@ -186,20 +179,17 @@ impl Proposal {
             proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
             proposal.rules.push(rules::repeats());
         }
+        for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
+            proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });
+        }
         proposal.rules.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
-        let is_line = |odd: &&Odd| rules::of_odd(odd, &shapes).is_some();
-        proposal.lines.extend(odd.iter().filter(is_line).map(|odd| LineAccount {
-            place: format!("line {}", odd.line),
-            text: odd.text.clone(),
-            is: REJECTED,
-        }));
         rules::settle(&mut proposal.rules);
         proposal.reading = Some(reading);
         proposal.closes = proposal.is_closed();
         Ok(proposal)
     }
 
-    fn count(&mut self, block: &Block, shapes: &mut Shapes) {
+    fn count_rows(&mut self, block: &Block, shapes: &mut Shapes) {
         const SHOWN: usize = 5;
         let rejected = block.rejected_rows();
         *self.parts.get_or_insert(0) += (block.rows() - rejected.len()) as u64;
@@ -218,10 +208,10 @@ impl Proposal {
         self.open.is_empty() && self.lines.is_empty()
     }
 
-    /// Whether it would add anything to the contract.
+    /// How many rules it would add to the contract.
     #[must_use]
-    pub fn adds_something(&self) -> bool {
-        !self.rules.is_empty()
+    pub fn count(&self) -> usize {
+        self.rules.len()
     }
 
     /// Adds what is found once the contract says what this proposes.
@@ -266,21 +256,30 @@ fn line_account(open: &Open) -> Option<LineAccount> {
     Some(LineAccount { place, text: text.clone(), is: "not owned" })
 }
 
-fn column_account(owner: Option<Owner>, title: &str, name: &str, layout: &Layout) -> ColumnAccount {
-    let (is, why) = match owner {
-        None => ("not owned".to_owned(), "nobody".to_owned()),
-        Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
-        Some(Owner::Rule(rule)) => ("left out".to_owned(), layout.rule_in_words(rule)),
-        Some(Owner::Role(role)) => {
-            let why = if layout.declared(title, name).is_some() {
-                "the spec names it"
-            } else if lookup(Form::Parts, name).is_some_and(|meaning| meaning.is_key) {
-                "it is the key"
-            } else {
-                "its whole heading is known"
-            };
-            (key(role), why.to_owned())
-        }
+/// What each column is taken as.
+fn columns(
+    owners: &[Option<Owner>],
+    titles: &[String],
+    units: &[(usize, Unit)],
+    layout: &Layout,
+) -> Vec<ColumnAccount> {
+    let rules = layout.rules();
+    let column = |(at, (owner, title)): (usize, (&Option<Owner>, &String))| {
+        let name = Heading::of(title).name;
+        let (is, why) = match owner {
+            None => ("not owned".to_owned(), "nobody".to_owned()),
+            Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
+            Some(Owner::Rule(rule)) => ("left out".to_owned(), rules[*rule].rule.clone()),
+            Some(Owner::Role(role)) if layout.declared(title, &name, layout.form()).is_some() => {
+                (key(*role), "the spec names it".to_owned())
+            }
+            Some(Owner::Role(role)) => {
+                let is_key = lookup(Form::Parts, &name).is_some_and(|meaning| meaning.is_key);
+                (key(*role), if is_key { "it is the key" } else { "its whole heading is known" }.to_owned())
+            }
+        };
+        let unit = units.iter().find(|(place, _)| *place == at).map(|(_, unit)| unit.symbol());
+        ColumnAccount { title: title.clone(), place: at + 1, is, unit, why, first: Vec::new() }
     };
-    ColumnAccount { title: title.to_owned(), is, why, ..ColumnAccount::default() }
+    owners.iter().zip(titles).enumerate().map(column).collect()
 }

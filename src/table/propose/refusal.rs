@@ -26,7 +26,8 @@ impl Proposal {
         }
         list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
         list.extend(block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")));
-        let of_columns = |open: &&Open| matches!(open, Open::Column { .. } | Open::Missing { .. });
+        let of_columns =
+            |open: &&Open| matches!(open, Open::Column { .. } | Open::Characteristic { .. } | Open::Missing { .. });
         let difference: Vec<_> = self.open.iter().filter(of_columns).map(Open::difference).collect();
         let message = if difference.is_empty() || *self.layout == Layout::default() {
             let things = if all.len() == 1 { "a cell or line has" } else { "cells or lines have" };
@@ -65,6 +66,7 @@ impl Open {
         match self {
             Self::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),
             Self::Column { title, .. } => format!("new column {}", quoted(title)),
+            Self::Characteristic { title, .. } => format!("new characteristic {}", quoted(title)),
             Self::Missing { name, .. } => format!("column {} is gone", quoted(name)),
             Self::Line { line, text } | Self::Row { line, text, .. } => format!("new line {line} {}", quoted(text)),
             Self::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),

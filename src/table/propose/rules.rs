@@ -102,11 +102,7 @@ pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
 
 /// The rule for a line, `at_most` of which could be parts.
 fn line(text: &str, at_most: u64) -> Suggestion {
-    let (exact, like) = (fitting(text.trim().to_owned(), text), generalised(text));
-    let like = (like != exact).then_some(like);
-    let is_guess = like.is_some();
-    let rule = Rule::Lines { exact: vec![exact], like, at_most };
-    if is_guess { rule.guess("any number there") } else { rule.exact() }
+    row(text, generalised(text), at_most)
 }
 
 /// That nothing tells which column has values.
@@ -124,9 +120,9 @@ pub(super) fn repeats() -> Suggestion {
 /// The rule for a row that is no part by its name.
 fn row(text: &str, like: String, at_most: u64) -> Suggestion {
     let exact = fitting(text.trim().to_owned(), text);
-    let is_same = like == exact;
+    let (is_same, like_any) = (like == exact, like.contains('*'));
     let rule = Rule::Lines { exact: vec![exact], like: (!is_same).then_some(like), at_most };
-    if is_same { rule.exact() } else { rule.guess("any values there") }
+    if is_same { rule.exact() } else { rule.guess(if like_any { "whatever stands there" } else { "any number there" }) }
 }
 
 /// The rule for a row that is no part, unless it looks like one.
@@ -160,22 +156,15 @@ pub(super) fn pinned(
         let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
         quoted(if is_alone { &name } else { &titles[place] })
     };
-    let role = |place: usize| if let Some(Owner::Role(role)) = owners[place] { Some(role) } else { None };
     let mut found = Vec::new();
-    for place in 0..owners.len().min(titles.len()) {
-        let Some(role) = role(place).filter(|role| !layout.names(*role)) else { continue };
+    for (place, owner) in owners.iter().enumerate() {
+        let Some(Owner::Role(role)) = owner else { continue };
         let (key, entry) = match role {
+            _ if layout.names(*role) => continue,
             Role::PartId => ("part_id", name(place)),
             Role::Value(field) => {
                 let Some((_, unit)) = units.iter().find(|(at, _)| *at == place) else { continue };
-                let beside = (0..owners.len()).filter_map(|at| match owners[at] {
-                    Some(Owner::Role(Role::Beside(of, beside))) if of == field => {
-                        Some(format!(", {} = {}", beside.key(), name(at)))
-                    }
-                    _ => None,
-                });
-                let beside: String = beside.collect();
-                (field.key(), format!("{{ name = {}, unit = \"{}\"{beside} }}", name(place), unit.symbol()))
+                (field.key(), format!("{{ name = {}, unit = \"{}\" }}", name(place), unit.symbol()))
             }
             _ => continue,
         };
