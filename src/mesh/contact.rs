@@ -30,7 +30,7 @@ mod roll_rate;
 #[cfg(test)]
 pub(super) mod tests;
 
-pub(super) use form::{Form, FormRates};
+pub(super) use form::{Form, FormRates, Peaks};
 pub(super) use roll_rate::{PoseRates, RollRates};
 
 use std::f64::consts::PI;
@@ -99,7 +99,7 @@ pub(super) struct FlankContact {
     pub(super) nu: f64,
     pub(super) sin_nu: f64,
     pub(super) cos_nu: f64,
-    /// Whether the base helix angle fits the plane, so that the contact line is a generator.
+    /// Whether the base helix angle fits the plane, so that the contact line is a generator; of flanks without form.
     pub(super) fits: bool,
     /// Whether it does and [`FlankContact::slides`] holds.
     pub(super) slides: bool,
@@ -480,15 +480,10 @@ impl FlankContact {
     ///
     /// Demands that cannot reach `floor` need not be exact. `hint` is where the contact is expected.
     pub(super) fn touch(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
-        let zero = pose.c - self.nu;
-        let reach = self.kappa.abs() * self.half_face;
-        let flank = Range { lo: (zero + self.start_roll - reach).max(-PI), hi: (zero + self.tip_roll + reach).min(PI) };
-        if flank.lo > flank.hi {
-            return None;
-        }
         if self.form.is_some() {
-            return self.touch_with_form(pose, flank);
+            return self.touch_with_form(pose, &mut Peaks::default());
         }
+        let flank = self.generators(pose)?;
         let line = self.line(pose);
         if self.kappa == 0.0 && line.is_some() {
             return line;
@@ -500,6 +495,19 @@ impl FlankContact {
             return Some(touch);
         }
         self.search(pose, line, &Search { range: flank, flank, floor, start: hint.map(|hint| hint.delta), known: None })
+    }
+
+    /// The same without form.
+    pub(super) fn plain(&self) -> Self {
+        Self { form: None, ..*self }
+    }
+
+    /// The generators of the flank.
+    fn generators(&self, pose: &Pose) -> Option<Range> {
+        let zero = pose.c - self.nu;
+        let reach = self.kappa.abs() * self.half_face;
+        let flank = Range { lo: (zero + self.start_roll - reach).max(-PI), hi: (zero + self.tip_roll + reach).min(PI) };
+        (flank.lo <= flank.hi).then_some(flank)
     }
 
     /// What touches where no generator does along its whole length, in closed form; `None` where that is not sure.

@@ -5,14 +5,12 @@
 //! Without that place the mesh takes up to 2.3 times as long on crossed pairs; and without what a pair asked for there, which
 //! bounds what it asks for nearby, a rack that rolls takes twice as long.
 
+use std::ops::RangeInclusive;
+
 use super::contact::{Pose, Touch};
-use super::sampler::{Constants, Sampler, Seen, Slot};
+use super::sampler::{Constants, Looks, Sampler, Seen, Slot};
 use super::{FlankSide, MeshError};
 use crate::trig;
-
-/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little
-/// more where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
-const LIPSCHITZ: f64 = 4.0;
 
 /// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
 const TIE: f64 = 1e-14;
@@ -128,13 +126,13 @@ impl Sampler<'_> {
         };
         let pose = Pose { c: 0.0, shift: 0.0, offset, offset_rate, across };
         let turn = Turn { side, position, angle, first: position.tooth + ahead, pose };
-        let mut best = Best::default();
         let (from, to) =
             (((low - angle) / angular_pitch).ceil() as i64, ((high - angle) / angular_pitch).floor() as i64);
-        // the pair that carried last first: it sets the mark that the others must reach
-        let favourite = Some(self.carried[of_side].wrapping_sub(turn.first)).filter(|n| (from..=to).contains(n));
-        for n in favourite.into_iter().chain((from..=to).filter(|&n| Some(n) != favourite)) {
-            self.look(&turn, n, &mut best);
+        let mut best = self.best(&turn, from..=to);
+        if best.demand.is_none() && self.looks == Looks::AtPeaks {
+            self.looks = Looks::Everywhere;
+            best = self.best(&turn, from..=to);
+            self.looks = Looks::AtPeaks;
         }
         let stroke_mm = position.stroke_mm;
         if let Some(tooth) = best.disorder {
@@ -143,6 +141,18 @@ impl Sampler<'_> {
         let best = best.demand.ok_or(MeshError::NoContact { stroke_mm, side })?;
         self.carried[of_side] = best.tooth;
         Ok(best)
+    }
+
+    /// The highest of so many flank pairs.
+    fn best(&mut self, turn: &Turn<'_>, pairs: RangeInclusive<i64>) -> Best {
+        let mut best = Best::default();
+        let carried = self.carried[usize::from(turn.side == FlankSide::Left)];
+        // the pair that carried last first: it sets the mark that the others must reach
+        let favourite = Some(carried.wrapping_sub(turn.first)).filter(|n| pairs.contains(n));
+        for n in favourite.into_iter().chain(pairs.filter(|&n| Some(n) != favourite)) {
+            self.look(turn, n, &mut best);
+        }
+        best
     }
 
     /// Looks at one flank pair, n teeth from the rack's nearest one: whether it may ask for more, and for how much.
@@ -165,27 +175,46 @@ impl Sampler<'_> {
 
     /// Where and when one flank pair touches, unless it is known from the last time that another one does before.
     fn touch(&mut self, side: FlankSide, tooth: i64, place: f64, pose: &Pose, best: &mut Best) {
-        let Constants { default_rate, roll_reach, .. } = self.constants;
-        let roll = self.roll.angle;
-        let Slot { prepared, seen, .. } = self.slot(side, tooth);
-        if let Some(seen) = seen
-            && seen.demand
-                + LIPSCHITZ * default_rate * (pose.c - seen.c).abs()
-                + (pose.shift - seen.shift).abs()
-                + roll_reach * (roll - seen.roll).abs()
-                + (pose.across - seen.across).abs()
-                < best.floor
-        {
+        let (constants, roll, looks) = (self.constants, self.roll.angle, self.looks);
+        let Slot { prepared, seen, peaks, at_peaks, .. } = self.slot(side, tooth);
+        let is_partial = looks == Looks::AtPeaks && peaks.are_known;
+        let is_below = |seen: &Seen| seen.stays_below(pose, roll, best.floor, &constants);
+        if seen.as_ref().is_some_and(is_below) || is_partial && at_peaks.as_ref().is_some_and(is_below) {
             return;
         }
-        let touch = prepared.contact.touch(pose, best.floor, seen.map(|seen| seen.hint));
+        let contact = &prepared.contact;
+        if !is_partial
+            && let Some(form) = &contact.form
+            && best.demand.is_some()
+        {
+            // of a carrier all of the flank has to be known, of others only that they ask for less
+            let added = form.most_added();
+            let most = contact.plain().touch(pose, best.floor - added, seen.map(|seen| seen.hint));
+            let most = most.map(|touch| Touch { demand: touch.demand + added, ..touch });
+            if most.as_ref().is_none_or(|most| most.demand < best.floor) {
+                (*seen, *at_peaks) = (most.as_ref().map(|most| Seen::new(most, pose, roll)), None);
+                self.work.searched += 1;
+                return;
+            }
+        }
+        let touch = if is_partial {
+            contact.touch_at_peaks(pose, best.floor, peaks)
+        } else if contact.form.is_some() {
+            contact.touch_with_form(pose, peaks)
+        } else {
+            contact.touch(pose, best.floor, seen.map(|seen| seen.hint))
+        };
         // a clipped demand is an upper bound, which is all that is asked of it
-        *seen = touch.as_ref().map(|touch| Seen::new(touch, pose, roll));
+        let now = touch.as_ref().map(|touch| Seen::new(touch, pose, roll));
+        *at_peaks = now;
+        if !is_partial {
+            *seen = now;
+        }
         self.work.searched += 1;
         if let Some(touch) = touch
             && touch.demand > best.mark
         {
-            (best.floor, best.mark) = (touch.demand, touch.demand + TIE * default_rate);
+            (best.floor, best.mark) = (touch.demand, touch.demand + TIE * constants.default_rate);
             let rate = side.sign() * touch.rate;
             best.demand = Some(Demand { value: touch.demand, rate, tooth, touch, pose: *pose, place });
         }

@@ -210,7 +210,6 @@ impl Mesh {
         let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = rack_lead_rad == 0.0 && pinion_lead_rad == 0.0 && roll.angle == 0.0;
-        let form = self.form(roll, normal, per_height);
         let contact = FlankContact {
             base_radius: pinion.base_radius_mm,
             kappa,
@@ -223,10 +222,10 @@ impl Mesh {
             nu,
             sin_nu,
             cos_nu,
-            fits: fits && form.is_none(),
+            fits,
             w_extent,
             tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
-            form,
+            form: self.form(roll, normal, per_height),
             ..FlankContact::default()
         }
         .completed(pinion.tip_radius_mm, self.eccentricity());
@@ -279,6 +278,10 @@ impl Mesh {
             form: FormRates { per_normal: inverse_rate, per_normal_on_tip: normal[2] * roll.sin * level },
         };
         RolledTooth { flank: plane, tip, across, per_height: inverse, rates }
+    }
+
+    pub(super) fn has_form(&self) -> bool {
+        !self.rack.form().is_plain() || !self.pinion.form().is_plain()
     }
 
     pub(super) fn eccentricity(&self) -> f64 {

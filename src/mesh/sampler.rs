@@ -1,8 +1,10 @@
 //! What is kept from one stroke to the next: the flank pairs as they were prepared and where each was touched last. Read
 //! and written by the solver and by what one side asks for; solves nothing.
 
-use super::contact::{ContactKind, Hint, Pose, Surface, Touch};
+use super::contact::{ContactKind, Hint, Peaks, Pose, Surface, Touch};
 use super::prepare::{Prepared, Roll};
+use super::roll::Course;
+use super::solve::Trail;
 use super::{FlankSide, Mesh, Support, Work};
 use crate::trig;
 
@@ -18,22 +20,38 @@ pub struct Sampler<'a> {
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     pub(super) last: Option<(f64, f64)>,
+    pub(super) trail: Trail,
     /// Rack teeth that carried last, right and left. They are asked first, since most others then are seen from afar to
     /// ask for less: without it the mesh takes 6 times as long.
     pub(super) carried: [i64; 2],
     /// For a rack that rolls: how the last solution changes with the roll.
     pub(super) rolling: Rolling,
+    /// For a rack that rolls: the rolls that were looked at.
+    pub(super) course: Course,
+    pub(super) looks: Looks,
     pub(super) work: Work,
 }
 
+/// Where flanks with form are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Looks {
+    /// On all of the flank.
+    Everywhere,
+    /// Where its peaks were: what is found is what the flank asks for at least.
+    AtPeaks,
+}
+
 /// A flank pair, with what it asked for when it was last searched and where that was.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Slot {
     pub(super) tooth: i64,
     /// The rack's roll that it is prepared for.
     pub(super) roll: f64,
     pub(super) prepared: Prepared,
     pub(super) seen: Option<Seen>,
+    /// Of a flank with form its peaks, and what the highest of the known ones asked for.
+    pub(super) peaks: Peaks,
+    pub(super) at_peaks: Option<Seen>,
 }
 
 /// What a flank pair asked for, at most, and where it did.
@@ -48,6 +66,16 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    /// Whether this pair asks for less than the floor now, because demands change only so fast.
+    pub(super) fn stays_below(&self, pose: &Pose, roll: f64, floor: f64, constants: &Constants) -> bool {
+        self.demand
+            + LIPSCHITZ * constants.default_rate * (pose.c - self.c).abs()
+            + (pose.shift - self.shift).abs()
+            + constants.roll_reach * (roll - self.roll).abs()
+            + (pose.across - self.across).abs()
+            < floor
+    }
+
     pub(super) fn new(touch: &Touch, pose: &Pose, roll: f64) -> Self {
         Self {
             demand: touch.demand,
@@ -60,11 +88,17 @@ impl Seen {
     }
 }
 
+/// A demand changes with the pinion's rotation by (r_b/sin ν)|cos δ + τ sin δ| at a point of the flank, and a little
+/// more where end faces sweep over it: this many times r_b / sin α_t is certainly enough.
+const LIPSCHITZ: f64 = 4.0;
+
 /// How a solution changes with the rack's roll.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rolling {
     /// Derivatives of the centre distance by the roll, and by the one assumed.
     pub(super) rate: [f64; 2],
+    /// The same of the rotation at which both sides ask for the same.
+    pub(super) turn: [f64; 2],
     /// What touches on both sides.
     pub(super) at: Option<[Contact; 2]>,
 }
@@ -74,6 +108,8 @@ pub(super) struct Rolling {
 pub(super) struct Contact {
     pub(super) tooth: i64,
     pub(super) kind: ContactKind,
+    /// The edges that it is on.
+    pub(super) edges: [Option<ContactKind>; 2],
     pub(super) at_high_end: bool,
     pub(super) surface: Surface,
 }
@@ -123,8 +159,11 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
+            trail: Trail::default(),
             carried: [0; 2],
             rolling: Rolling::default(),
+            course: Course::default(),
+            looks: Looks::Everywhere,
             work: Work::default(),
         }
     }
@@ -153,8 +192,11 @@ impl<'a> Sampler<'a> {
         self.work.prepared += 1;
         let prepared = self.mesh.prepare(side, tooth, &self.roll);
         let slot = &mut self.cache[usize::from(side == FlankSide::Left)][index];
-        let seen = slot.as_ref().filter(|slot| slot.tooth == tooth).and_then(|slot| slot.seen);
-        *slot = Some(Slot { tooth, roll: self.roll.angle, prepared, seen });
+        let (seen, peaks, at_peaks) = match slot {
+            Some(slot) if slot.tooth == tooth => (slot.seen, slot.peaks, slot.at_peaks),
+            _ => (None, Peaks::default(), None),
+        };
+        *slot = Some(Slot { tooth, roll: self.roll.angle, prepared, seen, peaks, at_peaks });
     }
 }
 

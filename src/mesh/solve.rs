@@ -4,7 +4,7 @@
 use super::contact::PoseRates;
 use super::demand::{Demand, Position};
 use super::prepare::Roll;
-use super::sampler::{Constants, Contact, Rolling, Sampler};
+use super::sampler::{Constants, Contact, Looks, Rolling, Sampler};
 use super::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Support};
 
 /// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
@@ -19,6 +19,13 @@ const UNTIL_END: u32 = 8;
 /// Newton's step and the secant's are taken where what both sides ask for approaches by at least this share of
 /// r_b / sin α_t per rad.
 const LEAST_SLOPE: f64 = 1e-3;
+
+/// How often the peaks of flanks with form are balanced and what they ask for checked, before all of the flank is looked at
+/// for each rotation.
+const MOST_CHECKED: u32 = 4;
+
+/// Peaks that ask for what all of the flank does, but for this share of r_b / sin α_t, are its highest: rounding.
+const CHECKED: f64 = 1e-13;
 
 /// Both sides at the last rotation tried.
 struct Balance {
@@ -35,36 +42,86 @@ impl Sampler<'_> {
     /// The zero-backlash position at the present roll.
     pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         let position = self.locate(stroke_mm)?;
-        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
-        let Balance { right, left, offset, step, iterations, ending } = self.balance(&position, displacement)?;
+        let balance = self.balanced(&position, displacement)?;
+        let Balance { right, left, offset, step, .. } = balance;
         if right.touch.is_on_tip() && left.touch.is_on_tip() {
             return Err(MeshError::TipOnTip { stroke_mm, right: right.tooth, left: left.tooth });
         }
         // where both tangents cross; without a step the larger demand, which certainly suffices
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
-        if self.mesh.support() != Support::Fixed {
+        let point = self.point(stroke_mm, a, &balance);
+        if self.mesh.support() == Support::Fixed {
+            self.trail.add(stroke_mm, offset + step, [point.right, point.left]);
+        } else {
             self.rolling = self.rolling(&right, &left);
         }
+        Ok(point)
+    }
+
+    fn point(&self, stroke_mm: f64, center_distance_mm: f64, balance: &Balance) -> MeshPoint {
+        let Balance { right, left, offset, step, iterations, ending } = balance;
+        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let error = -(offset + step);
-        Ok(MeshPoint {
+        MeshPoint {
             stroke_mm,
-            center_distance_mm: a,
-            delta_cd_mm: a - nominal,
+            center_distance_mm,
+            delta_cd_mm: center_distance_mm - nominal,
             pinion_angle_rad: stroke_mm * angle_per_mm + error,
             transmission_error_rad: error,
             roll_rad: self.roll.angle,
-            right: self.carrier(FlankSide::Right, &right),
-            left: self.carrier(FlankSide::Left, &left),
+            right: self.carrier(FlankSide::Right, right),
+            left: self.carrier(FlankSide::Left, left),
             residual_mm: right.value - left.value,
-            iterations,
-            ending,
-        })
+            iterations: *iterations,
+            ending: *ending,
+        }
     }
 
-    /// The rotation at which both sides ask for the same, by Newton's method in a bracket; the rack's nearest tooth is
-    /// displaced by so much.
+    /// One rotation at the present roll, `turned` against where the rack's nearest tooth has the pinion; where the tangents
+    /// of both sides meet, and how far in rotation and centre distance that is. `None` where they tell nothing.
+    pub(super) fn glimpse(&mut self, stroke_mm: f64, turned: f64) -> Result<Option<(MeshPoint, [f64; 2])>, MeshError> {
+        let position = self.locate(stroke_mm)?;
+        let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
+        let offset = turned + displacement * self.constants.angle_per_mm;
+        let [right, left] = self.demands(&position, offset)?;
+        let least = LEAST_SLOPE * self.constants.default_rate;
+        if right.touch.is_on_tip() && left.touch.is_on_tip() || !(right.rate < -least && left.rate > least) {
+            return Ok(None);
+        }
+        self.rolling = self.rolling(&right, &left);
+        let share = left.rate / (left.rate - right.rate);
+        let moved = (share * right.value + (1.0 - share) * left.value - self.assumed) / self.rolling.remaining();
+        let step = (left.value - right.value) / (right.rate - left.rate) + self.rolling.turn[1] * moved;
+        let balance = Balance { right, left, offset, step, iterations: 1, ending: Ending::Converged };
+        self.last = Some((offset + step, displacement));
+        Ok(Some((self.point(stroke_mm, self.assumed + moved, &balance), [step, moved])))
+    }
+
+    /// The rotation at which both sides ask for the same. Of flanks with form that is where their known peaks do, if no
+    /// other place on them asks for more there: at every other rotation all of the flank asks for no less than its peaks.
+    /// Where peaks come and go with the rotation they do not balance, and all of the flank is looked at from the start.
+    fn balanced(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
+        let is_at_peaks = self.mesh.has_form() && self.last.is_some();
+        let start = self.last;
+        for _ in 0..if is_at_peaks { MOST_CHECKED } else { 0 } {
+            self.looks = Looks::AtPeaks;
+            let at_peaks = self.balance(position, displacement);
+            self.looks = Looks::Everywhere;
+            let Some(at_peaks) = at_peaks.ok().filter(|found| found.ending == Ending::Converged) else { break };
+            let [right, left] = self.demands(position, at_peaks.offset)?;
+            let [r, l] = [right.value - at_peaks.right.value, left.value - at_peaks.left.value];
+            if r.abs().max(l.abs()) <= CHECKED * self.constants.default_rate {
+                return Ok(Balance { right, left, iterations: at_peaks.iterations + 1, ..at_peaks });
+            }
+            self.last = Some((at_peaks.offset, displacement));
+        }
+        self.last = start;
+        self.balance(position, displacement)
+    }
+
+    /// The same by Newton's method in a bracket; the rack's nearest tooth is displaced by so much.
     fn balance(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
         let Constants { tolerance, angle_per_mm, angular_pitch, default_rate, .. } = self.constants;
         let guess = displacement * angle_per_mm;
@@ -73,6 +130,10 @@ impl Sampler<'_> {
         let near = |&(offset, at): &(f64, f64)| (offset - at * angle_per_mm).abs() < 0.5 * angular_pitch;
         let from_last = |(offset, at): (f64, f64)| offset + (displacement - at) * angle_per_mm;
         let mut offset = self.last.filter(near).map_or(guess, from_last);
+        if let Some(expected) = self.trail.at(position.stroke_mm).filter(|&expected| low < expected && expected < high)
+        {
+            offset = expected;
+        }
         let mut before: Option<(f64, f64)> = None;
         let mut iterations = 0;
         loop {
@@ -102,7 +163,7 @@ impl Sampler<'_> {
             } else {
                 high = offset;
             }
-            if iterations >= MAX_ITERATIONS {
+            if iterations >= if self.looks == Looks::AtPeaks { UNTIL_END } else { MAX_ITERATIONS } {
                 return Ok(given_up(Ending::IterationLimit));
             }
             if iterations == UNTIL_END
@@ -148,9 +209,15 @@ impl Sampler<'_> {
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
             let at_high_end = spot.w.is_sign_positive();
-            Contact { tooth: demand.tooth, kind: demand.touch.kind, at_high_end, surface: spot.surface }
+            let edges = [Some(spot.kind), demand.touch.other.map(|(spot, _)| spot.kind)];
+            Contact { tooth: demand.tooth, kind: demand.touch.kind, edges, at_high_end, surface: spot.surface }
         };
-        Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
+        let apart = right.rate - left.rate;
+        Rolling {
+            rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]),
+            turn: [0, 1].map(|i| (l[i] - r[i]) / apart),
+            at: Some([at(right), at(left)]),
+        }
     }
 
     fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {
@@ -161,6 +228,37 @@ impl Sampler<'_> {
             pinion_tooth: u32::try_from(partner.rem_euclid(teeth)).unwrap_or(0),
             contact: demand.touch.kind,
         }
+    }
+}
+
+/// The last solutions with the same carriers, for a guess at the next one: between changes of contact the rotation is smooth.
+/// No result depends on it by more than rounding; without it a fixed rack takes a rotation more for most strokes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Trail {
+    carriers: Option<[Carrier; 2]>,
+    /// Strokes and rotations, the last one first.
+    solved: [Option<(f64, f64)>; 3],
+}
+
+/// A guess reaches this many times as far as the last two strokes are apart.
+const FORESIGHT: f64 = 2.0;
+
+impl Trail {
+    fn add(&mut self, stroke: f64, offset: f64, carriers: [Carrier; 2]) {
+        if self.carriers != Some(carriers) {
+            *self = Self { carriers: Some(carriers), ..Self::default() };
+        }
+        let [last, earlier, _] = self.solved;
+        self.solved = [Some((stroke, offset)), last, earlier];
+    }
+
+    /// The rotation that the parabola through them has at a stroke nearby.
+    fn at(&self, stroke: f64) -> Option<f64> {
+        let [(s0, at0), (s1, at1)] = [self.solved[0]?, self.solved[1]?];
+        let slope = (at0 - at1) / (s0 - s1);
+        let bend = self.solved[2].map_or(0.0, |(s2, at2)| (slope - (at1 - at2) / (s1 - s2)) / (s0 - s2));
+        let expected = at0 + (stroke - s0) * (slope + bend * (stroke - s1));
+        ((stroke - s0).abs() <= FORESIGHT * (s0 - s1).abs() && expected.is_finite()).then_some(expected)
     }
 }
 

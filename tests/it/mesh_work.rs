@@ -64,9 +64,10 @@ fn crossed_pairs_with_lead_errors() {
     takes_no_more_than([[1035, 11993, 4433], [5510, 63782, 16307]], "crossed helical, lead errors", 40);
 }
 
+/// One rotation of each stroke looks at all of the flanks; the others look at their known peaks only.
 #[test]
 fn pairs_with_flank_form() {
-    takes_no_more_than([[249, 3130, 1155], [1275, 16179, 4295]], "crossed helical, flank form", 8);
+    takes_no_more_than([[329, 4141, 1316], [1760, 22315, 5919]], "crossed helical, flank form", 8);
 }
 
 #[test]
@@ -74,7 +75,8 @@ fn rolling_racks() {
     takes_no_more_than([[431, 5698, 1742], [1670, 21620, 6607]], "rack free to roll", 3);
 }
 
+/// A flank without form bounds what one with form asks for: that is quicker than a search, and bounds it a little less.
 #[test]
 fn rolling_racks_with_flank_form() {
-    takes_no_more_than([[209, 2487, 668], [1196, 13580, 3846]], "rack free to roll, flank form", 1);
+    takes_no_more_than([[209, 2487, 684], [1196, 13580, 3983]], "rack free to roll, flank form", 1);
 }
