@@ -17,8 +17,7 @@ use crate::report::{self, Block, Format, Report, Table, reading_form, remarks};
 use crate::spec::LARGEST_SPEC;
 use crate::table::{ColumnAccount, ColumnReading, Guesses, Proposal, Reading};
 
-pub(super) const ABOUT: &str =
-    "Show what tables hold and who owns it, and write the contract that closes them into a spec";
+pub(super) const ABOUT: &str = "Show what tables hold, and write the contract that closes them";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

@@ -23,10 +23,14 @@ fn wrapped(line: &str, width: usize) -> String {
     for (place, word) in line[indent..].split(' ').enumerate() {
         let length = visible(word);
         if column > indent && column + 1 + length > width {
+            out.truncate(out.trim_end_matches(' ').len());
             out.push('\n');
             out.push_str(&line[..indent]);
             column = indent;
-        } else if place > 0 {
+        } else if column == indent && word.is_empty() {
+            // blanks at a break
+            continue;
+        } else if place > 0 && column > indent {
             out.push(' ');
             column += 1;
         }

@@ -178,6 +178,37 @@ impl BudgetReport<'_> {
         why_ends_differ(&alone, self.budget.combined.range.ok(), &self.budget.notes)
     }
 
+    /// Which fixed tolerances take more than the limit.
+    fn why_broken(&self) -> String {
+        let names: Vec<String> = self
+            .budget
+            .broken_by
+            .iter()
+            .map(|kind| {
+                let line = self.budget.lines.iter().find(|line| line.error.kind() == *kind);
+                let range = line.map_or_else(String::new, |line| interval_text(&line.range));
+                let own = self.request.own_limits.iter().find(|(of, _)| of == kind);
+                let own = own.map_or_else(String::new, |(_, limit)| format!(", its own limit {limit}"));
+                format!("{kind} ({range} mm{own})")
+            })
+            .collect();
+        format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence())
+    }
+
+    /// What was simulated, for programs.
+    fn simulation_fact(&self) -> Value {
+        match self.request.rule {
+            Summation::Simulation(settings) => json!({
+                "conforming": self.budget.conforming,
+                "target": settings.conforming,
+                "distribution": settings.spread.name(),
+                "draws": settings.draws,
+                "seed": settings.seed,
+            }),
+            _ => Value::Null,
+        }
+    }
+
     /// Horizontal bars for a screen.
     fn tornado(&self) -> Option<String> {
         const NAME: usize = 17;
@@ -263,16 +294,6 @@ impl Report for BudgetReport<'_> {
                 fact
             })
             .collect();
-        let simulation = match self.request.rule {
-            Summation::Simulation(settings) => json!({
-                "conforming": budget.conforming,
-                "target": settings.conforming,
-                "distribution": settings.spread.name(),
-                "draws": settings.draws,
-                "seed": settings.seed,
-            }),
-            _ => Value::Null,
-        };
         json!({
             "title": self.title,
             "stack": self.request.rule.name(),
@@ -285,7 +306,7 @@ impl Report for BudgetReport<'_> {
             "worst_case_mm": budget.combined.range.ok(),
             "rss_mm": budget.combined.rss.ok(),
             "reached_mm": self.reached,
-            "simulation": simulation,
+            "simulation": self.simulation_fact(),
             "sensitivities": sensitivities(budget),
             "assumes": self.assumptions(),
             "notes": self.notes,
@@ -344,20 +365,7 @@ impl Report for BudgetReport<'_> {
         blocks.push(if feasible {
             Block::Verdict(Some(Verdict::Pass), format!("{}{}", self.sentence(), assumed(&self.assumptions())))
         } else {
-            let names: Vec<String> = budget
-                .broken_by
-                .iter()
-                .map(|kind| {
-                    let line = budget.lines.iter().find(|line| line.error.kind() == *kind);
-                    let range = line.map_or_else(String::new, |line| interval_text(&line.range));
-                    let own = self.request.own_limits.iter().find(|(of, _)| of == kind);
-                    let own = own.map_or_else(String::new, |(_, limit)| format!(", its own limit {limit}"));
-                    format!("{kind} ({range} mm{own})")
-                })
-                .collect();
-            let sentence =
-                format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence());
-            Block::Verdict(Some(Verdict::Fail), sentence)
+            Block::Verdict(Some(Verdict::Fail), self.why_broken())
         });
         blocks
     }
