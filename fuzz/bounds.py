@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Inputs that are small and ask for much: each has to end within some seconds and MiB, and within a second of a signal.
+
+    python3 fuzz/bounds.py target/release/rackmesh [--seconds 2] [--mib 64]
+
+The files are made here, in a folder of their own that is removed at the end.
+"""
+import argparse, gzip, io, os, signal, struct, subprocess, sys, tempfile, time, zipfile
+
+SPEC = """[pair]
+normal_module = 2
+normal_pressure_angle = 20
+[errors]
+rack_over_roller = { nominal = 25 }
+[table]
+ignore = ["note"]
+"""
+
+
+def varint(number):
+    out = b""
+    while number > 0x7F:
+        out, number = out + bytes([number & 0x7F | 0x80]), number >> 7
+    return out + bytes([number])
+
+
+class Record:
+    """A record of Thrift's compact form."""
+
+    def __init__(self):
+        self.out, self.last = b"", 0
+
+    def field(self, number, kind, data):
+        self.out += bytes([(number - self.last) << 4 | kind]) + data
+        self.last = number
+        return self
+
+    def i32(self, number, value):
+        return self.field(number, 5, varint(value << 1))
+
+    def i64(self, number, value):
+        return self.field(number, 6, varint(value << 1))
+
+    def text(self, number, text):
+        return self.field(number, 8, varint(len(text)) + text)
+
+    def record(self, number, record):
+        return self.field(number, 12, record.end())
+
+    def records(self, number, records):
+        return self.field(number, 9, bytes([len(records) << 4 | 12]) + b"".join(record.end() for record in records))
+
+    def end(self):
+        return self.out + b"\0"
+
+
+def page(kind, raw, header):
+    packed = gzip.compress(raw, mtime=0)
+    head = Record().i32(1, kind).i32(2, len(raw)).i32(3, len(packed))
+    return head.record(7 if kind == 2 else 5, header).end() + packed, len(head.end())
+
+
+def parquet(rows, size, texts=1):
+    """`part_id` and `rack_over_roller_mm`, and `note`, whose cells are `size` bytes each, in a dictionary."""
+    out, chunks = io.BytesIO(), []
+    out.write(b"PAR1")
+
+    def column(name, physical, pages, unpacked):
+        start = out.tell()
+        for data in pages:
+            out.write(data)
+        chunks.append((name, physical, start, len(pages[0]) if len(pages) > 1 else None, out.tell() - start, unpacked))
+
+    def plain(raw):
+        return page(0, raw, Record().i32(1, rows).i32(2, 0).i32(3, 3).i32(4, 3))[0]
+
+    names = b"".join(struct.pack("<I", len(n)) + n for n in (b"P%d" % i for i in range(rows)))
+    column(b"part_id", 6, [plain(names)], len(names))
+    column(b"rack_over_roller_mm", 5, [plain(struct.pack("<d", 25.01) * rows)], 8 * rows)
+    dictionary = b"".join(struct.pack("<I", size) + bytes([97 + i]) * size for i in range(texts))
+    first = page(2, dictionary, Record().i32(1, texts).i32(2, 2))[0]
+    # one run of the first text: its width in bits, and how often
+    data = page(0, b"\x01" + varint(rows << 1) + b"\0", Record().i32(1, rows).i32(2, 8).i32(3, 3).i32(4, 3))[0]
+    column(b"note", 6, [first, data], len(dictionary))
+    schema = [Record().text(4, b"lot").i32(5, 3)]
+    schema += [
+        Record().i32(1, physical).i32(3, 0).text(4, name).i32(6, 0) if physical == 6 else Record().i32(1, physical).i32(3, 0).text(4, name)
+        for name, physical, *_ in chunks
+    ]
+    columns = []
+    for name, physical, start, behind, packed, unpacked in chunks:
+        meta = Record().i32(1, physical).field(2, 9, bytes([0x25]) + varint(0) + varint(16)).field(3, 9, bytes([0x18]) + varint(len(name)) + name)
+        meta = meta.i32(4, 2).i64(5, rows).i64(6, unpacked).i64(7, packed).i64(9, start + (behind or 0))
+        columns.append(Record().i64(2, start).record(3, meta.i64(11, start) if behind else meta))
+    group = Record().records(1, columns).i64(2, sum(c[5] for c in chunks)).i64(3, rows)
+    footer = Record().i32(1, 1).records(2, schema).i64(3, rows).records(4, [group]).end()
+    return out.getvalue() + footer + struct.pack("<I", len(footer)) + b"PAR1"
+
+
+def workbook(rows, shared=()):
+    """A workbook of these rows, each a list of places and texts; numbers that begin with # are of shared texts."""
+    main = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+
+    def cell(place, text):
+        if text.startswith("#"):
+            return f'<c r="{place}" t="s"><v>{text[1:]}</v></c>'
+        return f'<c r="{place}" t="inlineStr"><is><t>{text}</t></is></c>'
+
+    lines = "".join(f'<row r="{n}">' + "".join(cell(p + str(n), t) for p, t in row) + "</row>" for n, row in enumerate(rows, 1))
+    strings = "".join(f"<si><t>{text}</t></si>" for text in shared)
+    relation = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    files = {
+        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
+        "_rels/.rels": f'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="a" Type="{relation}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
+        "xl/workbook.xml": f'<workbook {main} xmlns:r="{relation}"><sheets><sheet name="A" sheetId="1" r:id="a"/></sheets></workbook>',
+        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="a" Type="{relation}/worksheet" Target="worksheets/sheet1.xml"/><Relationship Id="b" Type="{relation}/sharedStrings" Target="sharedStrings.xml"/></Relationships>',
+        "xl/worksheets/sheet1.xml": f"<worksheet {main}><sheetData>{lines}</sheetData></worksheet>",
+        "xl/sharedStrings.xml": f"<sst {main}>{strings}</sst>",
+    }
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return out.getvalue()
+
+
+def inputs():
+    head = "part_id;rack_over_roller [mm]\n"
+    row = "P1;25,01\n"
+    yield "a text of 64 MiB in a dictionary", "a.parquet", parquet(400, 64 << 20)
+    yield "texts of 100 kB in a dictionary", "b.parquet", parquet(200_000, 100_000, 100)
+    yield "a shared text of 1 MB", "c.xlsx", workbook([[("A", "part_id"), ("B", "#0")]], ["x" * 1_000_000])
+    yield "cells in A and XFD", "d.xlsx", workbook([[("A", "part_id"), ("XFD", "note")]] + [[("A", "P"), ("XFD", "1")]] * 400)
+    parts = 20_000
+    across = "Teil;" + ";".join(f"P{n}" for n in range(parts)) + "\nrack_over_roller [mm];" + ";".join(["25,01"] * parts) + "\n"
+    yield "20,000 parts in columns", "e.csv", across.encode()
+    yield "10,000 unknown columns", "f.csv", (head.strip() + "".join(f";c{n}" for n in range(10_000)) + "\n" + row.strip() + ";1" * 10_000 + "\n").encode()
+    yield "20,000 lines above a table", "g.csv", ("".join(f"line {n} of words\n" for n in range(20_000)) + head + row).encode()
+    yield "64 MB of one line", "h.csv", (head + "x" * (64 << 20)).encode()
+    yield "64 MB of words", "i.csv", b"some words and no table\n" * (64 << 20 >> 5)
+    yield "a remark of 8 MB in Q-DAS", "j.dfq", b"K0100 1\nK2002/1 rack_pitch\nK1900/1 " + b"x" * (8 << 20) + b"\n1\n"
+    yield "20,000 remarks in Q-DAS", "k.dfq", b"K0100 1\nK2002/1 rack_pitch\n" + b"K1900/1 x\n" * 20_000 + b"1\n"
+    rows = "".join(f"P{n % 7};C{n};25,0;25,01\n" for n in range(100_000))
+    yield "100,000 unknown characteristics", "l.csv", ("Teil;Merkmal;Soll;Ist\nP0;rack_over_roller [mm];25,0;25,01\n" + rows).encode()
+
+
+def resident(pid):
+    """Peak resident memory of a running program, MiB."""
+    try:
+        lines = open(f"/proc/{pid}/status").read().split("\n")
+    except OSError:
+        return 0
+    name = [line for line in lines if line.startswith("Name:")]
+    if not name or "python" in name[0]:
+        return 0
+    return max((int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")), default=0)
+
+
+def run(program, spec, path, limit):
+    begun = time.monotonic()
+    with open(os.devnull, "wb") as none, tempfile.TemporaryFile() as said:
+        child = subprocess.Popen([program, "batch", spec, path], stdout=none, stderr=said)
+        peak = 0
+        while True:
+            peak = max(peak, resident(child.pid))
+            pid, status, used = os.wait4(child.pid, os.WNOHANG)
+            if pid:
+                break
+            if time.monotonic() - begun > limit:
+                child.send_signal(signal.SIGTERM)
+                ended = time.monotonic()
+                _, status, used = os.wait4(child.pid, 0)
+                late = time.monotonic() - ended
+                return limit, peak, f"ended by a signal after {late:.2f} s", late <= 1
+            time.sleep(0.002)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        first = said.read(300).decode("utf8", "replace").split("\n")[0]
+        seconds = used.ru_utime + used.ru_stime
+        return seconds, peak, f"exit {child.returncode}: {first[:90]}", child.returncode in (0, 1, 2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("program")
+    parser.add_argument("--seconds", type=float, default=2)
+    parser.add_argument("--mib", type=float, default=64)
+    args = parser.parse_args()
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        spec = os.path.join(folder, "spec.toml")
+        open(spec, "w").write(SPEC)
+        for what, name, data in inputs():
+            path = os.path.join(folder, name)
+            open(path, "wb").write(data)
+            seconds, mib, said, is_clean = run(args.program, spec, path, 60)
+            is_held = is_clean and seconds <= args.seconds and mib <= args.mib
+            failed += not is_held
+            print(f"{'ok  ' if is_held else 'MISS'} {what}: {len(data) / 1e6:.1f} MB, {seconds:.2f} s, {mib:.0f} MiB, {said}", flush=True)
+    sys.exit(failed > 0)
+
+
+main()
