@@ -51,6 +51,7 @@ mod sample;
 mod sampler;
 mod solve;
 mod summary;
+mod trail;
 
 pub use contact::ContactKind;
 pub use coverage::CarryingStrokes;

@@ -22,7 +22,7 @@
 //!
 //! Bounds need no solution: at any rotation the tangents of both sides meet at what they ask for together, and what was
 //! looked at of flanks with form is what they ask for at least. So most rolls take one rotation, from what is expected
-//! there ([`Course`]), and only bottoms are solved and all of their flanks looked at; where that gives more than was
+//! there ([`course`]), and only bottoms are solved and all of their flanks looked at; where that gives more than was
 //! bounded, the search goes on. The search begins around the last stroke's bottom: what is found does not depend on it
 //! by more than rounding, unless C is too small.
 //!
@@ -32,10 +32,9 @@
 //! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a
 //! valley may be missed, by micrometres in pairs made for it.
 
-mod course;
+pub(super) mod course;
 mod valleys;
 
-pub(super) use self::course::Course;
 use self::course::{AROUND, Start};
 use self::valleys::{Interval, Node, Rolled, SHORT, Search, TIE, is_apart, level_between, lowest_between, tangents};
 use super::prepare::Roll;

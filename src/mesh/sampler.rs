@@ -3,8 +3,8 @@
 
 use super::contact::{ContactKind, Hint, Peaks, Pose, Surface, Touch};
 use super::prepare::{Prepared, Roll};
-use super::roll::Course;
-use super::solve::Trail;
+use super::roll::course::Course;
+use super::trail::Trail;
 use super::{FlankSide, Mesh, Support, Work};
 use crate::trig;
 
