@@ -64,7 +64,6 @@ pub(super) fn confirmed(
             let old = read::text(spec_path)?;
             let new = written::merged(&stream::name(spec_path), &old, &block, &written::stamp())?;
             target::write(spec_path, &[] as &[&Path], new.as_bytes())?;
-            output.remark(&format!("{}: [table] is written", stream::name(spec_path)));
         }
         Some("y") => {}
         _ => return Ok(None),

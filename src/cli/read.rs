@@ -152,7 +152,6 @@ impl Args {
             }
         }
         target::write(path, files, new.as_bytes())?;
-        output.remark(&format!("{name}: [table] is written"));
         let status = is_closed(&new)?;
         if status != Status::Pass {
             output

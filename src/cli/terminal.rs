@@ -67,6 +67,7 @@ pub(super) fn ask(
     rest: &mut Option<Stdin>,
     output: &mut Output,
 ) -> Result<Option<String>, Failure> {
+    line::no_waiting();
     let mut is_new = false;
     let mut is_asked = false;
     loop {
