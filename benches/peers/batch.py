@@ -33,7 +33,7 @@ rack_over_roller = { nominal = 25.0 }
 pinion_radial = { nominal = 8.5 }
 [limits]
 center_distance = "±0.15"
-[batch.columns]
+[table.columns]
 rack_over_roller = { name = "over_roller" }
 rack_pitch = { name = "dp" }
 rack_lead = { name = "dbeta" }

@@ -9,13 +9,13 @@ use rackmesh::spec::Spec;
 use rackmesh::table::{Container, Source, Table, Want};
 
 const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.7\n[limits]\ncenter_distance = \"±0.05\"\n\
-                    [errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_pitch = { name = \"dp\", unit = \"mm\" }\n";
+                    [errors]\nrack_over_roller = { nominal = 25 }\n[table.columns]\nrack_pitch = { name = \"dp\", unit = \"mm\" }\n";
 
 /// The same with uncertainties, which decide.
 const UNCERTAIN: &str = "[pair]\nnormal_pressure_angle = { value = 20, u = 0.02 }\n[rack]\nface_width = 19.7\n\
                          [limits]\ncenter_distance = \"±0.05\"\n[decision]\nrule = \"iso14253\"\n\
                          [errors]\nrack_over_roller = { nominal = 25, u = 0.001 }\nrack_pitch = { u = \"1 um\" }\n\
-                         [batch.columns]\nrack_pitch = { name = \"dp\", unit = \"mm\" }\n";
+                         [table.columns]\nrack_pitch = { name = \"dp\", unit = \"mm\" }\n";
 
 fn table(data: &[u8], want: &Want) -> Option<Table> {
     let container = Container::open("fuzz", Source::bytes(data.to_vec()), want).ok()?;

@@ -13,7 +13,7 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat, Rows};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
-use crate::table::{Block, Reading, Stored, Table, Want, refusal, stored_table};
+use crate::table::{Block, Layout as TableLayout, Pattern, Reading, Stored, Table, Want, stored_table};
 
 /// Evaluates columns that a program has in memory.
 ///
@@ -76,7 +76,9 @@ impl ColumnEvaluator {
     #[must_use]
     pub fn new(spec: &Arc<Spec>, ignored: &[String], request: Request) -> Self {
         let mut want = spec.want();
-        want.ignored.extend(ignored.iter().cloned());
+        let mut layout = TableLayout::clone(&want.layout);
+        layout.ignore.extend(ignored.iter().map(|pattern| Pattern::of_heading(pattern)));
+        want.layout = Arc::new(layout);
         want.teeth = Some(false);
         let (format, rows, decimals) = (RowFormat::Columns, Rows::Every, Decimals::Full);
         let request =
@@ -123,15 +125,11 @@ impl ColumnEvaluator {
         let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };
         let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
-        if !found.pieces.are_rows {
-            let message =
-                format!("{} has a row per characteristic, and columns in memory have a row per part", piece.name);
-            return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each characteristic").into());
+        if found.reading.parts_in != "rows" {
+            let message = format!("{} has no row per part, as columns in memory have", piece.name);
+            return Err(Diagnostic::error(Code::BadTable, message).help("make a column of each error").into());
         }
-        match refusal(&found.strangers, &found.to_be_named) {
-            Some(refused) => Err(refused.into()),
-            None => Ok(found),
-        }
+        Ok(found)
     }
 
     /// The plan for a table: the last one, if it fits.
@@ -209,21 +207,21 @@ mod tests {
         assert_eq!(verdicts, expected.map(|verdict| verdict.map(str::to_owned)));
         let reasons = texts("reason", &all);
         for (row, reason) in [
-            (0, "no part: mean"),
-            (2, "there is no value for rack over-roller"),
+            (0, "`mean` is no part's name"),
+            (2, "the part has no name"),
             (4, "`no finite number` is not a number"),
             (5, "there is no value for rack pitch"),
-            (6, "no part: Mittelwert"),
+            (6, "`Mittelwert` is no part's name"),
         ] {
             assert!(reasons[row].as_deref().is_some_and(|text| text.starts_with(reason)), "{row}: {:?}", reasons[row]);
         }
         assert_eq!((&reasons[1], &reasons[3]), (&None, &None));
-        assert_eq!((all.counts.pass, all.counts.fail, all.counts.rejected), (1, 1, 3));
+        assert_eq!((all.counts.pass, all.counts.fail, all.counts.rejected), (1, 1, 5));
     }
 
     /// Without rows there are none; what a table may not be is refused with the same words.
     #[test]
-    fn pieces_without_rows_and_strangers() {
+    fn pieces_without_rows_and_columns_without_an_owner() {
         let evaluator = evaluator(SPEC);
         let none = || Stored::doubles(Vec::new());
         let empty =
@@ -235,7 +233,7 @@ mod tests {
             ("rack_pich [um]", Stored::doubles(&[200.0][..])),
         ];
         let refused = evaluate(&evaluator, &with_stranger).unwrap_err();
-        assert!(refused.to_string().contains("rack_pich"), "{refused}");
+        assert!(refused.0[0].list.join("\n").contains("rack_pich"), "{refused}");
         let lacking = evaluate(&evaluator, &[("rack_over_roller", Stored::doubles(&[25.01][..]))]).unwrap();
         assert_eq!(texts("verdict", &lacking), [None]);
         let reason = "not judged: the spec asks for rack_pitch, and the table has none";

@@ -87,7 +87,6 @@ impl Layout {
 
     /// What is wanted of the table's rows.
     pub(super) fn wanted(&self, keeps_raw: bool) -> Wanted {
-        let needed = (0..self.titles.len()).map(|column| self.columns.contains(&Some(column))).collect();
-        Wanted { needed, copied: self.copied.clone(), keeps_raw }
+        Wanted { copied: self.copied.clone(), keeps_raw }
     }
 }

@@ -14,8 +14,7 @@ use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{
-    ASIDES_KEPT, AsideReading, Block, Contradiction, Extremes, LeftOut, Place, Reading, Rejection, Rows,
-    add_rejections, cell_text, join_left_out,
+    ASIDES_KEPT, AsideReading, Block, Contradiction, Doubtful, LeftOut, Place, Reading, Rows, cell_text, join_left_out,
 };
 
 /// How many rows there were, and what became of them.
@@ -320,10 +319,8 @@ pub(super) struct Total<'a> {
     pub(super) place: Place,
     /// Records that are no parts.
     pub(super) asides: Vec<AsideReading>,
-    /// What is said against parts, the first of each column.
-    pub(super) rejections: Vec<Rejection>,
-    /// What rows called by a statistic are held against.
-    pub(super) extremes: Extremes,
+    /// Lines that rules leave out and that could be parts.
+    pub(super) doubtful: Doubtful,
     /// The rules of the table's contract, with what each left out so far.
     pub(super) left_out: Vec<LeftOut>,
     /// How many values of each source are suspicious.
@@ -336,7 +333,7 @@ impl Total<'_> {
     /// table.
     pub(super) fn add(&mut self, rows: &Rows, block: &mut Block, tally: &mut Tally) {
         let (records, request) = (self.records, self.request);
-        self.extremes.add(rows, block);
+        self.doubtful.add(rows, block);
         let settle = |place: &mut RowPlace| {
             place.record += records;
             place.in_words = self.place.in_words(place.line);
@@ -362,7 +359,6 @@ impl Total<'_> {
         }
         let room = ASIDES_KEPT - self.asides.len();
         self.asides.extend(block.asides.drain(..).take(room));
-        add_rejections(&mut self.rejections, block.rejections.drain(..));
         for (doubted, more) in self.doubted.iter_mut().zip(tally.doubted) {
             *doubted += more;
         }

@@ -323,7 +323,7 @@ struct Asked {
 
 impl Asked {
     fn new(spec: &Arc<Spec>, table: &Table, request: &Request) -> Result<Self, Diagnostics> {
-        let columns = error_columns(spec, table)?;
+        let columns = error_columns(table)?;
         let in_table: Vec<_> = columns.iter().filter_map(|column| column.kind).collect();
         spec.refuse_both_ways(&in_table)?;
         let spec = &Arc::new(spec.for_columns(&in_table));

@@ -17,7 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
-use crate::table::{Contradiction, Encoding, Extremes, Piece, Queue, Rows, Table};
+use crate::table::{Contradiction, Doubtful, Encoding, Piece, Queue, Rows, Table};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -80,8 +80,7 @@ impl<'a> Batch<'a> {
             records: 0,
             place,
             asides: Vec::new(),
-            rejections: Vec::new(),
-            extremes: Extremes::default(),
+            doubtful: Doubtful::default(),
             left_out: std::mem::take(&mut reading.left_out),
             doubted: Default::default(),
             request: &plan.request,
@@ -122,11 +121,11 @@ impl<'a> Batch<'a> {
         let SharedRun { queue, order, ended, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let Total { asides, rejections, doubted, extremes, left_out, .. } = order.total;
+        let Total { asides, doubted, doubtful, left_out, .. } = order.total;
         reading.left_out = left_out;
         // rows that are still to come may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
-        let last = extremes.contradiction(&rows).filter(|_| is_whole);
+        let last = doubtful.contradiction(&rows).filter(|_| is_whole);
         let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
         let twice = self.ledger.outcome.duplicates.refusal().filter(|_| refuses_repeats && is_whole);
         let failure = failure.or(twice.map(RunError::Contradiction));
@@ -139,7 +138,6 @@ impl<'a> Batch<'a> {
         }
         outcome.interrupted |= stop.load(Ordering::Relaxed);
         reading.asides.extend(asides);
-        reading.notes.extend(rejections.iter().map(|rejection| rejection.in_words(&name)));
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
         outcome.readings.push(reading);
         outcome.is_cut |= matches!(failure, Some(RunError::Read(_) | RunError::Contradiction(_)));

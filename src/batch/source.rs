@@ -6,7 +6,7 @@ use crate::formula::{Law, PartDeviation};
 use crate::judge::bound::ExtendedError;
 use crate::judge::{LimitTarget, Limits};
 use crate::spec::Spec;
-use crate::table::{Column, Field, Nominal, Table, is_called};
+use crate::table::{Column, Nominal, Table};
 
 /// How many kinds of error there are.
 pub(super) const KINDS: usize = DeviationKind::ALL.len();
@@ -45,33 +45,14 @@ pub(super) fn index_of(sources: &[Source], kind: DeviationKind) -> Option<usize>
 }
 
 /// The columns of errors that the table has, in the paper's order.
-pub(super) fn error_columns<'t>(spec: &Spec, table: &'t Table) -> Result<Vec<&'t Column>, Diagnostics> {
-    let mut found = Vec::new();
-    let mut diagnostics = Vec::new();
-    for kind in DeviationKind::ALL {
-        let promised = spec.batch_column(kind).and_then(|column| column.value.name.as_deref());
-        match table.columns.iter().find(|column| column.kind == Some(kind)) {
-            Some(column) if promised.is_none_or(|name| is_called(&column.title, name)) => found.push(column),
-            None if promised.is_none() => {}
-            // a column of another name is not the one that the spec means
-            _ => diagnostics.push(missing(spec, table, kind)),
-        }
+pub(super) fn error_columns(table: &Table) -> Result<Vec<&Column>, Diagnostic> {
+    if table.is_teeth {
+        let message = format!("{}: each row is a tooth or a space, and not a part", table.name);
+        return Err(Diagnostic::error(Code::BadTable, message).help("put the exact mesh to work: --teeth"));
     }
-    if let Some(name) = spec.batch.part_id.as_deref()
-        && !table.titles.is_empty()
-        && !table.titles.iter().any(|title| is_called(title, name) || title == Field::PartId.key())
-    {
-        let message = format!("{} has no column `{name}` for [batch.columns] part_id", table.name);
-        diagnostics
-            .push(Diagnostic::error(Code::BadTable, message).help(format!("it has {}", table.titles_in_words())));
-    }
-    if !diagnostics.is_empty() {
-        return Err(Diagnostics(diagnostics));
-    }
-    if found.is_empty() {
-        return Err(no_column(table).into());
-    }
-    Ok(found)
+    let of_kind = |kind| table.columns.iter().find(|column| column.kind == Some(kind));
+    let found: Vec<&Column> = DeviationKind::ALL.into_iter().filter_map(of_kind).collect();
+    if found.is_empty() { Err(no_column(table)) } else { Ok(found) }
 }
 
 /// The errors that are needed, each of a column or with the value that every part has.
@@ -117,7 +98,7 @@ pub(super) fn nominal_of(column: &Column) -> Option<DeviationValue> {
 fn no_column(table: &Table) -> Diagnostic {
     let message = format!("{} has no column of an error that is known", table.name);
     let help = format!(
-        "it has {}; name its columns {}, or say what they are: [batch.columns] rack_pitch = {{ name = \"…\" }}",
+        "it has {}; name its columns {}, or say what they are: [table.columns] rack_pitch = {{ name = \"…\" }}",
         table.titles_in_words(),
         DeviationKind::keys(DeviationKind::ALL)
     );
@@ -129,7 +110,7 @@ pub(super) fn missing(spec: &Spec, table: &Table, kind: DeviationKind) -> Diagno
     let column = spec.batch_column(kind);
     let name = column.and_then(|column| column.value.name.as_deref()).unwrap_or(kind.key());
     let diagnostic = Diagnostic::error(Code::BadTable, format!("{} has no column `{name}`", table.name)).help(format!(
-        "it has {}; name another: [batch.columns] {} = {{ name = \"…\" }}",
+        "it has {}; name another: [table.columns] {} = {{ name = \"…\" }}",
         table.titles_in_words(),
         kind.key()
     ));

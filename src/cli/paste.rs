@@ -21,7 +21,7 @@ use crate::report::{
     self, EvaluationReport, Format, PartRow, PartsReport, Report, SpacesReport, UncertaintyPart, WithReading,
 };
 use crate::spec::Spec;
-use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather, refusal};
+use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
@@ -108,9 +108,6 @@ impl Args {
             return Ok(status);
         }
         let Opened { table, spec, notes } = opened?;
-        if let Some(refused) = refusal(&table.strangers, &table.to_be_named) {
-            return Err(refused.into());
-        }
         let mut read = ReadBlock { spec, reading: table.reading.clone(), notes, target: Cell::new(target) };
         read.notes.extend(read.spec.suspicions_in_words());
         if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
@@ -147,7 +144,6 @@ impl Args {
     fn open(&self, spec: &Arc<Spec>, output: &mut Output) -> Result<Opened, Failure> {
         let interruption = signals::signals(output);
         let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
-        let opener = opener.judged_by(&self.judge.rule(spec));
         let mut rest = None;
         let (opener, opened, path) = if let Some(path) = self.path() {
             (opener.clone(), opener.open(path), path)

@@ -75,7 +75,7 @@ impl Args {
         let interruption = signals::signals(output);
         let stdin = files.iter().any(is_dash).then(|| whole(interruption.stop())).transpose()?;
         let opener = Opener::new(&self.reading, &spec, Model::Exact, interruption.stop());
-        let opener = Opener { only_shown: true, stdin, ..opener };
+        let opener = Opener { stdin, ..opener };
         if self.check {
             return self.check(&opener, &files, output);
         }
@@ -162,7 +162,7 @@ impl Args {
 
     /// Compares files with the contract.
     fn check(&self, opener: &Opener<'_>, files: &[&PathBuf], output: &mut Output) -> Result<Status, Failure> {
-        if opener.spec.batch.layout.is_none() {
+        if opener.spec.table.place.is_none() {
             let message = "--check compares tables with the [table] of a spec, and there is none";
             return Err(Diagnostic::usage(message).help("`rackmesh read FILE SPEC --write` writes one").into());
         }

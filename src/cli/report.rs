@@ -198,7 +198,7 @@ impl Args {
         }
         let spec = Arc::new(spec.clone());
         let opener = Opener::new(&self.reading, &spec, self.judge.model, waiting.stop());
-        let opener = Opener { stdin, teeth: self.teeth.then_some(true), ..opener }.judged_by(&self.judge.rule(&spec));
+        let opener = Opener { stdin, teeth: self.teeth.then_some(true), ..opener };
         let mut found = opener.look(&self.files)?;
         let interruption = signals::interrupted(output);
         if let Some(failed) = found.failed.pop() {

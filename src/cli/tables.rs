@@ -11,15 +11,13 @@ use super::output::{Failure, Output};
 use super::stream;
 use super::target::{self, is_dash, shown};
 use super::written;
-use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
-use crate::judge::Rule;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
-    ColumnOption, Container, DecimalMark, Encoding, Field, Guesses, Layout, LineRule, Orientation, PartNames, Parts,
-    Pattern, Proposal, Reading, Source, Stranger, Table, Want, refusal,
+    ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, PartNames, Parts, Pattern, Proposal,
+    Reading, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -39,7 +37,7 @@ pub(super) struct ReadArgs {
     /// Leave out columns and lines of this name, `*` for any characters.
     #[arg(long, value_name = "PATTERN")]
     ignore: Vec<String>,
-    /// Leave out lines such as `Date: #`, where `#` is a number or a date.
+    /// Leave out lines such as `Date: #`, `#` for a number or a date.
     #[arg(long, value_name = "PATTERN")]
     ignore_lines: Vec<String>,
     /// What a column is, such as `rack_pitch=CHR_017[um]`.
@@ -51,12 +49,12 @@ pub(super) struct ReadArgs {
     /// The column that names the part.
     #[arg(long, value_name = "NAME")]
     id: Option<String>,
-    /// The headings of a table without any, such as `part_id,rack_pitch[um]`.
+    /// Headings of a table without any: `part_id,rack_pitch[um]`.
     #[arg(long = "as", value_delimiter = ',', value_name = "NAME,…")]
     headings: Vec<String>,
-    /// Whether each part is a row or a column.
-    #[arg(long, value_enum, value_name = "WHERE")]
-    parts: Option<Orientation>,
+    /// Whether parts are rows, columns or characteristics.
+    #[arg(long, value_enum, value_name = "WHERE", hide_possible_values = true)]
+    parts: Option<Parts>,
     /// The sheet of an Excel workbook.
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
@@ -110,10 +108,6 @@ pub(super) struct Opener<'a> {
     pub(super) stdin: Option<Arc<[u8]>>,
     /// Whether rows are teeth or spaces, where it is known.
     pub(super) teeth: Option<bool>,
-    /// Whether tables are shown and not evaluated.
-    pub(super) only_shown: bool,
-    /// Whether parts are judged by the uncertainties of their values.
-    pub(super) by_uncertainty: bool,
 }
 
 /// The files of a run, all of them looked at.
@@ -133,20 +127,8 @@ impl ReadArgs {
     /// What the spec and the user say of a table.
     fn want(&self, spec: &Spec) -> Result<Want, Failure> {
         let mut want = spec.want();
-        if let Some(id) = &self.id {
-            want.own.retain(|(_, field)| *field != Field::PartId);
-            want.own.push((id.clone(), Field::PartId));
-        }
-        want.ignored.extend(self.ignore.iter().cloned());
-        want.decimal = self.decimal.or(want.decimal);
-        (want.separator, want.encoding) = (self.separator, self.encoding);
-        (want.orientation, want.sheet) = (self.parts, self.sheet.clone());
-        if want.layout.is_some() || self.says_layout() {
-            want.layout = Some(Arc::new(self.added_to(&want.layout.take().unwrap_or_default())));
-        } else {
-            let field = |name: &String| name.parse::<Field>().map_err(|error| Diagnostic::usage(error.to_string()));
-            want.fields = self.headings.iter().map(field).collect::<Result<_, _>>()?;
-        }
+        want.layout = Arc::new(self.added_to(&want.layout));
+        (want.encoding, want.sheet) = (self.encoding, self.sheet.clone());
         if let Some(range) = &self.range {
             want.range = range.parse().map_err(|problem| Diagnostic::usage(format!("--range: {problem}")))?;
         }
@@ -168,21 +150,13 @@ impl ReadArgs {
         self.layout.as_ref()
     }
 
-    /// Whether options say what only a contract can.
-    fn says_layout(&self) -> bool {
-        !(self.column.is_empty() && self.ignore_lines.is_empty())
-    }
-
     /// A contract with what the user says of the file.
     fn added_to(&self, layout: &Layout) -> Layout {
         let ignored = self.ignore.iter().map(|pattern| Pattern::of_heading(pattern));
-        let parts = self.parts.map(|parts| match parts {
-            Orientation::Rows => Parts::Rows,
-            Orientation::Columns => Parts::Columns,
-        });
         let lines = self.ignore_lines.iter().map(|line| LineRule { pattern: Pattern::of_line(line), at_most: 0 });
         let mut all = Layout {
-            parts: parts.or(layout.parts),
+            parts: self.parts.or(layout.parts),
+            separator: self.separator.or(layout.separator),
             decimal: self.decimal.or(layout.decimal),
             headings: self.headings.clone(),
             part_id: self.id.clone().map(PartNames::Column).or_else(|| layout.part_id.clone()),
@@ -201,17 +175,11 @@ impl<'a> Opener<'a> {
     /// Of tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
         let spec = Arc::clone(spec);
-        Self { how, spec, model, stop, stdin: None, teeth: None, only_shown: false, by_uncertainty: false }
-    }
-
-    /// Of tables whose parts are judged by a rule.
-    pub(super) fn judged_by(self, rule: &Rule) -> Self {
-        Self { by_uncertainty: rule.needs_uncertainty(), ..self }
+        Self { how, spec, model, stop, stdin: None, teeth: None }
     }
 
     fn want(&self, spec: &Spec) -> Result<Want, Failure> {
-        let (teeth, only_shown, by_uncertainty) = (self.teeth, self.only_shown, self.by_uncertainty);
-        Ok(Want { by_uncertainty, only_shown, teeth, ..self.how.want(spec)? })
+        Ok(Want { teeth: self.teeth, ..self.how.want(spec)? })
     }
 
     /// A file as a table.
@@ -232,11 +200,8 @@ impl<'a> Opener<'a> {
 
     /// What would close the table of a file, by the rules of a spec.
     fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
-        let mut opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
+        let opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
         let container = opener.container(path)?;
-        if container.qdas().is_none() {
-            Arc::make_mut(&mut opener.spec).batch.layout.get_or_insert_default();
-        }
         let (spec, _) = opener.completed(&container)?;
         Ok(container.proposal(&stream::name(path), &opener.want(&spec)?)?)
     }
@@ -246,8 +211,7 @@ impl<'a> Opener<'a> {
     pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
         const ROUNDS: usize = 4;
         const MOST_RULES: usize = 1000;
-        let by_contract = if self.spec.batch.layout.is_none() { self.with_block("[table]\n").ok() } else { None };
-        let mut proposal = self.proposed(path, by_contract.as_ref().unwrap_or(&self.spec))?;
+        let mut proposal = self.proposed(path, &self.spec)?;
         let accept =
             |proposal: &mut Proposal| accepted.iter().filter(|one| proposal.accept(&one.key, &one.column)).count();
         accept(&mut proposal);
@@ -270,13 +234,13 @@ impl<'a> Opener<'a> {
     pub(super) fn with_block(&self, block: &str) -> Result<Spec, Failure> {
         let source = &self.spec.source;
         let merged = written::merged(&source.name, &source.text, block, "")?;
-        Ok(Spec { batch: Spec::parse(&source.name, &merged)?.batch, ..(*self.spec).clone() })
+        Ok(Spec { table: Spec::parse(&source.name, &merged)?.table, ..(*self.spec).clone() })
     }
 
     /// Whether a file is closed by another text of the spec.
     pub(super) fn closes(&self, path: &Path, text: &str) -> Result<bool, Failure> {
-        let batch = Spec::parse(&self.spec.source.name, text)?.batch;
-        Ok(self.proposed(path, &Spec { batch, ..(*self.spec).clone() })?.is_closed())
+        let table = Spec::parse(&self.spec.source.name, text)?.table;
+        Ok(self.proposed(path, &Spec { table, ..(*self.spec).clone() })?.is_closed())
     }
 
     /// The refusals of files that are not closed, all that they lack in one go; the `[table]` that closes all of them stands in the
@@ -316,15 +280,6 @@ impl<'a> Opener<'a> {
         let (spec, notes) = self.completed(&container)?;
         let want = self.want(&spec)?;
         let table = container.table(name, &want)?;
-        let is_so = |id: &&String| {
-            let named = table.reading.columns.iter().find(|column| column.role == Field::PartId.key());
-            named.is_some_and(|column| column.title.trim().eq_ignore_ascii_case(id.trim()))
-        };
-        if let Some(id) = self.how.id.as_ref().filter(|id| !is_so(id)) {
-            let message = format!("{name} has no column `{id}` that names the part");
-            let help = format!("it has {}", table.titles.join(", "));
-            return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
-        }
         Ok(Opened { table, spec, notes })
     }
 
@@ -341,8 +296,6 @@ impl<'a> Opener<'a> {
 
     /// Looks at every file before any is evaluated.
     pub(super) fn look(&self, paths: &[PathBuf]) -> Result<Files<'a>, Failure> {
-        let mut strangers: Vec<Stranger> = Vec::new();
-        let mut to_be_named: Vec<DeviationKind> = Vec::new();
         let (mut first, mut from_stdin, mut failed) = (None, None, Vec::new());
         let (mut kept, mut open) = (Vec::new(), Vec::new());
         let mut pairs = HashSet::new();
@@ -351,8 +304,6 @@ impl<'a> Opener<'a> {
         for path in paths.iter().filter(is_new) {
             match self.open(path).and_then(|opened| alike(opened, first.as_ref())) {
                 Ok(opened) => {
-                    strangers.extend(opened.table.strangers.iter().cloned());
-                    to_be_named.extend(&opened.table.to_be_named);
                     if kept.is_empty() {
                         first = Some(opened);
                     } else if is_dash(path) {
@@ -363,7 +314,7 @@ impl<'a> Opener<'a> {
                 Err(failure) => {
                     let problems = diagnostics(failure);
                     // what came through a pipe is gone
-                    let is_open = self.spec.batch.layout.is_some() && !is_dash(path);
+                    let is_open = !is_dash(path);
                     if is_open && problems.iter().any(|problem| problem.code == Code::NotUnderstood) {
                         open.push((path.clone(), problems));
                     } else {
@@ -373,14 +324,10 @@ impl<'a> Opener<'a> {
             }
         }
         failed.extend(self.refusals(open));
-        match (refusal(&strangers, &to_be_named), &first) {
-            (Some(refused), _) => {
-                failed.push(refused);
-                Err(Diagnostics(failed).into())
-            }
-            (None, None) => Err(Diagnostics(failed).into()),
-            (None, Some(_)) => Ok(Files { opener: self.clone(), paths: kept, first, from_stdin, failed }),
+        if first.is_none() {
+            return Err(Diagnostics(failed).into());
         }
+        Ok(Files { opener: self.clone(), paths: kept, first, from_stdin, failed })
     }
 }
 

@@ -48,10 +48,7 @@ pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
 #[must_use]
 pub fn reading_form(reading: &Reading) -> Block {
     let format = [Some(reading.format), reading.separator.as_deref(), reading.encoding.as_deref()];
-    let mark = reading.decimal_mark.map(|mark| {
-        let by = reading.settled_by.as_ref().map_or_else(String::new, |by| format!(" ({by})"));
-        ("decimal mark".to_owned(), format!("{mark}{by}"))
-    });
+    let mark = reading.decimal_mark.map(|mark| ("decimal mark".to_owned(), mark.to_owned()));
     let each = if reading.parts_in == "columns" { "a column" } else { "a row" };
     let asides = reading.asides.iter().map(|aside| format!("line {}: {}", aside.line, aside.text));
     let read_as = format.into_iter().flatten().collect::<Vec<_>>().join(", ");
@@ -67,10 +64,8 @@ pub fn reading_form(reading: &Reading) -> Block {
 fn columns(reading: &Reading) -> Block {
     let used = reading.columns.iter().map(|column| {
         let unit = column.unit.clone().unwrap_or_default();
-        let assumed = if column.unit_is_assumed && !unit.is_empty() { " (assumed)" } else { "" };
         let nominal = column.nominal.clone().unwrap_or_default();
-        [&column.title, &column.role, &format!("{unit}{assumed}"), column.holds.unwrap_or_default(), &nominal]
-            .map(str::to_owned)
+        [&column.title, &column.role, &unit, column.holds.unwrap_or_default(), &nominal].map(str::to_owned)
     });
     let unused = reading
         .not_used

@@ -1,44 +1,39 @@
-//! `[batch]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
+//! `[table]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
 //! the reader of pasted blocks; reads no table.
 
-use crate::table::{DecimalMark, Field, GivenColumn, Layout, ValueKind, Want};
+use crate::table::{GivenColumn, Layout, ValueKind, Want};
 use std::ops::Range;
 use std::sync::Arc;
 
 use toml::de::DeValue;
 
-use super::errors::{has_circle, of_each, read_extent_value};
-use super::keys::{self, Section};
+use super::keys;
 use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
-use crate::deviation::{self, DeviationKind, DeviationValue, Extent};
+use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::formula::law::page_of;
 use crate::formula::{Law, Model, PartDeviation};
 use crate::quantity::{Length, LengthUnit, QuantityError, Unit};
 use crate::uncertainty::Influence;
 
-/// `[batch]`.
+/// `[table]`.
 #[derive(Debug, Clone, Default)]
-pub struct BatchSection {
-    /// The column that names the part.
-    pub part_id: Option<String>,
-    /// `[batch.columns]`, in the paper's order.
+pub struct TableSection {
+    /// `[table.columns]`, in the paper's order.
     pub columns: Vec<(DeviationKind, Located<BatchColumn>)>,
-    /// The columns that are not to be used: patterns in which `*` stands for any characters, and case counts.
-    pub ignore: Vec<Located<String>>,
-    /// What stands before decimals, if the spec says so.
-    pub decimal: Option<DecimalMark>,
-    /// Whether columns that are not understood are not used, once every error has its column.
-    pub others_ignored: bool,
-    /// The contract of `[table]`, which takes the place of `[batch]`.
-    pub layout: Option<Arc<Layout>>,
+    /// The contract that the reader obeys.
+    pub layout: Arc<Layout>,
     /// The file that says it, if it is another than the spec.
     pub source: Option<Arc<Source>>,
+    /// Where the spec says it; `None` if it does not.
+    pub place: Option<Range<usize>>,
+    /// Whether the spec calls it `[table]`, as it did before.
+    pub is_called_batch: bool,
 }
 
-/// One entry of `[batch.columns]`.
+/// One entry of `[table.columns]`.
 #[derive(Debug, Clone, Default)]
 pub struct BatchColumn {
     /// The column's name in the header.
@@ -55,60 +50,6 @@ pub struct BatchColumn {
     pub extent: Option<Located<Extent>>,
     /// The diameter of the circle on which its values were measured, of the pinion's pitch.
     pub measured_at: Option<Located<Length>>,
-}
-
-impl BatchSection {
-    /// Whether the spec says anything of tables.
-    fn is_written(&self) -> bool {
-        let Self { part_id, columns, ignore, decimal, others_ignored, layout, source: _ } = self;
-        let says_something = part_id.is_some() || decimal.is_some() || *others_ignored || layout.is_some();
-        says_something || !columns.is_empty() || !ignore.is_empty()
-    }
-}
-
-/// Reads `[batch]`.
-pub(super) fn read(reader: &mut SectionReader<'_>) -> BatchSection {
-    let columns = reader.table("columns", &keys::BATCH_COLUMNS, |reader| BatchSection {
-        part_id: reader.get(keys::PART_ID).map(|id| id.value),
-        columns: of_each(|kind| column(reader, kind)),
-        ..BatchSection::default()
-    });
-    BatchSection {
-        ignore: reader.texts("ignore"),
-        decimal: reader.get(keys::BATCH_DECIMAL).map(|mark| match mark.value {
-            "comma" => DecimalMark::Comma,
-            _ => DecimalMark::Point,
-        }),
-        others_ignored: reader.get(keys::BATCH_OTHERS).is_some(),
-        ..columns.map(|columns| columns.value).unwrap_or_default()
-    }
-}
-
-fn column(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<BatchColumn>> {
-    let section: &'static Section = match (kind, kind.counts()) {
-        (DeviationKind::RackLead, _) => &keys::ANGLE_COLUMN,
-        (_, deviation::Countable::Space) => &keys::SIZE_COLUMN,
-        (DeviationKind::PinionPitch, _) => &keys::PINION_PITCH_COLUMN,
-        (_, deviation::Countable::Pitch) => &keys::PITCH_COLUMN,
-        (_, deviation::Countable::Tooth) => &keys::SLOPE_COLUMN,
-    };
-    reader.table(kind.key(), section, |reader| {
-        let unit = reader.column_unit("unit", kind == DeviationKind::RackLead);
-        let length = if kind == DeviationKind::RackLead { reader.get(keys::EVALUATION_LENGTH) } else { None };
-        if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit.as_ref().map(|unit| unit.value)) {
-            let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
-            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone());
-        }
-        BatchColumn {
-            name: reader.get(keys::COLUMN_NAME).map(|name| name.value),
-            unit,
-            length,
-            nominal: nominal(reader, kind),
-            kind: reader.get(keys::COLUMN_KIND),
-            extent: reader.table.get(keys::EXTENT).and_then(|value| read_extent_value(reader, kind, value)),
-            measured_at: if has_circle(kind) { reader.get(keys::COLUMN_MEASURED_AT) } else { None },
-        }
-    })
 }
 
 pub(super) fn nominal(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<DeviationValue>> {
@@ -162,7 +103,7 @@ impl Spec {
             let in_column = column.value.extent.as_ref().filter(|extent| extent.value != in_errors.value)?;
             let key = format!("{}.{}", kind.key(), keys::EXTENT);
             let message = format!(
-                "`errors.{key}` is \"{}\" and `batch.columns.{key}` is \"{}\", and both are of the values of a table",
+                "`errors.{key}` is \"{}\" and `table.columns.{key}` is \"{}\", and both are of the values of a table",
                 in_errors.value, in_column.value
             );
             let diagnostic = Diagnostic::error(Code::BadErrorEntry, message).help("leave one of them out");
@@ -176,12 +117,12 @@ impl Spec {
     /// # Errors
     /// Every problem found in that file; and if the spec has one, too.
     pub fn with_layout(&self, name: &str, text: &str) -> Result<Self, Diagnostics> {
-        let batch = super::table::file(name, text)?;
-        if self.batch.is_written() {
+        let table = super::table::file(name, text)?;
+        if self.table.place.is_some() {
             let message = format!("{name} has a [table], and {} has one, too", self.source.name);
             return Err(Diagnostic::usage(message).help("leave one of them out").into());
         }
-        let mut spec = Self { batch, ..self.clone() };
+        let mut spec = Self { table, ..self.clone() };
         let problems = spec.other_extents();
         if !problems.is_empty() {
             return Err(Diagnostics(problems));
@@ -194,38 +135,27 @@ impl Spec {
 
     /// The file that says what columns are.
     pub(crate) fn source_of_columns(&self) -> &Arc<Source> {
-        self.batch.source.as_ref().unwrap_or(&self.source)
+        self.table.source.as_ref().unwrap_or(&self.source)
     }
 
-    /// The entry of `[batch.columns]` for an error.
+    /// The entry of `[table.columns]` for an error.
     #[must_use]
     pub fn batch_column(&self, kind: DeviationKind) -> Option<&Located<BatchColumn>> {
-        said_of(&self.batch.columns, kind)
+        said_of(&self.table.columns, kind)
     }
 
     /// What the spec says of a table before it is read. What the user says of the file is added to it.
     #[must_use]
     pub fn want(&self) -> Want {
-        let own = self
-            .batch
-            .columns
-            .iter()
-            .filter_map(|(kind, column)| column.value.name.clone().map(|name| (name, Field::Error(*kind))));
         Want {
             expected: self.asked_errors(),
-            own: self.batch.part_id.iter().map(|name| (name.clone(), Field::PartId)).chain(own).collect(),
             given: DeviationKind::ALL.into_iter().map(|kind| self.given(kind)).collect(),
             module: self.get(keys::PAIR_NORMAL_MODULE),
             face_width: self.get(keys::RACK_FACE_WIDTH),
             pinion_face_width: self.get(keys::PINION_FACE_WIDTH),
-            roller: self.roller_of(DeviationKind::RackOverRoller).map(|(roller, _)| roller),
             pinion_teeth: self.get(keys::PINION_TEETH).map(i64::from),
             over_pin: self.nominal_over_pin().ok(),
-            ignored: self.batch.ignore.iter().map(|pattern| pattern.value.clone()).collect(),
-            decimal: self.batch.decimal,
-            others_ignored: self.batch.others_ignored,
-            layout: self.batch.layout.clone(),
-            by_uncertainty: self.get(keys::DECISION_RULE).is_some_and(|rule| rule.needs_uncertainty()),
+            layout: Arc::clone(&self.table.layout),
             ..Want::default()
         }
     }
@@ -244,11 +174,10 @@ impl Spec {
                 .and_then(|column| column.length.as_ref())
                 .map(|length| length.value)
                 .or(self.evaluation_length.filter(|_| kind == DeviationKind::RackLead)),
-            has_extent: column.is_some_and(|column| column.extent.is_some()) || said_of(&self.extents, kind).is_some(),
         }
     }
 
-    /// The same spec for tables that have columns of these errors: their values are on the teeth that `[batch.columns]` says,
+    /// The same spec for tables that have columns of these errors: their values are on the teeth that `[table.columns]` says,
     /// if it says so.
     #[must_use]
     pub fn for_columns(&self, in_table: &[DeviationKind]) -> Self {
@@ -275,14 +204,14 @@ impl Spec {
         (!stated.is_empty()).then(|| format!("extent: {}", stated.join("; ")))
     }
 
-    /// Whether `[errors]` or `[batch.columns]` names an error.
+    /// Whether `[errors]` or `[table.columns]` names an error.
     pub(super) fn speaks_of(&self, kind: DeviationKind) -> bool {
         self.every_part.contains(&kind) || self.asked_errors().contains(&kind)
     }
 
     /// The errors that the spec asks of each part, those of columns first, each in its order.
     fn asked_errors(&self) -> Vec<DeviationKind> {
-        let columns = self.batch.columns.iter().map(|(kind, column)| (column.span.start, *kind));
+        let columns = self.table.columns.iter().map(|(kind, column)| (column.span.start, *kind));
         let errors = self.errors.iter().map(|(kind, error)| (error.span.start, *kind));
         let nominals = self.nominals.iter().map(|(kind, nominal)| (nominal.span.start, *kind));
         let unmeasured = self.unmeasured.iter().map(|(kind, place)| (place.start, *kind));
@@ -318,7 +247,7 @@ impl Spec {
     }
 
     /// The nominal value that is taken from the numbers of an error's column, if they are measured values: if
-    /// `[batch.columns]` or `[errors]` gives a nominal value, or the roller from which it follows. Others are deviations.
+    /// `[table.columns]` or `[errors]` gives a nominal value, or the roller from which it follows. Others are deviations.
     ///
     /// # Errors
     /// Diagnostics for gear data that a computed nominal value needs, or a kind of column that contradicts
@@ -387,7 +316,7 @@ impl Spec {
 
     /// Where the spec speaks of an error.
     fn place_of(&self, kind: DeviationKind) -> Option<Range<usize>> {
-        let column = self.batch_column(kind).filter(|_| self.batch.source.is_none()).map(|column| column.span.clone());
+        let column = self.batch_column(kind).filter(|_| self.table.source.is_none()).map(|column| column.span.clone());
         let error = || said_of(&self.errors, kind).map(|error| error.span.clone());
         let nominal = || said_of(&self.nominals, kind).map(|nominal| nominal.span.clone());
         column.or_else(error).or_else(nominal)
@@ -414,8 +343,8 @@ mod tests {
         assert_eq!(reading("[errors]\nrack_over_roller = 0.01"), None);
         assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25.0 }"), Some(measured("25")));
         assert_eq!(reading("[errors]\nrack_over_roller = { nominal = 25, measured = 25.1 }"), Some(measured("25")));
-        assert_eq!(reading("[batch.columns]\nrack_over_roller = { nominal = \"1 in\" }"), Some(measured("25.4")));
-        let both = "[errors]\nrack_over_roller = { nominal = 25 }\n[batch.columns]\nrack_over_roller = { kind = \"deviation\" }";
+        assert_eq!(reading("[table.columns]\nrack_over_roller = { nominal = \"1 in\" }"), Some(measured("25.4")));
+        let both = "[errors]\nrack_over_roller = { nominal = 25 }\n[table.columns]\nrack_over_roller = { kind = \"deviation\" }";
         assert_eq!(reading(both), None);
         let roller = "[pair]\nnormal_module = 2.5\nnormal_pressure_angle = 20\n[rack]\ndatum = 21.5\n\
                       [errors]\nrack_over_roller = { roller = 5, measured = 26 }";
@@ -427,14 +356,14 @@ mod tests {
     fn contradictions_are_refused_with_their_place() {
         let problem = |text: &str| spec(text).nominal_of_column(DeviationKind::RackPitch).unwrap_err().to_string();
         assert_eq!(
-            problem("[batch.columns]\nrack_pitch = { kind = \"measured\" }"),
+            problem("[table.columns]\nrack_pitch = { kind = \"measured\" }"),
             "spec.toml:2:23: error[missing-key]: the column of `rack_pitch` holds measured values, and there is no nominal value"
         );
         assert!(
-            problem("[batch.columns]\nrack_pitch = { kind = \"deviation\", nominal = 6.28 }")
+            problem("[table.columns]\nrack_pitch = { kind = \"deviation\", nominal = 6.28 }")
                 .contains("error[bad-error-entry]: the column of `rack_pitch` holds deviations")
         );
-        let unknown = Spec::parse("spec.toml", "[batch.columns]\nrack_pitch = { unit = \"N\", nme = \"dp\" }");
+        let unknown = Spec::parse("spec.toml", "[table.columns]\nrack_pitch = { unit = \"N\", nme = \"dp\" }");
         let unknown = unknown.unwrap_err().to_string();
         assert!(unknown.contains("`unit`: `N` is not a unit of a length: write nm, um,"), "{unknown}");
         assert!(unknown.contains("no key `nme`"), "{unknown}");
@@ -443,8 +372,8 @@ mod tests {
     #[test]
     fn units_of_columns_by_what_they_hold() {
         let unit = |column: &str| {
-            let spec = Spec::parse("spec.toml", &format!("[batch.columns]\n{column}"))?;
-            let (_, column) = spec.batch.columns.into_iter().next().expect("it has a column");
+            let spec = Spec::parse("spec.toml", &format!("[table.columns]\n{column}"))?;
+            let (_, column) = spec.table.columns.into_iter().next().expect("it has a column");
             Ok::<_, Diagnostics>(column.value.unit.expect("it has a unit").value)
         };
         for (column, expected) in [
@@ -487,13 +416,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_to_be_used_is_a_list_of_patterns() {
-        let batch = spec("[batch]\nignore = [\"Temperatur*\", \"Bemerkung\"]\nothers = \"ignore\"").batch;
-        let patterns: Vec<_> = batch.ignore.iter().map(|pattern| pattern.value.as_str()).collect();
+    fn what_is_not_used_is_a_list_of_patterns() {
+        let layout = spec("[table]\nignore = [\"Temperatur*\", \"Bemerkung\"]\nothers = \"ignore\"").table.layout;
+        let patterns: Vec<_> = layout.ignore.iter().map(crate::table::Pattern::text).collect();
         assert_eq!(patterns, ["Temperatur*", "Bemerkung"]);
-        assert_eq!(batch.ignore[1].span, 33..44);
-        assert!(batch.others_ignored);
-        assert!(!spec("[batch]\nignore = []").batch.others_ignored);
+        assert!(layout.ignores_others);
+        assert!(!spec("[table]\nignore = []").table.layout.ignores_others);
         for (text, message) in [
             (
                 "ignore = \"Bemerkung\"",
@@ -502,9 +430,20 @@ mod tests {
             ("ignore = [1]", "`ignore` is a whole number; text in quotes for each entry of its list is needed"),
             ("others = \"use\"", "`others` must be \"ignore\""),
         ] {
-            let problem = Spec::parse("spec.toml", &format!("[batch]\n{text}")).unwrap_err().to_string();
+            let problem = Spec::parse("spec.toml", &format!("[table]\n{text}")).unwrap_err().to_string();
             assert!(problem.contains(message), "{problem}");
         }
+    }
+
+    #[test]
+    fn the_old_name_of_the_section_is_read_with_a_warning() {
+        let old = spec("[batch]\nignore = [\"Temp*\"]\n[batch.columns]\nrack_pitch = { name = \"dp\", unit = \"um\" }");
+        let new = spec("[table]\nignore = [\"Temp*\"]\n[table.columns]\nrack_pitch = { name = \"dp\", unit = \"um\" }");
+        assert_eq!(old.table.layout, new.table.layout);
+        assert!(new.suspicions().is_empty());
+        assert!(old.suspicions()[0].message.contains("[batch] is called [table]"));
+        let both = Spec::parse("spec.toml", "[batch]\nignore = []\n[table]\nignore = []").unwrap_err().to_string();
+        assert!(both.contains("both are there"), "{both}");
     }
 
     #[test]

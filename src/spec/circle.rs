@@ -104,14 +104,14 @@ impl Spec {
         let kind = DeviationKind::PinionPitch;
         let of_column = self.batch_column(kind).and_then(|column| column.value.measured_at.clone());
         // a place in a file of its own is none in the spec
-        let of_column = of_column.map(|given| match self.batch.source {
+        let of_column = of_column.map(|given| match self.table.source {
             Some(_) => Located { span: 0..0, ..given },
             None => given,
         });
         let Some(given) = self.measured_at.clone().or(of_column.clone()) else { return Ok(()) };
         if let Some(other) = of_column.filter(|other| other.value != given.value) {
             let message = format!(
-                "`errors` and `batch.columns` say that the pitch was measured at {} and {}",
+                "`errors` and `table.columns` say that the pitch was measured at {} and {}",
                 given.value, other.value
             );
             return Err(Diagnostic::error(Code::BadErrorEntry, message)

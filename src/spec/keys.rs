@@ -483,9 +483,6 @@ pub(crate) const COLUMN_KIND: Key<&'static str> = word(&["measured", "deviation"
 pub(crate) const COLUMN_NAME: Key<String> =
     text().with("name", "The column's name in the header, if it is not the error's own.");
 
-const LENGTH_UNIT: AnyKey =
-    key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers. Default: the header's, or mm.");
-
 pub(crate) const LENGTH_NOMINAL: Key<Length> =
     length(Domain::any("nominal value", "M_nom")).with("nominal", "Nominal value of what was measured.");
 
@@ -495,9 +492,6 @@ pub(crate) const ANGLE_NOMINAL: Key<Angle> =
 pub(crate) const EVALUATION_LENGTH: Key<Length> =
     length(domain::EVALUATION_LENGTH).with("length", "Evaluation length of f_Hβ.");
 
-pub(crate) const PART_ID: Key<String> =
-    text().with("part_id", "Name of the column that names the part. Default part_id.");
-
 const fn column_extent(of: Countable) -> AnyKey {
     key(
         EXTENT,
@@ -506,76 +500,11 @@ const fn column_extent(of: Countable) -> AnyKey {
     )
 }
 
-/// The keys of a column of lengths, whose errors are on these.
-const fn length_column(of: Countable) -> [AnyKey; 5] {
-    [COLUMN_NAME.any, LENGTH_UNIT, LENGTH_NOMINAL.any, COLUMN_KIND.any, column_extent(of)]
-}
-
-pub(crate) const SIZE_COLUMN: Section =
-    section("batch.columns.(size)", "A column of sizes.", &length_column(Countable::Space));
-
 /// The diameter at which a pitch of the pinion was measured.
 pub(crate) const COLUMN_MEASURED_AT: Key<Length> = length(domain::MEASUREMENT_CIRCLE).with(
     MEASURED_AT,
     "Diameter of the circle on which f_p was measured; its values are scaled to the reference circle. Default: that circle.",
 );
-
-const PITCH_KEYS: [AnyKey; 5] = length_column(Countable::Pitch);
-
-pub(crate) const PINION_PITCH_COLUMN: Section = section(
-    "batch.columns.pinion_pitch",
-    "A column of the pinion's single pitch deviations.",
-    &[PITCH_KEYS[0], PITCH_KEYS[1], PITCH_KEYS[2], PITCH_KEYS[3], PITCH_KEYS[4], COLUMN_MEASURED_AT.any],
-);
-
-pub(crate) const PITCH_COLUMN: Section =
-    section("batch.columns.rack_pitch", "A column of pitches.", &length_column(Countable::Pitch));
-
-pub(crate) const SLOPE_COLUMN: Section =
-    section("batch.columns.pinion_lead", "A column of helix slope deviations f_Hβ.", &length_column(Countable::Tooth));
-
-pub(crate) const ANGLE_COLUMN: Section = section(
-    "batch.columns.rack_lead",
-    "A column of angles, or of helix slope deviations f_Hβ.",
-    &[
-        COLUMN_NAME.any,
-        key(
-            "unit",
-            Kind::ColumnUnit { of_lead: true },
-            "Unit of its numbers; a unit of length means f_Hβ. Default: the header's, or degrees.",
-        ),
-        EVALUATION_LENGTH.any,
-        ANGLE_NOMINAL.any,
-        COLUMN_KIND.any,
-        column_extent(Countable::Tooth),
-    ],
-);
-
-pub(crate) const BATCH_COLUMNS: Section = section(
-    "batch.columns",
-    "Where a table with a row per part has what, if its header does not say so.",
-    &[
-        PART_ID.any,
-        key("rack_over_roller", Kind::Table(&SIZE_COLUMN), "The rack's over-roller measure or error."),
-        key("rack_pitch", Kind::Table(&PITCH_COLUMN), "The rack's pitch or pitch error."),
-        key("rack_lead", Kind::Table(&ANGLE_COLUMN), "The rack's lead angle, its error, or f_Hβ."),
-        key("pinion_radial", Kind::Table(&SIZE_COLUMN), "The pinion's radial measure or error."),
-        key("pinion_pitch", Kind::Table(&PINION_PITCH_COLUMN), "The pinion's single pitch deviation."),
-        key("pinion_lead", Kind::Table(&SLOPE_COLUMN), "The pinion's helix slope deviation f_Hβ."),
-    ],
-);
-
-section! {
-    BATCH = "batch", "Tables with a row per part." {
-        "columns", of(Kind::Table(&BATCH_COLUMNS)), "Columns that are named or measured otherwise.";
-        "ignore", of(Kind::Texts),
-            "Names of columns that are not to be used: `*` stands for any characters, and case counts.";
-        BATCH_DECIMAL: &'static str = "decimal", word(&["comma", "point"]),
-            "What stands before decimals in tables, those of teeth included. Default: found from their numbers.";
-        BATCH_OTHERS: &'static str = "others", word(&["ignore"]),
-            "Once every error has its column: columns that are not understood are listed and not used.";
-    }
-}
 
 /// The keys that name columns beside that of an error's values, with what they hold.
 pub(crate) const BESIDE: [&str; 5] = ["deviation", "upper", "lower", "uncertainty", "units"];
@@ -747,4 +676,4 @@ section! {
 
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, BATCH, TABLE, SIMULATION, SCATTER];
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, TABLE, SIMULATION, SCATTER];

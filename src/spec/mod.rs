@@ -37,7 +37,7 @@ mod value;
 mod vary;
 
 pub use basis::GEOMETRY_KEYS;
-pub use batch::{BatchColumn, BatchSection};
+pub use batch::{BatchColumn, TableSection};
 pub use budget::{BudgetSection, WrittenTolerance};
 pub use circle::PitchCircle;
 pub use errors::WrittenError;
@@ -96,7 +96,7 @@ pub struct Spec {
     pub source: Arc<Source>,
     /// `title`.
     pub title: Option<String>,
-    /// The keys that hold one value each, but for those of `[batch]`.
+    /// The keys that hold one value each, but for those of `[table]`.
     pub values: Values,
     /// `[[rack.deviation]]`
     pub rack_deviations: Vec<Located<RackDeviation>>,
@@ -127,8 +127,8 @@ pub struct Spec {
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
-    /// `[batch]`.
-    pub batch: BatchSection,
+    /// `[table]`.
+    pub table: TableSection,
     /// `[simulation]`: everything but how the rack may roll, which `[support]` says.
     pub simulation: Parameters,
     /// `[scatter]`.
@@ -176,7 +176,9 @@ impl Spec {
         let mut table = table.into_inner();
         let mut diagnostics = Found::default();
         diagnostics.extend(set::set_all(&mut table, &settings, &source));
+        let is_called_batch = table::renamed(&mut table, &source, &mut diagnostics);
         let mut spec = Self::read(&table, &source, &mut diagnostics);
+        spec.table.is_called_batch = is_called_batch;
         pair::complete(&mut spec.values, &source, &mut diagnostics);
         if diagnostics.is_empty() {
             diagnostics.extend(spec.scale_to_reference_circle().err().into_iter().flat_map(|problems| problems.0));
@@ -213,7 +215,6 @@ impl Spec {
         }
         sections.diagnostics.extend(spec.roll_axis_alone());
         sections.read(&keys::ERRORS, |reader| errors::read(reader, &mut spec));
-        sections.read(&keys::BATCH, |reader| spec.batch = batch::read(reader));
         table::read(&mut sections, &mut spec);
         sections.diagnostics.extend(spec.other_extents());
         sections.read(&keys::BUDGET, |reader| {

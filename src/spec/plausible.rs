@@ -34,7 +34,12 @@ impl Spec {
     /// What in it is suspicious, in its order: there is a result, but it may be that of a mistaken unit.
     #[must_use]
     pub fn suspicions(&self) -> Vec<Diagnostic> {
-        self.doubts(Severity::Warning)
+        let old = self.table.place.clone().filter(|_| self.table.is_called_batch).map(|place| {
+            let message = "[batch] is called [table] now, and is read as that";
+            let warning = Diagnostic::warning(Code::UnknownKey, message).at(&self.source, place, "");
+            warning.help("write [table] and [table.columns]")
+        });
+        old.into_iter().chain(self.doubts(Severity::Warning)).collect()
     }
 
     /// The same as sentences, for the notes of a result.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::batch::{BatchColumn, BatchSection, nominal};
+use super::batch::{BatchColumn, TableSection, nominal};
 use super::errors::{has_circle, of_each, read_extent_value};
 use super::found::Found;
 use super::keys::{self, BESIDE, Section};
@@ -13,27 +13,41 @@ use super::reader::SectionReader;
 use super::{Located, Spec, syntax_error};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::quantity::shown;
+use crate::quantity::{Unit, shown};
 use crate::table::{
     DecimalMark, DeclaredColumn, Field, Layout, LineRule, PartNames, Parts, Pattern, Repeats, StatusColumn,
 };
 
+/// Calls `[batch]`, its old name, `[table]`; says whether that was so.
+pub(super) fn renamed(top: &mut DeTable<'_>, source: &Arc<Source>, found: &mut Found) -> bool {
+    const OLD: &str = "batch";
+    let Some(span) = top.keys().find(|key| key.get_ref().as_ref() == OLD).map(Spanned::span) else { return false };
+    if top.contains_key(keys::TABLE.name) {
+        let problem = Diagnostic::error(Code::BadErrorEntry, "[batch] is an old name of [table], and both are there");
+        found.add(|| problem.help("move what [batch] says into [table]").at(source, span, ""));
+        top.remove(OLD);
+        return false;
+    }
+    if let Some(value) = top.remove(OLD) {
+        top.insert(Spanned::new(span, keys::TABLE.name.into()), value);
+    }
+    true
+}
+
 /// Reads `[table]`, if it is there.
 pub(super) fn read(sections: &mut SectionReader<'_>, spec: &mut Spec) {
-    let (table, batch) = (sections.table.get(keys::TABLE.name), sections.table.get(keys::BATCH.name));
-    let (Some(table), Some(inner)) = (table, sections.entry(keys::TABLE.name)) else { return };
-    if batch.is_some() {
-        let problem = Diagnostic::error(Code::BadErrorEntry, "[table] takes the place of [batch], and both are there");
-        sections.report(problem.help("move what [batch] says into [table]"), table.span());
-    }
-    sections.inner(&keys::TABLE, inner, |reader| spec.batch = section(reader));
+    let (Some(table), Some(inner)) = (sections.table.get(keys::TABLE.name), sections.entry(keys::TABLE.name)) else {
+        return;
+    };
+    let place = Some(table.span());
+    sections.inner(&keys::TABLE, inner, |reader| spec.table = TableSection { place, ..section(reader) });
 }
 
 /// Reads a file that holds `[table]` and nothing else, for any number of specs.
 ///
 /// # Errors
 /// Every problem found in the text.
-pub(super) fn file(name: &str, text: &str) -> Result<BatchSection, Diagnostics> {
+pub(super) fn file(name: &str, text: &str) -> Result<TableSection, Diagnostics> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Arc::new(Source::new(name, text));
     let (top, errors) = DeTable::parse_recoverable(text);
@@ -53,18 +67,18 @@ pub(super) fn file(name: &str, text: &str) -> Result<BatchSection, Diagnostics> 
         let message = format!("a layout holds [table] and nothing else: here is `{}`", shown(key.get_ref()));
         reader.report(Diagnostic::error(Code::UnknownKey, message), key.span());
     }
-    let mut batch = None;
+    let mut table = None;
     match reader.entry(keys::TABLE.name) {
-        Some(inner) => reader.inner(&keys::TABLE, inner, |reader| batch = Some(section(reader))),
+        Some(inner) => reader.inner(&keys::TABLE, inner, |reader| table = Some(section(reader))),
         None => reader.report(Diagnostic::error(Code::MissingKey, "a layout holds [table], and here is none"), 0..0),
     }
-    match batch {
-        Some(batch) if found.is_empty() => Ok(BatchSection { source: Some(Arc::clone(&source)), ..batch }),
+    match table {
+        Some(table) if found.is_empty() => Ok(TableSection { source: Some(Arc::clone(&source)), ..table }),
         _ => Err(Diagnostics(found.sorted(|diagnostic| diagnostic.place.as_ref().map(|place| place.span.start)))),
     }
 }
 
-fn section(reader: &mut SectionReader<'_>) -> BatchSection {
+fn section(reader: &mut SectionReader<'_>) -> TableSection {
     let (mut declared, mut part_id, mut status) = (Vec::new(), None, None);
     let (mut headings, mut of_teeth) = (Vec::new(), Vec::new());
     let columns = reader.table("columns", &keys::TABLE_COLUMNS, |reader| {
@@ -108,7 +122,7 @@ fn section(reader: &mut SectionReader<'_>) -> BatchSection {
         decimal,
         headings: Vec::new(),
         units: units(reader),
-        part_id: part_id.clone(),
+        part_id,
         columns: declared.into_iter().chain(of_teeth).collect(),
         status,
         of_characteristics: Vec::new(),
@@ -120,8 +134,7 @@ fn section(reader: &mut SectionReader<'_>) -> BatchSection {
         repeats: repeats.unwrap_or_default(),
     };
     headings.into_iter().for_each(|(key, heading)| layout.call(key, heading));
-    let part_id = part_id.and_then(|names| if let PartNames::Column(name) = names { Some(name) } else { None });
-    BatchSection { decimal, part_id, columns, layout: Some(Arc::new(layout)), ..BatchSection::default() }
+    TableSection { columns, layout: Arc::new(layout), ..TableSection::default() }
 }
 
 /// Where the names of parts stand.
@@ -259,11 +272,16 @@ fn column(
         let is_lead = kind == DeviationKind::RackLead;
         let unit = reader.column_unit("unit", is_lead);
         let unit_value = unit.as_ref().map(|unit| unit.value);
+        let length = if is_lead { reader.get(keys::EVALUATION_LENGTH) } else { None };
+        if let (Some(length), Some(Unit::Angle(unit))) = (&length, unit_value) {
+            let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
+            reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone());
+        }
         declared.push(DeclaredColumn::new(kind, name.clone(), unit_value, beside));
         BatchColumn {
             name,
             unit,
-            length: if is_lead { reader.get(keys::EVALUATION_LENGTH) } else { None },
+            length,
             nominal: if nominal_heading.is_some() { None } else { nominal(reader, kind) },
             kind: reader.get(keys::COLUMN_KIND),
             extent: reader.table.get(keys::EXTENT).and_then(|value| read_extent_value(reader, kind, value)),

@@ -4,11 +4,9 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use super::cell::Record;
 use super::encoding::text;
 use super::ledger::{Tally, join};
 use super::reading::{AsideReading, Reading};
-use super::rejection::Rejection;
 use crate::deviation::{DeviationValue, DeviationValues};
 
 /// Bytes of a block's text.
@@ -94,12 +92,8 @@ pub struct Block {
     pub(crate) records: Vec<u64>,
     /// Records that are no parts: a header again, a mean.
     pub(crate) asides: Vec<AsideReading>,
-    /// Records among them that are called by a statistic, and that the values of the block contradict.
-    pub(crate) statistics: Vec<Record>,
     /// The least and the greatest value of each column.
     pub(crate) ends: Vec<Option<[DeviationValue; 2]>>,
-    /// What is said against parts, the first of each column.
-    pub(crate) rejections: Vec<Rejection>,
     /// What each rule of a contract left out, by its number.
     pub(crate) left_out: Vec<Tally>,
     /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
@@ -148,11 +142,6 @@ impl Block {
     pub(crate) fn tell(&self, reading: &mut Reading) {
         reading.asides.extend(self.asides.iter().cloned());
         join(&mut reading.left_out, &self.left_out);
-        for rejection in &self.rejections {
-            let note = rejection.in_words(&reading.file);
-            let is_new = !reading.notes.contains(&note);
-            reading.notes.extend(is_new.then_some(note));
-        }
     }
 
     /// The values of a column.

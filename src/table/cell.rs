@@ -143,32 +143,6 @@ impl Cell {
             && (behind.is_empty() || behind.starts_with(['°', '±', 'e', 'E']) || Unit::from_symbol(behind).is_some())
     }
 
-    /// Whether it is a number with decimals, and no date: `25,060`, and not `12.03.`.
-    pub(crate) fn has_decimals(&self) -> bool {
-        self.decimals() > 0
-    }
-
-    /// Whether it has two decimals or more, as hardly any number has that is not measured.
-    pub(crate) fn has_two_decimals(&self) -> bool {
-        self.decimals() > 1
-    }
-
-    /// Whether it has the decimals of measured values, three and more: no temperature, room or version has.
-    pub(crate) fn is_fine(&self) -> bool {
-        self.decimals() > 2
-    }
-
-    fn decimals(&self) -> usize {
-        let text = self.text();
-        let decimals = text.split_once(['.', ',']).filter(|_| self.is_measure() && !text.contains([':', '/']));
-        decimals.map_or(0, |(_, decimals)| decimals.bytes().take_while(u8::is_ascii_digit).count())
-    }
-
-    /// Whether it has nothing but the digits of a whole number.
-    pub(crate) fn is_whole(&self) -> bool {
-        self.text().bytes().all(|byte| byte.is_ascii_digit())
-    }
-
     /// Whether it is a number.
     pub(crate) fn is_number(&self) -> bool {
         self.marks() != Marks::None
@@ -187,16 +161,6 @@ impl Record {
         self.cells.get(place).unwrap_or(&EMPTY)
     }
 
-    /// The same, or an empty one where it says that there is no value.
-    pub(crate) fn value(&self, place: usize) -> Cell {
-        Some(self.cell(place)).filter(|cell| !cell.is_missing()).cloned().unwrap_or_default()
-    }
-
-    /// The same line with other cells.
-    pub(crate) fn with_cells(&self, cells: impl IntoIterator<Item = Cell>) -> Self {
-        Self { cells: cells.into_iter().collect(), ..*self }
-    }
-
     /// How many of its cells are numbers.
     pub(crate) fn numbers(&self) -> usize {
         self.cells.iter().filter(|cell| cell.is_number()).count()
@@ -208,29 +172,10 @@ impl Record {
         &self.cells[..end]
     }
 
-    /// The bytes from its first cell to its last.
-    pub(crate) fn span(&self) -> Range<usize> {
-        let start = self.cells.first().map_or(0, |cell| cell.span.start);
-        start..self.cells.last().map_or(start, |cell| cell.span.end)
-    }
-
-    /// The line of a text on which it stands, with its end.
-    pub(crate) fn line_in(&self, text: &str) -> Vec<u8> {
-        let span = self.span();
-        let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
-        let end = text[span.end..].find('\n').map_or(text.len(), |length| span.end + length);
-        [&text.as_bytes()[start..end], b"\n"].concat()
-    }
-
     /// Its cells in one line of text.
     pub(crate) fn in_words(&self) -> String {
         let texts: Vec<_> = self.cells.iter().map(Cell::text).filter(|text| !text.is_empty()).collect();
         texts.join(" ")
-    }
-
-    /// Whether it has the texts of another one.
-    pub(crate) fn repeats(&self, other: &Self) -> bool {
-        self.cells.iter().map(Cell::text).eq(other.cells.iter().map(Cell::text))
     }
 
     /// Whether there is nothing to read: no cell is filled, or only with a line drawn below a heading.

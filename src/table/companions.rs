@@ -1,6 +1,6 @@
 //! What stands beside a measured value, by its role: columns of the table, then places of a record, then cells.
 
-use super::names::Role;
+use super::field::Beside as Role;
 
 /// How many roles a companion can have.
 const ROLES: usize = Role::Measured as usize + 1;
@@ -22,11 +22,6 @@ impl<T> Companions<T> {
 
     pub(crate) fn get(&self, role: Role) -> Option<&T> {
         self.0.get(role as usize)?.as_ref()
-    }
-
-    /// Where the companion of a role is kept; `None` if no column beside a value has it.
-    pub(crate) fn slot(&mut self, role: Role) -> Option<&mut Option<T>> {
-        self.0.get_mut(role as usize).filter(|_| role != Role::Measured)
     }
 
     pub(crate) fn set(&mut self, role: Role, companion: Option<T>) {

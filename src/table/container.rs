@@ -128,8 +128,7 @@ impl Container {
     /// Finds the columns.
     ///
     /// # Errors
-    /// If there is no table, or it can be read in more than one way. Columns that are not understood are no error here:
-    /// they are in [`Table::strangers`].
+    /// If there is no table, or something of it has no owner.
     pub fn table(self, name: &str, want: &Want) -> Result<Table, Diagnostics> {
         Ok(self.closed(name, want)?)
     }

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use super::names::{Field, Role as Beside, plain_widths};
+use super::field::{Beside, Field};
 use crate::quantity::Unit;
 
 /// What a column or a characteristic is.
@@ -120,6 +120,30 @@ pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
 /// The headings that have a role, as they are compared.
 pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
     DICTIONARY.iter().filter(move |(_, meaning)| meaning.role == role).map(|((_, heading), _)| heading.as_str())
+}
+
+/// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
+fn plain_widths(text: &str) -> String {
+    const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
+    let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\u{ff9e}' | '\u{3099}' | '\u{ff9f}' | '\u{309a}' => {
+                let step = if matches!(c, '\u{ff9e}' | '\u{3099}') { 1 } else { 2 };
+                let last = out.chars().next_back().filter(|last| ('\u{3041}'..='\u{30ff}').contains(last));
+                if let Some(joined) = last.and_then(|last| char::from_u32(last as u32 + step)) {
+                    out.pop();
+                    out.push(joined);
+                }
+            }
+            '\u{ff01}'..='\u{ff5e}' => out.extend(char::from_u32(c as u32 - 0xfee0)),
+            '\u{ff66}'..='\u{ff9d}' => out.extend(katakana(c)),
+            '\u{3000}' => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 /// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon

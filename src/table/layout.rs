@@ -5,14 +5,15 @@ use std::str::FromStr;
 
 use super::column::unit_of;
 use super::dictionary::{Form, Heading, Role};
-use super::names::{Field, Role as Beside};
+use super::field::{Beside, Field};
 use super::number::DecimalMark;
 use super::pattern::Pattern;
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 
 /// Where the values of a part stand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Parts {
     /// In a row.
     Rows,

@@ -3,20 +3,16 @@
 
 use std::io;
 use std::iter::Peekable;
-use std::sync::Arc;
 
 use super::block::Block;
 use super::cell::Record;
 use super::chunk::{ChunkContent, Chunker};
 use super::contract::Contract;
-use super::gathered::gathered;
 use super::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows};
-use super::rows::{Extremes, Rows, Setup, Wanted};
+use super::rows::{Rows, Setup, Wanted};
 use super::split::{count_line_ends, next_record};
-use super::understand::Understood;
-use super::want::Want;
 use crate::deviation::DeviationValues;
-use crate::diagnostic::{Diagnostic, Source as Text};
+use crate::diagnostic::Diagnostic;
 
 /// Records that make one piece.
 const TOGETHER: usize = 1024;
@@ -48,8 +44,6 @@ impl Place {
 pub(crate) struct Pieces {
     /// How they are read.
     setup: Setup,
-    /// Whether rows are parts, spaces or teeth.
-    pub(crate) are_rows: bool,
     queue: Queue,
 }
 
@@ -92,38 +86,23 @@ type Records = Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>;
 enum Source {
     /// Text of any length.
     Chunks(Chunker),
-    /// Records, and the text that they stand in, if they do.
-    Records(Peekable<Records>, Option<Arc<Text>>),
+    /// Records.
+    Records(Peekable<Records>),
     /// The rows of a Parquet file.
     Parquet(ParquetTable),
-    /// Rows that are there.
-    Block(Option<Box<Block>>),
 }
 
 impl Pieces {
-    /// Those of a table whose rows are still to be given; where parts are no rows, they are there.
-    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
-        let are_rows = understood.has_row_per_part();
-        let block = (!are_rows).then(|| Box::new(gathered(understood)));
-        let queue = Queue { source: Source::Block(block), records: 0, lines: 0 };
-        Self { setup: Setup::of(understood, want), are_rows, queue }
-    }
-
     /// Those of a closed table whose rows are still to be given.
     pub(crate) fn of_setup(setup: Setup) -> Self {
-        let queue = Queue { source: Source::Block(None), records: 0, lines: 0 };
-        Self { setup, are_rows: true, queue }
+        let none: Records = Box::new(std::iter::empty());
+        let queue = Queue { source: Source::Records(none.peekable()), records: 0, lines: 0 };
+        Self { setup, queue }
     }
 
-    /// The contract of a closed table.
-    pub(crate) fn contract(&self) -> Option<&Contract> {
-        self.setup.contract.as_deref()
-    }
-
-    fn give(&mut self, source: Source) {
-        if self.are_rows {
-            self.queue.source = source;
-        }
+    /// The contract of the table.
+    pub(crate) fn contract(&self) -> &Contract {
+        &self.setup.contract
     }
 
     /// Gives the rows as text behind so many lines, in chunks.
@@ -131,22 +110,18 @@ impl Pieces {
         chunks.separator = self.setup.separator;
         self.setup.is_even = true;
         self.queue.lines = lines;
-        self.give(Source::Chunks(chunks));
+        self.queue.source = Source::Chunks(chunks);
     }
 
-    /// Gives the rows as records, with the text that they stand in, if they do.
-    pub(crate) fn give_records(
-        &mut self,
-        records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
-        text: Option<Arc<Text>>,
-    ) {
+    /// Gives the rows as records.
+    pub(crate) fn give_records(&mut self, records: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static) {
         let records: Records = Box::new(records);
-        self.give(Source::Records(records.peekable(), text));
+        self.queue.source = Source::Records(records.peekable());
     }
 
     /// Gives the rows of a Parquet file.
     pub(crate) fn give_file(&mut self, file: ParquetTable) {
-        self.give(Source::Parquet(file));
+        self.queue.source = Source::Parquet(file);
     }
 
     /// The reader of rows that workers share, and what they take.
@@ -177,14 +152,13 @@ impl Queue {
                     self.records += records_in(&piece.bytes, holds, rows.separator());
                 }
             }
-            Source::Records(records, text) => {
+            Source::Records(records) => {
                 if let Some(Err(problem)) = records.next_if(Result::is_err) {
                     return Err(as_io(&problem));
                 }
                 piece.block = Block::default();
-                let text = text.as_ref().map(|text| text.text.as_str());
                 for record in std::iter::from_fn(|| records.next_if(Result::is_ok)).take(TOGETHER).flatten() {
-                    rows.record(&record, text, &mut piece.block);
+                    rows.record(&record, &mut piece.block);
                 }
                 self.records += piece.block.record_count;
                 return Ok(piece.block.record_count > 0);
@@ -195,10 +169,6 @@ impl Queue {
                 let Some(stored) = stored else { return Ok(false) };
                 piece.records_before = stored.before;
                 piece.holds = Holds::Stored(stored);
-            }
-            Source::Block(block) => {
-                let Some(block) = block.take() else { return Ok(false) };
-                piece.block = *block;
             }
         }
         Ok(true)
@@ -214,9 +184,6 @@ impl Piece {
             Holds::Block => {}
         }
         self.block.ends = self.block.values.iter().map(DeviationValues::ends).collect();
-        let mut extremes = Extremes::default();
-        extremes.add(rows, &self.block);
-        self.block.statistics = extremes.doubted;
     }
 }
 

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::ledger::LeftOut;
 use super::ledger::OF_FORMAT;
-use super::names::names_page;
 use crate::quantity::shown;
 
 /// How many lines between rows are kept.
@@ -26,8 +25,6 @@ pub struct Reading {
     pub encoding: Option<String>,
     /// `point` or `comma`; `None` if no number has decimals, or none is text.
     pub decimal_mark: Option<&'static str>,
-    /// What settled the decimal mark.
-    pub settled_by: Option<String>,
     /// Whether parts are `rows` or `columns`.
     pub parts_in: &'static str,
     /// What a row or column is: `part`, `space`, `tooth`.
@@ -42,8 +39,7 @@ pub struct Reading {
     pub asides: Vec<AsideReading>,
     /// What was assumed, and what is worth a look.
     pub notes: Vec<String>,
-    /// The rules of the contract, with what each left out; none without a contract.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    /// The rules of the contract, with what each left out.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -56,8 +52,6 @@ pub struct ColumnReading {
     pub role: String,
     /// The unit of its numbers.
     pub unit: Option<String>,
-    /// Whether the unit is assumed, because nothing says it.
-    pub unit_is_assumed: bool,
     /// `measured` or `deviation`.
     pub holds: Option<&'static str>,
     /// The nominal value, in words.
@@ -83,44 +77,14 @@ pub struct AsideReading {
 }
 
 impl Reading {
-    /// Whether the table was read by a contract, so that everything in it has an owner.
-    #[must_use]
-    pub fn is_by_contract(&self) -> bool {
-        !self.left_out.is_empty()
-    }
-
-    /// What is to be known before the result is trusted: what is worth a look, and which units are assumed.
+    /// What is to be known before the result is trusted: what is worth a look, and what was left out.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let assumed = self.columns.iter().filter(|column| column.unit_is_assumed);
-        let assumed =
-            assumed.map(|column| format!("`{}` {}", column.title, column.unit.as_deref().unwrap_or_default()));
-        let assumed = self.sentence("units assumed, because nothing tells them:", &assumed.collect::<Vec<_>>(), "");
         // what its format says is nobody's rule
         let is_rule = |rule: &&LeftOut| rule.tally.count > 0 && rule.rule != OF_FORMAT;
         let used = self.left_out.iter().filter(is_rule).map(ToString::to_string);
         let left_out = self.sentence("left out:", &used.collect::<Vec<_>>(), "");
-        let pages = self.missing_page().filter(|_| self.left_out.is_empty());
-        self.notes.iter().cloned().chain(assumed).chain(left_out).chain(pages).collect()
-    }
-
-    /// That lines beside the rows count more pages than there are: `Seite 1 von 2`, and no second one.
-    fn missing_page(&self) -> Option<String> {
-        // a line may begin with the number of the report
-        let numbers = |aside: &AsideReading| {
-            let words: Vec<&str> = aside.text.split_whitespace().collect();
-            let page = (0..words.len()).map(|at| words[at..].join(" ")).find(|page| names_page(page))?;
-            let numbers = page.split(|c: char| !c.is_ascii_digit()).filter_map(|number| number.parse().ok());
-            <[u32; 2]>::try_from(numbers.collect::<Vec<_>>()).ok()
-        };
-        let pages = || self.asides.iter().filter_map(numbers).filter(|_| self.asides.len() < ASIDES_KEPT);
-        let ([first, _], [last, all]) = (pages().min()?, pages().max()?);
-        let which = match (first > 1, last < all) {
-            (_, true) => format!("ends with page {last} of {all}"),
-            (true, _) => format!("begins with page {first} of {all}"),
-            _ => return None,
-        };
-        Some(format!("{}: it {which}: parts on other pages are not judged", self.file))
+        self.notes.iter().cloned().chain(left_out).collect()
     }
 
     fn sentence(&self, what: &str, each: &[String], more: &str) -> Option<String> {
@@ -153,7 +117,7 @@ impl fmt::Display for ColumnReading {
         }
         f.write_str(&self.role)?;
         if let Some(unit) = &self.unit {
-            write!(f, " [{unit}{}]", if self.unit_is_assumed { ", assumed" } else { "" })?;
+            write!(f, " [{unit}]")?;
         }
         if let Some(holds) = self.holds {
             write!(f, " {holds}")?;
@@ -175,10 +139,8 @@ impl fmt::Display for Reading {
         if let Some(encoding) = &self.encoding {
             write!(f, ", {encoding}")?;
         }
-        match (self.decimal_mark, &self.settled_by) {
-            (None, _) => {}
-            (Some(mark), None) => write!(f, ", decimal {mark}")?,
-            (Some(mark), Some(by)) => write!(f, ", decimal {mark} ({by})")?,
+        if let Some(mark) = self.decimal_mark {
+            write!(f, ", decimal {mark}")?;
         }
         if let Some(line) = self.header_line {
             write!(f, ", names in line {line}")?;

@@ -3,10 +3,10 @@
 
 use super::cell::{Cell, Record};
 use super::contract::{Open, line_of};
-use super::grid::{Separator, records};
+use super::field::Beside as Role;
+use super::grid::separated;
 use super::layout::{Layout, Parts};
 use super::ledger::Tally;
-use super::names::Role;
 
 /// A report as a table with a row per characteristic.
 pub(crate) struct Report {
@@ -71,7 +71,7 @@ fn is_calypso(text: &str) -> bool {
 }
 
 fn calypso(text: &str, layout: &Layout) -> Report {
-    let mut records = records(text, Separator::TAB).unwrap_or_default();
+    let mut records = separated(text.as_bytes(), b'\t', true, 0).0;
     let mut said = Tally::default();
     records.retain(|record| {
         let is_end = line_of(record) == "END";
@@ -192,6 +192,11 @@ impl Pcdmis<'_> {
         let words: Vec<&str> = line.split_whitespace().collect();
         if words[0] == "AX" && words.contains(&"MEAS") {
             return self.heading(&words[1..], line, number);
+        }
+        // two of them in a line
+        let heads: Vec<&str> = line.split("  ").map(str::trim).filter(|head| !head.is_empty()).collect();
+        if heads.len() > 1 && heads.iter().all(|head| head.contains(':')) {
+            return heads.into_iter().for_each(|head| self.line(head, number));
         }
         if self.head(line, number) {
             return;

@@ -2,35 +2,24 @@
 //! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
 //! workers share it.
 
-mod aside;
 mod contract;
-mod contradiction;
-mod extremes;
 mod stored;
 
-pub(crate) use extremes::Extremes;
+pub(crate) use contract::Doubtful;
 pub(crate) use stored::stored_record;
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::block::{Block, Contradiction, Span, Unsettled, line_of, span_end};
+use super::block::{Block, Span, Unsettled, line_of, span_end};
 use super::cell::{Cell, Content, Record};
 use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::contract::Contract;
 use super::encoding::text;
-use super::grid::Separator;
-use super::reading::AsideReading;
-use super::rejection::{self, Rejection, STRUCK, rejection};
-use super::shape::{PartNames, Remarks};
 use super::split::{Field, next_record};
-use super::understand::Understood;
-use super::unknown::speaks_of_value;
-use super::want::Want;
-use crate::deviation::DeviationValue;
+use crate::deviation::{DeviationValue, DeviationValues};
 use crate::quantity::{Decimal, shown};
-use aside::may_be_statistic;
 
 /// A column of which plain numbers say all.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +38,6 @@ enum PlainField {
     /// Without a heading: nothing may stand there.
     Nameless,
     Id,
-    /// The first that is no value, where parts have no names.
-    Label,
     Value(PlainColumn),
 }
 
@@ -86,73 +73,17 @@ pub(crate) struct Setup {
     pub(crate) separator: u8,
     /// Whether a row has as many cells as the header, as in a text with separators.
     pub(crate) is_even: bool,
-    /// The fields that hold no numbers as far as the table was looked at, and would be measurements if they did.
-    pub(crate) watched: Vec<usize>,
-    /// The fields that may hold remarks.
-    pub(crate) remarks: Vec<Remarks>,
-    pub(crate) names: PartNames,
-    /// What the user leaves out.
-    pub(crate) want: Want,
-    /// The contract by which rows are read, if there is one.
-    pub(crate) contract: Option<Arc<Contract>>,
+    /// The contract by which rows are read.
+    pub(crate) contract: Arc<Contract>,
 }
 
 /// What is wanted of rows besides their values.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Wanted {
-    /// Which columns are needed.
-    pub(crate) needed: Vec<bool>,
     /// The fields that are copied.
     pub(crate) copied: Vec<usize>,
     /// Whether rows are kept as they stand.
     pub(crate) keeps_raw: bool,
-}
-
-impl Setup {
-    pub(crate) fn of(understood: &Understood, want: &Want) -> Self {
-        let Understood { shape, columns, mark, separator, .. } = understood;
-        let mut columns = columns.clone();
-        for column in &mut columns {
-            column.mark_is_open = mark.is_none();
-        }
-        Self {
-            columns,
-            titles: shape.header.iter().map(|cell| cell.text().into_owned()).collect(),
-            id: shape.ids.as_ref().map(|ids| ids.place),
-            index: shape.index.as_ref().map(|index| index.place),
-            separator: separator.map_or(b',', Separator::byte),
-            is_even: matches!(separator, Some(Separator::Character(_))),
-            watched: shape.watched(want),
-            remarks: shape.remarks(want),
-            names: shape.part_names(),
-            want: want.clone(),
-            contract: None,
-        }
-    }
-
-    /// Of a closed table; `separator` is that of a text with one.
-    pub(crate) fn by_contract(
-        contract: Arc<Contract>,
-        columns: Vec<Column>,
-        titles: Vec<String>,
-        id: Option<usize>,
-        separator: Option<u8>,
-        want: &Want,
-    ) -> Self {
-        Self {
-            columns,
-            titles,
-            id,
-            index: None,
-            separator: separator.unwrap_or(b','),
-            is_even: separator.is_some(),
-            watched: Vec::new(),
-            remarks: Vec::new(),
-            names: PartNames::default(),
-            want: want.clone(),
-            contract: Some(contract),
-        }
-    }
 }
 
 impl PlainRow {
@@ -164,15 +95,9 @@ impl PlainRow {
         for column in columns {
             *row.fields.get_mut(column.place)? = PlainField::Value(*column);
         }
-        if let Some(contract) = &setup.contract {
-            contract.plain_fields(&mut row.fields);
-        }
+        setup.contract.plain_fields(&mut row.fields);
         if let Some(id) = setup.id {
             *row.fields.get_mut(id)? = PlainField::Id;
-        } else if setup.contract.is_some() {
-            // rows without names are told by their values alone
-        } else if let Some(field) = row.fields.iter_mut().find(|field| matches!(field, PlainField::Skipped)) {
-            *field = PlainField::Label;
         }
         (setup.is_even && !row.fields.is_empty()).then_some(row)
     }
@@ -180,25 +105,14 @@ impl PlainRow {
 
 impl Rows {
     pub(crate) fn new(setup: Setup, wanted: Wanted) -> Self {
-        let mut rows = Self { setup, wanted, plain_columns: None, plain: None };
-        if rows.setup.contract.is_some() {
-            // what nobody reads is not owned
-            rows.wanted.needed = vec![true; rows.setup.columns.len()];
-        }
-        let has_status = rows.setup.contract.as_ref().is_some_and(|contract| contract.status().is_some());
-        let is_plain =
-            !has_status && rows.setup.index.is_none() && rows.wanted.copied.is_empty() && rows.setup.watched.is_empty();
+        let has_status = setup.contract.status().is_some();
+        let is_plain = !has_status && setup.index.is_none() && wanted.copied.is_empty();
         let column = |(number, column): (usize, &Column)| {
             Some(PlainColumn { number, place: column.place, numbers: column.plain()? })
         };
-        rows.plain_columns = rows.needed().map(column).collect::<Option<_>>().filter(|_| is_plain);
-        rows.plain = rows.plain_columns.as_ref().and_then(|columns| PlainRow::of(&rows.setup, columns));
-        rows
-    }
-
-    /// The columns that are needed, and their numbers.
-    fn needed(&self) -> impl Iterator<Item = (usize, &Column)> {
-        self.setup.columns.iter().enumerate().filter(|(number, _)| self.wanted.needed[*number])
+        let columns = setup.columns.iter().enumerate().map(column).collect::<Option<Vec<_>>>().filter(|_| is_plain);
+        let plain = columns.as_ref().and_then(|columns| PlainRow::of(&setup, columns));
+        Self { setup, wanted, plain_columns: columns, plain }
     }
 
     /// Whether parts have names.
@@ -256,7 +170,7 @@ impl Rows {
                 self.refuse(line, raw, block, "", message);
             } else {
                 let record = Record::new(cells(&block.text, &fields), line);
-                self.row(&record, raw, block);
+                self.owned_row(&record, raw, block);
             }
             block.line_count += found.lines;
             at = found.next;
@@ -269,9 +183,7 @@ impl Rows {
     fn plain_row(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
         // a line without a character is no record
         let first = block.text[unread.start];
-        if matches!(first, b'\n' | b'\r')
-            || self.setup.contract.as_ref().is_some_and(|contract| contract.may_cover(first))
-        {
+        if matches!(first, b'\n' | b'\r') || self.setup.contract.may_cover(first) {
             return None;
         }
         let start = block.rows();
@@ -312,24 +224,14 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
-                // a remark that is new may hold a value, or say that the part does not count
-                if self.setup.remarks.iter().any(|remarks| remarks.place == index && remarks.is_new(text)) {
-                    return None;
-                }
-                match (&self.setup.contract, field) {
-                    (Some(_), PlainField::LeftOut(rule)) => {
+                match field {
+                    PlainField::LeftOut(rule) => {
                         let span = Span { start: span_end(start), end: span_end(at) };
                         unsettled.push(Unsettled { rule: *rule, place: index, span });
                     }
-                    (Some(_), PlainField::Nameless) if !text.trim_ascii().is_empty() => return None,
-                    (Some(_), PlainField::Id) if !Contract::is_plain_name(text) => return None,
+                    PlainField::Nameless if !text.trim_ascii().is_empty() => return None,
+                    PlainField::Id if !Contract::is_plain_name(text) => return None,
                     _ => {}
-                }
-                let says_what = self.setup.contract.is_none() && matches!(field, PlainField::Id | PlainField::Label);
-                if says_what
-                    && (text.is_empty() || matches!(text[0], b'=' | b'*' | b'`' | b'~') || may_be_statistic(text))
-                {
-                    return None;
                 }
                 if matches!(field, PlainField::Id) {
                     names.push(Span { start: span_end(start), end: span_end(at) });
@@ -356,8 +258,8 @@ impl Rows {
         }
     }
 
-    /// A record of a file that has cells of its own, or of a short `text`.
-    pub(crate) fn record(&self, record: &Record, text: Option<&str>, block: &mut Block) {
+    /// A record of a file that has cells of its own, or of a short text.
+    pub(crate) fn record(&self, record: &Record, block: &mut Block) {
         if block.contradiction.is_some() {
             return;
         }
@@ -365,99 +267,12 @@ impl Rows {
             block.start_columns(self.setup.columns.iter().map(Column::nothing));
         }
         block.record_count += 1;
-        let raw = match text {
-            _ if !self.wanted.keeps_raw => Span::default(),
-            Some(text) => block.append(&record.line_in(text)),
-            None => block.append(&line_of(record.cells.iter().map(Cell::text))),
+        let raw = if self.wanted.keeps_raw {
+            block.append(&line_of(record.cells.iter().map(Cell::text)))
+        } else {
+            Span::default()
         };
-        self.row(record, raw, block);
-    }
-
-    /// A record with its cells found: a part, or why it is none.
-    fn row(&self, record: &Record, raw: Span, block: &mut Block) {
-        if let Some(contract) = &self.setup.contract {
-            return self.owned_row(contract, record, raw, block);
-        }
-        if record.cells.iter().all(Cell::is_empty) {
-            block.blank_lines += 1;
-            return;
-        }
-        if let Some(contradiction) = self.contradiction(record) {
-            block.contradiction.get_or_insert(contradiction);
-            return;
-        }
-        if record.says_nothing() || self.is_aside(record) {
-            let words = Cell::of_text(&record.in_words(), 0..0);
-            rejection::add(&mut block.rejections, rejection("a line", [&words], false));
-            block.asides.push(AsideReading { line: record.line, text: record.in_words() });
-            let is_statistic = record.numbers() > 0 && self.statistic(record).is_some();
-            block.statistics.extend(is_statistic.then(|| record.clone()));
-            return;
-        }
-        if let Some(message) = self.misfit(record) {
-            return self.refuse(record.line, raw, block, &record.in_words(), message);
-        }
-        self.values_of(record, raw, block);
-    }
-
-    /// A record that is a part: its name and its values.
-    fn values_of(&self, record: &Record, raw: Span, block: &mut Block) {
-        start(record.line, raw, block);
-        rejection::add(&mut block.rejections, self.rejections(record));
-        if let Some(place) = self.setup.id {
-            let name = block.append(record.cell(place).text().as_bytes());
-            block.names.push(name);
-        }
-        for place in &self.wanted.copied {
-            let copied = block.append(record.cell(*place).text().as_bytes());
-            block.copied.push(copied);
-        }
-        for (number, column) in self.needed() {
-            let cell = record.cell(column.place);
-            put(block, number, column, cell, column.read(cell, column.beside_in(record)));
-        }
-        if let Some(index) = self.setup.index {
-            take_index(block, record.cell(index));
-        }
-    }
-
-    /// What new remarks say against the part of a record, or its name that is struck through.
-    fn rejections(&self, record: &Record) -> impl Iterator<Item = Rejection> {
-        let name = self.setup.id.and_then(|id| Some((self.setup.titles.get(id)?, record.cells.get(id)?)));
-        let struck = name.filter(|(_, name)| name.text().starts_with(STRUCK));
-        let struck = struck.and_then(|(title, name)| rejection(title, [name], false));
-        let said = self.setup.remarks.iter().filter_map(|remarks| {
-            let cell = record.cells.get(remarks.place).filter(|cell| remarks.is_new(cell.text().as_bytes()))?;
-            rejection(self.setup.titles.get(remarks.place)?, [cell], remarks.are_verdicts)
-        });
-        said.chain(struck)
-    }
-
-    /// Why the cells of a record are not those of a row.
-    fn misfit(&self, record: &Record) -> Option<String> {
-        if let Some(line) = swallowed(record, self.setup.separator) {
-            return Some(format!("a cell holds a line break and then `{line}`: a quote may be missing"));
-        }
-        let (width, is_even) = (self.setup.titles.len(), self.setup.is_even);
-        // beside a sheet's table, words are remarks and numbers are values
-        let is_value = |cell: &Cell| cell.is_number() || speaks_of_value(&cell.text());
-        let is_beyond = |cell: &Cell| if is_even { !cell.is_empty() } else { is_value(cell) };
-        let is_wrong = record.cells.iter().skip(width).any(is_beyond)
-            || is_even && record.cells.len() < width
-            || record.cells.len() > width && self.has_decimal_comma(record);
-        is_wrong.then(|| format!("the row has {} fields and the header has {width}", record.cells.len()))
-    }
-
-    /// Whether commas between cells have cut a number, so that a name or a fraction stands behind a whole one: `24.998,0,412,JS`.
-    fn has_decimal_comma(&self, record: &Record) -> bool {
-        let is_value = |place: usize| self.setup.columns.iter().any(|column| column.place == place);
-        let is_whole = |cell: &Cell| !cell.is_empty() && cell.is_whole();
-        let is_cut = |column: &Column| {
-            let (cell, next) = (record.cell(column.place), record.cell(column.place + 1));
-            let is_fraction = next.text().starts_with('0') && next.text().len() > 1;
-            is_whole(cell) && is_whole(next) && (is_fraction || !is_value(column.place + 1))
-        };
-        self.setup.separator == b',' && self.setup.columns.iter().any(is_cut)
+        self.owned_row(record, raw, block);
     }
 
     /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.
@@ -467,9 +282,7 @@ impl Rows {
             block.names.push(Span::default());
         }
         block.copied.extend(std::iter::repeat_n(Span::default(), self.wanted.copied.len()));
-        for (number, _) in self.needed() {
-            block.values[number].push_nothing();
-        }
+        block.values.iter_mut().for_each(DeviationValues::push_nothing);
         if self.setup.index.is_some() {
             block.index.push(None);
         }
@@ -514,17 +327,7 @@ pub(crate) fn put(
         Ok(Some(value)) if block.values[number].push(value) => return,
         Ok(Some(value)) => format!("{value} is of another dimension than the values of the column"),
         Ok(None) => missing(column, cell),
-        Err(problem) => {
-            if let Problem::Mark { help, .. } = problem {
-                block.contradiction.get_or_insert_with(|| Contradiction {
-                    line: block.lines.last().copied().unwrap_or(0),
-                    column: column.title.clone(),
-                    message: problem.message(),
-                    help,
-                });
-            }
-            problem.message()
-        }
+        Err(problem) => problem.message(),
     };
     block.values[number].push_nothing();
     block.fault(Some(number), is_missing, &shown(&cell.text()), fault);

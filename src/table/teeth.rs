@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::block::{Block, Fault};
 use super::column::{Column, Nominal, is_rack};
-use super::names::{Field, ValueKind};
+use super::field::{Field, ValueKind};
 use super::{Container, Reading, Source, Table, Want};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -455,9 +455,6 @@ pub struct TeethTable {
 pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<TeethTable, Diagnostics> {
     let want = Want { teeth: Some(true), ..want.clone() };
     let table = Container::open(name, source, &want)?.table(name, &want)?;
-    if let Some(refused) = super::refusal(&table.strangers, &table.to_be_named) {
-        return Err(refused.into());
-    }
     let gatherer = Gatherer::new(&table)?;
     let reading = table.reading.clone();
     let bad = |message: String| Diagnostic::error(Code::BadTable, message);

@@ -59,7 +59,7 @@ impl Case {
         };
         let nominals = ["nominal = 25", "", "", "nominal = 8.5", ""];
         let entries: String = nominals.into_iter().enumerate().map(|(error, nominal)| entry(error, nominal)).collect();
-        format!("{}[errors]\n{entries}[batch.columns]\nrack_pitch = {{ unit = \"um\" }}\n", self.base())
+        format!("{}[errors]\n{entries}[table.columns]\nrack_pitch = {{ unit = \"um\" }}\n", self.base())
     }
 }
 
@@ -356,7 +356,7 @@ fn check_uncertain(parts: &[[String; 5]], stack: Stack, rule: &str) -> Outcome {
     let spec = UNCERTAIN.to_owned()
         + "rack_over_roller = { nominal = 25, u = \"0.8 um\" }\nrack_pitch = { U = \"1.6 um\", k = 2 }\n\
            rack_lead = { u = \"0.1 arcmin\", dof = 9 }\npinion_radial = { nominal = 8.5, u = \"0.9 um\" }\n\
-           pinion_pitch = { u = \"0.7 um\" }\n[batch.columns]\nrack_pitch = { unit = \"um\" }\n";
+           pinion_pitch = { u = \"0.7 um\" }\n[table.columns]\nrack_pitch = { unit = \"um\" }\n";
     let mut table = format!("part_id,{}\n", COLUMNS.join(","));
     for (index, values) in parts.iter().enumerate() {
         let _ = writeln!(table, "P{index},{}", values.join(","));

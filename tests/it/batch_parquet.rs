@@ -29,7 +29,7 @@ impl std::io::Write for Memory {
 const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.8\n\
                     [errors]\nrack_over_roller = { nominal = 25.0 }\npinion_radial = { nominal = 8.5 }\n\
                     [limits]\ncenter_distance = \"±0.05\"\nrack_over_roller = \"±0.01\"\n\
-                    [batch.columns]\nrack_pitch = { unit = \"um\" }\n";
+                    [table.columns]\nrack_pitch = { unit = \"um\" }\n";
 const NAMES: [&str; 5] = ["part_id", "rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial"];
 
 /// Numbers of ten-thousandths, by a generator of its own; a tenth of the sizes lies on the limit.

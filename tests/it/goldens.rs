@@ -412,7 +412,7 @@ fn page(inputs: &Inputs, index: usize) -> Subject {
     (name, vec![format!("report {files} --to 20{how}")])
 }
 
-/// What a column of a table of parts holds: the error, the heading, its name in `[batch.columns]` if the heading is not
+/// What a column of a table of parts holds: the error, the heading, its name in `[table.columns]` if the heading is not
 /// understood, and in units of the last digit the nominal value and a micrometre (of an angle, what moves the centre
 /// distance about as far); the last is the number of decimals.
 type Column = (&'static str, &'static str, &'static str, i32, i32, u32);
@@ -493,7 +493,7 @@ fn spec_of_lot(random: &mut Random, columns: &[Column], [lower, upper]: [i32; 2]
     if random.one_in(3) {
         spec += "rack_over_roller = \"±0.02\"\n";
     }
-    let (mut errors, mut names) = ("[errors]\n".to_owned(), "[batch.columns]\npart_id = \"part_id\"\n".to_owned());
+    let (mut errors, mut names) = ("[errors]\n".to_owned(), "[table.columns]\npart_id = \"part_id\"\n".to_owned());
     for &(key, _, name, nominal, _, decimals) in columns {
         let u = if uncertain && key != "rack_lead" {
             format!("u = \"{} um\"", random.hundredths(20, 200))

@@ -34,7 +34,6 @@ mod readme;
 mod set;
 mod spec;
 mod stability;
-mod table_properties;
 mod tables;
 mod teeth;
 mod through;

@@ -96,7 +96,7 @@ fn tables_count_what_is_suspicious_and_reject_what_is_impossible() {
     let table = folder.path("parts.csv");
     let limits = "[errors]\nrack_over_roller = { nominal = 0 }\n[limits]\ncenter_distance = \"±50 um\"\n";
     let column =
-        "[batch.columns]\nrack_over_roller = { kind = \"deviation\" }\n[limits]\ncenter_distance = \"±50 um\"\n";
+        "[table.columns]\nrack_over_roller = { kind = \"deviation\" }\n[limits]\ncenter_distance = \"±50 um\"\n";
     std::fs::write(&table, TABLE).expect("written");
     for columns in [limits, column] {
         std::fs::write(&spec, columns).expect("written");

@@ -99,7 +99,7 @@ fn every_key_has_a_place_and_says_what_it_holds() {
         assert!(!key.holds.is_empty() && key.doc.ends_with('.'), "{key:?}");
     }
     for path in
-        ["title", "rack.face_width", "rack.tip_relief.amount", "batch.columns.rack_lead.length", "scatter.rack_pitch"]
+        ["title", "rack.face_width", "rack.tip_relief.amount", "table.columns.rack_lead.length", "scatter.rack_pitch"]
     {
         assert!(keys.iter().any(|key| key.path == path), "{path}");
     }

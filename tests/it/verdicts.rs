@@ -235,7 +235,7 @@ fn a_column_says_on_which_teeth_its_values_are() {
     let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
     std::fs::write(&table, "part_id,fp max\nA,0.012\n").expect("written");
     let write = |errors: &str| {
-        let columns = "[batch.columns]\nrack_pitch = { name = \"fp max\", unit = \"mm\", extent = \"each\" }\n";
+        let columns = "[table.columns]\nrack_pitch = { name = \"fp max\", unit = \"mm\", extent = \"each\" }\n";
         let text = format!("{PAPER}[errors]\n{errors}\n{columns}[limits]\ncenter_distance = \"±0.04\"\n");
         std::fs::write(&file, text).expect("written");
     };
@@ -269,7 +269,7 @@ fn a_column_that_is_not_there_says_nothing() {
     let folder = Folder::new("column-extents-lacking");
     let (file, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
     std::fs::write(&table, "part_id,rack_over_roller\nA,0.012\n").expect("written");
-    let text = "[errors]\npinion_radial = { value = 0.004, every_part = true }\n[batch.columns]\npinion_radial = { extent = \"all\" }\n";
+    let text = "[errors]\npinion_radial = { value = 0.004, every_part = true }\n[table.columns]\npinion_radial = { extent = \"all\" }\n";
     std::fs::write(&file, text).expect("written");
     let ranges = (0.012, 0.016);
     let row = run(&["batch", &file, &table, "--format", "jsonl"], "").json();
@@ -288,16 +288,16 @@ fn columns_and_errors_say_the_same() {
     std::fs::write(&table, "part_id,rack_pitch\nA,0.012\n").expect("written");
     for entry in ["{ extent = \"one\" }", "{ nominal = 0, extent = \"one\" }", "{ u = \"1 um\", extent = \"one\" }"] {
         let text =
-            format!("{PAPER}[errors]\nrack_pitch = {entry}\n[batch.columns]\nrack_pitch = {{ extent = \"each\" }}\n");
+            format!("{PAPER}[errors]\nrack_pitch = {entry}\n[table.columns]\nrack_pitch = {{ extent = \"each\" }}\n");
         std::fs::write(&file, &text).expect("written");
         for command in ["batch", "paste", "report"] {
             let ended = run(&[command, &file, &table], "");
-            let why = "`errors.rack_pitch.extent` is \"one\" and `batch.columns.rack_pitch.extent` is \"each\"";
+            let why = "`errors.rack_pitch.extent` is \"one\" and `table.columns.rack_pitch.extent` is \"each\"";
             assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{command} {entry}");
             assert!(ended.stderr.contains(why) && ended.stderr.contains("spec.toml:16:25"), "{}", ended.stderr);
         }
     }
-    let total = "[batch.columns]\nrack_over_roller = { extent = \"total\" }\n";
+    let total = "[table.columns]\nrack_over_roller = { extent = \"total\" }\n";
     std::fs::write(&file, total).expect("written");
     let ended = run(&["batch", &file, &table], "");
     assert!(ended.stderr.contains("spec.toml:2:31"), "{}", ended.stderr);

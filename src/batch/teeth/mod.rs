@@ -205,8 +205,7 @@ impl<'a> Teeth<'a> {
         reading: &mut Reading,
     ) -> Result<Vec<ToothedPart>, RunError> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
-        let needed = vec![true; table.columns.len()];
-        for block in table.rows(Wanted { needed, copied: Vec::new(), keeps_raw }) {
+        for block in table.rows(Wanted { copied: Vec::new(), keeps_raw }) {
             let block = block.map_err(RunError::Read)?;
             gatherer.take(&block, keeps_raw);
             block.tell(reading);

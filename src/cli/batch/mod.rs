@@ -144,7 +144,7 @@ impl Args {
         let mut begun = self.begin(junit, &inputs, &spec)?;
         let interruption = signals::interrupted(output);
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
-        let opener = Opener { teeth: Some(self.teeth), ..opener }.judged_by(&self.judge.rule(&spec));
+        let opener = Opener { teeth: Some(self.teeth), ..opener };
         let nothing = || {
             let ending = Ending {
                 spec: &spec,

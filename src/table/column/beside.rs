@@ -1,16 +1,13 @@
 //! What stands beside a value: the deviation and the tolerances that it is held against, and to how many digits.
 
-use super::unit::unknown_unit;
-use super::{Column, Companion, Nominal, Problem, SMALLEST_DIGIT, is_limit, unit_of};
+use super::{Column, Nominal, Problem, SMALLEST_DIGIT, unit_of};
 use crate::deviation::DeviationValue;
-use crate::diagnostic::Diagnostic;
-use crate::quantity::{Decimal, Length, LengthUnit, Unit};
+use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::companions::Companions;
+use crate::table::field::Beside as Role;
 use crate::table::grid::unit_in;
-use crate::table::names::Role;
 use crate::table::number::{normalise, quantity};
-use crate::table::shape::Measurement;
 
 impl Column {
     /// What stands beside its value in a record.
@@ -25,43 +22,7 @@ impl Column {
         role: Role,
     ) -> Result<Option<DeviationValue>, Problem> {
         let cell = beside.get(role).filter(|cell| !cell.is_missing());
-        let cell = cell.filter(|cell| role != Role::Nominal || !is_limit(&cell.text()));
         cell.map(|cell| self.quantity_in(cell, self.unit_beside(role))).transpose()
-    }
-
-    /// Whether every value is far below the tolerances beside it, as it is if it has another unit than they.
-    pub(crate) fn is_far_below_tolerance(&self, measurement: &Measurement) -> bool {
-        const TIMES: f64 = 500.0;
-        let rows = || measurement.value.cells.iter().enumerate().map(|(row, cell)| (cell, measurement.beside_row(row)));
-        let widest = rows().map(|(_, beside)| self.widest(&beside).unwrap_or(0.0)).fold(0.0, f64::max);
-        if widest == 0.0 {
-            return false;
-        }
-        let read = rows().filter_map(|(cell, beside)| self.read(cell, beside).ok().flatten());
-        let largest = read.map(|value| value.base().abs()).fold(0.0, f64::max);
-        largest > 0.0 && TIMES * largest < widest
-    }
-
-    /// What tells of deviations in micrometres that some are in millimetres: all are below what anybody measures, or one has three
-    /// decimals among whole numbers.
-    pub(crate) fn is_too_fine(&self, measurement: &Measurement) -> Option<String> {
-        const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
-        if self.unit != Unit::Length(LengthUnit::Micrometre) || self.nominal != Nominal::None {
-            return None;
-        }
-        let values = measurement.value.cells.iter().filter(|cell| !cell.is_missing());
-        let read = |cell: &&Cell| Some((self.quantity(cell).ok().filter(|value| !value.is_zero())?, (*cell).clone()));
-        let values: Vec<(DeviationValue, Cell)> = values.filter_map(|cell| read(&cell)).collect();
-        let is_below =
-            |value: &DeviationValue| matches!(value, DeviationValue::Length(length) if length.abs() < LEAST_MEASURED);
-        if !values.is_empty() && values.iter().all(|(value, _)| is_below(value)) {
-            return Some("every value is below 0.1 µm".to_owned());
-        }
-        let fine: Vec<&Cell> = values.iter().map(|(_, cell)| cell).filter(|cell| cell.is_fine()).collect();
-        let whole = values.iter().filter(|(_, cell)| !cell.has_decimals()).count();
-        let [one] = fine[..] else { return None };
-        (whole > 1 && whole + 1 == values.len())
-            .then(|| format!("`{}` has three decimals among whole numbers", one.text()))
     }
 
     /// The widest tolerance beside a value, mm or degrees: a limit of size, or an allowance from nominal.
@@ -152,27 +113,4 @@ impl Column {
         let digit = Decimal { negative: false, digits: 1, exponent };
         quantity(digit, own.unwrap_or(unit)).map_or(1.0, DeviationValue::base)
     }
-}
-
-/// What stands beside a value that counts; f_Hβ over a length is held against nothing.
-pub(super) fn companions(
-    measurement: &Measurement,
-    unit: Unit,
-    is_slope: bool,
-) -> Result<Companions<Companion>, Diagnostic> {
-    let of_value = [Role::Deviation, Role::Nominal, Role::Upper, Role::Lower, Role::Unit];
-    let roles = if is_slope { &[Role::Length, Role::Unit][..] } else { &of_value };
-    let mut beside = Companions::default();
-    for role in roles {
-        let Some(series) = measurement.beside.get(*role) else { continue };
-        let own = if *role == Role::Length { Unit::Length(LengthUnit::Millimetre) } else { unit };
-        let is_angle = matches!(own, Unit::Angle(_));
-        let named = |symbol: &str| if is_angle { Unit::of_angle(symbol) } else { unit_of(symbol, false) };
-        let unit = match series.unit.as_deref().filter(|_| *role != Role::Unit) {
-            None => own,
-            Some(symbol) => named(symbol).ok_or_else(|| unknown_unit(&series.title, symbol, is_angle))?,
-        };
-        beside.set(*role, Some(Companion { place: series.place, unit }));
-    }
-    Ok(beside)
 }

@@ -8,7 +8,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Angle, Unit, shown};
 use crate::table::cell::{Cell, Content};
 use crate::table::companions::Companions;
-use crate::table::names::{Field, Role, ValueKind};
+use crate::table::field::{Beside as Role, Field, ValueKind};
 use crate::table::number::DecimalMark;
 use crate::table::want::Want;
 

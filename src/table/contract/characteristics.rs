@@ -9,9 +9,9 @@ use super::owner::{Owner, line_of};
 use super::table::Tallies;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Role};
+use crate::table::field::{Beside, Field};
 use crate::table::layout::{Layout, Repeats};
 use crate::table::ledger::RowLedger;
-use crate::table::names::{Field, Role as Beside};
 
 /// What stands beside a value in a row of its characteristic.
 const BESIDE: [Beside; 6] =

@@ -9,10 +9,10 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
 use crate::quantity::{AngleUnit, Length, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
-use crate::table::column::{Column, Declared, UnitFrom, unit_of};
+use crate::table::column::{Column, Declared, Problem, UnitFrom, unit_of};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
+use crate::table::field::{Beside, Field};
 use crate::table::layout::Layout;
-use crate::table::names::{Field, Role as Beside};
 use crate::table::number::DecimalMark;
 use crate::table::want::Want;
 
@@ -193,7 +193,9 @@ fn mark(
             for (side, columns) in columns.iter().enumerate() {
                 let column = &columns[number];
                 strict[side] += u64::from(column.value(cell, column.beside_in(row)).is_ok());
-                lenient[side] += u64::from(column.read(cell, column.beside_in(row)).is_ok());
+                // how large a deviation may be settles nothing
+                let read = column.read(cell, column.beside_in(row));
+                lenient[side] += u64::from(matches!(read, Ok(_) | Err(Problem::TooLarge(_))));
             }
             example.get_or_insert_with(|| cell.text().into_owned());
         }

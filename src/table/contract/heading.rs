@@ -3,11 +3,11 @@
 
 use super::open::Open;
 use super::owner::{Owner, line_of};
-use crate::quantity::Unit;
+use crate::quantity::{Unit, shown};
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
+use crate::table::field::Beside;
 use crate::table::layout::Layout;
-use crate::table::names::Role as Beside;
 
 /// A table whose columns are looked at.
 #[derive(Debug, Default)]
@@ -20,6 +20,8 @@ pub(crate) struct Matched {
     pub(crate) units: Vec<(usize, Unit)>,
     /// The heading, as a line.
     pub(crate) heading: String,
+    /// The line of units below it.
+    pub(crate) units_line: String,
     pub(crate) line: u64,
     /// Everything that has no owner so far.
     pub(crate) open: Vec<Open>,
@@ -105,6 +107,10 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
             if let Some((_, other)) = roles.iter().find(|(other, _)| *other == role) {
                 found.open.push(Open::Twice { key: key(role), titles: [other.clone(), title.clone()] });
             }
+            if let Some(unit) = named.unit.as_ref().filter(|_| !has_unit(role)) {
+                let what = format!("`{}` is {}, and `{}` is a unit of no value", shown(&title), key(role), shown(unit));
+                found.open.push(Open::Wrong { what, help: "correct the heading".to_owned() });
+            }
             roles.push((role, title.clone()));
         }
         let first = || {
@@ -162,6 +168,17 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
         }
         Some(rule) => Ok(Some(Owner::Rule(rule))),
         None => Ok((layout.ignores_others && lookup(form, name).is_none()).then(|| Owner::Rule(layout.others()))),
+    }
+}
+
+/// Whether the cells of a role are in the unit of its heading.
+fn has_unit(role: Role) -> bool {
+    match role {
+        Role::Value(_) => true,
+        Role::Beside(_, of) | Role::Of(of) => {
+            !matches!(of, Beside::Unit | Beside::Part | Beside::Name | Beside::Status)
+        }
+        Role::PartId | Role::Status | Role::Index(_) => false,
     }
 }
 

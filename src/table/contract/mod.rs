@@ -23,9 +23,9 @@ use std::sync::Arc;
 
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
+use super::field::Field;
 use super::layout::{Layout, Repeats, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
-use super::names::Field;
 use crate::quantity::shown;
 
 /// A table of which every column has an owner. Only this one can be read.
@@ -37,6 +37,8 @@ pub(crate) struct Contract {
     pub(crate) titles: Vec<String>,
     /// The heading, as a line.
     heading: String,
+    /// The line of units below it; empty if there is none.
+    units: String,
     /// The first bytes of lines that a rule may leave out; `None` if any may be.
     first_bytes: Option<Vec<u8>>,
 }
@@ -92,10 +94,10 @@ impl Contract {
         if !matched.open.is_empty() {
             return Err(Box::new(matched));
         }
-        let Matched { owners, titles, heading, .. } = matched;
+        let Matched { owners, titles, heading, units_line, .. } = matched;
         let owners: Vec<Owner> = owners.into_iter().flatten().collect();
         let first_bytes = layout.ignore_lines.iter().map(|rule| rule.pattern.first_byte()).collect();
-        Ok(Self { layout: Arc::clone(layout), owners, titles, heading, first_bytes })
+        Ok(Self { layout: Arc::clone(layout), owners, titles, heading, units: units_line, first_bytes })
     }
 
     /// What the spec says of the table.
@@ -150,7 +152,8 @@ impl Contract {
 
     /// Whether a record is the heading again.
     pub(crate) fn is_heading(&self, record: &Record) -> bool {
-        line_of(record) == self.heading
+        let line = line_of(record);
+        line == self.heading || !self.units.is_empty() && line == self.units
     }
 
     /// Whether a record is another heading: two or more of its cells are.

@@ -17,10 +17,10 @@ use crate::table::column::{Column, Nominal, UnitFrom, is_rack, unit_of};
 use crate::table::companions::Companions;
 use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
+use crate::table::field::Beside;
 use crate::table::grid::only_units;
 use crate::table::layout::{Layout, Parts, Repeats};
 use crate::table::ledger::{LeftOut, Tally};
-use crate::table::names::Role as Beside;
 use crate::table::number::DecimalMark;
 use crate::table::pieces::{Pieces, Place};
 use crate::table::propose::{Proposal, Unclosed, generalised};
@@ -166,6 +166,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     columns.iter_mut().for_each(|column| file.tell_tolerance(column));
     if let Some(units) = units {
         own_units(units, &mut matched, &mut left_out);
+        matched.units_line = line_of(units);
     }
     open_to_others(&mut matched, &columns, &below, layout);
     if !matched.open.is_empty() {
@@ -281,7 +282,7 @@ fn no_values(matched: &Matched) -> Open {
 
 /// A line above a table that no rule leaves out.
 fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
-    let is_open = !record.filled().is_empty() && layout.covering(record).is_none();
+    let is_open = !record.says_nothing() && layout.covering(record).is_none();
     is_open.then(|| Open::Line { line: record.line, text: line_of(record) })
 }
 
@@ -392,7 +393,7 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
             let column = columns.iter().find(|column| column.place == place)?;
             let by_key = column.unit_from == UnitFrom::Key;
             let unit = format!("{}{}", column.unit.symbol(), if by_key { ", by its key" } else { "" });
-            Some(ColumnReading { unit: Some(unit), unit_is_assumed: false, ..column_reading_of(column) })
+            Some(ColumnReading { unit: Some(unit), ..column_reading_of(column) })
         }
         Owner::Role(Role::Beside(kind, beside @ (Beside::Upper | Beside::Lower | Beside::Uncertainty))) => {
             Some(named_only(title, &format!("{} of {}, not judged", beside.key(), kind.key())))
@@ -416,13 +417,18 @@ fn table(
     let (id, index) =
         (contract.place(|role| role == Role::PartId), contract.place(|role| matches!(role, Role::Index(_))));
     let may_repeat = contract.may_repeat() || is_teeth;
-    let setup =
-        Setup { index, ..Setup::by_contract(contract, columns.clone(), titles.clone(), id, file.separator, want) };
+    let setup = Setup {
+        columns: columns.clone(),
+        titles: titles.clone(),
+        id,
+        index,
+        separator: file.separator.unwrap_or(b','),
+        is_even: file.separator.is_some(),
+        contract,
+    };
     Table {
         name: file.name.into(),
         reading,
-        strangers: Vec::new(),
-        to_be_named: Vec::new(),
         is_teeth,
         has_id: id.is_some(),
         refuses_repeats: !may_repeat,
@@ -459,9 +465,9 @@ pub(crate) fn of_records(
             if table.reading.parts_in == "columns" {
                 table.place = Place::Record;
             }
-            table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
+            table.pieces.give_records(rows.into_iter().skip(above).map(Ok));
         }
-        None => table.pieces.give_records(head.into_iter().skip(above).map(Ok).chain(rest), None),
+        None => table.pieces.give_records(head.into_iter().skip(above).map(Ok).chain(rest)),
     }
     Ok(table)
 }
@@ -469,7 +475,7 @@ pub(crate) fn of_records(
 impl Table {
     /// The columns that a rule leaves out: the rule, the place in the file where `places` says that, and the heading.
     pub(crate) fn left_out_columns(&self, places: &[usize]) -> Vec<(usize, usize, String)> {
-        let left_out = self.pieces.contract().into_iter().flat_map(Contract::left_out);
+        let left_out = self.pieces.contract().left_out();
         left_out.map(|(place, rule)| (rule, places[place], self.titles[place].clone())).collect()
     }
 }

@@ -23,8 +23,7 @@ use std::sync::Arc;
 use super::cell::Content;
 use super::ledger::digest;
 use super::stored::{Stored, number};
-use super::want::ignore_option;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Diagnostic;
 use crate::quantity::Decimal;
 use column::{Leaf, StoredColumn, Values};
 use pages::{CheckedPages, Texts};
@@ -226,23 +225,6 @@ impl ParquetTable {
     /// Begins with the first row again.
     pub(crate) fn rewind(&mut self) {
         (self.group, self.left, self.before) = (0, 0, 0);
-    }
-
-    /// The refusal of a column that is not read.
-    pub(crate) fn refused(&self, column: &str, why: &Unread) -> Diagnostic {
-        let name = &self.name;
-        match why {
-            Unread::Type(what) => {
-                let message = format!("{name}: column `{column}` is {what}, which is not read");
-                let help = format!("write it as DOUBLE, DECIMAL or text; or leave it out: {}", ignore_option(column));
-                Diagnostic::error(Code::BadTable, message).help(help)
-            }
-            Unread::Packing(how) => {
-                let message = format!("cannot read {name}: column `{column}` is {how}");
-                let help = "write the file with SNAPPY, GZIP, BROTLI or LZ4, or without compression; texts plain or with a dictionary";
-                Diagnostic::error(Code::FileAccess, message).help(help)
-            }
-        }
     }
 }
 

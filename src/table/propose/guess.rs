@@ -9,7 +9,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::column::unit_of;
 use crate::table::contract::{Matched, Open, Owner, plausible_units};
 use crate::table::dictionary::{Heading, Role, headings_of, normal};
-use crate::table::names::Field;
+use crate::table::field::Field;
 use crate::table::want::{Want, quoted};
 
 /// Columns that are looked at, at most.

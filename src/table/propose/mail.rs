@@ -4,7 +4,7 @@
 use crate::quantity::Unit;
 use crate::table::cell::Cell;
 use crate::table::dictionary::{Form, Role, lookup};
-use crate::table::names::Field;
+use crate::table::field::Field;
 
 /// Words of a heading at most.
 const MOST_WORDS: usize = 5;

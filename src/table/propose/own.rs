@@ -1,7 +1,7 @@
 //! What a contract says already, as a spec has it.
 
+use crate::table::field::Beside;
 use crate::table::layout::{DeclaredColumn, Layout, PartNames, Repeats, StatusColumn};
-use crate::table::names::Role as Beside;
 use crate::table::want::quoted;
 
 /// What the contract says of the table as a whole.

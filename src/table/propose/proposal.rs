@@ -10,6 +10,7 @@ use super::lines::Shapes;
 use super::rules::{self, Rule, Suggestion};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::quantity::{Unit, shown};
+use crate::table::Table;
 use crate::table::block::{Block, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
@@ -18,7 +19,6 @@ use crate::table::layout::{Layout, Repeats};
 use crate::table::reading::Reading;
 use crate::table::rows::Wanted;
 use crate::table::want::Want;
-use crate::table::{Table, strangers};
 
 /// What a column is taken as, and why.
 #[derive(Debug, Clone, Serialize)]
@@ -149,13 +149,7 @@ impl Proposal {
     pub(crate) fn of_table(table: Table) -> Result<Self, Diagnostics> {
         let name = Arc::clone(&table.name);
         let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
-        let Some(contract) = table.pieces.contract() else {
-            if let Some(refused) = strangers::refusal(&table.strangers, &[]) {
-                return Err(refused.into());
-            }
-            let reading = Some(table.reading);
-            return Ok(Self { file: name.to_string(), closes: true, reading, ..Self::default() });
-        };
+        let contract = table.pieces.contract();
         let layout = Arc::clone(contract.layout());
         let titles = contract.titles.clone();
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
@@ -166,9 +160,8 @@ impl Proposal {
         proposal.columns.retain(|column| !column.title.is_empty());
         proposal.rules = rules::pinned(&owners, &titles, &units, &layout);
         let mut reading = table.reading.clone();
-        let needed = vec![true; table.columns.len()];
         let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
-        for block in table.rows(Wanted { needed, ..Wanted::default() }) {
+        for block in table.rows(Wanted::default()) {
             let block = block.map_err(unreadable)?;
             proposal.count_rows(&block, &mut shapes);
             block.tell(&mut reading);

@@ -8,14 +8,13 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
 use crate::table::Table;
-use crate::table::column::SMALLEST_DIGIT;
+use crate::table::column::{SMALLEST_DIGIT, in_words};
 use crate::table::contract::{File, Open, of_records};
+use crate::table::field::{Field, ValueKind};
 use crate::table::layout::{Layout, Parts};
-use crate::table::names::{Field, ValueKind};
 use crate::table::number::{DecimalMark, quantity};
 use crate::table::propose::Unclosed;
 use crate::table::reading::NotUsed;
-use crate::table::understand::in_words;
 use crate::table::want::{GivenColumn, Want};
 
 /// Records from which columns are found.
@@ -37,6 +36,7 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
         }
     }
     let left_out = qdas.left_out.clone();
+    let has_names = !qdas.part_names.is_empty();
     let table = Arc::new(qdas.table(&layout));
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
@@ -58,6 +58,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
     })?;
     found.reading.decimal_mark = mark.map(DecimalMark::word);
     found.reading.header_line = None;
+    // the number of a row is nobody's name
+    found.refuses_repeats &= has_names;
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
         let meaning = left_out.meaning().map_or_else(String::new, |meaning| format!(" ({meaning})"));
@@ -92,14 +94,7 @@ fn with_nominals(qdas: &Qdas, layout: &Layout, want: &Want) -> Result<Want, Diag
         let Some(nominal) = nominal else { continue };
         let known = want.given.iter().position(|given| given.kind == kind);
         let at = known.unwrap_or_else(|| {
-            want.given.push(GivenColumn {
-                kind,
-                unit: None,
-                holds: None,
-                nominal: None,
-                length: None,
-                has_extent: false,
-            });
+            want.given.push(GivenColumn { kind, unit: None, holds: None, nominal: None, length: None });
             want.given.len() - 1
         });
         let given = &mut want.given[at];

@@ -32,9 +32,9 @@ pub use write::{CharacteristicColumn, ValueRow, definition_lines, row_lines};
 
 use super::contract::{Owner, owner};
 use super::dictionary::{Form, Role, lookup};
+use super::field::Field;
 use super::layout::Layout;
 use super::ledger::Tally;
-use super::names::Field;
 use super::number::DecimalMark;
 use crate::deviation::DeviationKind;
 use crate::quantity::Decimal;

@@ -5,7 +5,6 @@ use super::super::cell::{Cell, Record};
 use super::super::contract::{Contract, Owner, line_of};
 use super::super::ledger::RowLedger;
 use super::super::reading::AsideReading;
-use super::contradiction::contradiction;
 use super::{Column, PlainField, Problem, Rows, put, start, swallowed, take_index};
 use crate::deviation::DeviationValue;
 use crate::quantity::shown;
@@ -22,28 +21,43 @@ impl Contract {
             }
         }
     }
+}
 
-    /// The first line that a rule leaves out, that could be a part, and that is one more than the rule says.
-    pub(super) fn too_many(&self, doubtful: &[(usize, u64)]) -> Option<Contradiction> {
-        let is_beyond = |(at, (rule, _)): &(usize, &(usize, u64))| {
-            let before = doubtful[..*at].iter().filter(|(other, _)| other == rule).count() as u64;
-            before >= self.at_most(*rule)
-        };
-        let (_, (rule, line)) = doubtful.iter().enumerate().find(is_beyond)?;
-        let most = self.at_most(*rule);
-        Some(Contradiction {
-            line: *line,
-            column: String::new(),
-            message: format!("a rule leaves out a line that could be a part, and {most} of them at most"),
-            help: "say how many such lines there may be: ignore_lines = [{ like = \"…\", at_most = 1 }]",
-        })
+/// Lines that rules leave out and that could be parts, counted by the rule among those for lines.
+#[derive(Debug, Default)]
+pub(crate) struct Doubtful {
+    counts: Vec<u64>,
+    /// The first that is one more than its rule says: the rule, and the line.
+    beyond: Option<(usize, u64)>,
+}
+
+impl Doubtful {
+    /// Takes those of one more block.
+    pub(crate) fn add(&mut self, rows: &Rows, block: &Block) {
+        for (rule, line) in &block.doubtful {
+            self.counts.resize(self.counts.len().max(rule + 1), 0);
+            self.counts[*rule] += 1;
+            if self.counts[*rule] > rows.setup.contract.at_most(*rule) {
+                self.beyond.get_or_insert((*rule, *line));
+            }
+        }
+    }
+
+    /// That there are more than a rule says.
+    pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
+        let (rule, line) = self.beyond?;
+        let most = rows.setup.contract.at_most(rule);
+        let message = format!("a rule leaves out a line that could be a part, and {most} of them at most");
+        let help = "say how many such lines there may be: ignore_lines = [{ like = \"…\", at_most = 1 }]";
+        Some(Contradiction { line, column: String::new(), message, help })
     }
 }
 
 impl Rows {
     /// A record of a closed table: a part, a line that a rule leaves out, the heading again, or a row that is rejected.
-    pub(super) fn owned_row(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
-        if record.cells.iter().all(Cell::is_empty) {
+    pub(super) fn owned_row(&self, record: &Record, raw: Span, block: &mut Block) {
+        let contract = &self.setup.contract;
+        if record.says_nothing() {
             block.blank_lines += 1;
             return;
         }
@@ -58,11 +72,12 @@ impl Rows {
         }
         if contract.is_other_heading(record) {
             let message = format!("another heading stands here: {}", record.in_words());
-            let found = contradiction(record, None, message, "give tables with other columns one by one");
+            let help = "give tables with other columns one by one";
+            let found = Contradiction { line: record.line, column: String::new(), message, help };
             block.contradiction.get_or_insert(found);
             return;
         }
-        self.part(contract, record, raw, block);
+        self.part(record, raw, block);
     }
 
     /// Whether a line has a value that can be read in every column of values.
@@ -73,7 +88,8 @@ impl Rows {
     }
 
     /// A row that is a part, or rejected.
-    pub(super) fn part(&self, contract: &Contract, record: &Record, raw: Span, block: &mut Block) {
+    pub(super) fn part(&self, record: &Record, raw: Span, block: &mut Block) {
+        let contract = &self.setup.contract;
         let ledger = RowLedger::new(record);
         let name = self.setup.id.map(|place| ledger.read(place));
         let index = self.setup.index.map(|place| ledger.read(place));
@@ -128,7 +144,7 @@ impl Rows {
             block.copied.push(copied);
         }
         for (number, (column, value)) in values.into_iter().enumerate() {
-            put(block, number, column, record.cell(column.place), value.map_err(rejected));
+            put(block, number, column, record.cell(column.place), value);
         }
         if let Some(index) = index {
             take_index(block, index);
@@ -166,12 +182,4 @@ fn may_be_no_part(
 fn no_part(rule: usize, record: &Record, block: &mut Block) {
     block.tally(rule).add(record.line, 0, &line_of(record));
     block.asides.push(AsideReading { line: record.line, text: record.in_words() });
-}
-
-/// A cell with another decimal mark rejects its row, and nothing else.
-fn rejected(problem: Problem) -> Problem {
-    match problem {
-        Problem::Mark { what, .. } => Problem::Bad(what),
-        other => other,
-    }
 }

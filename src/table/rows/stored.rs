@@ -1,10 +1,10 @@
 //! Stored columns to a block, without cells where each row is made of plain numbers.
 
 use super::super::block::{Block, Span};
-use super::super::cell::{Cell, Record};
+use super::super::cell::Record;
 use super::super::contract::{Contract, Owner};
 use super::super::stored::Stored;
-use super::{Column, PlainColumn, Rows, may_be_statistic};
+use super::{Column, PlainColumn, Rows};
 use crate::deviation::{DeviationValue, DeviationValues};
 
 impl Rows {
@@ -15,15 +15,9 @@ impl Rows {
 
     /// The fields that are looked at, of so many.
     pub(crate) fn places(&self, fields: usize) -> Vec<bool> {
-        if let Some(contract) = &self.setup.contract {
-            // what a rule leaves out is not unpacked, unless it is copied
-            let is_read = |place: usize| !matches!(contract.owners.get(place), Some(Owner::Rule(_)));
-            return (0..fields).map(|place| is_read(place) || self.wanted.copied.contains(&place)).collect();
-        }
-        let Some(columns) = self.plain_columns() else { return vec![true; fields] };
-        let places = columns.iter().map(|column| column.place).chain(self.setup.id);
-        let read: Vec<usize> = places.chain(self.setup.remarks.iter().map(|remarks| remarks.place)).collect();
-        (0..fields).map(|place| read.contains(&place)).collect()
+        // what a rule leaves out is not unpacked, unless it is copied
+        let is_read = |place: usize| !matches!(self.setup.contract.owners.get(place), Some(Owner::Rule(_)));
+        (0..fields).map(|place| is_read(place) || self.wanted.copied.contains(&place)).collect()
     }
 
     /// The rows of stored columns, by field; of those that are not looked at there is nothing. `before` rows of the table
@@ -36,7 +30,7 @@ impl Rows {
         let plain: Option<Vec<_>> = plain.and_then(|columns| columns.iter().map(of_column).collect());
         let Some(columns) = plain else {
             for row in 0..rows {
-                self.record(&stored_record(fields, row, before), None, block);
+                self.record(&stored_record(fields, row, before), block);
             }
             return;
         };
@@ -48,21 +42,12 @@ impl Rows {
         let mut values: Vec<_> = columns.iter().map(of_column).collect();
         let names = self.setup.id.and_then(|place| fields[place].as_ref());
         if let Some(names) = names {
-            let is_odd = |name: &[u8]| match &self.setup.contract {
-                Some(_) => !Contract::is_plain_name(name),
-                None => may_be_statistic(name),
-            };
-            odd.extend((0..rows).filter(|row| names.text(*row).is_none_or(is_odd)));
+            odd.extend((0..rows).filter(|row| !names.text(*row).is_some_and(Contract::is_plain_name)));
             block.text.extend_from_slice(names.all_text());
         }
-        let is_nameless =
-            |place: usize| self.setup.contract.as_ref().is_some_and(|contract| contract.is_nameless(place));
+        let is_nameless = |place: usize| self.setup.contract.is_nameless(place);
         for stored in (0..fields.len()).filter(|place| is_nameless(*place)).filter_map(|place| fields[place].as_ref()) {
             odd.extend((0..rows).filter(|row| !stored.words(*row).is_empty()));
-        }
-        for remarks in &self.setup.remarks {
-            let Some(stored) = fields.get(remarks.place).and_then(Option::as_ref) else { continue };
-            odd.extend((0..rows).filter(|row| remarks.is_new(&stored.words(*row))));
         }
         odd.sort_unstable();
         odd.dedup();
@@ -93,13 +78,7 @@ impl Rows {
     /// A row of which only the cells that are looked at are known: without any of them it is a part without values.
     fn odd(&self, record: &Record, block: &mut Block) {
         block.record_count += 1;
-        if let Some(contract) = &self.setup.contract {
-            self.part(contract, record, Span::default(), block);
-        } else if record.cells.iter().all(Cell::is_empty) {
-            self.values_of(record, Span::default(), block);
-        } else {
-            self.row(record, Span::default(), block);
-        }
+        self.part(record, Span::default(), block);
     }
 }
 

@@ -12,7 +12,7 @@ fn layout() -> Layout {
 }
 
 fn read(text: &str, layout: Layout) -> Result<(Vec<String>, Reading), String> {
-    let want = Want { layout: Some(Arc::new(layout)), ..want() };
+    let want = Want { layout: layout.into(), ..want() };
     let table = Container::open("lot", Source::bytes(text.into()), &want).and_then(|found| found.table("lot", &want));
     let table = table.map_err(|problem| problem.to_string())?;
     let mut reading = table.reading.clone();

@@ -135,7 +135,7 @@ fn contract(grid: &str) -> Want {
     let mut want = want();
     want.given.push(pitch);
     want.teeth = Some(TEETH.contains(&grid));
-    Want { layout: Some(Arc::new(layout)), ..want }
+    Want { layout: layout.into(), ..want }
 }
 
 fn grid(text: &str) -> Grid {

@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use super::*;
 
-const TABLE: &str = "Teil;Rollenmaß [mm];dp [µm]\nP1;25,0131;12,5\nP2;24,98;-3\n";
+const TABLE: &str = "Teil;Rollenmaß [mm];rack pitch [µm]\nP1;25,0131;12,5\nP2;24,98;-3\n";
 const PARTS: [&str; 2] =
     ["P1: rack_over_roller 0.0131 mm rack_pitch 0.0125 mm", "P2: rack_over_roller -0.02 mm rack_pitch -0.003 mm"];
 
@@ -75,7 +75,7 @@ fn workbook() -> Vec<u8> {
     let mut book = rust_xlsxwriter::Workbook::new();
     let sheet = book.add_worksheet();
     sheet.write_string(0, 0, "Teil").unwrap().write_string(0, 1, "Rollenmaß [mm]").unwrap();
-    sheet.write_string(0, 2, "dp [µm]").unwrap().write_string(1, 0, "P1").unwrap();
+    sheet.write_string(0, 2, "rack pitch [µm]").unwrap().write_string(1, 0, "P1").unwrap();
     sheet.write_number(1, 1, 25.0131).unwrap().write_number(1, 2, 12.5).unwrap();
     sheet.write_string(2, 0, "P2").unwrap().write_string(2, 1, "24,98").unwrap();
     sheet.write_number(2, 2, -3).unwrap();

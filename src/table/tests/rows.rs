@@ -3,20 +3,14 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::diagnostic::Source as Text;
 use crate::table::chunk::ChunkContent;
-use crate::table::rows::Setup;
-use crate::table::understand::understand;
 
 /// The reader of the rows of a table that begins so.
-fn rows(start: &str, want: &Want) -> Rows {
-    let source = Arc::new(Text::new("block", start));
-    let understood = understand(&source, want).unwrap();
-    let needed = vec![true; understood.columns.len()];
-    Rows::new(
-        Setup { separator: b',', is_even: true, ..Setup::of(&understood, want) },
-        Wanted { needed, keeps_raw: true, ..Wanted::default() },
-    )
+fn rows(start: &str, want: &Want, wanted: Wanted) -> Rows {
+    let source = Source::bytes(start.as_bytes().to_vec());
+    let want = Want { layout: Layout { separator: Some(b','), ..Layout::clone(&want.layout) }.into(), ..want.clone() };
+    let table = Container::open("block", source, &want).unwrap().table("block", &want).unwrap();
+    table.pieces.open(wanted).0
 }
 
 /// Everything that a block says, as text.
@@ -53,26 +47,12 @@ fn line() -> impl Strategy<Value = String> {
     (cells, prop_oneof![6 => Just("\n"), 1 => Just("\r\n")]).prop_map(|(cells, end)| cells.join(",") + end)
 }
 
-/// A remark that is behind the start of a table is looked at where it has a digit.
-#[test]
-fn a_value_in_a_remark_ends_the_rows() {
-    let rows = rows("part,rack_pitch [um],note\nP1,5,ok\nP2,6,\n", &want());
-    let contradiction = |line: &str| {
-        let mut block = Block::default();
-        rows.chunk(&mut line.as_bytes().to_vec(), ChunkContent::Records, 0, &mut block);
-        block.contradiction.map(|contradiction| contradiction.column)
-    };
-    assert_eq!(contradiction("P3,5,corrected to 12.5 um\n"), Some("note".to_owned()));
-    assert_eq!(contradiction("P3,5,scratch\nP4,5,shift 2\n"), None);
-}
-
 #[test]
 fn copied_cells_stay_with_their_rows() {
     let start = "part,rack_pitch,note\nP1,0.5,a\n";
-    let source = Arc::new(Text::new("block", start));
-    let understood = understand(&source, &want()).unwrap();
-    let wanted = Wanted { needed: vec![true], copied: vec![0, 2], keeps_raw: false };
-    let rows = Rows::new(Setup { separator: b',', is_even: true, ..Setup::of(&understood, &want()) }, wanted);
+    let wanted = Wanted { copied: vec![0, 2], keeps_raw: false };
+    let notes = by(|layout| layout.ignore = vec![Pattern::of_heading("note")]);
+    let rows = rows(start, &notes, wanted);
     let mut block = Block::default();
     let bytes = b"P1,0.5,a\nP2,0.5,b,too,many\n\"P3\",0.5,c\nP4,x,d\nP5,0.5,\"open";
     rows.chunk(&mut bytes.to_vec(), ChunkContent::Records, 0, &mut block);
@@ -85,15 +65,15 @@ proptest! {
     #[test]
     fn a_plain_line_is_read_like_any_other(lines in proptest::collection::vec(line(), 1..12)) {
         let bytes = lines.concat().into_bytes();
-        let deviations = asks(&[DeviationKind::RackPitch, DeviationKind::PinionPitch]);
+        let notes = by(|layout| layout.ignore = vec![Pattern::of_heading("note")]);
         let module = Want { module: Some("2".parse().unwrap()), ..want() };
         for (start, want) in [
-            ("part,rack_pitch,pinion_pitch\nP1,0.5,1.5\n", &deviations),
-            ("part,rack_pitch [um],pinion_pitch [in]\nP1,5,1\n", &deviations),
+            ("part,rack_pitch,pinion_pitch\nP1,0.5,1.5\n", &notes),
+            ("part,rack_pitch [um],pinion_pitch [in]\nP1,5,1\n", &notes),
             ("part,rack_over_roller,rack_pitch_um\nP1,25.01,2.5\n", &module),
-            ("rack_pitch,note,pinion_pitch\n5,a,1\n", &deviations),
+            ("rack_pitch,note,pinion_pitch\n5.1,a,1\n", &notes),
         ] {
-            let rows = rows(start, want);
+            let rows = rows(start, want, Wanted { keeps_raw: true, ..Wanted::default() });
             prop_assert_eq!(said(&rows, &bytes), said(&rows.clone().without_plain_lines(), &bytes), "{}", start);
         }
     }
@@ -107,12 +87,12 @@ fn long(header: &str, row: impl Fn(usize) -> String) -> String {
 
 #[test]
 fn a_long_table_is_read_like_a_short_one() {
-    let want = asks(&[DeviationKind::RackPitch]);
+    let want = by(|layout| layout.ignore = vec![Pattern::of_heading("Bemerkung")]);
     for (header, separator, comma) in [
         ("part,rack_pitch [um]", ",", false),
-        ("Teil;Bemerkung;Teilung Zahnstange [µm]", ";x;", true),
-        ("sep=\t\nTeil\tTeilung Zahnstange [µm]", "\t", true),
-        ("Hallo,\n\nTeil;Teilung Zahnstange\n;[µm]", ";", true),
+        ("Teil;Bemerkung;Zahnstangenteilung [µm]", ";x;", true),
+        ("sep=\t\nTeil\tZahnstangenteilung [µm]", "\t", true),
+        ("Teil;Zahnstangenteilung\n;[µm]", ";", true),
     ] {
         let text = long(header, |number| {
             let value = format!("{}.{}", number % 50, number % 10);
@@ -127,9 +107,9 @@ fn a_long_table_is_read_like_a_short_one() {
 
 #[test]
 fn a_single_column_of_any_length() {
-    let want = asks(&[DeviationKind::RackPitch]);
+    let want = want();
     for (mark, name) in [(".", "point"), (",", "comma")] {
-        let text = long("Teilung Zahnstange [µm]", |number| format!("{}{mark}{}", number % 50, number % 10));
+        let text = long("Zahnstangenteilung [µm]", |number| format!("{}{mark}{}", number % 50, number % 10));
         let found = read(&text, &want).unwrap();
         assert_eq!((found.parts.len(), found.reading.decimal_mark), (9000, Some(name)));
         assert_eq!(found.parts[8123], "rack_pitch 0.0233 mm");
@@ -137,26 +117,34 @@ fn a_single_column_of_any_length() {
 }
 
 #[test]
-fn what_contradicts_the_start_of_a_long_table_ends_it() {
-    let want = asks(&[DeviationKind::RackPitch]);
+fn another_mark_far_down_rejects_its_row() {
     let value = |number: usize, other: &str| if number == 8000 { other.to_owned() } else { (number % 50).to_string() };
     // nothing before it has decimals
-    for (other, message) in
-        [("1.234", "`1.234` could be 1.234 or 1234, and nothing before it tells which"), ("1,5", "has a decimal comma")]
-    {
-        let text = long("part;rack_pitch [um]", |number| format!("P{number};{}", value(number, other)));
-        let found = read(&text, &want).unwrap().parts;
-        let contradiction = found.last().unwrap();
-        assert!(contradiction.contains("contradiction: ") && contradiction.contains(message), "{contradiction}");
-    }
+    let text = long("part;rack_pitch [um]", |number| format!("P{number};{}", value(number, "1,5")));
+    let found = read(&text, &want()).unwrap().parts;
+    assert!(
+        found[8000].contains("`1,5` has decimals, and no number before it told the decimal mark"),
+        "{}",
+        found[8000]
+    );
     let text =
         long("part;rack_pitch [um]", |number| format!("P{number};{}", value(number, "1,5")).replace("49", "4.9"));
-    assert!(read(&text, &want).unwrap().parts.last().unwrap().contains("has a decimal comma"));
+    let found = read(&text, &want()).unwrap().parts;
+    assert!(found[8000].contains("has a comma, and the table's numbers have a decimal point"), "{}", found[8000]);
+    assert_eq!(found.iter().filter(|part| part.contains("`1,5`")).count(), 1);
 }
 
 #[test]
-fn headers_again_and_statistics_are_no_parts() {
-    let text = "part;rack_pitch\n;[mm]\nP1;0.01\npart;rack_pitch\n;[mm]\nP2;0.02\nMittelwert;0.015\nP3;0.04\nStd. dev;0.015\nmax:;0.04\n";
-    let found = parts(text, &asks(&[DeviationKind::RackPitch]));
-    assert_eq!(found, ["P1: rack_pitch 0.01 mm", "P2: rack_pitch 0.02 mm", "P3: rack_pitch 0.04 mm"]);
+fn headings_again_are_no_parts_and_other_headings_end_the_table() {
+    let text = "part;rack_pitch\n;[mm]\nP1;0.01\npart;rack_pitch\n;[mm]\nP2;0.02\nMittelwert;0.015\n";
+    let means =
+        by(|layout| layout.ignore_lines = vec![LineRule { pattern: Pattern::of_line("Mittelwert;*"), at_most: 1 }]);
+    assert_eq!(parts(text, &means), ["P1: rack_pitch 0.01 mm", "P2: rack_pitch 0.02 mm"]);
+    let twice = parts(&format!("{text}Mittelwert;0.016\n"), &means);
+    assert!(
+        twice.last().unwrap().contains("contradiction: a rule leaves out a line that could be a part"),
+        "{twice:?}"
+    );
+    let other = parts(&format!("{text}part;pinion_pitch\nP3;0.1\n"), &means);
+    assert!(other.last().unwrap().contains("contradiction: another heading stands here"), "{other:?}");
 }

@@ -9,11 +9,9 @@ use crate::table::Table;
 use crate::table::cell::{Cell, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, score, with_headings};
 use crate::table::encoding::text;
-use crate::table::grid::{Separator, records};
+use crate::table::grid::{Separator, aligned_records, separated};
 use crate::table::layout::Layout;
 use crate::table::propose::{Proposal, Unclosed};
-use crate::table::rows::cells;
-use crate::table::split::next_record;
 use crate::table::want::Want;
 
 /// The first records of a text under a separator, and where each ends.
@@ -41,7 +39,7 @@ impl Text {
     /// Everything that has no owner.
     pub(super) fn by_contract(mut self, layout: &Arc<Layout>, want: &Want) -> Result<Table, Unclosed> {
         let (mut bytes, mut is_all) = self.start(START)?;
-        let declared = want.separator.or(layout.separator).or(self.stated);
+        let declared = layout.separator.or(self.stated);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
         if !is_all && head.records.is_empty() {
             // a heading of thousands of columns
@@ -72,7 +70,7 @@ impl Text {
         table.reading.separator = Some(head.separator.name());
         if !is_streamed {
             let rows = turned.unwrap_or(head.records);
-            table.pieces.give_records(rows.into_iter().skip(above).map(Ok), None);
+            table.pieces.give_records(rows.into_iter().skip(above).map(Ok));
             return Ok(table);
         }
         let end = |record: usize| record.checked_sub(1).map_or(0, |before| head.ends[before]);
@@ -158,23 +156,11 @@ impl Text {
         let before = usize::try_from(self.lines).unwrap_or(0);
         let lines = "\n".repeat(before);
         if !matches!(separator, Separator::Character(_) | Separator::Lines) {
-            let records = records(&(lines + &text(bytes)), separator).unwrap_or_default();
+            let records = aligned_records(&(lines + &text(bytes)));
             return Head { separator, records, ends: Vec::new() };
         }
-        let (mut found, mut ends, mut fields, mut at, mut blank, mut line) =
-            (Vec::new(), Vec::new(), Vec::new(), 0, 0, self.lines);
-        while let Some(record) = next_record(bytes, at, separator.byte(), &mut fields, &mut blank) {
-            if !record.closed && !is_all {
-                break;
-            }
-            found.push(Record {
-                start: record.start,
-                ..Record::new(cells(bytes, &fields), line + record.lines_before + 1)
-            });
-            (at, line) = (record.next, line + record.lines);
-            ends.push(at);
-        }
-        Head { separator, records: found, ends }
+        let (records, ends) = separated(bytes, separator.byte(), is_all, self.lines);
+        Head { separator, records, ends }
     }
 }
 

@@ -7,7 +7,6 @@ use std::io::{self, Write};
 use super::format::{STRUCK_RUN, Shown, Style};
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
-use crate::table::shape::many;
 
 /// Takes the XML of a sheet, in pieces. Rows and columns count from 0 where nothing else is said.
 #[derive(Clone, Default)]
@@ -49,7 +48,8 @@ impl SheetXml {
         let rows = self.rows.iter().filter(|row| range.has_row(**row)).count();
         let columns = self.columns.iter().filter(|column| range.has_column(**column)).count();
         let counts = [(rows, "hidden row"), (columns, "hidden column")].into_iter().filter(|(count, _)| *count > 0);
-        let counts: Vec<_> = counts.map(|(count, what)| many(count, what)).collect();
+        let counts: Vec<_> =
+            counts.map(|(count, what)| format!("{count} {what}{}", if count == 1 { "" } else { "s" })).collect();
         (!counts.is_empty()).then(|| counts.join(" and "))
     }
 

@@ -23,7 +23,6 @@ use std::sync::mpsc;
 use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
-use super::rejection::STRUCK;
 use crate::diagnostic::{Code, Diagnostic};
 use comments::{comments, struck_through};
 use format::shown_by_style;
@@ -222,6 +221,9 @@ fn is_too_long(value: &DataRef<'_>) -> bool {
     };
     text.len() > LONGEST_TEXT && text.chars().count() > LONGEST_TEXT
 }
+
+/// What stands before and behind a text that is struck through.
+const STRUCK: &str = "~~";
 
 fn content(value: &DataRef<'_>, struck: &HashSet<String>) -> Content {
     match value {

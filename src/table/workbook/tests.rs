@@ -51,22 +51,23 @@ fn workbook() -> Vec<u8> {
 }
 
 #[test]
-fn the_first_sheet_with_the_columns() {
+fn the_sheet_that_is_named() {
     let book = workbook();
     let expected = [
         "lot.xlsx, sheet `Lot 7`: Teil|rack_over_roller [mm]|rack_pitch [um]",
         "5: a1|25.0131 mm|",
         "7: a2|0.3 mm|0.012 mm",
     ];
-    assert_eq!(rows(&book, None, "").unwrap(), expected);
-    assert_eq!(rows(&book, Some("Lot 7"), "").unwrap(), expected);
+    let several = rows(&book, None, "").unwrap_err();
+    assert!(several.contains("several sheets have cells: `Deckblatt`, `Lot 7`"), "{several}");
+    assert_eq!(rows(&book, Some("Lot 7"), "A4:C9").unwrap(), expected);
+    let above = rows(&book, Some("Lot 7"), "").unwrap_err();
+    assert!(above.contains("line 2: gemessen am 3.4."), "{above}");
     let part = ["lot.xlsx, sheet `Lot 7`: rack_over_roller [mm]", "5: |25.0131 mm"];
-    assert_eq!(rows(&book, None, "$B$4:B5").unwrap(), part);
-    let cover = rows(&book, Some("Deckblatt"), "A:A").unwrap_err();
-    assert!(cover.contains("lot.xlsx, sheet `Deckblatt` holds no table of numbers"), "{cover}");
+    assert_eq!(rows(&book, Some("Lot 7"), "$B$4:B5").unwrap(), part);
     let none = rows(&book, Some("Lot 8"), "").unwrap_err();
     assert!(none.contains("no sheet `Lot 8` | its sheets are `Deckblatt`, `Lot 7`"), "{none}");
-    assert!(rows(&book, None, "C1:C3").unwrap_err().contains("no sheet of the workbook has a column that is known"));
+    assert!(rows(&book, None, "F1:F3").unwrap_err().contains("no sheet of the workbook has cells"));
 }
 
 #[test]
@@ -206,12 +207,19 @@ fn a_number_format_that_shows_another_unit_is_refused() {
         book.save_to_buffer().expect("a workbook")
     };
     let expected = ["lot.xlsx, sheet `Sheet1`: Teil|rack_pitch [um]", "2: a1|0.0125 mm"];
-    for format in ["0.000", "0.0\" µm\"", "#,##0.00_-", "0.0\" i.O.\""] {
+    for format in ["0.000", "0.0\" µm\"", "#,##0.00_-"] {
         assert_eq!(rows(&book(format), None, "").unwrap(), expected, "{format}");
     }
-    for (format, shown) in [("0.000\" mm\"", "mm"), ("0.0%", "%"), ("\"<\"0.0", "<"), ("-0.0", "-"), ("0.0,", ",")] {
+    for (format, shown) in [
+        ("0.000\" mm\"", "mm"),
+        ("0.0%", "%"),
+        ("\"<\"0.0", "<"),
+        ("-0.0", "-"),
+        ("0.0,", ","),
+        ("0.0\" i.O.\"", "i.O."),
+    ] {
         let refused = rows(&book(format), None, "").unwrap_err();
-        let message = format!("row 2: numbers of `rack_pitch [um]` are shown with `{shown}` by their format");
+        let message = format!("row 2: a cell of `rack_pitch [um]` is shown with `{shown}` by its format");
         assert!(refused.contains(&message), "{format}: {refused}");
     }
 }
