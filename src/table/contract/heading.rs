@@ -103,6 +103,7 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
         let title = titles.get(place).cloned().unwrap_or_default();
         let named = Heading::of(&title);
         let owner = owner(&title, &named.name, place, layout, form);
+        let owner = beside_absolute(owner, &named.name, &roles, form);
         if let Ok(Some(Owner::Role(role))) = owner {
             if let Some((_, other)) = roles.iter().find(|(other, _)| *other == role) {
                 found.open.push(Open::Twice { key: key(role), titles: [other.clone(), title.clone()] });
@@ -169,6 +170,21 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
         Some(rule) => Ok(Some(Owner::Rule(rule))),
         None => Ok((layout.ignores_others && lookup(form, name).is_none()).then(|| Owner::Rule(layout.others()))),
     }
+}
+
+/// The owner of a column, which stands beside the size of a space or tooth if it is the deviation of that size.
+fn beside_absolute(
+    owner: Result<Option<Owner>, Open>,
+    name: &str,
+    before: &[(Role, String)],
+    form: Form,
+) -> Result<Option<Owner>, Open> {
+    let Ok(Some(Owner::Role(Role::Value(field)))) = owner else { return owner };
+    let is_deviation = |name: &str| lookup(form, name).is_some_and(|meaning| meaning.is_deviation);
+    let is_absolute =
+        |(role, title): &(Role, String)| *role == Role::Value(field) && !is_deviation(&Heading::of(title).name);
+    let is_beside = form == Form::Teeth && is_deviation(name) && before.iter().any(is_absolute);
+    Ok(Some(Owner::Role(if is_beside { Role::Beside(field, Beside::Deviation) } else { Role::Value(field) })))
 }
 
 /// Whether the cells of a role are in the unit of its heading.
