@@ -133,7 +133,9 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
         repeats: repeats.unwrap_or_default(),
     };
-    headings.into_iter().for_each(|(key, heading)| layout.call(key, heading));
+    for (key, heading) in headings {
+        layout.call(key, heading);
+    }
     TableSection { columns, layout: Arc::new(layout), ..TableSection::default() }
 }
 
@@ -204,13 +206,11 @@ fn starts(reader: &mut SectionReader<'_>) -> Vec<usize> {
         _ => None,
     };
     let starts: Option<Vec<usize>> = value.get_ref().as_array().and_then(|list| list.iter().map(whole).collect());
-    match starts.filter(|starts| starts.is_sorted_by(|one, next| one < next)) {
-        Some(starts) => starts,
-        None => {
-            reader.wrong_type::<()>(NAME, value, needed);
-            Vec::new()
-        }
+    if let Some(starts) = starts.filter(|starts| starts.is_sorted_by(|one, next| one < next)) {
+        return starts;
     }
+    reader.wrong_type::<()>(NAME, value, needed);
+    Vec::new()
 }
 
 fn separator(reader: &mut SectionReader<'_>) -> Option<u8> {

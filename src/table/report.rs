@@ -267,7 +267,9 @@ impl Pcdmis<'_> {
             Some((bar, rest)) if is_bar(bar) => (&rest[1..], Some(*bar)),
             _ => (&words[1..], None),
         };
-        bar.into_iter().for_each(|bar| self.own(bar, number));
+        if let Some(bar) = bar {
+            self.own(bar, number);
+        }
         if numbers.len() < self.columns.len() {
             let what = format!("line {number}: {} values below {} headings", numbers.len(), self.columns.len());
             return self.report.open.push(Open::Wrong { what, help: "write a value below each heading".to_owned() });
@@ -282,7 +284,7 @@ impl Pcdmis<'_> {
         for (place, text) in numbers.iter().enumerate() {
             match self.columns.get(place) {
                 Some(column) if PCDMIS_COLUMNS.contains(&column.as_str()) => {
-                    self.report.said.add(number, place + 1, text)
+                    self.report.said.add(number, place + 1, text);
                 }
                 Some(_) => {}
                 None => cells.push(cell(text)),

@@ -107,7 +107,7 @@ impl Text {
             return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into());
         };
         let Report { format, records, layout, said, left_out, open } = report;
-        let file = File { said, left_out, open, ..File::new(&self.name, format) };
+        let file = File { open, left_out, said, ..File::new(&self.name, format) };
         let mut table = of_records(&file, records, std::iter::empty(), &Arc::new(layout), want)?;
         table.reading.header_line = None;
         table.place = Place::Line;

@@ -39,7 +39,9 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     let mut head = book.head(&sheet, want.range, HEAD)?;
     let records = book.records(&sheet, want.range);
     let (count, above) = (head.len(), with_headings(layout));
-    above.into_iter().for_each(|heading| head.insert(0, heading));
+    if let Some(heading) = above {
+        head.insert(0, heading);
+    }
     let name = records.name.clone();
     let mut file = File::new(&name, "workbook");
     for comment in &records.comments {

@@ -83,7 +83,9 @@ pub(super) fn turned(records: &[Record], heading: usize, layout: &Layout, left_o
         listed: HashSet::new(),
     };
     reader.look(below);
-    below.iter().for_each(|record| reader.row(record));
+    for record in below {
+        reader.row(record);
+    }
     reader.missing();
     reader.turned()
 }

@@ -163,7 +163,9 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     }
     matched.open.splice(0..0, open);
     let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);
-    columns.iter_mut().for_each(|column| file.tell_tolerance(column));
+    for column in &mut columns {
+        file.tell_tolerance(column);
+    }
     if let Some(units) = units {
         own_units(units, &mut matched, &mut left_out);
         matched.units_line = line_of(units);
@@ -293,7 +295,7 @@ fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
             Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
             Some(Some(Owner::Role(Role::Value(_)))) => {}
             Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status | Role::Index(_)))) => {
-                left_out.add(left_out.beside, units.line, place, &cell.text())
+                left_out.add(left_out.beside, units.line, place, &cell.text());
             }
             _ => {
                 let what = format!("line {}: `{}` is a unit of no value", units.line, cell.text());
