@@ -10,6 +10,8 @@ pub(super) const LARGEST_PAGE: usize = 16 << 20;
 const WINDOWS: [usize; 2] = [1 << 12, 1 << 20];
 /// How deep records of a header may stand in each other.
 const DEEPEST: u8 = 8;
+/// Ends a record, in place of a field's type.
+const END: u8 = 0;
 
 /// What a header says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,11 +55,12 @@ fn header(bytes: &[u8]) -> Option<Header> {
     let mut reader = Thrift { bytes, at: 0 };
     let mut found = Header::default();
     let mut id = 0;
-    while let Some(kind) = reader.field(&mut id)? {
-        match (id, kind) {
-            (2, 5) => found.unpacked = usize::try_from(reader.signed()?).ok()?,
-            (3, 5) => found.packed = usize::try_from(reader.signed()?).ok()?,
-            _ => reader.skip(kind, 0)?,
+    loop {
+        match (reader.field(&mut id)?, id) {
+            (END, _) => break,
+            (5, 2) => found.unpacked = usize::try_from(reader.signed()?).ok()?,
+            (5, 3) => found.packed = usize::try_from(reader.signed()?).ok()?,
+            (kind, _) => reader.skip(kind, 0)?,
         }
     }
     Some(Header { length: reader.at, ..found })
@@ -93,14 +96,14 @@ impl Thrift<'_> {
         Some((number >> 1).cast_signed() ^ -(number & 1).cast_signed())
     }
 
-    /// The type of the next field, whose number is `id` from now on; nothing at the end of a record.
-    fn field(&mut self, id: &mut i64) -> Option<Option<u8>> {
+    /// The type of the next field, whose number is `id` from now on; [`END`] at the end of a record.
+    fn field(&mut self, id: &mut i64) -> Option<u8> {
         let byte = self.byte()?;
-        if byte == 0 {
-            return Some(None);
+        if byte == END {
+            return Some(END);
         }
         *id = if byte >> 4 == 0 { self.signed()? } else { id.checked_add(i64::from(byte >> 4))? };
-        Some(Some(byte & 0xf))
+        Some(byte & 0xf).filter(|&kind| kind != END)
     }
 
     /// Passes over a value of a type.
@@ -120,6 +123,8 @@ impl Thrift<'_> {
             9 | 10 => {
                 let byte = self.byte()?;
                 let count = if byte >> 4 == 15 { self.unsigned()? } else { u64::from(byte >> 4) };
+                // each takes a byte at least
+                (count <= self.bytes.len() as u64).then_some(())?;
                 for _ in 0..count {
                     self.skip(byte & 0xf, depth + 1)?;
                     (self.at <= self.bytes.len()).then_some(())?;
@@ -127,8 +132,11 @@ impl Thrift<'_> {
             }
             12 => {
                 let mut id = 0;
-                while let Some(kind) = self.field(&mut id)? {
-                    self.skip(kind, depth + 1)?;
+                loop {
+                    match self.field(&mut id)? {
+                        END => break,
+                        kind => self.skip(kind, depth + 1)?,
+                    }
                 }
             }
             _ => return None,

@@ -299,7 +299,7 @@ fn what_cannot_be_read_says_why() {
 #[test]
 fn a_codec_that_is_not_read_is_named() {
     for (compression, name) in [(Compression::ZSTD(ZstdLevel::default()), "ZSTD"), (Compression::LZO, "LZO")] {
-        assert_eq!(codec_not_read(compression).map(|codec| codec.to_string()).as_deref(), Some(name));
+        assert_eq!(codec_not_read(compression).map(ToString::to_string).as_deref(), Some(name));
     }
     assert_eq!(codec_not_read(Compression::LZ4), None);
 }
