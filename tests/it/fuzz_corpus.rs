@@ -62,7 +62,9 @@ fn mutate(target: &str, folders: &[&str], (short, long): (usize, usize), check: 
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
     files(&root.join("fuzz/corpus").join(target), &mut found);
-    folders.iter().for_each(|folder| files(&root.join(folder), &mut found));
+    for folder in folders {
+        files(&root.join(folder), &mut found);
+    }
     found.sort();
     let read = |path: &PathBuf| std::fs::read(path).unwrap();
     let inputs: Vec<_> = found.iter().map(read).filter(|input| input.len() < 20_000).collect();

@@ -75,9 +75,10 @@ fn export(what: &'static str, rules: usize, table: &str) -> Export {
 
 fn everyday() -> Vec<Export> {
     let inspected = |who: &str, day: u32| format!("Prüfer: {who}\nDatum: {day}.03.2026\n{NAMES}\nP{day};25,011;3,1\n");
-    let many: String =
+    let many: Vec<String> =
         (1..=500).map(|part| format!("P{part};25,011;3,1;{}i.O.\n", if part == 417 { "n." } else { "" })).collect();
-    let foreign: String = (1..=20).map(|column| format!(";Wert {column}")).collect();
+    let many = many.concat();
+    let foreign = (1..=20).map(|column| format!(";Wert {column}")).collect::<Vec<_>>().concat();
     vec![
         export(
             "trailing separators",

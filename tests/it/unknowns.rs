@@ -79,7 +79,10 @@ impl Part {
         // below a third a row of four is dominated by its diagonal, so that these can be at the same time
         let coefficients = [0.0, 0.001, -0.3, 0.3];
         let correlations = pairs
-            .filter_map(|(a, b)| random.chance(some).then(|| (a, b, coefficients[random.int(0, 3) as usize])))
+            .filter_map(|(a, b)| {
+                let coefficient = coefficients[random.int(0, 3) as usize];
+                random.chance(some).then_some((a, b, coefficient))
+            })
             .collect();
         Self { errors, correlations, sizes: random.chance(0.6), upper_mm: random.range(0.0, 0.05) }
     }
