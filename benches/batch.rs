@@ -17,7 +17,7 @@ const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.
                     rack_lead = { name = \"dbeta\" }\npinion_radial = { name = \"radial\" }\npinion_pitch = { name = \"dfp\" }\n";
 /// Nine columns, as the other program writes.
 const COLUMNS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,delta_cd_rack_lead_mm,\
-                       delta_cd_pinion_radial_mm,delta_cd_pinion_pitch_mm,worst_case_lower_mm,worst_case_upper_mm,verdict";
+                       delta_cd_pinion_radial_mm,delta_cd_pinion_pitch_mm,range_lower_mm,range_upper_mm,verdict";
 const RUNS: usize = 5;
 const MILLION: u64 = 1_000_000;
 

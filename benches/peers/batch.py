@@ -22,7 +22,7 @@ ROWS = int(float(sys.argv[1])) if len(sys.argv) > 1 else 1_000_000
 RACKMESH = os.path.join(os.path.dirname(__file__), "..", "..", "target", "release", "rackmesh")
 COLUMNS = ["part_id"] + [f"delta_cd_{name}_mm" for name in
            ("rack_over_roller", "rack_pitch", "rack_lead", "pinion_radial", "pinion_pitch")] + \
-          ["worst_case_lower_mm", "worst_case_upper_mm", "verdict"]
+          ["range_lower_mm", "range_upper_mm", "verdict"]
 SPEC = """
 [pair]
 normal_pressure_angle = 20
@@ -185,7 +185,7 @@ def main():
                 costs[name, mode].append(cost(jobs[name][mode]))
         keys = "count fail min_mm mean_mm max_mm standard_deviation_mm q0.5_mm".split()
         rows = csv.DictReader(open(at("rackmesh.summary.csv")))
-        summary = next({key: row[key] for key in keys} for row in rows if row["name"] == "worst_case_upper_mm")
+        summary = next({key: row[key] for key in keys} for row in rows if row["name"] == "range_upper_mm")
         for name in jobs:
             if name != "rackmesh":
                 agree(at("rackmesh.csv"), at(name + ".csv"), name)

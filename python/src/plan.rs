@@ -60,7 +60,7 @@ impl Asked {
             stack: match self.stack.as_str() {
                 "worst_case" | "worst-case" | "worst" | "range" => Stack::Range,
                 "rss" => Stack::Rss,
-                other => return Err(unknown("stack", other, "'worst_case' or 'rss'")),
+                other => return Err(unknown("stack", other, "'worst_case', 'range' or 'rss'")),
             },
             rule,
             columns: self.columns.clone(),

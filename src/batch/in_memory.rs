@@ -32,7 +32,7 @@ use crate::table::{Block, Layout as TableLayout, Pattern, Reading, Stored, Table
 /// let evaluated = evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })?;
 /// assert_eq!(evaluated.results.rows, 3);
 /// assert_eq!((evaluated.counts.pass, evaluated.counts.fail, evaluated.counts.rejected), (1, 1, 1));
-/// let at = evaluated.columns.iter().position(|(name, _)| name == "worst_case_upper_mm").expect("it is written");
+/// let at = evaluated.columns.iter().position(|(name, _)| name == "range_upper_mm").expect("it is written");
 /// let ResultValues::Numbers(upper) = &evaluated.results.columns[at].values else { panic!("it is a number") };
 /// assert_eq!((upper[0], upper[2]), (0.0131, 0.0201));
 /// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())

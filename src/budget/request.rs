@@ -22,11 +22,11 @@ pub enum Summation {
 }
 
 impl Summation {
-    /// `worst_case`, `rss` or `simulation`.
+    /// `worst`, `rss` or `simulation`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::WorstCase => "worst_case",
+            Self::WorstCase => "worst",
             Self::Rss => "rss",
             Self::Simulation(_) => "simulation",
         }

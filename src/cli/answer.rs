@@ -24,7 +24,7 @@ use crate::spec::Spec;
 ///
 /// let spec = HeldSpec { name: "rack.toml".into(), text: "[errors]\nrack_over_roller = \"13 um\"".into() };
 /// let answer = answer("eval", &["--model", "paper"], spec, &Default::default())?;
-/// assert_eq!(answer.json["combined"]["worst_case_mm"]["upper"], 0.013);
+/// assert_eq!(answer.json["combined"]["range_mm"]["upper"], 0.013);
 /// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 /// ```
 pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<AtomicBool>) -> Result<Answer, Diagnostics> {

@@ -18,7 +18,7 @@ named! {
         /// No placement of these errors on the teeth leaves it.
         #[default]
         #[cfg_attr(feature = "cli", value(name = "worst-case", aliases = ["worst", "range"]))]
-        Range = "worst_case",
+        Range = "range",
         /// Tolerances as three standard deviations around the bound of what was measured; no bound.
         ///
         /// Statistical: all but a few of many such parts, at any one stroke.

@@ -99,7 +99,7 @@ pub(super) struct FlankContact {
     pub(super) nu: f64,
     pub(super) sin_nu: f64,
     pub(super) cos_nu: f64,
-    /// Whether the base helix angle fits the plane, so that the contact line is a generator; of flanks without form.
+    /// Whether the base helix angle fits the plane, so that the contact line is a generator.
     pub(super) fits: bool,
     /// Whether it does and [`FlankContact::slides`] holds.
     pub(super) slides: bool,
@@ -495,11 +495,6 @@ impl FlankContact {
             return Some(touch);
         }
         self.search(pose, line, &Search { range: flank, flank, floor, start: hint.map(|hint| hint.delta), known: None })
-    }
-
-    /// The same without form.
-    pub(super) fn plain(&self) -> Self {
-        Self { form: None, ..*self }
     }
 
     /// The generators of the flank.

@@ -168,7 +168,7 @@ impl Sampler<'_> {
             best.disorder = best.disorder.or(Some(tooth));
         }
         let pose = Pose { c: side.sign() * turned + prepared.start, shift: prepared.per_shift * place, ..turn.pose };
-        if best.demand.is_none() || !prepared.contact.stays_below(&pose, best.mark) {
+        if best.demand.is_none() || !prepared.stays_below(&pose, best.mark) {
             self.touch(side, tooth, place, &pose, best);
         }
     }
@@ -184,12 +184,11 @@ impl Sampler<'_> {
         }
         let contact = &prepared.contact;
         if !is_partial
-            && let Some(form) = &contact.form
+            && let Some((plain, added)) = prepared.plain.as_deref()
             && best.demand.is_some()
         {
             // of a carrier all of the flank has to be known, of others only that they ask for less
-            let added = form.most_added();
-            let most = contact.plain().touch(pose, best.floor - added, seen.map(|seen| seen.hint));
+            let most = plain.touch(pose, best.floor - added, seen.map(|seen| seen.hint));
             let most = most.map(|touch| Touch { demand: touch.demand + added, ..touch });
             if most.as_ref().is_none_or(|most| most.demand < best.floor) {
                 (*seen, *at_peaks) = (most.as_ref().map(|most| Seen::new(most, pose, roll)), None);
@@ -199,7 +198,7 @@ impl Sampler<'_> {
         }
         let touch = if is_partial {
             contact.touch_at_peaks(pose, best.floor, peaks)
-        } else if contact.form.is_some() {
+        } else if prepared.plain.is_some() {
             contact.touch_with_form(pose, peaks)
         } else {
             contact.touch(pose, best.floor, seen.map(|seen| seen.hint))

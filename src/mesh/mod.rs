@@ -51,7 +51,6 @@ mod sample;
 mod sampler;
 mod solve;
 mod summary;
-mod trail;
 
 pub use contact::ContactKind;
 pub use coverage::CarryingStrokes;

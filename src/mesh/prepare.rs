@@ -1,7 +1,7 @@
 //! A pair with its deviations, and each flank pair's constants made from them. Called by the solver once per
 //! tooth; does no search.
 
-use super::contact::{Across, FlankContact, Form, FormRates, Plane, RollRates};
+use super::contact::{Across, FlankContact, Form, FormRates, Plane, Pose, RollRates};
 use super::{FlankSide, MeshError};
 use crate::deviation::{PinionFlanks, RackFlanks};
 use crate::gear::Pair;
@@ -92,9 +92,11 @@ impl Mesh {
 }
 
 /// A flank pair with what places it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Prepared {
     pub(super) contact: FlankContact,
+    /// Of a flank with form: the same without, and what that may ask for less at most.
+    pub(super) plain: Option<Box<(FlankContact, f64)>>,
     /// The flank's start angle less the tooth's.
     pub(super) start: f64,
     /// Demand per displacement of the tooth, away from its own side.
@@ -153,6 +155,16 @@ struct RolledTooth {
 /// Helices below this turn over the whole face (rad) are none: the flank moves by less than 1e-12 of its radius.
 const NO_HELIX: f64 = 1e-12;
 
+impl Prepared {
+    /// Whether this pair is certain not to ask for more than the mark.
+    pub(super) fn stays_below(&self, pose: &Pose, mark: f64) -> bool {
+        match &self.plain {
+            Some(plain) => plain.0.stays_below(pose, mark - plain.1),
+            None => self.contact.stays_below(pose, mark),
+        }
+    }
+}
+
 impl FlankSide {
     pub(crate) const fn sign(self) -> f64 {
         match self {
@@ -210,29 +222,34 @@ impl Mesh {
         let off_axis = across.t.abs() * radius + roll.sin.abs() * (roll.depth.abs() + 2.0 * radius);
         let w_extent = half_face.min((across.half_width + off_axis) / across.w.abs());
         let fits = rack_lead_rad == 0.0 && pinion_lead_rad == 0.0 && roll.angle == 0.0;
-        let contact = FlankContact {
-            base_radius: pinion.base_radius_mm,
-            kappa,
-            start_roll: pinion.start_roll_rad,
-            tip_roll: pinion.tip_roll_rad,
-            half_face,
-            flank: plane,
-            tip,
-            across,
-            nu,
-            sin_nu,
-            cos_nu,
-            fits,
-            w_extent,
-            tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
-            form: self.form(roll, normal, per_height),
-            ..FlankContact::default()
-        }
-        .completed(pinion.tip_radius_mm, self.eccentricity());
+        let form = self.form(roll, normal, per_height);
+        let of_form = |form: Option<Form>| {
+            FlankContact {
+                base_radius: pinion.base_radius_mm,
+                kappa,
+                start_roll: pinion.start_roll_rad,
+                tip_roll: pinion.tip_roll_rad,
+                half_face,
+                flank: plane,
+                tip,
+                across,
+                nu,
+                sin_nu,
+                cos_nu,
+                fits: fits && form.is_none(),
+                w_extent,
+                tilt: if fits { 0.0 } else { pinion.base_radius_mm * kappa / sin_nu - plane.w },
+                form,
+                ..FlankContact::default()
+            }
+            .completed(pinion.tip_radius_mm, self.eccentricity())
+        };
+        let plain = form.map(|form| Box::new((of_form(None), form.most_added())));
         let middle = |tooth: &crate::deviation::RackTooth| 0.5 * (tooth.left.along_x_mm + tooth.right.along_x_mm);
         let thickness = 2.0 * half_x + tooth.right.along_x_mm - tooth.left.along_x_mm;
         Prepared {
-            contact,
+            contact: of_form(form),
+            plain,
             start,
             per_shift: sign * normal[0] * per_height,
             rates,

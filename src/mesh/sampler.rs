@@ -3,8 +3,6 @@
 
 use super::contact::{ContactKind, Hint, Peaks, Pose, Surface, Touch};
 use super::prepare::{Prepared, Roll};
-use super::roll::course::Course;
-use super::trail::Trail;
 use super::{FlankSide, Mesh, Support, Work};
 use crate::trig;
 
@@ -20,14 +18,11 @@ pub struct Sampler<'a> {
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     pub(super) last: Option<(f64, f64)>,
-    pub(super) trail: Trail,
     /// Rack teeth that carried last, right and left. They are asked first, since most others then are seen from afar to
     /// ask for less: without it the mesh takes 6 times as long.
     pub(super) carried: [i64; 2],
     /// For a rack that rolls: how the last solution changes with the roll.
     pub(super) rolling: Rolling,
-    /// For a rack that rolls: the rolls that were looked at.
-    pub(super) course: Course,
     pub(super) looks: Looks,
     pub(super) work: Work,
 }
@@ -97,8 +92,6 @@ const LIPSCHITZ: f64 = 4.0;
 pub(super) struct Rolling {
     /// Derivatives of the centre distance by the roll, and by the one assumed.
     pub(super) rate: [f64; 2],
-    /// The same of the rotation at which both sides ask for the same.
-    pub(super) turn: [f64; 2],
     /// What touches on both sides.
     pub(super) at: Option<[Contact; 2]>,
 }
@@ -108,8 +101,6 @@ pub(super) struct Rolling {
 pub(super) struct Contact {
     pub(super) tooth: i64,
     pub(super) kind: ContactKind,
-    /// The edges that it is on.
-    pub(super) edges: [Option<ContactKind>; 2],
     pub(super) at_high_end: bool,
     pub(super) surface: Surface,
 }
@@ -159,10 +150,8 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
-            trail: Trail::default(),
             carried: [0; 2],
             rolling: Rolling::default(),
-            course: Course::default(),
             looks: Looks::Everywhere,
             work: Work::default(),
         }

@@ -42,68 +42,40 @@ impl Sampler<'_> {
     /// The zero-backlash position at the present roll.
     pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         let position = self.locate(stroke_mm)?;
+        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
-        let balance = self.balanced(&position, displacement)?;
-        let Balance { right, left, offset, step, .. } = balance;
+        let Balance { right, left, offset, step, iterations, ending } = self.balanced(&position, displacement)?;
         if right.touch.is_on_tip() && left.touch.is_on_tip() {
             return Err(MeshError::TipOnTip { stroke_mm, right: right.tooth, left: left.tooth });
         }
         // where both tangents cross; without a step the larger demand, which certainly suffices
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
-        let point = self.point(stroke_mm, a, &balance);
-        if self.mesh.support() == Support::Fixed {
-            self.trail.add(stroke_mm, offset + step, [point.right, point.left]);
-        } else {
+        if self.mesh.support() != Support::Fixed {
             self.rolling = self.rolling(&right, &left);
         }
-        Ok(point)
-    }
-
-    fn point(&self, stroke_mm: f64, center_distance_mm: f64, balance: &Balance) -> MeshPoint {
-        let Balance { right, left, offset, step, iterations, ending } = balance;
-        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let error = -(offset + step);
-        MeshPoint {
+        Ok(MeshPoint {
             stroke_mm,
-            center_distance_mm,
-            delta_cd_mm: center_distance_mm - nominal,
+            center_distance_mm: a,
+            delta_cd_mm: a - nominal,
             pinion_angle_rad: stroke_mm * angle_per_mm + error,
             transmission_error_rad: error,
             roll_rad: self.roll.angle,
-            right: self.carrier(FlankSide::Right, right),
-            left: self.carrier(FlankSide::Left, left),
+            right: self.carrier(FlankSide::Right, &right),
+            left: self.carrier(FlankSide::Left, &left),
             residual_mm: right.value - left.value,
-            iterations: *iterations,
-            ending: *ending,
-        }
-    }
-
-    /// One rotation at the present roll, `turned` against where the rack's nearest tooth has the pinion; where the tangents
-    /// of both sides meet, and how far in rotation and centre distance that is. `None` where they tell nothing.
-    pub(super) fn glimpse(&mut self, stroke_mm: f64, turned: f64) -> Result<Option<(MeshPoint, [f64; 2])>, MeshError> {
-        let position = self.locate(stroke_mm)?;
-        let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
-        let offset = turned + displacement * self.constants.angle_per_mm;
-        let [right, left] = self.demands(&position, offset)?;
-        let least = LEAST_SLOPE * self.constants.default_rate;
-        if right.touch.is_on_tip() && left.touch.is_on_tip() || !(right.rate < -least && left.rate > least) {
-            return Ok(None);
-        }
-        self.rolling = self.rolling(&right, &left);
-        let share = left.rate / (left.rate - right.rate);
-        let moved = (share * right.value + (1.0 - share) * left.value - self.assumed) / self.rolling.remaining();
-        let step = (left.value - right.value) / (right.rate - left.rate) + self.rolling.turn[1] * moved;
-        let balance = Balance { right, left, offset, step, iterations: 1, ending: Ending::Converged };
-        self.last = Some((offset + step, displacement));
-        Ok(Some((self.point(stroke_mm, self.assumed + moved, &balance), [step, moved])))
+            iterations,
+            ending,
+        })
     }
 
     /// The rotation at which both sides ask for the same. Of flanks with form that is where their known peaks do, if no
     /// other place on them asks for more there: at every other rotation all of the flank asks for no less than its peaks.
-    /// Where peaks come and go with the rotation they do not balance, and all of the flank is looked at from the start.
+    /// Where peaks come and go with the rotation they do not balance, and all of the flank is looked at from the start; so it
+    /// is where the rack rolls: the lowest roll of the peaks that are known would not always be that of all of the flank.
     fn balanced(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
-        let is_at_peaks = self.mesh.has_form() && self.last.is_some();
+        let is_at_peaks = self.mesh.has_form() && self.mesh.support() == Support::Fixed;
         let start = self.last;
         for _ in 0..if is_at_peaks { MOST_CHECKED } else { 0 } {
             self.looks = Looks::AtPeaks;
@@ -129,8 +101,7 @@ impl Sampler<'_> {
         let (mut low, mut high) = range;
         let near = |&(offset, at): &(f64, f64)| (offset - at * angle_per_mm).abs() < 0.5 * angular_pitch;
         let from_last = |(offset, at): (f64, f64)| offset + (displacement - at) * angle_per_mm;
-        let expected = self.trail.at(position.stroke_mm).filter(|&expected| low < expected && expected < high);
-        let mut offset = expected.or(self.last.filter(near).map(from_last)).unwrap_or(guess);
+        let mut offset = self.last.filter(near).map_or(guess, from_last);
         let mut before: Option<(f64, f64)> = None;
         let mut iterations = 0;
         loop {
@@ -160,7 +131,7 @@ impl Sampler<'_> {
             } else {
                 high = offset;
             }
-            if iterations >= if self.looks == Looks::AtPeaks { UNTIL_END } else { MAX_ITERATIONS } {
+            if iterations >= MAX_ITERATIONS {
                 return Ok(given_up(Ending::IterationLimit));
             }
             if iterations == UNTIL_END
@@ -206,15 +177,9 @@ impl Sampler<'_> {
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
             let at_high_end = spot.w.is_sign_positive();
-            let edges = [Some(spot.kind), demand.touch.other.map(|(spot, _)| spot.kind)];
-            Contact { tooth: demand.tooth, kind: demand.touch.kind, edges, at_high_end, surface: spot.surface }
+            Contact { tooth: demand.tooth, kind: demand.touch.kind, at_high_end, surface: spot.surface }
         };
-        let apart = right.rate - left.rate;
-        Rolling {
-            rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]),
-            turn: [0, 1].map(|i| (l[i] - r[i]) / apart),
-            at: Some([at(right), at(left)]),
-        }
+        Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
     }
 
     fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {

@@ -36,7 +36,7 @@ pub enum DomainError {
         bounds: String,
     },
     /// A tooth as thick as the pitch leaves no space.
-    #[error("the tooth thickness s_n is {thickness}; it must be below the normal pitch π m_n = {} mm", Rounded(.pitch.mm()))]
+    #[error("the tooth thickness s_n is {thickness}; it must be below the normal pitch π m_n = {pitch}")]
     NoSpace {
         /// The tooth thickness.
         thickness: Length,

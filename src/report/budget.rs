@@ -278,7 +278,7 @@ impl Report for BudgetReport<'_> {
                     key: value,
                     "delta_cd_mm": value.map(|_| line.delta_cd),
                     "extent": line.error.extent().name(),
-                    "worst_case_mm": value.map(|_| line.range),
+                    "range_mm": value.map(|_| line.range),
                     "share": line.share,
                     "at_own_limit": line.at_own_limit,
                     "class": class.map(class_fact),

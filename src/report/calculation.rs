@@ -208,7 +208,7 @@ impl Report for Calculation {
         }
         if let Some(worst_case) = self.worst_case {
             json["extent"] = worst_case.extent.name().into();
-            json["worst_case_mm"] = json!(worst_case.range.ok());
+            json["range_mm"] = json!(worst_case.range.ok());
         }
         json["notes"] = self.notes.clone().into();
         json
@@ -216,11 +216,8 @@ impl Report for Calculation {
 
     fn rows(&self) -> Vec<Vec<String>> {
         let value = base_value(self.result).0;
-        let range = if self.worst_case.is_some() {
-            "extent lower_mm=worst_case_mm/lower upper_mm=worst_case_mm/upper"
-        } else {
-            ""
-        };
+        let range =
+            if self.worst_case.is_some() { "extent lower_mm=range_mm/lower upper_mm=range_mm/upper" } else { "" };
         let names = format!("formula model {value} value unit {range}");
         fact::rows(&json!({ "calculations": [self.json()] }), "calculations", &names)
     }

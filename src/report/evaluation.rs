@@ -74,7 +74,7 @@ impl EvaluationReport<'_> {
                 "error": c.kind.key(),
                 deviation: c.value.base(),
                 "extent": c.extent.name(),
-                "worst_case_mm": c.range.ok(),
+                "range_mm": c.range.ok(),
                 "delta_cd_mm": c.delta_cd(model),
                 "delta_cd_exact_mm": c.exact,
                 "delta_cd_paper_mm": c.paper,
@@ -419,7 +419,7 @@ fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
 
 /// The columns of CSV, of an error, a combination, a limit or an uncertainty.
 const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm delta_cd_exact_mm delta_cd_paper_mm \
-                       model formula share lower_mm=worst_case_mm/lower upper_mm=worst_case_mm/upper \
+                       model formula share lower_mm=range_mm/lower upper_mm=range_mm/upper \
                        limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
                        standard=class/standard grade=class/grade diameter_mm=class/diameter_mm reason=limit/reason";
 
@@ -439,6 +439,7 @@ impl Report for EvaluationReport<'_> {
             "model": evaluation.model.name(),
             "contributions": self.contributions().collect::<Vec<_>>(),
             "combined": {
+                "range_mm": combined.range.ok(),
                 "worst_case_mm": combined.range.ok(),
                 "rss_mm": combined.rss.ok(),
             },
@@ -470,7 +471,7 @@ impl Report for EvaluationReport<'_> {
     fn rows(&self) -> Vec<Vec<String>> {
         let evaluation = &self.evaluation;
         let ends = |kind, name, range: Value| {
-            record(kind, name, json!({ "model": evaluation.model.name(), "worst_case_mm": range }))
+            record(kind, name, json!({ "model": evaluation.model.name(), "range_mm": range }))
         };
         let mut records: Vec<_> =
             self.contributions().map(|fact| record("error", fact["error"].clone(), fact)).collect();

@@ -59,7 +59,7 @@ impl PartsReport<'_> {
 }
 
 /// The ends of the combinations, by the names that `batch` gives them.
-const ENDS: [&str; 4] = ["worst_case_lower_mm", "worst_case_upper_mm", "rss_lower_mm", "rss_upper_mm"];
+const ENDS: [&str; 4] = ["range_lower_mm", "range_upper_mm", "rss_lower_mm", "rss_upper_mm"];
 
 fn ends(evaluation: Option<&Evaluation>) -> [Option<Length>; 4] {
     let interval = |stack| evaluation.and_then(|evaluation| evaluation.combined.interval(stack).ok());

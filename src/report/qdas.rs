@@ -53,7 +53,7 @@ impl QdasRows {
     fn definitions(&self, first_row: &[&str]) -> Vec<u8> {
         let column = |(index, stem, unit): (usize, &str, &str)| {
             let limited = |target: &LimitTarget| match target {
-                LimitTarget::CenterDistance => stem == "worst_case_lower" || stem == "worst_case_upper",
+                LimitTarget::CenterDistance => stem == "range_lower" || stem == "range_upper",
                 LimitTarget::Error(kind) => stem.strip_prefix("delta_cd_") == Some(kind.key()),
             };
             let limit = self.limits.iter().find(|(target, _)| limited(target)).map(|(_, limit)| limit);

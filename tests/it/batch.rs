@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 
 const SPEC: &str = "tests/specs/batch.toml";
 const TABLE: &str = "part_id,over_roller,dp [µm]\nP1,25.0131,10\nP2,25.0601,-5\nP3,24.98,0\n";
-const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,worst_case_lower_mm,worst_case_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
+const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
                     P1,0.013100,0.013737,-0.000637,0.026837,,,pass,\n\
                     P2,0.060100,0.006869,0.053231,0.066969,,,fail,\n\
                     P3,-0.020000,0.000000,-0.020000,-0.020000,,,pass,\n";
@@ -304,7 +304,7 @@ fn a_lead_of_the_pinion_has_its_column() {
         )
     };
     std::fs::write(&spec, text_of("")).expect("it can be written");
-    let rows = "part_id,delta_cd_pinion_lead_mm,worst_case_lower_mm,worst_case_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
+    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
                 P1,0.010733,-0.010733,0.010733,,,pass,\n\
                 P2,0.016100,-0.016100,0.016100,,,fail,\n";
     let table = |name: &str| format!("part_id;{name}\nP1;8\nP2;-12\n");
@@ -347,7 +347,7 @@ fn several_tables_and_what_pipelines_show() {
     let rows: Vec<serde_json::Value> =
         text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("a row is JSON")).collect();
     let of = |row: usize, name: &str| rows[row][name].clone();
-    assert_eq!((of(0, "part_id"), of(0, "worst_case_lower_mm")), ("P1".into(), (-0.000_637).into()));
+    assert_eq!((of(0, "part_id"), of(0, "range_lower_mm")), ("P1".into(), (-0.000_637).into()));
     assert_eq!((of(3, "part_id"), of(3, "delta_cd_rack_over_roller_mm")), ("Q2 <&>".into(), 0.4.into()));
     assert_eq!(of(3, "verdict"), "fail");
     let messages = text(&output.stderr);

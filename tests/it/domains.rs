@@ -261,7 +261,7 @@ fn a_result_beyond_the_grid_names_what_it_is() {
     let flat = Law::rack_pitch(deg(45.0), steep).unwrap();
     assert_eq!(
         flat.largest_error(huge, Model::Exact).unwrap_err().to_string(),
-        "no pitch error up to 1 km reaches a ΔCD of 1000000 mm: the largest possible is 0.000000009696 mm"
+        "no pitch error up to 1 km reaches a ΔCD of 1000000 mm: the largest possible is 9.696e-9 mm"
     );
 }
 

@@ -50,7 +50,7 @@ fn a_lead_on_all_teeth_is_judged_by_the_mesh() {
     let (lower, upper) = judged(&eval);
     assert!(0.0101 < lower && lower < upper && upper < 0.0103, "{lower} {upper}");
     // the bound stands beside, and nothing was searched
-    assert!(eval["combined"]["worst_case_mm"]["lower"].as_f64().unwrap() < -0.02);
+    assert!(eval["combined"]["range_mm"]["lower"].as_f64().unwrap() < -0.02);
     assert_eq!(eval["reached_mm"], Value::Null);
 }
 
@@ -253,7 +253,7 @@ fn a_batch_meshes_what_its_bound_does_not_pass() {
     let at = |name: &str| rows[0].iter().position(|title| *title == name).unwrap();
     let column = |name: &str| rows[1..].iter().map(|row| row[at(name)]).collect::<Vec<_>>();
     assert_eq!(column("verdict"), ["pass", "pass", "fail", "pass"], "{}", ended.stdout);
-    assert!(column("worst_case_lower_mm")[1].starts_with("-0.024"), "{}", ended.stdout);
+    assert!(column("range_lower_mm")[1].starts_with("-0.024"), "{}", ended.stdout);
     let reasons = column("reason");
     assert_eq!(reasons[0], "");
     assert!(reasons[1].starts_with("judged by the exact mesh: ΔCD = 0.0101"), "{}", ended.stdout);

@@ -53,7 +53,7 @@ const WRITTEN: [Written; 13] = [
 ];
 
 /// Those that are read.
-const READ: [&str; 5] = ["spec", "files", "file", "merge", "obtained"];
+const READ: [&str; 6] = ["spec", "files", "file", "layout", "merge", "obtained"];
 
 const OLD: &str = "<testsuites> of an older run\n";
 

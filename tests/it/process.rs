@@ -270,7 +270,7 @@ fn a_report_is_one_page_with_everything() {
         "class=\"verdict fail\"",
         "; judged without rack lead",
         "How the tables were read",
-        "mm (assumed)",
+        "rack_over_roller [mm] measured",
         "Histogram",
         "Run chart",
         "P&lt;2&gt;",
@@ -318,7 +318,7 @@ fn a_typed_block_and_a_piped_one() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("0.013"), "{}", text(&output.stdout));
     // Latin-1, as a clipboard of an old program has it
-    let output = with_input(&["paste", "examples/steering.toml", "--format", "csv"], b"dp [\xb5m]\n12,5\n");
+    let output = with_input(&["paste", "examples/steering.toml", "--format", "csv"], b"rack_pitch [\xb5m]\n12,5\n");
     assert!(text(&output.stdout).contains("0.0125"), "{}", text(&output.stdout));
 }
 

@@ -224,7 +224,7 @@ fn proposals_close() {
         let spec_text = std::fs::read_to_string(corpus.join(text(case, "spec").unwrap())).unwrap();
         let spec = folder.file("rack.toml", &spec_text);
         if spec_text.contains("[batch")
-            || spec_text.contains("[table]")
+            || spec_text.contains("[table")
             || !run(&["read", &file, &spec]).stdout.is_empty() && block(&[&file], &spec).is_empty()
         {
             continue;

@@ -209,7 +209,8 @@ fn the_schema_and_the_reader_agree_on_every_spec() {
     let mut tried = 0;
     for text in corpus() {
         let Ok(table) = text.parse::<toml::Table>() else { continue };
-        if Spec::parse("corpus", &text).is_err() {
+        // a section by its old name is read with a warning, and an editor marks it
+        if table.contains_key("batch") || Spec::parse("corpus", &text).is_err() {
             continue;
         }
         let spec = toml::Value::Table(table);

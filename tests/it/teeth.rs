@@ -207,7 +207,7 @@ fn what_stands_beside_a_value_of_a_space_needs_an_owner() {
     let folder = Folder::new("teeth-beside");
     let spec = format!("{PAIR}{LIMIT}");
     for (heading, row, told) in [
-        ("over_pin [mm],over_pin_deviation [um]", "25,300", "are both over_pin"),
+        ("over_pin [mm],over_pin_deviation [um]", "25,300", "`rack.pin` is missing"),
         ("over_pin [mm],nominal [mm]", "25,24.7", "column `nominal [mm]`"),
         ("over_pin_deviation [um],M [mm]", "0,25", "column `M [mm]`"),
     ] {

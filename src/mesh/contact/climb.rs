@@ -368,8 +368,7 @@ impl<'a> Climb<'a> {
                 touch.rate += slope;
             }
         }
-        let is_plain_line = self.contact.fits && self.contact.form.is_none();
-        touch.kind = if is_plain_line || matches!(touch.kind, ContactKind::Line | ContactKind::Point) {
+        touch.kind = if self.contact.fits || matches!(touch.kind, ContactKind::Line | ContactKind::Point) {
             if touch.spot.delta == self.search.flank.hi { ContactKind::TipEdge } else { ContactKind::RootEdge }
         } else {
             ContactKind::Corner

@@ -65,7 +65,7 @@ const GRIDS: [u32; 2] = [6, 32];
 const DIVISIONS: u32 = 4;
 
 /// The search for others goes on at these distances from a peak, rad.
-const BESIDE: [f64; 12] = [-0.03, -0.01, -1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.03];
+const BESIDE: [f64; 8] = [-0.03, -0.01, -1e-3, -1e-4, 1e-4, 1e-3, 0.01, 0.03];
 
 /// Peaks of a flank that are kept for the next position.
 const KEPT: usize = 3;
@@ -92,15 +92,11 @@ impl Peaks {
         peaks
     }
 
-    /// Keeps one more; whether it is another one, and there is room.
-    fn add(&mut self, delta: f64) -> bool {
-        let is_known = self.at.iter().flatten().any(|known| (known - delta).abs() <= ONE_PEAK);
-        match self.at.iter_mut().find(|peak| peak.is_none()) {
-            Some(free) if !is_known => {
-                *free = Some(delta);
-                true
-            }
-            _ => false,
+    fn add(&mut self, delta: f64) {
+        if !self.at.iter().flatten().any(|known| (known - delta).abs() <= ONE_PEAK)
+            && let Some(free) = self.at.iter_mut().find(|peak| peak.is_none())
+        {
+            *free = Some(delta);
         }
     }
 }
@@ -194,29 +190,25 @@ struct Peak {
 }
 
 impl FlankContact {
-    /// What a surface asks for; relieved or not, if there is no relief.
-    fn surface(&self, form: &Form, at: &Place, surface: usize) -> Polynomial {
+    /// What the surfaces ask for.
+    fn surfaces(&self, form: &Form, at: &Place) -> [Polynomial; 3] {
+        let across = at.across * (1.0 / self.across.half_width);
         let axial = at.w * (1.0 / self.half_face);
         let profile = (at.roll - Polynomial::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
         let pinion = axial * axial * form.pinion.crowning_mm + profile * form.pinion.profile_slope_mm;
-        if SURFACES[surface] == Surface::Tip {
-            return at.tip - at.per_normal_on_tip * pinion;
-        }
-        let across = at.across * (1.0 / self.across.half_width);
         let back = pinion + across * across * form.rack.crowning_mm;
-        if SURFACES[surface] == Surface::Flank || form.rack.tip_relief_mm == 0.0 {
-            return at.flank - at.per_normal * back;
-        }
-        // how high in the rack the flank's plane is where the point is, above where the relief starts
-        let deep = at.sin * (at.flank + Polynomial::from(form.depth)) - at.shift;
-        let high = Polynomial::from(form.tip - form.rack.tip_relief_start_mm) - at.cos * (at.tip - at.flank)
-            + deep * form.fall;
-        let relief = high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm));
-        at.flank - at.per_normal * (back + relief)
-    }
-
-    fn surfaces(&self, form: &Form, at: &Place) -> [Polynomial; 3] {
-        [0, 1, 2].map(|surface| self.surface(form, at, surface))
+        let flank = |back: Polynomial| at.flank - at.per_normal * back;
+        let plain = flank(back);
+        let relieved = if form.rack.tip_relief_mm > 0.0 {
+            // how high in the rack the flank's plane is where the point is, above where the relief starts
+            let deep = at.sin * (at.flank + Polynomial::from(form.depth)) - at.shift;
+            let high = Polynomial::from(form.tip - form.rack.tip_relief_start_mm) - at.cos * (at.tip - at.flank)
+                + deep * form.fall;
+            flank(back + high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm)))
+        } else {
+            plain
+        };
+        [plain, relieved, at.tip - at.per_normal_on_tip * pinion]
     }
 
     /// What the planes of flank and tip ask for along a generator, and its way across the rack.
@@ -271,11 +263,9 @@ impl FlankContact {
         };
         consider(lo.w, PeakHeldBy::Low);
         consider(hi.w, PeakHeldBy::High);
-        // without relief the second surface is the first
-        let is_relieved = form.rack.tip_relief_mm > 0.0;
-        for (index, surface) in surfaces.iter().enumerate().filter(|(index, _)| is_relieved || *index != 1) {
+        for (index, surface) in surfaces.iter().enumerate() {
             consider(-surface.b / (2.0 * surface.a), PeakHeldBy::Top);
-            for (before, crossed) in surfaces[..index].iter().enumerate().take(if is_relieved { 2 } else { 1 }) {
+            for (before, crossed) in surfaces[..index].iter().enumerate() {
                 for w in (*crossed - *surface).roots() {
                     consider(w, PeakHeldBy::Crossing(before, index));
                 }
@@ -288,14 +278,14 @@ impl FlankContact {
 
     /// How the largest demand on a generator changes where its place does, and its ends as told.
     fn rate(&self, form: &Form, peak: &Peak, place: &Place, ends: [f64; 2]) -> f64 {
-        let rate = |index: usize| self.surface(form, place, index).b;
+        let rates = self.surfaces(form, place).map(|surface| surface.b);
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);
         let [lo, hi] = ends;
         match peak.held {
-            PeakHeldBy::Level | PeakHeldBy::Top => rate(peak.least),
-            PeakHeldBy::Low => rate(peak.least) + along(peak.least) * lo,
-            PeakHeldBy::High => rate(peak.least) + along(peak.least) * hi,
-            PeakHeldBy::Crossing(i, j) => rate(i) + along(i) * (rate(i) - rate(j)) / (along(j) - along(i)),
+            PeakHeldBy::Level | PeakHeldBy::Top => rates[peak.least],
+            PeakHeldBy::Low => rates[peak.least] + along(peak.least) * lo,
+            PeakHeldBy::High => rates[peak.least] + along(peak.least) * hi,
+            PeakHeldBy::Crossing(i, j) => rates[i] + along(i) * (rates[i] - rates[j]) / (along(j) - along(i)),
         }
     }
 
@@ -365,8 +355,7 @@ impl FlankContact {
     pub(in crate::mesh) fn touch_with_form(&self, pose: &Pose, peaks: &mut Peaks) -> Option<Touch> {
         peaks.are_known = true;
         let flank = self.generators(pose)?;
-        let known = self.climbed(pose, flank, f64::NEG_INFINITY, peaks);
-        GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells, known, peaks))
+        GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells, peaks))
     }
 
     /// The largest demand at the peaks that are known, wherever they are now: what the flank asks for at least. `None` if
@@ -375,27 +364,26 @@ impl FlankContact {
         self.climbed(pose, self.generators(pose)?, floor, peaks)
     }
 
-    /// The highest of the known peaks, which move to where they are now; one that is now no other than one before it is kept
-    /// where it was.
+    /// The highest of the known peaks, which move to where they are now.
     fn climbed(&self, pose: &Pose, flank: Range, mut floor: f64, peaks: &mut Peaks) -> Option<Touch> {
         let (mut best, mut moved) = (None::<Touch>, Peaks { at: [None; KEPT], ..*peaks });
         for start in peaks.at.into_iter().flatten() {
             let touch = self.climb(pose, &Search { range: flank, flank, floor, start: Some(start), known: None });
-            if !touch.is_some_and(|touch| moved.add(touch.spot.delta)) {
-                moved.add(start);
-            }
             let Some(touch) = touch else { continue };
+            moved.add(touch.spot.delta);
             if best.is_none_or(|best| touch.demand > best.demand) {
                 floor = floor.max(touch.demand);
                 best = Some(touch);
             }
         }
-        *peaks = moved;
+        if best.is_some() {
+            *peaks = moved;
+        }
         best
     }
 
-    /// The highest of the known peaks and of those that show on a grid.
-    fn highest(&self, pose: &Pose, flank: Range, cells: u32, known: Option<Touch>, peaks: &mut Peaks) -> Option<Touch> {
+    /// The highest of the peaks that show on a grid.
+    fn highest(&self, pose: &Pose, flank: Range, cells: u32, peaks: &mut Peaks) -> Option<Touch> {
         let Range { lo, hi } = flank;
         let sample = |x: f64| Sample { x, generator: self.demand(pose, x) };
         let (mut best, mut found) = (None::<Touch>, Vec::new());
@@ -442,11 +430,6 @@ impl FlankContact {
                 between.extend([(low, middle, depth + 1), (middle, high, depth + 1)]);
             }
         }
-        let best = match known {
-            Some(known) if best.is_none_or(|best| known.demand > best.demand) => Some(known),
-            _ => best,
-        };
-        found.extend(known);
         *peaks = Peaks::of(found);
         best
     }

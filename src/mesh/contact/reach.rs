@@ -20,7 +20,7 @@
 //! that meeting point: see [`rack_corner`](super::rack_corner). And where tan(δ/2) ≥ τ it asks for d + r_b (cos ν − τ
 //! sin ν) at most, as on the line at −τ_0.
 
-use super::{FlankContact, Form, Pose};
+use super::{FlankContact, Pose};
 
 /// Constants of a flank pair seen from afar.
 #[derive(Debug, Clone, Copy, Default)]
@@ -89,7 +89,6 @@ impl FlankContact {
 
     /// Whether this pair is certain not to ask for more than the mark.
     pub(in crate::mesh) fn stays_below(&self, pose: &Pose, mark: f64) -> bool {
-        let mark = mark - self.form.as_ref().map_or(0.0, Form::most_added);
         if self.slides { self.reaches_no(pose, mark) } else { self.bound_by_involute(pose) <= mark }
     }
 
@@ -107,7 +106,8 @@ impl FlankContact {
             let below = self.start_roll - roll;
             start((below - reach).clamp(0.0, 1.0)).min(start((below + reach).max(0.0)))
         };
-        self.unbounded(pose) + self.tilt.abs() * self.w_extent - self.scale * loss
+        let slope = self.form.map_or(0.0, |form| (-form.pinion.profile_slope_mm).max(0.0) * form.per_normal);
+        self.unbounded(pose) + self.tilt.abs() * self.w_extent - self.scale * loss + slope
     }
 }
 

@@ -254,8 +254,11 @@ fn a_search_takes_no_more_than_it_may() {
     let mesh = formed(0.2, 0.3, 0.004, 0.03, 0.02);
     let search = |stroke, searches| {
         let mut sampler = Sampler::new(&mesh);
+        // one that has searched before
+        sampler.lowest(stroke, 8.0, MAX_SEARCHES).expect("contact");
+        let before = sampler.work().searched;
         let found = sampler.lowest(stroke, 8.0, searches).expect("contact");
-        (found.point.ending, sampler.work().searched)
+        (found.point.ending, sampler.work().searched - before)
     };
     for step in 0..6 {
         let stroke = 0.9 * f64::from(step);
@@ -265,46 +268,15 @@ fn a_search_takes_no_more_than_it_may() {
         let mut sampler = Sampler::new(&mesh);
         let [low, high] = [-0.05, 0.05].map(|roll| sampler.at_roll(stroke, roll, 8.0).expect("contact"));
         let before = sampler.work();
-        let curvature = sampler.curvature(8.0);
-        let out = AtStroke { stroke_mm: stroke, depth_mm: 8.0, curvature, most_searched: before.searched - 1 };
-        let narrowed = sampler.narrow([low, high], &out);
-        assert!(!narrowed.is_closed && sampler.work() == before);
-        for (end, given) in [(narrowed.low, low), (narrowed.high, high)] {
-            assert!(end.point.ending == Ending::RollNotFound && end.value == given.value, "{end:?}");
-        }
+        let bottom = sampler.narrow([low, high], stroke, 8.0, before.searched - 1);
+        assert!(bottom.point.ending == Ending::RollNotFound && sampler.work() == before, "{bottom:?}");
+        assert_eq!(bottom.value, low.value.min(high.value));
         for part in 1..8 {
             let may = first + (whole - first) * part / 8;
             let (ending, searched) = search(stroke, may);
             assert!(ending == Ending::RollNotFound && searched > may && searched < may + 50, "{may}: {searched}");
         }
     }
-}
-
-/// What one rotation and known peaks say of a roll is no more than its solution, wherever the search comes from.
-#[test]
-fn what_a_roll_asks_for_at_least_is_no_more_than_its_solution() {
-    let (mut bounds, mut near) = (0, 0);
-    for (lead, form) in [(0.004, 0.0), (0.004, 0.02), (-0.002, 0.01)] {
-        let mesh = formed(0.2, 0.3, lead, 0.03, form);
-        let mut sampler = Sampler::new(&mesh);
-        for step in 0..12 {
-            let stroke_mm = 0.31 * f64::from(step);
-            sampler.at(stroke_mm).expect("contact");
-            let curvature = sampler.curvature(8.0);
-            let stroke = AtStroke { stroke_mm, depth_mm: 8.0, curvature, most_searched: u64::MAX };
-            for roll in [-0.06, -0.02, -0.003, 0.0007, 0.011, 0.05] {
-                let exact = Sampler::new(&mesh).at_roll(stroke_mm, roll, 8.0).expect("contact");
-                for best in [None, Some(exact.value - 0.1)] {
-                    let bound = sampler.at_least(&stroke, roll, best).expect("contact");
-                    assert!(bound.value <= exact.value + 1e-11, "{roll} {best:?}: {bound:?} {exact:?}");
-                    bounds += usize::from(!bound.is_exact);
-                    near += usize::from(!bound.is_exact && bound.value > exact.value - 1e-3);
-                }
-            }
-        }
-    }
-    println!("{bounds} bounds, {near} of them near");
-    assert!(bounds > 400 && near > 300, "{bounds} {near}");
 }
 
 /// A spur pair with a pressure angle and a rack face.

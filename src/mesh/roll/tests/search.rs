@@ -1,7 +1,6 @@
 //! The search among rolls by itself: what it keeps, bounds, divides and gives.
 
 use super::*;
-use crate::mesh::roll::valleys::{APART, SMALLEST_GAP, lower_bound, smooth_bound};
 
 /// A roll at which the centre distance would have this value and slope.
 fn rolled(angle: f64, value: f64, slope: f64) -> Rolled {
@@ -50,24 +49,6 @@ fn a_bound_is_where_the_parabolas_of_both_ends_meet() {
             let steepest = low.slope.abs().max(high.slope.abs());
             let expected = low.value.min(high.value) - 0.4 * steepest - 0.5 * 0.7 * 0.4 * 0.4;
             assert!((meet - 0.3).abs() < 1e-15 && (bound - expected).abs() < 1e-14, "{bound} {expected}");
-        }
-    }
-}
-
-/// Where the same points touch at both ends, what lies between is bounded closely, and from below.
-#[test]
-fn one_contact_is_bounded_by_the_cubic_through_both_ends() {
-    let curvature = 300.0;
-    for (slope, bend, third, fourth) in [(0.0, 15.0, 0.0, 0.0), (-0.05, 15.0, 40.0, 1e4), (-0.1, 30.0, -200.0, -1e4)] {
-        let f = |x: f64| 2.0 + x * (slope + x * (bend / 2.0 + x * (third / 6.0 + x * fourth / 24.0)));
-        let rate = |x: f64| slope + x * (bend + x * (third / 2.0 + x * fourth / 6.0));
-        let [low, high] = [1e-5, 0.01].map(|x| rolled(x, f(x), rate(x)));
-        let bound = smooth_bound(&low, &high, curvature);
-        let least = (1..1000).map(|i| f(1e-5 + 0.009_99 * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
-        let parabolas = lower_bound(&low, &high, curvature).1;
-        assert!(bound <= f(0.005).max(least) && bound > parabolas, "{bound} {least} {parabolas}");
-        if slope < 0.0 {
-            assert!(bound <= least && bound > least - 1e-3, "{bound} {least}");
         }
     }
 }
