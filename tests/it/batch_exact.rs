@@ -492,7 +492,7 @@ fn the_gauge_share_is_of_measuring_alone() {
 #[test]
 fn only_what_is_asked_for_is_read_and_computed() {
     let spec = "[pair]\nnormal_pressure_angle = 20\n[table]\nignore = [\"note\"]\n";
-    let table = "part_id,rack_over_roller,rack_pitch,note\nP1,not read,0.01,a\nP2,,0.02,b\n";
+    let table = "part_id,rack_over_roller,rack_pitch,note\nP1,25.01,0.01,a\nP2,25.02,0.02,b\n";
     let columns = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
     let request = Request { columns: columns(&["part_id", "delta_cd_rack_pitch_mm", "note"]), ..Request::default() };
     let (rows, outcome) = run(spec, table, request);

@@ -270,7 +270,7 @@ fn a_report_is_one_page_with_everything() {
         "class=\"verdict fail\"",
         "; judged without rack lead",
         "How the tables were read",
-        "rack_over_roller [mm] measured",
+        "by its key",
         "Histogram",
         "Run chart",
         "P&lt;2&gt;",
