@@ -199,7 +199,7 @@ impl Plan {
             AnyRecordBatch::RecordBatch(batch) => {
                 let batch = batch.into_inner();
                 let schema = batch.schema();
-                (vec![table], schema, true)
+                (vec![batch], schema, true)
             }
             stream @ AnyRecordBatch::Stream(_) => {
                 let (batches, schema) = stream.into_table()?.into_inner();

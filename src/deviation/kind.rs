@@ -111,6 +111,7 @@ impl DeviationKind {
 display_by_name!(DeviationKind);
 
 /// A key of the spec, or a column of results, in words: `rack over-roller`.
+#[cfg(any(feature = "report", feature = "spec"))]
 pub(crate) fn key_in_words(key: &str) -> String {
     key.replace('_', " ").replace("over roller", "over-roller")
 }

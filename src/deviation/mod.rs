@@ -21,6 +21,7 @@ pub use error::{DeviationError, DeviationQuantity};
 pub(crate) use error::{MAX_LEAD_RAD, MAX_LENGTH_MM};
 pub use extent::{Countable, Extent, UnknownExtent};
 pub use form::{PinionForm, RackForm};
+#[cfg(any(feature = "report", feature = "spec"))]
 pub(crate) use kind::key_in_words;
 pub use kind::{DeviationKind, DeviationValue, Part};
 pub use measured::{

@@ -59,8 +59,6 @@ pub use paste::{PartRow, PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::QdasRows;
 pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
-#[cfg(feature = "cli")]
-pub(crate) use reading::add_new;
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, reading_form, remarks};
 pub use reproduction::Reproduction;
@@ -74,6 +72,15 @@ use serde_json::Value;
 
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{harmless, harmless_lines, is_formula};
+
+/// Adds texts to a list: those that are not there.
+pub(crate) fn add_new(all: &mut Vec<String>, more: impl IntoIterator<Item = String>) {
+    for one in more {
+        if !all.contains(&one) {
+            all.push(one);
+        }
+    }
+}
 
 /// An output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

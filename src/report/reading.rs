@@ -19,17 +19,8 @@ pub struct WithReading<'a> {
 #[must_use]
 pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
     let mut all: Vec<String> = notes.to_vec();
-    add_new(&mut all, readings.iter().flat_map(Reading::remarks));
+    super::add_new(&mut all, readings.iter().flat_map(Reading::remarks));
     all
-}
-
-/// Adds those that are not there.
-pub(crate) fn add_new(all: &mut Vec<String>, more: impl IntoIterator<Item = String>) {
-    for one in more {
-        if !all.contains(&one) {
-            all.push(one);
-        }
-    }
 }
 
 /// How tables were read, for a page: the text's form, every column with its role, unit and nominal value, and what was
