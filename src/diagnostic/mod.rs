@@ -147,7 +147,8 @@ impl Diagnostic {
     }
 
     /// What is wrong, with its list below.
-    fn message_with_list(&self) -> String {
+    #[must_use]
+    pub fn message_with_list(&self) -> String {
         self.list.iter().fold(self.message.clone(), |text, line| text + "\n  " + line)
     }
 
