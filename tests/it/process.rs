@@ -672,7 +672,7 @@ fn a_report_that_a_signal_ends_leaves_the_old_page() {
     std::fs::write(&page, "old").expect("it can be written");
     let partial = folder.path("lot.html.partial");
     // a signal before the first row finds nothing to keep
-    for pauses in [0, 1, 2, 4, 8, 16] {
+    for pauses in 0..24 {
         let mut child =
             rackmesh(&["report", "tests/specs/batch.toml", &table, "-o", &page]).spawn().expect("it starts");
         pause_at_work(&child);
@@ -680,7 +680,13 @@ fn a_report_that_a_signal_ends_leaves_the_old_page() {
         send("-INT", &child);
         let mut messages = String::new();
         child.stderr.take().expect("stderr is piped").read_to_string(&mut messages).expect("stderr is read");
-        assert_eq!(child.wait().expect("the program ends").code(), Some(130), "{messages}");
+        let code = child.wait().expect("the program ends").code();
+        if code == Some(0) {
+            // it was done before the signal
+            std::fs::write(&page, "old").expect("it can be written");
+            continue;
+        }
+        assert_eq!(code, Some(130), "{messages}");
         assert_eq!(std::fs::read_to_string(&page).expect("the page is there"), "old");
         if let Ok(kept) = std::fs::read_to_string(&partial) {
             assert!(messages.contains("lot.html.partial") && kept.contains("incomplete"), "{messages}");
