@@ -3,7 +3,6 @@
 
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 
 use clap::{Arg, Command};
 use rackmesh::quantity::{Angle, Length};
@@ -40,11 +39,6 @@ fn meaning(arg: &Arg) -> String {
 struct Flag {
     shorts: BTreeSet<char>,
     meanings: BTreeSet<String>,
-    /// Each with the commands that take it.
-    old_names: BTreeMap<String, BTreeSet<String>>,
-    commands: BTreeSet<String>,
-    /// Each value with what it means.
-    values: BTreeMap<String, String>,
 }
 
 fn flags() -> BTreeMap<String, Flag> {
@@ -55,69 +49,9 @@ fn flags() -> BTreeMap<String, Flag> {
             let flag = flags.entry(long.to_owned()).or_default();
             flag.shorts.extend(arg.get_short());
             flag.meanings.insert(meaning(arg));
-            flag.commands.insert(name.clone());
-            let shown = arg.get_visible_aliases().unwrap_or_default();
-            let old = arg.get_all_aliases().unwrap_or_default().into_iter().filter(|alias| !shown.contains(alias));
-            for old in old {
-                flag.old_names.entry(old.to_owned()).or_default().insert(name.clone());
-            }
-            for value in arg.get_possible_values().iter().filter(|_| arg.get_action().takes_values()) {
-                if let Some(help) = value.get_help() {
-                    flag.values.insert(value.get_name().to_owned(), help.to_string());
-                }
-            }
         }
     }
     flags
-}
-
-/// `docs/flags.md` as the arguments give it.
-fn page() -> String {
-    let top: BTreeSet<_> = commands().into_iter().map(|named| named.name).collect();
-    let mut page = "# Flags\n\nA flag means the same in every command that has it. `--help` behind a command \
-        shows its own, with their defaults.\n\nA spec or a table that a command needs stands without a flag; \
-        a spec that it can do without follows `--spec`. Lengths are in mm and angles in degrees unless they have a \
-        unit: `20um`, `0.5in`, `15arcmin`. They may be negative.\n\n\
-        | flag | short | meaning | commands |\n|---|---|---|---|\n"
-        .to_owned();
-    let flags = flags();
-    for (long, flag) in &flags {
-        let short: Vec<_> = flag.shorts.iter().map(|short| format!("`-{short}`")).collect();
-        let meaning: Vec<_> = flag.meanings.iter().map(|meaning| meaning.replace('|', "\\|")).collect();
-        let commands = if flag.commands == top {
-            "all".to_owned()
-        } else {
-            flag.commands.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
-        };
-        let _ = writeln!(page, "| `--{long}` | {} | {} | {commands} |", short.join(" "), meaning.join(" / "));
-    }
-    page.push_str("\n## Values\n\n| flag | value | meaning |\n|---|---|---|\n");
-    for (long, flag) in &flags {
-        // the keys of a spec are listed by `explain keys`
-        for (value, meaning) in flag.values.iter().filter(|_| long != "set") {
-            let _ = writeln!(page, "| `--{long}` | `{value}` | {} |", meaning.replace('|', "\\|"));
-        }
-    }
-    page.push_str("\n## Other names\n\nThey are read and mean the same; the help does not show them.\n\n");
-    page.push_str("| name | flag | commands |\n|---|---|---|\n");
-    for (long, flag) in &flags {
-        for (old, commands) in &flag.old_names {
-            let commands: Vec<_> = commands.iter().map(String::as_str).collect();
-            let _ = writeln!(page, "| `--{old}` | `--{long}` | {} |", commands.join(", "));
-        }
-    }
-    page
-}
-
-/// `TRYCMD=overwrite` writes the page anew, as it does with the transcripts.
-#[test]
-fn the_page_of_flags_is_what_the_commands_have() {
-    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/flags.md");
-    if std::env::var_os("TRYCMD").is_some_and(|mode| mode == "overwrite") {
-        std::fs::write(PATH, page()).expect("the page can be written");
-    }
-    let written = std::fs::read_to_string(PATH).expect("there is a page of flags").replace("\r\n", "\n");
-    assert_eq!(written, page(), "write it anew with TRYCMD=overwrite cargo test --test it command_line");
 }
 
 #[test]
