@@ -49,7 +49,17 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
         group = group.element(Level::HELP.message(help.as_str()));
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
-    renderer.render(&[group])
+    let text = renderer.render(&[group]);
+    if lines.is_some() {
+        return text;
+    }
+    // without a place, the bar that stands above what to do has nothing beside it
+    let is_bar = |line: &&str| line.chars().filter(|c| !"\u{1b}[0123456789;m ".contains(*c)).eq(['|']);
+    let mut all: Vec<&str> = text.lines().collect();
+    if let Some(bar) = all.iter().rposition(is_bar) {
+        all.remove(bar);
+    }
+    all.join("\n")
 }
 
 /// The lines of a place, as they are shown.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
-use super::number::{Marks, is_missing, marks};
+use super::number::{is_missing, is_number};
 use crate::quantity::{Decimal, Unit};
 
 /// What a cell holds.
@@ -120,32 +120,14 @@ impl Cell {
         }
     }
 
-    /// How it can be read as a number; `1/1000 mm` is a unit.
-    pub(crate) fn marks(&self) -> Marks {
-        match &self.content {
-            Content::Text(text) if text.starts_with("1/") && Unit::from_symbol(text.trim()).is_some() => Marks::None,
-            Content::Text(text) => marks(text),
-            Content::Number(_) => Marks::Same,
-            // nobody knows what a formula without a result is: it may be a number
-            Content::Other(text) if text.starts_with('=') => Marks::Same,
-            Content::Empty | Content::Other(_) => Marks::None,
-        }
-    }
-
-    /// Whether it is a number with nothing behind it but a unit, or what else stands behind measured values.
-    pub(crate) fn is_measure(&self) -> bool {
-        let Content::Text(text) = &self.content else { return self.is_number() };
-        let behind = text.trim().trim_start_matches(|c: char| {
-            !c.is_alphabetic() && !matches!(c, '°' | 'µ' | '±' | '!' | '?' | '*' | '/' | '→' | '>')
-        });
-        self.is_number()
-            && !text.contains('_')
-            && (behind.is_empty() || behind.starts_with(['°', '±', 'e', 'E']) || Unit::from_symbol(behind).is_some())
-    }
-
-    /// Whether it is a number.
+    /// Whether it is a number; `1/1000 mm` is a unit, and a formula without a result may be one.
     pub(crate) fn is_number(&self) -> bool {
-        self.marks() != Marks::None
+        match &self.content {
+            Content::Text(text) => is_number(text) && !(text.starts_with("1/") && Unit::from_symbol(text).is_some()),
+            Content::Number(_) => true,
+            Content::Other(text) => text.starts_with('='),
+            Content::Empty => false,
+        }
     }
 }
 

@@ -148,7 +148,7 @@ impl Container {
     /// If there is no table, or it cannot be read to its end.
     pub fn proposal(self, name: &str, want: &Want) -> Result<Proposal, Diagnostics> {
         match self.closed(name, want) {
-            Ok(table) => Proposal::of_table(table),
+            Ok(table) => Proposal::of_table(table, want),
             Err(Unclosed::Open(proposal)) => Ok(*proposal),
             Err(Unclosed::Wrong(problems)) => Err(problems),
         }

@@ -153,12 +153,8 @@ pub(crate) enum Beside {
     Length,
     /// The measured value.
     Measured,
-    /// Which part the row is of.
-    Part,
     /// What was measured.
     Name,
-    /// Whether the value is within its tolerance, or by how much it is not.
-    Status,
 }
 
 impl Beside {
@@ -173,15 +169,13 @@ impl Beside {
             Self::Unit => "unit",
             Self::Length => "length",
             Self::Measured => "actual",
-            Self::Part => "part_id",
             Self::Name => "name",
-            Self::Status => "status",
         }
     }
 
     /// That of a key.
     pub(crate) fn of_key(key: &str) -> Option<Self> {
-        const ALL: [Beside; 11] = [
+        const ALL: [Beside; 9] = [
             Beside::Deviation,
             Beside::Nominal,
             Beside::Upper,
@@ -190,9 +184,7 @@ impl Beside {
             Beside::Unit,
             Beside::Length,
             Beside::Measured,
-            Beside::Part,
             Beside::Name,
-            Beside::Status,
         ];
         ALL.into_iter().find(|role| role.key() == key)
     }

@@ -111,6 +111,17 @@ pub(crate) fn bare_unit(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')']).trim()
 }
 
+/// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
+pub(crate) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
+    // where a unit stands, `my` is the German name of µ
+    let symbol = match bare_unit(symbol) {
+        "my" | "µ m" | "0,001 mm" | "0.001 mm" | "0,001mm" | "0.001mm" => "µm",
+        "0,01 mm" | "0.01 mm" => "1/100 mm",
+        symbol => symbol,
+    };
+    if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
+}
+
 /// The unit behind a number; a sentence may end there: `195 µm.`
 pub(crate) fn unit_in(text: &str) -> Option<String> {
     let text = text.trim_end_matches(['.', ',', ';', ':', '!', '?', '。']);

@@ -3,9 +3,9 @@
 
 use std::str::FromStr;
 
-use super::column::unit_of;
 use super::dictionary::{Form, Heading, Role};
 use super::field::{Beside, Field};
+use super::grid::unit_of;
 use super::number::DecimalMark;
 use super::pattern::Pattern;
 use crate::deviation::DeviationKind;

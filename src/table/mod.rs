@@ -87,8 +87,9 @@ pub use stored::Stored;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};
 pub use want::{GivenColumn, Want};
 
-pub(crate) use column::{Column, Nominal, in_words, unit_of};
+pub(crate) use column::{Column, Nominal, in_words};
 pub(crate) use encoding::text as cell_text;
+pub(crate) use grid::unit_of;
 pub(crate) use ledger::join as join_left_out;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use reading::ASIDES_KEPT;

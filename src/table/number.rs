@@ -182,49 +182,15 @@ pub(crate) fn quantity(number: Decimal, unit: Unit) -> Result<DeviationValue, Qu
     }
 }
 
-/// How a cell can be read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Marks {
-    /// No number with either mark.
-    None,
-    /// The same with both.
-    Same,
-    /// With one of them only.
-    Only(DecimalMark),
-    /// A different number with each.
-    Differ,
-}
-
-/// The same for what most cells are: digits, with one mark or none.
-fn plain_marks(cell: &[u8]) -> Option<Marks> {
-    const LONGEST: usize = 18;
-    let digits = cell.strip_prefix(b"-").unwrap_or(cell);
-    let is_number = |digits: &[u8]| !digits.is_empty() && digits.iter().all(u8::is_ascii_digit);
-    let Some(mark) = digits.iter().position(|byte| matches!(byte, b'.' | b',')) else {
-        return (digits.len() <= LONGEST && is_number(digits)).then_some(Marks::Same);
-    };
-    let (whole, decimals) = (&digits[..mark], &digits[mark + 1..]);
-    if digits.len() > LONGEST || !is_number(whole) || !is_number(decimals) {
-        return None;
-    }
-    if decimals.len() == 3 && whole.len() <= 3 && whole[0] != b'0' {
-        return Some(Marks::Differ);
-    }
-    Some(Marks::Only(if digits[mark] == b'.' { DecimalMark::Point } else { DecimalMark::Comma }))
-}
-
-/// How a cell can be read.
-pub(crate) fn marks(cell: &str) -> Marks {
-    if let Some(plain) = plain_marks(cell.as_bytes()) {
-        return plain;
-    }
-    match DecimalMark::ALL.map(|mark| normalise(cell, mark)) {
-        [None, None] => Marks::None,
-        [Some(point), Some(comma)] if point == comma => Marks::Same,
-        [Some(_), Some(_)] => Marks::Differ,
-        [Some(_), None] => Marks::Only(DecimalMark::Point),
-        [None, Some(_)] => Marks::Only(DecimalMark::Comma),
-    }
+/// Whether a text is a number by either decimal mark.
+pub(crate) fn is_number(cell: &str) -> bool {
+    // what most cells are: digits, with one mark or none
+    let digits = cell.strip_prefix('-').unwrap_or(cell);
+    let mut parts = digits.split(['.', ',']);
+    let is_plain =
+        |part: Option<&str>| part.is_none_or(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()));
+    let is_plain = digits.len() <= 18 && is_plain(parts.next()) && is_plain(parts.next()) && parts.next().is_none();
+    is_plain || DecimalMark::ALL.into_iter().any(|mark| normalise(cell, mark).is_some())
 }
 
 #[cfg(test)]
@@ -271,8 +237,11 @@ mod tests {
             assert_eq!(normalise(cell, DecimalMark::Point).as_deref(), point, "{cell} with a point");
             assert_eq!(normalise(cell, DecimalMark::Comma).as_deref(), comma, "{cell} with a comma");
         }
-        assert_eq!(marks("1,234"), Marks::Differ);
-        assert_eq!(marks("17"), Marks::Same);
+        for (cell, is_it) in
+            [("1,234", true), ("17", true), ("-1.5", true), ("5,", true), ("1.2.3", false), ("-", false)]
+        {
+            assert_eq!(is_number(cell), is_it, "{cell}");
+        }
         for missing in [" -- ", "n/a", "", "---", "#DIV/0!", "#NV", "\u{2014}"] {
             assert!(is_missing(missing), "{missing}");
         }

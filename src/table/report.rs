@@ -7,6 +7,7 @@ use super::field::Beside as Role;
 use super::grid::separated;
 use super::layout::{Layout, Parts};
 use super::ledger::Tally;
+use crate::quantity::Decimal;
 
 /// A report as a table with a row per characteristic.
 pub(crate) struct Report {
@@ -205,7 +206,7 @@ impl Pcdmis<'_> {
             self.unit = stated_unit(line).unwrap_or_else(|| std::mem::take(&mut self.unit));
             return self.own(line, number);
         }
-        let is_number = |word: &str| Cell::of_text(word, 0..0).is_measure();
+        let is_number = |word: &str| Decimal::parse(&word.replace(',', ".")).is_ok();
         if !self.dimension.is_empty() && !self.columns.is_empty() && words.len() > 1 && is_number(words[1]) {
             return self.axis(&words, number);
         }

@@ -202,6 +202,58 @@ fn yes_writes_what_is_exact_and_a_word_accepts_a_guess() {
     );
 }
 
+/// The roles that the dictionary finds of characteristics, spaces and teeth are written, too.
+#[test]
+fn roles_of_characteristics_and_teeth_are_written() {
+    for (table, lines) in [
+        (
+            "Teil;Merkmal;Soll;Ist;Einheit\nP1;Rollenmaß;25,000;25,011;mm\nP2;Rollenmaß;25,000;25,004;mm\n",
+            &[
+                "part_id = \"Teil\"",
+                "name = \"Merkmal\"",
+                "nominal = \"Soll\"",
+                "actual = \"Ist\"",
+                "unit = \"Einheit\"",
+                "rack_over_roller = { name = \"Rollenmaß\", unit = \"mm\" }",
+            ][..],
+        ),
+        (
+            "Teil;Lücke;over_pin_deviation [um];position_deviation [um]\nP1;0;1,5;0\nP1;1;2,5;-1,5\n",
+            &["space = \"Lücke\"", "over_pin = { name = \"over_pin_deviation\", unit = \"µm\" }"],
+        ),
+    ] {
+        let folder = Folder::new("roles");
+        let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", table));
+        let written = || std::fs::read_to_string(&spec).unwrap();
+        let write = || assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 0, "{table}");
+        write();
+        let once = written();
+        for line in lines {
+            assert!(once.contains(&format!("{line}\n")), "{line}: {once}");
+        }
+        write();
+        assert_eq!((written(), status(&["read", "--check", &file, &spec]).0), (once, 0));
+    }
+}
+
+/// The remedy of a row that is no part is whole: with it the next run has a verdict.
+#[test]
+fn the_remedy_of_a_row_closes_it() {
+    let folder = Folder::new("remedy");
+    let table = "part_id,rack_over_roller,rack_pitch\nP1,25.011,0.0031\nMittelwert,25.011,0.0031\nMax,,\n";
+    let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", table));
+    let (code, said) = status(&["batch", &spec, &file]);
+    let rules: Vec<&str> = said
+        .lines()
+        .filter_map(|line| line.split_once("ignore_lines = [")?.1.rsplit_once(']'))
+        .map(|(rule, _)| rule)
+        .collect();
+    assert_eq!((code, rules.len()), (2, 2), "{said}");
+    folder.file("rack.toml", &format!("{SPEC}\n[table]\nignore_lines = [{}]\n", rules.join(", ")));
+    let (code, said) = status(&["batch", &spec, &file]);
+    assert_eq!(code, 0, "{said}");
+}
+
 /// For each table of the corpus that has a meaning: what is proposed closes it, but for what a person has to choose.
 #[test]
 fn proposals_close() {

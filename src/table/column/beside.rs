@@ -1,12 +1,12 @@
 //! What stands beside a value: the deviation and the tolerances that it is held against, and to how many digits.
 
-use super::{Column, Nominal, Problem, SMALLEST_DIGIT, unit_of};
+use super::{Column, Nominal, Problem, SMALLEST_DIGIT};
 use crate::deviation::DeviationValue;
 use crate::quantity::{Decimal, Unit};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::companions::Companions;
 use crate::table::field::Beside as Role;
-use crate::table::grid::unit_in;
+use crate::table::grid::{unit_in, unit_of};
 use crate::table::number::{normalise, quantity};
 
 impl Column {

@@ -1,7 +1,7 @@
 //! A column whose role, unit and companions are known: by a contract, or by the dictionary. Nothing is guessed here.
 
 use super::nominal::near;
-use super::{Column, Companion, Nominal, Problem, Stated, UnitFrom, evaluated, unit_of};
+use super::{Column, Companion, Nominal, Problem, Stated, UnitFrom, evaluated};
 use crate::deviation::DeviationValue;
 use crate::deviation::plausible::Reach;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -9,6 +9,7 @@ use crate::quantity::{Angle, Unit, shown};
 use crate::table::cell::{Cell, Content};
 use crate::table::companions::Companions;
 use crate::table::field::{Beside as Role, Field, ValueKind};
+use crate::table::grid::unit_of;
 use crate::table::number::DecimalMark;
 use crate::table::want::Want;
 

@@ -6,7 +6,7 @@ mod nominal;
 mod unit;
 
 pub(crate) use declared::Declared;
-pub(crate) use unit::{UnitFrom, unit_of};
+pub(crate) use unit::UnitFrom;
 
 use super::cell::{Cell, Content};
 use super::companions::Companions;

@@ -6,7 +6,7 @@ use super::{Column, Problem};
 use crate::quantity::{Unit, shown};
 use crate::table::cell::Cell;
 use crate::table::field::Beside as Role;
-use crate::table::grid::bare_unit;
+use crate::table::grid::unit_of;
 
 /// Where the unit of a column is from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,15 +50,4 @@ impl Column {
     pub(super) fn unit_beside(&self, role: Role) -> Unit {
         self.beside.get(role).map_or(self.unit, |companion| companion.unit)
     }
-}
-
-/// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
-pub(crate) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
-    // where a unit stands, `my` is the German name of µ
-    let symbol = match bare_unit(symbol) {
-        "my" | "µ m" | "0,001 mm" | "0.001 mm" | "0,001mm" | "0.001mm" => "µm",
-        "0,01 mm" | "0.01 mm" => "1/100 mm",
-        symbol => symbol,
-    };
-    if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
 }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use super::heading::{Matched, key, matched, owner};
 use super::open::Open;
 use super::owner::{Owner, line_of};
-use super::table::Tallies;
+use super::tallies::Tallies;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::field::{Beside, Field};
@@ -24,8 +24,6 @@ pub(super) struct Turned {
     /// The units of its columns, as the headings of the characteristics' table say them.
     pub(super) units: Record,
     pub(super) rows: Vec<Record>,
-    /// The headings of the characteristics' table that have a role.
-    pub(super) headings: Vec<(String, Role)>,
 }
 
 /// An error or a size, by the name that it has in the table.
@@ -219,6 +217,10 @@ impl<'r> Reader<'r, '_> {
         let ledger = RowLedger::new(record);
         for (place, owner) in self.columns.owners.iter().enumerate().take(record.cells.len()) {
             match owner {
+                Some(Owner::Role(Role::Status)) => {
+                    let text = ledger.read(place).text();
+                    self.left_out.add(self.layout.beside_values(), record.line, place, &text);
+                }
                 Some(Owner::Role(role)) => {
                     let cell = ledger.read(place);
                     let beside = BESIDE.into_iter().find(|beside| *role == Role::Of(*beside) && !cell.is_missing());
@@ -252,6 +254,15 @@ impl<'r> Reader<'r, '_> {
         }
     }
 
+    /// What a measuring program decided of a part: of the texts in its rows the worst, of equals the first.
+    fn decision(&self, part: &PartRows<'_>, place: usize) -> Cell {
+        let worst = |row: &&&Record| {
+            let accepts = self.layout.accepts(row.cell(place).text().trim());
+            (accepts.map_or(1, |accepts| if accepts { 2 } else { 0 }), row.line)
+        };
+        part.rows.values().min_by_key(worst).map(|row| row.cell(place).clone()).unwrap_or_default()
+    }
+
     /// The table of parts.
     fn turned(self) -> Turned {
         let mut matched = Matched { line: self.columns.line, open: Vec::new(), ..Matched::default() };
@@ -261,6 +272,11 @@ impl<'r> Reader<'r, '_> {
         let id = self.place(Role::PartId);
         if let Some(id) = id {
             matched.push(Role::PartId, &self.columns.titles[id]);
+            units.push(Cell::default());
+        }
+        let status = self.place(Role::Status);
+        if let Some(status) = status {
+            matched.push(Role::Status, &self.columns.titles[status]);
             units.push(Cell::default());
         }
         let values = self.values();
@@ -283,17 +299,18 @@ impl<'r> Reader<'r, '_> {
                 part.rows.get(number).map(|row| row.cell(*place).clone()).unwrap_or_default()
             };
             let id = id.map(|_| part.name.cloned().unwrap_or_default());
-            let cells = id.into_iter().chain(sources.iter().map(cell)).chain(part.surplus.cloned());
+            let status = status.map(|place| self.decision(part, place));
+            let cells = id.into_iter().chain(status).chain(sources.iter().map(cell)).chain(part.surplus.cloned());
             Record::new(cells.collect(), part.line)
         };
         let rows = self.parts.iter().map(row).collect();
         matched.open = self.open;
         let owned = self.columns.owners.iter().zip(&self.columns.titles);
-        let headings = owned.filter_map(|(owner, title)| match owner {
+        let of = owned.filter_map(|(owner, title)| match owner {
             Some(Owner::Role(role @ Role::Of(_))) => Some((title.clone(), *role)),
             _ => None,
         });
-        let headings = headings.collect();
-        Turned { headings, matched, units: Record::new(units, self.columns.line), rows }
+        matched.of = of.collect();
+        Turned { matched, units: Record::new(units, self.columns.line), rows }
     }
 }

@@ -29,6 +29,8 @@ pub(crate) struct Matched {
     pub(crate) form: Form,
     /// Whether all values are deviations, whatever their columns are called.
     pub(crate) are_deviations: bool,
+    /// The headings of a characteristics' table that have a role.
+    pub(crate) of: Vec<(String, Role)>,
 }
 
 impl Matched {
@@ -132,8 +134,9 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
             found.headings.push(named);
         }
     }
-    let is_of_form =
-        |role: Role| (form == Form::Characteristics) == matches!(role, Role::Of(_)) || role == Role::PartId;
+    let is_of_form = |role: Role| {
+        (form == Form::Characteristics) == matches!(role, Role::Of(_)) || matches!(role, Role::PartId | Role::Status)
+    };
     let promised = layout.promised().filter(|(role, _)| is_of_form(*role));
     for (role, name) in promised.filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {
         found.open.push(Open::Missing { key: key(role), name: name.to_owned() });
@@ -191,9 +194,7 @@ fn beside_absolute(
 fn has_unit(role: Role) -> bool {
     match role {
         Role::Value(_) => true,
-        Role::Beside(_, of) | Role::Of(of) => {
-            !matches!(of, Beside::Unit | Beside::Part | Beside::Name | Beside::Status)
-        }
+        Role::Beside(_, of) | Role::Of(of) => !matches!(of, Beside::Unit | Beside::Name),
         Role::PartId | Role::Status | Role::Index(_) => false,
     }
 }

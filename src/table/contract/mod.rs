@@ -10,6 +10,7 @@ mod heading;
 mod open;
 mod owner;
 mod table;
+mod tallies;
 mod whole;
 
 pub(crate) use columns::plausible_units;
@@ -35,6 +36,8 @@ pub(crate) struct Contract {
     pub(crate) owners: Vec<Owner>,
     /// The headings.
     pub(crate) titles: Vec<String>,
+    /// The headings of a characteristics' table that have a role.
+    pub(crate) of: Vec<(String, Role)>,
     /// The heading, as a line.
     heading: String,
     /// The line of units below it; empty if there is none.
@@ -94,10 +97,10 @@ impl Contract {
         if !matched.open.is_empty() {
             return Err(Box::new(matched));
         }
-        let Matched { owners, titles, heading, units_line, .. } = matched;
+        let Matched { owners, titles, heading, units_line, of, .. } = matched;
         let owners: Vec<Owner> = owners.into_iter().flatten().collect();
         let first_bytes = layout.ignore_lines.iter().map(|rule| rule.pattern.first_byte()).collect();
-        Ok(Self { layout: Arc::clone(layout), owners, titles, heading, units: units_line, first_bytes })
+        Ok(Self { layout: Arc::clone(layout), owners, titles, of, heading, units: units_line, first_bytes })
     }
 
     /// What the spec says of the table.
@@ -161,15 +164,23 @@ impl Contract {
         record.numbers() == 0 && heading::is_one(record, &self.layout)
     }
 
-    /// What is wrong with the name of a part; `None` if it is one.
-    pub(crate) fn no_name(name: &Cell) -> Option<String> {
+    /// Whether a cell has the name of a statistic or a limit.
+    pub(crate) fn is_statistic(name: &Cell) -> bool {
+        NO_PART_NAMES.contains(&name.text().to_lowercase().as_str())
+    }
+
+    /// What is wrong with the name of a part, of which all values can be read or not; `None` if it is one.
+    pub(crate) fn no_name(name: &Cell, could_be_part: bool) -> Option<String> {
         let text = name.text();
         if name.is_missing() {
             return Some("the part has no name".to_owned());
         }
-        let is_none = NO_PART_NAMES.contains(&text.trim().to_lowercase().as_str());
-        is_none.then(|| {
-            format!("`{text}` is no part's name: leave the line out, ignore_lines = [\"{text}*\"], or give the part another name")
+        let rule =
+            if could_be_part { format!("{{ like = \"*{text}*\", at_most = 1 }}") } else { format!("\"*{text}*\"") };
+        Self::is_statistic(name).then(|| {
+            format!(
+                "`{text}` is no part's name: leave the line out, ignore_lines = [{rule}], or give the part another name"
+            )
         })
     }
 
@@ -197,13 +208,15 @@ impl Contract {
     pub(crate) fn status(&self) -> Option<usize> {
         self.owners.iter().position(|owner| *owner == Owner::Role(Role::Status))
     }
+}
 
+impl Layout {
     /// What a measuring program decided: whether the part may pass.
     ///
     /// # Errors
     /// If it says neither.
     pub(crate) fn accepts(&self, text: &str) -> Result<bool, String> {
-        let status = self.layout.status.as_ref();
+        let status = self.status.as_ref();
         let is_among = |texts: fn(&StatusColumn) -> &Vec<String>| {
             status.is_some_and(|status| texts(status).iter().any(|one| one.trim() == text))
         };
@@ -217,9 +230,7 @@ impl Contract {
             )),
         }
     }
-}
 
-impl Layout {
     /// The rule that leaves out a line, by its place among those for lines. A heading is never left out.
     pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
         if self.ignore_lines.is_empty() || heading::is_one(record, self) {

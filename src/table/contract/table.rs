@@ -6,21 +6,22 @@ use std::sync::Arc;
 use super::Contract;
 use super::characteristics::{self, Turned};
 use super::columns::columns;
-use super::heading::{Matched, find, key, matched};
+use super::heading::{Matched, find, key, matched, roles};
 use super::open::Open;
 use super::owner::{Owner, line_of};
+use super::tallies::Tallies;
 use super::whole::{last_of_each, named, own_headings};
 use crate::quantity::{Unit, shown};
 use crate::table::Table;
 use crate::table::cell::Record;
-use crate::table::column::{Column, Nominal, UnitFrom, is_rack, unit_of};
+use crate::table::column::{Column, Nominal, UnitFrom, is_rack};
 use crate::table::companions::Companions;
 use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
 use crate::table::field::Beside;
-use crate::table::grid::only_units;
+use crate::table::grid::{only_units, unit_of};
 use crate::table::layout::{Layout, Parts, Repeats};
-use crate::table::ledger::{LeftOut, Tally};
+use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
 use crate::table::pieces::{Pieces, Place};
 use crate::table::propose::{Proposal, Unclosed, generalised};
@@ -95,9 +96,16 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
         layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
     };
     forms.into_iter().filter(is_possible).find_map(|(parts, form)| {
-        let turned = (parts == Parts::Columns).then(|| turned(records, layout));
-        let found = find(turned.as_deref().unwrap_or(records), layout, form);
-        Some((parts, form, found?.1))
+        if parts != Parts::Columns {
+            return find(records, layout, form).map(|(_, score)| (parts, form, score));
+        }
+        let turned = turned(records, layout);
+        let (at, score) = find(&turned, layout, form)?;
+        // the same heading again and again is the name of a characteristic in a row of each part
+        let mut known: Vec<Role> = roles(&turned[at], layout, form).collect();
+        known.sort_by_key(|role| key(*role));
+        known.dedup();
+        (layout.parts.is_some() || known.len() == score).then_some((parts, form, score))
     })
 }
 
@@ -230,13 +238,10 @@ fn by_characteristic(
     left_out.lines(records, layout);
     let above = records[..heading].iter().filter_map(|record| unowned(record, layout));
     let open: Vec<Open> = file.open.iter().cloned().chain(above).collect();
-    let Turned { mut matched, units, rows, headings } =
-        characteristics::turned(records, heading, layout, &mut left_out);
+    let Turned { mut matched, units, rows } = characteristics::turned(records, heading, layout, &mut left_out);
     matched.open.splice(0..0, open);
     let (columns, mark) = columns(&mut matched, Some(&units), &rows, layout, want);
-    let mut table = closed(file, (layout, want), (matched, columns, mark), &rows, left_out, Parts::Characteristics)?;
-    let of_headings = headings.iter().map(|(title, role)| named_only(title, &key(*role)));
-    table.reading.columns.splice(0..0, of_headings);
+    let table = closed(file, (layout, want), (matched, columns, mark), &rows, left_out, Parts::Characteristics)?;
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
 }
 
@@ -337,7 +342,7 @@ fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
     let row = |record: &Record| {
         let numbers = values.iter().filter(|place| record.cell(**place).is_number()).count();
         let name = id.map(|place| record.cell(place)).filter(|name| !name.is_missing());
-        let statistic = name.filter(|name| Contract::no_name(name).is_some());
+        let statistic = name.filter(|name| Contract::is_statistic(name));
         let is_line = || record.numbers() == 0 && record.filled().len() == 1 || record.cell(0).text().contains(':');
         if super::heading::is_one(record, layout) || statistic.is_none() && (numbers > 0 || !is_line()) {
             return None;
@@ -352,40 +357,6 @@ fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
         Some(Open::Row { line: record.line, text, pattern, could_be_part })
     };
     below.iter().filter(|record| !record.filled().is_empty()).filter_map(row).collect()
-}
-
-/// What each rule left out so far.
-pub(crate) struct Tallies {
-    pub(crate) rules: Vec<LeftOut>,
-    beside: usize,
-}
-
-impl Tallies {
-    fn new(layout: &Layout) -> Self {
-        Self { rules: layout.rules(), beside: layout.beside_values() }
-    }
-
-    pub(crate) fn add(&mut self, rule: usize, line: u64, place: usize, text: &str) {
-        self.rules[rule].tally.add(line, place, text);
-    }
-
-    /// The lines that rules leave out.
-    pub(crate) fn lines(&mut self, records: &[Record], layout: &Layout) {
-        for record in records {
-            if let Some(rule) = layout.covering(record) {
-                self.add(layout.rule_of_line(rule), record.line, 0, &line_of(record));
-            }
-        }
-    }
-
-    /// The headings of columns that rules leave out.
-    pub(super) fn headings(&mut self, matched: &Matched) {
-        for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
-            if let Some(Owner::Rule(rule)) = owner {
-                self.add(*rule, matched.line, place, title);
-            }
-        }
-    }
 }
 
 fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -> Vec<ColumnReading> {
@@ -403,7 +374,8 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
         Owner::Role(role) => Some(named_only(title, &key(*role))),
         Owner::Rule(_) | Owner::Nameless => None,
     });
-    read.collect()
+    let of = contract.of.iter().map(|(title, role)| named_only(title, &key(*role)));
+    of.chain(read).collect()
 }
 
 fn table(

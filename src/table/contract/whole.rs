@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::heading::{matched, score};
 use super::open::Open;
 use super::owner::{Owner, line_of};
-use super::table::Tallies;
+use super::tallies::Tallies;
 use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Role};

@@ -1,5 +1,7 @@
 //! What the columns of a Parquet file hold. Found from its schema; reads no value.
 
+use std::ops::Range;
+
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
 use chrono::DateTime;
@@ -12,8 +14,10 @@ use crate::table::stored::Stored;
 /// A column of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct StoredColumn {
-    /// Its name.
+    /// Its name; of the field of a record its path.
     pub(crate) name: String,
+    /// Its places among the columns of values.
+    pub(super) leaves: Range<usize>,
     /// Where its values are, or why they are not read.
     pub(crate) leaf: Result<Leaf, Unread>,
 }
@@ -21,7 +25,7 @@ pub(crate) struct StoredColumn {
 /// Why the values of a column are not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Unread {
-    /// It is a list, a map or a record, or its values are neither numbers nor texts nor moments: what they are.
+    /// It is a list or a map, or its values are neither numbers nor texts nor moments: what they are.
     Type(String),
     /// How it is packed.
     Packing(String),
@@ -39,6 +43,8 @@ impl StoredColumn {
 pub(crate) struct Leaf {
     pub(super) index: usize,
     pub(super) values: Values,
+    /// The level of a row that has a value.
+    pub(super) level: i16,
 }
 
 /// How stored values are meant.
@@ -142,26 +148,48 @@ fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
-/// The columns of a file in their order; one that is nested is one column.
+/// The columns of a file in their order; the fields of a record are called by their path, `rack.pitch`.
 pub(super) fn columns(schema: &SchemaDescriptor) -> Vec<StoredColumn> {
-    let column = |(root, field): (usize, &TypePtr)| {
-        let first = (0..schema.num_columns()).find(|leaf| schema.get_column_root_idx(*leaf) == root);
-        let index = first.filter(|index| field.is_primitive() && schema.column(*index).max_rep_level() == 0);
-        let leaf = index.and_then(|index| Some(Leaf { index, values: values(&schema.column(index))? }));
-        StoredColumn { name: field.name().to_owned(), leaf: leaf.ok_or_else(|| Unread::Type(type_in_words(field))) }
+    let mut columns = Vec::new();
+    for field in schema.root_schema().get_fields() {
+        add(field, "", schema, &mut columns);
+    }
+    columns
+}
+
+fn add(field: &TypePtr, path: &str, schema: &SchemaDescriptor, columns: &mut Vec<StoredColumn>) {
+    let name = format!("{path}{}", field.name());
+    let info = field.get_basic_info();
+    if !field.is_primitive() && !is_repeated(field) && info.converted_type() == ConvertedType::NONE {
+        let path = format!("{name}.");
+        return field.get_fields().iter().for_each(|field| add(field, &path, schema, columns));
+    }
+    let first = columns.last().map_or(0, |column| column.leaves.end);
+    let leaf = || {
+        let column = field.is_primitive().then(|| schema.column(first)).filter(|column| column.max_rep_level() == 0)?;
+        Some(Leaf { index: first, values: values(&column)?, level: column.max_def_level() })
     };
-    schema.root_schema().get_fields().iter().enumerate().map(column).collect()
+    let leaf = leaf().ok_or_else(|| Unread::Type(type_in_words(field)));
+    columns.push(StoredColumn { name, leaves: first..first + leaves(field), leaf });
+}
+
+/// How many columns of values a field has.
+fn leaves(field: &TypePtr) -> usize {
+    if field.is_primitive() { 1 } else { field.get_fields().iter().map(leaves).sum() }
+}
+
+fn is_repeated(field: &TypePtr) -> bool {
+    let info = field.get_basic_info();
+    info.has_repetition() && info.repetition() == Repetition::REPEATED
 }
 
 /// What a column is whose type is not read.
 fn type_in_words(field: &TypePtr) -> String {
-    let info = field.get_basic_info();
-    let is_repeated = info.has_repetition() && info.repetition() == Repetition::REPEATED;
-    match info.converted_type() {
+    match field.get_basic_info().converted_type() {
         ConvertedType::LIST => "a list".to_owned(),
         ConvertedType::MAP | ConvertedType::MAP_KEY_VALUE => "a map".to_owned(),
-        _ if is_repeated => "a list".to_owned(),
-        _ if !field.is_primitive() => "a record".to_owned(),
+        _ if is_repeated(field) => "a list".to_owned(),
+        _ if !field.is_primitive() => "a group".to_owned(),
         ConvertedType::NONE => format!("of type {}", field.get_physical_type()),
         converted => format!("of type {converted}"),
     }

@@ -52,7 +52,7 @@ pub struct ParquetTable {
     /// The group of rows that is read next.
     group: usize,
     /// The columns of the group that is being read, by place; `None` of one that is not looked at.
-    open: Vec<Option<(ColumnReader, Values)>>,
+    open: Vec<Option<(ColumnReader, Leaf)>>,
     /// Bytes of the longest text of each, as far as its pages were read.
     longest: Vec<Arc<Texts>>,
     /// How many rows of that group are still to be read.
@@ -130,13 +130,11 @@ impl ParquetTable {
         pairs.map(|pair| (pair.key.as_str(), pair.value.as_deref().unwrap_or_default()))
     }
 
-    /// A digest of the stored bytes of a column, by its place in the schema; nothing is unpacked.
+    /// A digest of the stored bytes of a column, by its place; nothing is unpacked.
     pub(crate) fn stored_digest(&self, place: usize) -> u64 {
-        let schema = self.reader.metadata().file_metadata().schema_descr();
-        let root = |leaf: usize| schema.get_column_root_idx(leaf);
-        let leaves = || (0..schema.num_columns()).filter(|leaf| root(*leaf) == place);
+        let leaves = &self.columns[place].leaves;
         let groups = self.reader.metadata().row_groups().iter();
-        let chunks = groups.flat_map(|group| leaves().map(|leaf| group.column(leaf)));
+        let chunks = groups.flat_map(|group| leaves.clone().map(|leaf| group.column(leaf)));
         let pieces = chunks.flat_map(|chunk| {
             let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
             let [start, size] = [start, chunk.compressed_size()].map(|number| usize::try_from(number).unwrap_or(0));
@@ -191,8 +189,8 @@ impl ParquetTable {
         let most = most.min((TEXT_TOGETHER / widest.max(1)).max(1));
         let (rows, before) = (self.left.min(most), self.before);
         (self.left, self.before) = (self.left - rows, before + rows as u64);
-        let column = |column: &mut Option<(ColumnReader, Values)>| {
-            column.as_mut().map(|(reader, values)| stored(reader, *values, rows)).transpose()
+        let column = |column: &mut Option<(ColumnReader, Leaf)>| {
+            column.as_mut().map(|(reader, leaf)| stored(reader, leaf, rows)).transpose()
         };
         let columns = self.open.iter_mut().map(column).collect::<Result<_, _>>()?;
         Ok(Some(StoredRows { columns, before }))
@@ -211,7 +209,7 @@ impl ParquetTable {
                 let texts = Arc::new(Texts::default());
                 let pages = CheckedPages::new(group.get_column_page_reader(leaf.index)?, &column, &texts)?;
                 longest.push(texts);
-                Ok((get_column_reader(column, Box::new(pages)), leaf.values))
+                Ok((get_column_reader(column, Box::new(pages)), *leaf))
             };
             is_wanted.then(open).transpose()
         };
@@ -259,7 +257,8 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
 }
 
 /// Values of a column in the next rows.
-fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stored<'static>, ParquetError> {
+fn stored(reader: &mut ColumnReader, leaf: &Leaf, rows: usize) -> Result<Stored<'static>, ParquetError> {
+    let (values, rows) = (leaf.values, (rows, leaf.level));
     match (reader, values) {
         (ColumnReader::DoubleColumnReader(reader), _) => read(reader, rows, Stored::doubles),
         (ColumnReader::FloatColumnReader(reader), _) => read(reader, rows, |values| Stored::singles(&values)),
@@ -298,16 +297,16 @@ fn stored(reader: &mut ColumnReader, values: Values, rows: usize) -> Result<Stor
 /// The same, each by itself.
 fn read_each<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: usize,
+    rows: (usize, i16),
     content: impl Fn(&T::T) -> Content,
 ) -> Result<Stored<'static>, ParquetError> {
     read(reader, rows, |values| Stored::contents(values.iter().map(content).collect()))
 }
 
-/// The same of one type.
+/// The same of one type; a row of that level has a value.
 fn read<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
-    rows: usize,
+    (rows, present): (usize, i16),
     stored: impl FnOnce(Vec<T::T>) -> Stored<'static>,
 ) -> Result<Stored<'static>, ParquetError> {
     let (mut levels, mut values) = (Vec::new(), Vec::with_capacity(rows));
@@ -316,10 +315,10 @@ fn read<T: DataType>(
         return Err(ParquetError::EOF(format!("a column ends {} rows before the others", rows - found)));
     }
     // a column that has a value in each row has no levels
-    if levels.iter().all(|level| *level > 0) {
+    if levels.iter().all(|level| *level == present) {
         return Ok(stored(values));
     }
-    Ok(stored(values).spread(levels.into_iter().map(|level| level > 0).collect()))
+    Ok(stored(values).spread(levels.into_iter().map(|level| level == present).collect()))
 }
 
 /// Bytes of a fixed length.

@@ -9,6 +9,9 @@ use ::parquet::schema::types::Type;
 
 use std::sync::Arc;
 
+use crate::deviation::DeviationKind;
+use crate::quantity::Unit;
+
 use super::*;
 
 /// The values of a column in a group, and where they stand: 1 for a value, 0 for none; nothing if each row has one.
@@ -333,9 +336,11 @@ fn how_a_column_is_packed_matters_unless_a_rule_leaves_it_out() {
 fn a_type_that_is_not_read_needs_a_rule() {
     use crate::table::{Container, Layout, Pattern, Source, Want};
     let found = |ignore: &[&str]| {
-        let schema =
-            message("message parts { required double rack_pitch; required group operator { required double value; } }");
-        let columns = vec![Stored::Doubles(&[1.0], &[]), Stored::Doubles(&[2.0], &[])];
+        let schema = message(
+            "message parts { required double rack_pitch; required group operator { required fixed_len_byte_array(12) of \
+             (INTERVAL); } }",
+        );
+        let columns = vec![Stored::Doubles(&[1.0], &[]), Stored::Fixed(&[&[0; 12]])];
         let bytes = file(schema, Compression::SNAPPY, &[columns]);
         let ignore = ignore.iter().map(|pattern| Pattern::of_heading(pattern)).collect();
         let want = Want { layout: Layout { ignore, ..Layout::default() }.into(), ..Want::default() };
@@ -343,8 +348,24 @@ fn a_type_that_is_not_read_needs_a_rule() {
         container.table("lot.parquet", &want).map(drop).map_err(|problems| problems.0[0].list.join("\n"))
     };
     let refused = found(&[]).unwrap_err();
-    assert!(refused.contains("column `operator`: it is a record"), "{refused}");
-    assert_eq!(found(&["operator"]), Ok(()));
+    assert!(refused.contains("column `operator.of`: it is of type INTERVAL"), "{refused}");
+    assert_eq!(found(&["operator.*"]), Ok(()));
+}
+
+/// The fields of a record are called by their path; one whose record is not there has no value.
+#[test]
+fn fields_of_records() {
+    let schema = "message parts { required binary part_id (STRING); optional group rack { optional double pitch; } }";
+    let columns = vec![Stored::Texts(&["P1", "P2", "P3"], &[]), Stored::Doubles(&[0.003], &[2, 1, 0])];
+    let bytes = file(message(schema), Compression::SNAPPY, &[columns]);
+    let declared = crate::table::DeclaredColumn::new(
+        DeviationKind::RackPitch,
+        Some("rack.pitch".to_owned()),
+        Unit::from_symbol("mm"),
+        Vec::new(),
+    );
+    let layout = crate::table::Layout { columns: vec![declared], ..crate::table::Layout::default() };
+    assert_eq!(parts_by(&bytes, layout), ["P1: 0.003 mm", "P2: missing", "P3: missing"]);
 }
 
 /// As CMM programs export it.
@@ -395,8 +416,13 @@ fn bytes_that_are_changed_are_refused_or_read() {
 
 /// Each row of a file as a table: the part, and its value or why there is none.
 fn parts(bytes: &[u8]) -> Vec<String> {
+    parts_by(bytes, crate::table::Layout::default())
+}
+
+/// The same by a contract.
+fn parts_by(bytes: &[u8], layout: crate::table::Layout) -> Vec<String> {
     use crate::table::{Container, Source, Want};
-    let want = Want::default();
+    let want = Want { layout: layout.into(), ..Want::default() };
     let table = Container::open("lot.csv", Source::bytes(bytes.to_vec()), &want).unwrap();
     let table = table.table("lot.csv", &want).unwrap();
     assert_eq!(table.reading.format, "Parquet");

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use super::rules::{Rule, Suggestion};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
-use crate::table::column::unit_of;
 use crate::table::contract::{Matched, Open, Owner, plausible_units};
-use crate::table::dictionary::{Heading, Role, headings_of, normal};
+use crate::table::dictionary::{Form, Heading, Role, headings_of, lookup, normal};
 use crate::table::field::Field;
+use crate::table::grid::unit_of;
 use crate::table::want::{Want, quoted};
 
 /// Columns that are looked at, at most.
@@ -74,7 +74,10 @@ pub(super) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     });
     let mut left: Vec<Candidate<'_>> = of_open.take(MOST).collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
-    let mut guesses = Vec::new();
+    let mut guesses = characteristics(&left);
+    if !guesses.is_empty() {
+        return guesses;
+    }
     guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
     let has_values = matched.owners.iter().any(|owner| matches!(owner, Some(Owner::Role(Role::Value(_)))));
     let status = left.iter().filter(|_| !has(Role::Status)).find_map(status);
@@ -83,6 +86,28 @@ pub(super) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
         guesses.extend(name_of_part(&left));
     }
     guesses.extend(status);
+    guesses
+}
+
+/// The columns of a row per characteristic: of their names, most of which are known of errors, of their values, and of the part.
+fn characteristics(columns: &[Candidate<'_>]) -> Vec<Guess> {
+    let is_error = |cell: &&&Cell| {
+        let meaning = lookup(Form::Parts, &Heading::of(&cell.text()).name);
+        meaning.is_some_and(|meaning| matches!(meaning.role, Role::Value(_)))
+    };
+    let names = columns.iter().find(|column| {
+        let known = column.cells.iter().filter(is_error).count();
+        known > 0 && known * 2 >= column.cells.len()
+    });
+    let values = columns.iter().find(|column| column.is_numeric());
+    let Some((names, values)) = names.zip(values) else { return Vec::new() };
+    let part = columns.iter().find(|column| column.place != names.place && !column.is_numeric());
+    let guess = |column: &Candidate<'_>, key: &str, why| column.guess(key, quoted(column.title), why);
+    let mut guesses = vec![
+        guess(names, "name", "its texts are headings of errors"),
+        guess(values, "actual", "the first column of numbers"),
+    ];
+    guesses.extend(part.map(|part| guess(part, "part_id", "the first column of texts")));
     guesses
 }
 

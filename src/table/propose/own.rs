@@ -1,12 +1,13 @@
 //! What a contract says already, as a spec has it.
 
 use crate::table::field::Beside;
-use crate::table::layout::{DeclaredColumn, Layout, PartNames, Repeats, StatusColumn};
+use crate::table::layout::{DeclaredColumn, Layout, PartNames, Parts, Repeats, StatusColumn};
 use crate::table::want::quoted;
 
 /// What the contract says of the table as a whole.
 pub(super) fn keys(layout: &Layout) -> Vec<String> {
-    let parts = layout.parts.map(|parts| format!("parts = \"{}\"", parts.word()));
+    let parts = layout.parts.map(Parts::word).or(layout.teeth.then_some("teeth"));
+    let parts = parts.map(|word| format!("parts = \"{word}\""));
     let separator = layout.separator.map(|byte| match byte {
         b'\t' => "separator = \"tab\"".to_owned(),
         byte => format!("separator = {}", quoted(&char::from(byte).to_string())),
@@ -40,10 +41,14 @@ pub(super) fn columns(layout: &Layout) -> Vec<(String, String)> {
             let word = if *beside == Beside::Unit { "units" } else { beside.key() };
             format!("{word} = {}", quoted(name))
         });
-        let all: Vec<String> = name.chain(unit).chain(beside).collect();
+        let kind = column.is_deviation.then(|| "kind = \"deviation\"".to_owned());
+        let all: Vec<String> = name.chain(unit).chain(kind).chain(beside).collect();
         (!all.is_empty()).then(|| format!("{} = {{ {} }}", column.field.key(), all.join(", ")))
     };
     let columns = layout.columns.iter().filter_map(column);
+    let of = layout.of_characteristics.iter().map(|(beside, name)| (beside.key(), name));
+    let headings = of.chain(layout.index.iter().map(|(index, name)| (index.key(), name)));
+    let headings = headings.map(|(key, name)| format!("{key} = {}", quoted(name)));
     let keyed = |line: String| (line.split(" = ").next().unwrap_or_default().to_owned(), line);
-    part.into_iter().chain(status).chain(columns).map(keyed).collect()
+    part.into_iter().chain(status).chain(headings).chain(columns).map(keyed).collect()
 }

@@ -7,15 +7,15 @@ use serde::Serialize;
 
 use super::guess::{Guess, guesses};
 use super::lines::Shapes;
-use super::rules::{self, Rule, Suggestion};
+use super::rules::{self, Found, Rule, Suggestion};
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::quantity::{Unit, shown};
+use crate::quantity::shown;
 use crate::table::Table;
 use crate::table::block::{Block, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
 use crate::table::dictionary::{Form, Heading, lookup};
-use crate::table::layout::{Layout, Repeats};
+use crate::table::layout::Layout;
 use crate::table::reading::Reading;
 use crate::table::rows::Wanted;
 use crate::table::want::Want;
@@ -115,20 +115,23 @@ impl Proposal {
     }
 
     /// Of a table whose columns are looked at, by its first rows.
-    pub(crate) fn of_matched(file: &str, layout: &Arc<Layout>, matched: Matched, rows: &[Record], want: &Want) -> Self {
+    pub(crate) fn of_matched(file: &str, layout: &Layout, mut matched: Matched, rows: &[Record], want: &Want) -> Self {
         let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
-        let mut proposal = Self::of(file, layout, matched.open);
+        let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
         let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
         proposal.rules.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
-        let is_guessed =
-            |rule: &Rule| matches!(rule, Rule::Ignore(title) if guesses.iter().any(|guess| guess.title == *title));
+        // what the other columns of a row per characteristic are is known once that of their names is
+        let has_names = guesses.iter().any(|guess| guess.key == "name");
+        let is_guessed = |rule: &Rule| matches!(rule, Rule::Ignore(title) if has_names || guesses.iter().any(|guess| guess.title == *title));
         proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));
         let first = |place: usize| {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
             cells.take(3).map(|cell| cell.text().into_owned()).collect()
         };
-        proposal.columns = columns(&matched.owners, &matched.titles, &matched.units, layout);
+        let Matched { owners, titles, units, of, .. } = &matched;
+        let found = Found { owners, titles, units, of };
+        proposal.columns = columns(&found, layout);
         for column in &mut proposal.columns {
             column.first = first(column.place - 1);
             if let Some(guess) = guesses.iter().find(|guess| guess.place + 1 == column.place) {
@@ -136,7 +139,7 @@ impl Proposal {
             }
         }
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
-        proposal.rules.extend(rules::pinned(&matched.owners, &matched.titles, &matched.units, layout));
+        proposal.rules.extend(rules::pinned(&found, layout));
         proposal.rules.extend(guesses.into_iter().map(Guess::suggestion));
         rules::settle(&mut proposal.rules);
         proposal
@@ -146,20 +149,20 @@ impl Proposal {
     ///
     /// # Errors
     /// If it cannot be read to its end.
-    pub(crate) fn of_table(table: Table) -> Result<Self, Diagnostics> {
+    pub(crate) fn of_table(table: Table, want: &Want) -> Result<Self, Diagnostics> {
         let name = Arc::clone(&table.name);
         let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
         let contract = table.pieces.contract();
         let layout = Arc::clone(contract.layout());
-        let titles = contract.titles.clone();
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
         let mut proposal =
-            Self { file: name.to_string(), layout: Arc::clone(&layout), parts: Some(0), ..Self::default() };
-        proposal.columns = columns(&owners, &titles, &units, &layout);
+            Self { file: name.to_string(), layout: Arc::clone(&want.layout), parts: Some(0), ..Self::default() };
+        let found = Found { owners: &owners, titles: &contract.titles, units: &units, of: &contract.of };
+        proposal.columns = columns(&found, &layout);
         proposal.columns.retain(|column| !column.title.is_empty());
-        proposal.rules = rules::pinned(&owners, &titles, &units, &layout);
-        let mut reading = table.reading.clone();
+        proposal.rules = rules::pinned(&found, &layout);
+        let (mut reading, refuses_repeats) = (table.reading.clone(), table.refuses_repeats);
         let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
         for block in table.rows(Wanted::default()) {
             let block = block.map_err(unreadable)?;
@@ -167,7 +170,7 @@ impl Proposal {
             block.tell(&mut reading);
             odd.extend(block.odd);
         }
-        if let Some(twice) = shapes.twice.take().filter(|_| layout.repeats == Repeats::Refused) {
+        if let Some(twice) = shapes.twice.take().filter(|_| refuses_repeats) {
             let what = format!("the part `{}` is there more than once", shown(&twice));
             proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
             proposal.rules.push(rules::repeats());
@@ -250,12 +253,7 @@ fn line_account(open: &Open) -> Option<LineAccount> {
 }
 
 /// What each column is taken as.
-fn columns(
-    owners: &[Option<Owner>],
-    titles: &[String],
-    units: &[(usize, Unit)],
-    layout: &Layout,
-) -> Vec<ColumnAccount> {
+fn columns(Found { owners, titles, units, .. }: &Found<'_>, layout: &Layout) -> Vec<ColumnAccount> {
     let rules = layout.rules();
     let column = |(at, (owner, title)): (usize, (&Option<Owner>, &String))| {
         let name = Heading::of(title).name;
@@ -263,7 +261,7 @@ fn columns(
             None => ("not owned".to_owned(), "nobody".to_owned()),
             Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
             Some(Owner::Rule(rule)) => ("left out".to_owned(), rules[*rule].rule.clone()),
-            Some(Owner::Role(role)) if layout.declared(title, &name, layout.form()).is_some() => {
+            Some(Owner::Role(role)) if layout.declared(title, &name, Form::Teeth).is_some() => {
                 (key(*role), "the spec names it".to_owned())
             }
             Some(Owner::Role(role)) => {
@@ -274,5 +272,5 @@ fn columns(
         let unit = units.iter().find(|(place, _)| *place == at).map(|(_, unit)| unit.symbol());
         ColumnAccount { title: title.clone(), place: at + 1, is, unit, why, first: Vec::new() }
     };
-    owners.iter().zip(titles).enumerate().map(column).collect()
+    owners.iter().zip(*titles).enumerate().map(column).collect()
 }

@@ -6,8 +6,9 @@ use super::lines::{Shapes, common, fitting, generalised};
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use crate::table::block::Odd;
-use crate::table::contract::{Open, Owner};
+use crate::table::contract::{Open, Owner, key};
 use crate::table::dictionary::{Heading, Role};
+use crate::table::field::{Beside, Field};
 use crate::table::layout::Layout;
 use crate::table::want::{Want, quoted};
 
@@ -143,34 +144,44 @@ pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     })
 }
 
+/// What is known of the columns of a table: their owners, their headings, the units of values by their places, and the headings of
+/// a characteristics' table.
+pub(super) struct Found<'t> {
+    pub(super) owners: &'t [Option<Owner>],
+    pub(super) titles: &'t [String],
+    pub(super) units: &'t [(usize, Unit)],
+    pub(super) of: &'t [(String, Role)],
+}
+
 /// The roles that are found, as a contract names them; those that it names are none of them. A role of which two columns have
 /// one name is named by its whole heading.
-pub(super) fn pinned(
-    owners: &[Option<Owner>],
-    titles: &[String],
-    units: &[(usize, Unit)],
-    layout: &Layout,
-) -> Vec<Suggestion> {
+pub(super) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<Suggestion> {
     let name = |place: usize| {
         let name = Heading::of(&titles[place]).name;
         let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
         quoted(if is_alone { &name } else { &titles[place] })
     };
-    let mut found = Vec::new();
-    for (place, owner) in owners.iter().enumerate() {
-        let Some(Owner::Role(role)) = owner else { continue };
+    // a deviation beside the size of a space is found by the heading of both
+    let has_deviation = |field: Field| owners.contains(&Some(Owner::Role(Role::Beside(field, Beside::Deviation))));
+    let column = |(place, owner): (usize, &Option<Owner>)| {
+        let Some(Owner::Role(role)) = owner else { return None };
         let (key, entry) = match role {
-            _ if layout.names(*role) => continue,
+            _ if layout.names(*role) => return None,
             Role::PartId => ("part_id", name(place)),
-            Role::Value(field) => {
-                let Some((_, unit)) = units.iter().find(|(at, _)| *at == place) else { continue };
+            Role::Index(field) => (field.key(), name(place)),
+            Role::Value(field) if !(field.is_of_space_or_tooth() && has_deviation(*field)) => {
+                let (_, unit) = units.iter().find(|(at, _)| *at == place)?;
                 (field.key(), format!("{{ name = {}, unit = \"{}\" }}", name(place), unit.symbol()))
             }
-            _ => continue,
+            _ => return None,
         };
-        found.push(Rule::Column { key: key.to_owned(), entry }.exact());
-    }
-    found
+        Some(Rule::Column { key: key.to_owned(), entry }.exact())
+    };
+    let of = of
+        .iter()
+        .filter(|(_, role)| !layout.names(*role))
+        .map(|(title, role)| Rule::Column { key: key(*role), entry: quoted(&Heading::of(title).name) }.exact());
+    owners.iter().enumerate().filter_map(column).chain(of).collect()
 }
 
 /// Takes a person's word that a guess is right. Whether there was one.

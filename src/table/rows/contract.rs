@@ -98,6 +98,7 @@ impl Rows {
             column.value(ledger.read(column.place), beside)
         };
         let values: Vec<_> = self.setup.columns.iter().map(|column| (column, read(column))).collect();
+        let is_whole = values.iter().all(|(_, value)| matches!(value, Ok(Some(_))));
         block.odd.extend(may_be_no_part(record, name, &values));
         for column in &self.setup.columns {
             for companion in column.beside.iter() {
@@ -108,7 +109,7 @@ impl Rows {
         let status = contract.status().map(|place| {
             let text = ledger.read(place).text();
             block.tally(contract.beside_values()).add(record.line, place, &text);
-            contract.accepts(text.trim())
+            contract.layout().accepts(text.trim())
         });
         for (place, rule) in contract.left_out().take_while(|(place, _)| *place < record.cells.len()) {
             block.tally(rule).add(record.line, place, &ledger.read(place).text());
@@ -119,7 +120,7 @@ impl Rows {
         let wrong = swallowed(record, self.setup.separator)
             .map(|line| format!("a cell holds a line break and then `{line}`: a quote may be missing"))
             .or(surplus)
-            .or_else(|| name.and_then(Contract::no_name))
+            .or_else(|| Contract::no_name(name?, is_whole))
             .or_else(|| status.clone()?.err());
         if let Some(message) = wrong {
             self.refuse(record.line, raw, block, &record.in_words(), message);
@@ -160,10 +161,7 @@ fn may_be_no_part(
 ) -> Option<Odd> {
     let read = values.iter().filter(|(_, value)| matches!(value, Ok(Some(_)))).count();
     let is_named = name.is_some_and(|name| !name.is_missing());
-    let is_no_name = match name {
-        Some(name) if is_named => Contract::no_name(name).is_some(),
-        _ => false,
-    };
+    let is_no_name = name.is_some_and(Contract::is_statistic);
     if read == values.len() && !is_no_name {
         return None;
     }

@@ -54,3 +54,27 @@ fn what_nobody_owns_is_listed_at_once() {
         assert!(problem.contains(said), "{said}: {problem}");
     }
 }
+
+/// A measuring program's decision on any row of a part counts for the part.
+#[test]
+fn the_worst_decision_of_a_part_counts() {
+    let decided = |of_pitch: &str| {
+        let text = format!(
+            "Teil;Merkmal;Ist [mm];Bewertung\nP1;Rollenmaß;25,011;i.O.\nP1;Rack pitch error;0,003;{of_pitch}\nP2;Rollenmaß;25,1;i.O.\n\
+             P2;Rack pitch error;0,001;i.O.\n"
+        );
+        let texts = |text: &str| vec![text.to_owned()];
+        let status = StatusColumn { name: "Bewertung".to_owned(), accept: texts("i.O."), reject: texts("n.i.O.") };
+        let want = Want { layout: Layout { status: Some(status), ..Layout::default() }.into(), ..want() };
+        let container = Container::open("lot", Source::bytes(text.into()), &want).unwrap();
+        let blocks = container.table("lot", &want).unwrap().blocks().unwrap();
+        let faults: Vec<_> = blocks[0].faults().iter().map(|fault| fault.message.clone()).collect();
+        (blocks[0].failed.clone(), faults)
+    };
+    assert_eq!(decided("i.O."), (vec![], vec![]));
+    assert_eq!(decided("n.i.O."), (vec![0], vec![]));
+    for (text, said) in [("", "is blank"), ("?", "neither accepted nor rejected")] {
+        let (failed, faults) = decided(text);
+        assert!(failed.is_empty() && faults.len() == 1 && faults[0].contains(said), "{faults:?}");
+    }
+}
