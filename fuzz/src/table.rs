@@ -65,6 +65,7 @@ fn run(spec: &Arc<Spec>, data: &[u8], workers: usize) -> Option<(Vec<u8>, Vec<u8
     let sinks = Sinks {
         rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })),
         rejects: Some(Sink { writer: &mut rejects, packing: Packing::None }),
+        parts: None,
     };
     let mut batch = Batch::new(&plan, sinks, Some(workers));
     // packed files may be broken in the middle

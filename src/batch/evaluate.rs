@@ -9,7 +9,7 @@ use super::layout::Layout;
 use super::meshed::Meshes;
 use super::outcome::{Part, Problem, Tally, keep_worst};
 use super::plan::Plan;
-use super::request::Rows;
+use super::request::{Request, Rows};
 use super::results::{Margin, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
 use super::statistics::Statistics;
@@ -162,18 +162,18 @@ impl<'a> Evaluator<'a> {
             self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
         }
-        let is_failure = self.keeps_failure(verdict);
-        if !is_failure && !self.plan.request.statistics {
+        let is_kept = self.keeps(verdict);
+        if !is_kept && !self.plan.request.statistics {
             return;
         }
-        let Some(margin) = results.margin(row.index) else { return };
+        let margin = results.margin(row.index);
         let file = &self.file;
-        let part = || kept(row, file, verdict, margin);
-        if self.plan.request.statistics {
+        let part = || kept(row, file, results, margin);
+        if let Some(margin) = margin.filter(|_| self.plan.request.statistics) {
             keep_worst(&mut self.tally.worst, margin.inside_by.mm(), part);
         }
-        if is_failure {
-            self.tally.failures.push(part());
+        if is_kept {
+            self.tally.parts.push(part());
         }
     }
 
@@ -189,9 +189,10 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn keeps_failure(&self, verdict: Option<Verdict>) -> bool {
-        let kept = self.plan.request.failures_kept;
-        kept > 0 && matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate)) && self.tally.failures.len() < kept
+    fn keeps(&self, verdict: Option<Verdict>) -> bool {
+        let Request { failures_kept, lists_parts, .. } = self.plan.request;
+        let is_failure = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
+        lists_parts || (is_failure && self.tally.parts.len() < failures_kept)
     }
 
     /// A row with a cell that is no value, that is no row at all, or whose values have no results.
@@ -203,7 +204,8 @@ impl<'a> Evaluator<'a> {
             self.written.row(Some(row), &WrittenRow::None { reason: message });
         }
         self.keep_raw(row.block, row.index);
-        if self.tally.problems.len() < self.plan.request.problems_kept {
+        let Request { lists_parts, problems_kept, .. } = self.plan.request;
+        if lists_parts || self.tally.problems.len() < problems_kept {
             self.tally.problems.push(Problem {
                 place: row.place(&self.file),
                 part: row.block.name(row.index).filter(|name| !name.is_empty()).map(|name| shown(&name)),
@@ -224,14 +226,16 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// A part as it is kept for the summary.
-fn kept(row: Row<'_>, file: &Arc<str>, verdict: Option<Verdict>, margin: Margin) -> Part {
+/// A part as it is kept for the summary; one without a result is as far outside as can be.
+fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Margin>) -> Part {
+    const OPEN: f64 = f64::INFINITY;
     Part {
         id: row.id().into_owned(),
         place: row.place(file),
-        verdict,
-        margin_mm: margin.inside_by.mm(),
-        on: margin.on,
-        result_mm: (margin.result.lower.mm(), margin.result.upper.mm()),
+        verdict: results.verdicts[row.index],
+        margin_mm: margin.map_or(-OPEN, |margin| margin.inside_by.mm()),
+        on: margin.and_then(|margin| margin.on).map(|(on, _)| on),
+        result_mm: margin.map_or((-OPEN, OPEN), |margin| (margin.result.lower.mm(), margin.result.upper.mm())),
+        reason: results.reason(row.index).map(Cow::into_owned),
     }
 }

@@ -81,8 +81,16 @@ impl ColumnEvaluator {
         want.layout = Arc::new(layout);
         want.teeth = Some(false);
         let (format, rows, decimals) = (RowFormat::Columns, Rows::Every, Decimals::Full);
-        let request =
-            Request { format, rows, decimals, statistics: false, problems_kept: 0, failures_kept: 0, ..request };
+        let request = Request {
+            format,
+            rows,
+            decimals,
+            statistics: false,
+            lists_parts: false,
+            problems_kept: 0,
+            failures_kept: 0,
+            ..request
+        };
         Self { spec: Arc::clone(spec), want, request, last: Mutex::new(None) }
     }
 

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::columns::ResultColumns;
-use super::outcome::{Outcome, Quantity};
+use super::outcome::{Outcome, PartSink, Quantity};
 use super::pack::Packing;
 use crate::table::Encoding;
 
@@ -14,6 +14,8 @@ pub struct Sinks<'a> {
     pub rows: Option<RowSink<'a>>,
     /// The rejected rows.
     pub rejects: Option<Sink<'a>>,
+    /// Every part and every rejected row, where they are [listed](super::Request::lists_parts).
+    pub parts: Option<&'a mut dyn PartSink>,
 }
 
 /// Where rows go.

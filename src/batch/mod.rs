@@ -38,13 +38,14 @@
 //! let plan = Plan::new(&spec, &table, Request::default())?;
 //! let layout = Layout::new(&plan, &table)?;
 //! let mut rows = Vec::new();
-//! let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
+//! let rows_sink = RowSink::Text(Sink { writer: &mut rows, packing: Packing::None });
+//! let sinks = Sinks { rows: Some(rows_sink), ..Sinks::default() };
 //! let mut batch = Batch::new(&plan, sinks, None);
 //! batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {})?;
 //! let (outcome, _) = batch.finish();
 //! assert_eq!((outcome.counts.pass, outcome.counts.fail), (1, 1));
 //! let rows = String::from_utf8(rows).expect("CSV is text");
-//! assert_eq!(rows.lines().nth(1), Some("P1,0.013100,0.013100,0.013100,,,pass,"));
+//! assert_eq!(rows.lines().nth(1), Some("P1,0.013100,0.013100,0.013100,,,0.006900,pass,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -77,7 +78,7 @@ pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use ledger::{ColumnSink, RowSink, Sink, Sinks};
 pub use number::{Decimals, NoDecimals};
-pub use outcome::{Counts, Duplicates, Outcome, Part, Problem, Quantity, RowPlace};
+pub use outcome::{Counts, Duplicates, Outcome, Part, PartSink, Problem, Quantity, RowPlace};
 pub use pack::Packing;
 pub use parquet::ParquetRows;
 pub use plan::{Plan, refuse_without_uncertainty};

@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 use std::fmt;
 use std::hash::{DefaultHasher, Hasher as _};
+use std::io;
 use std::sync::Arc;
 
 use super::output::Output;
@@ -151,6 +152,25 @@ pub struct Part {
     pub on: Option<LimitTarget>,
     /// The result that is held against that limit, mm.
     pub result_mm: (f64, f64),
+    /// Why it does not pass, or has no verdict.
+    pub reason: Option<String>,
+}
+
+impl Part {
+    /// Whether it fails, or is too near a limit.
+    #[must_use]
+    pub fn is_not_passed(&self) -> bool {
+        matches!(self.verdict, Some(Verdict::Fail | Verdict::Indeterminate))
+    }
+}
+
+/// Takes every part, as far as it is wanted, and every row that makes none.
+pub trait PartSink: Send {
+    /// Takes the next ones.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    fn take(&mut self, parts: &[Part], problems: &[Problem]) -> io::Result<()>;
 }
 
 /// A result over all parts.
@@ -293,7 +313,8 @@ impl Duplicates {
 pub(super) struct Tally {
     pub(super) counts: Counts,
     pub(super) problems: Vec<Problem>,
-    pub(super) failures: Vec<Part>,
+    /// Parts that do not pass, or every part where they are listed.
+    pub(super) parts: Vec<Part>,
     pub(super) worst: Vec<Part>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
@@ -331,25 +352,26 @@ pub(super) struct Total<'a> {
 impl Total<'_> {
     /// Takes the block that follows all that it has, and what it came to; record numbers of the block become those of the
     /// table.
-    pub(super) fn add(&mut self, rows: &Rows, block: &mut Block, tally: &mut Tally) {
+    pub(super) fn add(
+        &mut self,
+        rows: &Rows,
+        block: &mut Block,
+        tally: &mut Tally,
+        list: Option<&mut (dyn PartSink + '_)>,
+    ) -> io::Result<()> {
         let (records, request) = (self.records, self.request);
         self.doubtful.add(rows, block);
         let settle = |place: &mut RowPlace| {
             place.record += records;
             place.in_words = self.place.in_words(place.line);
         };
-        for mut problem in tally.problems.drain(..) {
-            if self.outcome.problems.len() < request.problems_kept {
-                settle(&mut problem.place);
-                self.outcome.problems.push(problem);
-            }
-        }
-        for mut part in tally.failures.drain(..) {
-            if self.outcome.failures.len() < request.failures_kept {
-                settle(&mut part.place);
-                self.outcome.failures.push(part);
-            }
-        }
+        tally.problems.iter_mut().for_each(|problem| settle(&mut problem.place));
+        tally.parts.iter_mut().for_each(|part| settle(&mut part.place));
+        let listed = list.map_or(Ok(()), |list| list.take(&tally.parts, &tally.problems));
+        let room = request.problems_kept.saturating_sub(self.outcome.problems.len());
+        self.outcome.problems.extend(tally.problems.drain(..).take(room));
+        let room = request.failures_kept.saturating_sub(self.outcome.failures.len());
+        self.outcome.failures.extend(tally.parts.drain(..).filter(Part::is_not_passed).take(room));
         for mut part in tally.worst.drain(..) {
             settle(&mut part.place);
             keep_worst(&mut self.outcome.worst, part.margin_mm, || part);
@@ -366,6 +388,7 @@ impl Total<'_> {
         self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
         self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);
+        listed
     }
 }
 

@@ -18,6 +18,12 @@ pub(super) enum Output {
     Error(DeviationKind),
     /// An end of a combination.
     Combined(Stack, End),
+    /// An end of what is held against the limit on all errors together.
+    Judged(End),
+    /// How far the part is inside the nearest limit.
+    Margin,
+    /// Which end of which limit that is, by the spec's key.
+    NearestLimit,
     /// An end of what the exact mesh reaches with the errors on the worst teeth found.
     Reached(End),
     /// Standard uncertainty of a result.
@@ -33,7 +39,7 @@ pub(super) enum Output {
     /// Whether the simulation confirms the linear uncertainties of the combination.
     Validated,
     Verdict,
-    /// Why a row has no results, or no pass or fail.
+    /// Why a row has no results, or its part does not pass.
     Reason,
     /// What the parts are judged without.
     Without,
@@ -128,11 +134,18 @@ impl Output {
             };
             all.extend(limits.iter().copied().filter(is_known).map(Self::Conformance));
         }
-        all.push(Self::Verdict);
-        if !limits.is_empty() {
-            all.push(Self::Reason);
+        if limits.is_empty() {
+            all.push(Self::Verdict);
+        } else {
+            all.extend([Self::Margin, Self::Verdict, Self::Reason]);
         }
         all
+    }
+
+    /// What is written only where it is asked for.
+    fn others() -> [Self; 4] {
+        let [lower, upper] = End::BOTH.map(Self::Judged);
+        [lower, upper, Self::Margin, Self::NearestLimit]
     }
 
     /// Both ends of a combination.
@@ -151,7 +164,9 @@ impl Output {
         let all = Self::all(request, kinds, limits, is_uncertain);
         let Some(names) = &request.columns else { return Ok(all) };
         let output = |name: &String| {
-            if let Some(output) = all.iter().find(|output| output.name(request.stack) == *name) {
+            let others = Self::others();
+            let known = |output: &&Self| output.name(request.stack) == *name;
+            if let Some(output) = all.iter().find(known).or_else(|| others.iter().find(known)) {
                 return Ok(output.clone());
             }
             if table.titles.contains(name) {
@@ -162,7 +177,7 @@ impl Output {
                 return Err(Diagnostic::usage(message)
                     .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
             }
-            let known: Vec<_> = all.iter().map(|output| output.name(request.stack)).collect();
+            let known: Vec<_> = all.iter().chain(&others).map(|output| output.name(request.stack)).collect();
             let (known, titles) = (known.join(", "), table.titles_in_words());
             Err(Diagnostic::usage(format!("there is no column `{name}` to write"))
                 .help(format!("the results are {known}; {} also has {titles}", table.name)))
@@ -184,6 +199,9 @@ impl Output {
             Self::Id => "part_id".to_owned(),
             Self::Error(kind) => format!("{}_mm", UncertainOutput::Error(*kind).name(stack)),
             Self::Combined(stack, end) => format!("{}_{}_mm", stack.name(), end.name()),
+            Self::Judged(end) => format!("{}_mm", end.name()),
+            Self::Margin => "margin_mm".to_owned(),
+            Self::NearestLimit => "nearest_limit".to_owned(),
             Self::Reached(end) => format!("reached_{}_mm", end.name()),
             Self::Standard(of) => format!("{}_standard_uncertainty_mm", of.name(stack)),
             Self::Expanded(of) => format!("{}_expanded_uncertainty_mm", of.name(stack)),

@@ -90,7 +90,10 @@ impl Plan {
         }
         let stack = request.stack;
         let is_judged = |of: Stack| stack == of && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
-        let needs = |of: Stack| is_judged(of) || Output::ends(of).iter().any(|end| outputs.contains(end));
+        let is_shown = outputs.iter().any(|output| matches!(output, Output::Judged(_)));
+        let needs = |of: Stack| {
+            is_judged(of) || (is_shown && stack == of) || Output::ends(of).iter().any(|end| outputs.contains(end))
+        };
         let (needs_range, needs_rss) = (needs(Stack::Range), needs(Stack::Rss));
         let is_all_placed = judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
             && matches!(basis.geometry, GivenGeometry::Known(_))
@@ -220,7 +223,12 @@ impl Plan {
     /// What each column written holds.
     pub(super) fn column_kinds(&self) -> Vec<ColumnKind> {
         let kind = |output: &Output| match output {
-            Output::Id | Output::Verdict | Output::Reason | Output::Without | Output::Copied(_) => ColumnKind::Text,
+            Output::Id
+            | Output::NearestLimit
+            | Output::Verdict
+            | Output::Reason
+            | Output::Without
+            | Output::Copied(_) => ColumnKind::Text,
             Output::Linear | Output::Validated => ColumnKind::Flag,
             _ => ColumnKind::Number,
         };

@@ -35,7 +35,9 @@ pub struct Request {
     pub strict: bool,
     /// How many parts that do not pass are kept with their results.
     pub failures_kept: usize,
-    /// How many rejected rows are kept with what is wrong with them.
+    /// Whether every part goes to whoever lists them: [`Sinks::parts`](super::Sinks::parts).
+    pub lists_parts: bool,
+    /// How many rejected rows are kept with what is wrong with them, unless every part is listed.
     pub problems_kept: usize,
 }
 

@@ -14,11 +14,11 @@ use super::request::Request;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
-use crate::evaluation::{too_near, worse};
+use crate::evaluation::{subject, too_near, worse};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Conformance, Ends};
-use crate::judge::{Interval, LimitTarget, Stack, Verdict};
+use crate::judge::{Interval, LimitTarget, NearestEnd, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::table::{Block, Fault};
 use crate::trig;
@@ -53,7 +53,7 @@ pub(super) struct Results<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Margin {
     pub(super) inside_by: Length,
-    pub(super) on: Option<LimitTarget>,
+    pub(super) on: Option<(LimitTarget, NearestEnd)>,
     pub(super) result: Interval,
 }
 
@@ -294,13 +294,30 @@ impl<'a> Results<'a> {
         self.meshed.get(&row).map(|answer| answer.as_ref().as_ref().map_err(String::as_str))
     }
 
-    /// Why a part is indeterminate.
+    /// Why a part fails, is indeterminate or has no verdict, and what the exact mesh says of one that it judges.
+    pub(super) fn reason(&self, row: usize) -> Option<Cow<'_, str>> {
+        let meshed = self.meshed(row).map(by_mesh);
+        let unless_pass = match self.verdicts[row] {
+            Some(Verdict::Pass) => None,
+            None => return Some(self.plan.without_verdict.as_str().into()),
+            Some(verdict) => Some(self.not_passed(verdict, row)),
+        };
+        let said: Vec<_> = unless_pass.into_iter().chain(meshed).collect();
+        (!said.is_empty()).then(|| said.join("; ").into())
+    }
+
+    /// Why a part does not pass.
     #[cold]
-    pub(super) fn too_near(&self, row: usize) -> String {
+    fn not_passed(&self, verdict: Verdict, row: usize) -> String {
         let Request { stack, rule, .. } = &self.plan.request;
         let limits = self.plan.limits.iter().enumerate();
-        let near = limits.filter(|(limit, _)| matches!(self.judge_by(*limit, row), Ok(Some(Verdict::Indeterminate))));
-        near.map(|(_, (on, _))| too_near(*on, *stack, rule)).collect::<Vec<_>>().join("; ")
+        let judged = limits.filter(|(limit, _)| matches!(self.judge_by(*limit, row), Ok(Some(of)) if of == verdict));
+        let why = judged.filter_map(|(_, (on, limit))| match verdict {
+            Verdict::Fail => Some(format!("{} {}", subject(*on, *stack), limit.nearest(self.judged(*on, row)?)?)),
+            _ => Some(too_near(*on, *stack, rule)),
+        });
+        let why = why.collect::<Vec<_>>().join("; ");
+        if why.is_empty() { "the table says that the part is rejected".to_owned() } else { why }
     }
 
     /// The verdict on the limit with that index; `None` without a result.
@@ -334,10 +351,8 @@ impl<'a> Results<'a> {
     pub(super) fn margin(&self, row: usize) -> Option<Margin> {
         let of_limits = self.plan.limits.iter().filter_map(|(on, limit)| {
             let result = self.judged(*on, row)?;
-            let above = limit.upper.map(|end| end - result.upper);
-            let below = limit.lower.map(|end| result.lower - end);
-            let inside_by = above.into_iter().chain(below).min()?;
-            Some(Margin { inside_by, on: Some(*on), result })
+            let nearest = limit.nearest(result)?;
+            Some(Margin { inside_by: nearest.inside_by, on: Some((*on, nearest)), result })
         });
         // of equals the first
         of_limits.reduce(|nearest, other| if other.inside_by < nearest.inside_by { other } else { nearest }).or_else(
@@ -347,6 +362,11 @@ impl<'a> Results<'a> {
                 Some(Margin { inside_by: -largest.abs(), on: None, result: Interval::value(largest) })
             },
         )
+    }
+
+    /// The end of a limit that a judged part is nearest to; `None` while a limit may be nearer that is not judged.
+    pub(super) fn nearest(&self, row: usize) -> Option<(LimitTarget, NearestEnd)> {
+        self.verdicts[row].and_then(|_| self.margin(row)?.on)
     }
 
     /// The results of an output that is a length, of all parts that have one.
@@ -375,6 +395,8 @@ impl<'a> Results<'a> {
             Output::Error(kind) => self.each[*kind as usize].get(row).copied(),
             Output::Combined(stack, end) => Some(end.of(at(&self.combined[*stack as usize], row)?)),
             Output::Reached(end) => Some(end.of(at(&self.reached, row)?)),
+            Output::Judged(end) => Some(end.of(self.judged(LimitTarget::CenterDistance, row)?)),
+            Output::Margin => self.nearest(row).map(|(_, nearest)| nearest.inside_by),
             _ => None,
         }
     }
@@ -389,6 +411,17 @@ impl<'a> Results<'a> {
             },
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
+    }
+}
+
+/// By what the exact mesh passes or fails a part.
+#[cold]
+fn by_mesh(meshed: Result<&Meshed, &str>) -> String {
+    match meshed {
+        Ok(Meshed { range: Interval { lower, upper }, .. }) => {
+            format!("judged by the exact mesh: ΔCD = {:.6} to {:.6} mm", lower.mm(), upper.mm())
+        }
+        Err(why) => format!("judged by the worst case, for the exact mesh has no answer: {why}"),
     }
 }
 

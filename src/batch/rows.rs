@@ -4,14 +4,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::columns::{ResultCell, ResultColumns};
-use super::meshed::Meshed;
 use super::outcome::RowPlace;
 use super::output::{Output, simulated};
 use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
 use super::write;
-use crate::judge::{Interval, Verdict};
 use crate::table::Block;
 
 /// What came of a row.
@@ -114,14 +112,16 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
             ResultCell::Text(row.block.copied(row.index, number).unwrap_or_default().into())
         }
         (Output::Reason, WrittenRow::None { reason }) => text(reason),
-        (Output::Reason, WrittenRow::Part { results, row }) => match results.verdicts[*row] {
-            None => text(&plan.without_verdict),
-            Some(Verdict::Indeterminate) => ResultCell::Text(results.too_near(*row).into_bytes().into()),
-            Some(Verdict::Pass | Verdict::Fail) => match results.meshed(*row) {
-                Some(meshed) => ResultCell::Text(by_mesh(meshed).into_bytes().into()),
-                None => ResultCell::Nothing,
-            },
+        (Output::Reason, WrittenRow::Part { results, row }) => match results.reason(*row) {
+            Some(Cow::Borrowed(reason)) => text(reason),
+            Some(Cow::Owned(reason)) => ResultCell::Text(reason.into_bytes().into()),
+            None => ResultCell::Nothing,
         },
+        (Output::NearestLimit, WrittenRow::Part { results, row }) => {
+            results.nearest(*row).map_or(ResultCell::Nothing, |(on, end)| {
+                ResultCell::Text(format!("{}.{}", on.key(), end.name()).into_bytes().into())
+            })
+        }
         (_, WrittenRow::None { .. }) => ResultCell::Nothing,
         (Output::Without, _) => text(&plan.without),
         (Output::Verdict, WrittenRow::Part { results, row }) => {
@@ -133,17 +133,6 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
         (output, WrittenRow::Part { results, row }) => {
             results.of(output, *row).map_or(ResultCell::Nothing, ResultCell::Length)
         }
-    }
-}
-
-/// By what the exact mesh passes or fails a part.
-#[cold]
-fn by_mesh(meshed: Result<&Meshed, &str>) -> String {
-    match meshed {
-        Ok(Meshed { range: Interval { lower, upper }, .. }) => {
-            format!("judged by the exact mesh: ΔCD = {:.6} to {:.6} mm", lower.mm(), upper.mm())
-        }
-        Err(why) => format!("judged by the worst case, for the exact mesh has no answer: {why}"),
     }
 }
 

@@ -235,13 +235,14 @@ impl SharedRun<'_, '_> {
             let is_counted = !self.ended.load(Ordering::Relaxed);
             if is_counted {
                 let order = &mut *order;
-                order.total.add(self.rows, &mut piece.block, &mut evaluator.tally);
+                let list = order.sinks.parts.as_deref_mut();
+                let listed = order.total.add(self.rows, &mut piece.block, &mut evaluator.tally, list);
                 let written = match order.sinks.rows.as_mut() {
                     Some(RowSink::Text(sink)) => write_to(Some(sink), rows),
                     Some(RowSink::Columns(sink)) => sink.take(std::mem::take(&mut evaluator.written.columns)),
                     None => Ok(()),
                 };
-                let written = written.and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
+                let written = listed.and(written).and_then(|()| write_to(order.sinks.rejects.as_mut(), rejects));
                 let is_cut = evaluator.is_cut(piece.block.rows()) && self.stop.load(Ordering::Relaxed);
                 self.settle(order, piece.block.contradiction.take().filter(|_| !is_cut), written);
                 self.ended.fetch_or(is_cut, Ordering::Relaxed);

@@ -1,20 +1,22 @@
-//! Results as Excel workbooks and Q-DAS files, for `paste` and `batch`.
+//! Rows of results as files whose rows are not written one by one as they are: Excel workbooks and Q-DAS files, of `paste`
+//! and `batch`, and tables for people and arrays of JSON, of `batch`.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::target;
 use crate::judge::Limits;
-use crate::report::QdasRows;
 use crate::report::xlsx::Book;
+use crate::report::{self, Format, QdasRows, RowsReport, Screen};
 
 /// Whether results for a file of that name are a workbook or a Q-DAS file.
 pub(super) fn is_office(path: &str) -> bool {
     ["xlsx", "dfq"].contains(&target::ending(path).as_str())
 }
 
-/// Rows that become such a file. What is written to it are rows of CSV, a line each, header first.
-pub(super) struct OfficeRows<W> {
+/// Rows that become such a file. What is written to it are rows of CSV, a line each, header first; of an array, lines of
+/// JSON.
+pub(super) struct FormedRows<W> {
     out: W,
     kind: Kind,
     /// The beginning of a line whose end is still to come.
@@ -25,9 +27,16 @@ enum Kind {
     /// A workbook is written in one go, at the end.
     Book(Box<Book>),
     Qdas(QdasRows),
+    /// Rows that wait for the next piece of the table, the header first; the screen, and whether lengths stay as written.
+    Table(Vec<Vec<String>>, (Screen, bool)),
+    /// Whether it has rows so far.
+    Array(bool),
 }
 
-impl<W: Write + Send> OfficeRows<W> {
+/// Rows of a table that are laid out together.
+const ROWS_TOGETHER: usize = 1000;
+
+impl<W: Write + Send> FormedRows<W> {
     /// Rows with these limits for a file of this name; `part` is what a Q-DAS file calls them.
     pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
         let kind = match target::ending(path).as_str() {
@@ -37,33 +46,71 @@ impl<W: Write + Send> OfficeRows<W> {
         Ok(Self { out, kind, rest: Vec::new() })
     }
 
+    /// A table for people, in pieces with a heading each; lengths have four decimals, or stay as written.
+    pub(super) fn table(out: W, screen: Screen, as_written: bool) -> Self {
+        Self { out, kind: Kind::Table(Vec::new(), (screen, as_written)), rest: Vec::new() }
+    }
+
+    /// An array of JSON objects.
+    pub(super) fn array(out: W) -> Self {
+        Self { out, kind: Kind::Array(false), rest: Vec::new() }
+    }
+
     fn push(&mut self, row: &[&str]) -> io::Result<()> {
         match &mut self.kind {
             Kind::Book(book) => book.push(row),
             Kind::Qdas(rows) => self.out.write_all(&rows.lines(row)),
+            Kind::Table(rows, shown) => {
+                rows.push(row.iter().map(|cell| (*cell).to_owned()).collect());
+                if rows.len() > ROWS_TOGETHER { write_piece(rows, *shown, &mut self.out) } else { Ok(()) }
+            }
+            Kind::Array(_) => Ok(()),
         }
     }
 
     /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written.
     pub(super) fn finish(mut self, stop: &AtomicBool) -> io::Result<bool> {
-        if let Kind::Book(book) = self.kind {
-            match book.save(Stopped { out: &mut self.out, stop, has_failed: false }) {
+        match self.kind {
+            Kind::Book(book) => match book.save(Stopped { out: &mut self.out, stop, has_failed: false }) {
                 Err(_) if stop.load(Ordering::Relaxed) => return Ok(false),
                 saved => saved?,
-            }
+            },
+            Kind::Table(mut rows, shown) => write_piece(&mut rows, shown, &mut self.out)?,
+            Kind::Array(has_rows) => self.out.write_all(if has_rows { b"\n]\n" } else { b"[]\n" })?,
+            Kind::Qdas(_) => {}
         }
         self.out.flush()?;
         Ok(true)
     }
 }
 
-impl<W: Write + Send> Write for OfficeRows<W> {
+/// Writes rows below the header as a table, and keeps the header.
+fn write_piece(
+    rows: &mut Vec<Vec<String>>,
+    (screen, as_written): (Screen, bool),
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if rows.len() > 1 {
+        out.write_all(report::write(&RowsReport { rows, as_written }, Format::Table, screen)?.as_bytes())?;
+        rows.truncate(1);
+    }
+    Ok(())
+}
+
+impl<W: Write + Send> Write for FormedRows<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.rest.extend_from_slice(bytes);
         // a line break ends a row: those within a cell are escaped
         let end = self.rest.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
         let rest = self.rest.split_off(end);
         let lines = std::mem::replace(&mut self.rest, rest);
+        if let Kind::Array(has_rows) = &mut self.kind {
+            for line in lines.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
+                self.out.write_all(if std::mem::replace(has_rows, true) { b",\n" } else { b"[\n" })?;
+                self.out.write_all(line)?;
+            }
+            return Ok(bytes.len());
+        }
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(lines.as_slice());
         let mut row = csv::StringRecord::new();
         while reader.read_record(&mut row)? {
@@ -104,7 +151,7 @@ impl<W: Write> Write for Stopped<'_, W> {
 /// Rows with a header as such a file.
 pub(super) fn bytes(path: &str, rows: &[Vec<String>], named: (&str, &Limits)) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut office = OfficeRows::new(path, &mut bytes, named)?;
+    let mut office = FormedRows::new(path, &mut bytes, named)?;
     for row in rows {
         office.push(&row.iter().map(String::as_str).collect::<Vec<_>>())?;
     }

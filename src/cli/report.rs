@@ -250,7 +250,7 @@ impl Args {
         let plan = Plan::new(&spec, &first.table, request)?;
         let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
         let mut run = RunChart::of(&plan);
-        let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), rejects: None };
+        let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), ..Sinks::default() };
         let mut lot = Batch::new(&plan, sinks, None);
         for path in found.paths.clone() {
             let opened = found.next(&path)?;

@@ -45,6 +45,38 @@ impl fmt::Display for LimitTarget {
     }
 }
 
+/// The end of a limit that a result is nearest to, or furthest beyond.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NearestEnd {
+    /// The result's own end on that side.
+    pub result: Length,
+    /// How far that is inside; negative outside.
+    pub inside_by: Length,
+    /// The end.
+    pub end: Length,
+    /// Whether it is the upper one.
+    pub is_upper: bool,
+}
+
+impl NearestEnd {
+    /// The end as specs call it: `upper`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        if self.is_upper { "upper" } else { "lower" }
+    }
+}
+
+/// Of a result that is outside: `is 0.0077 mm above the limit 0.05 mm`, to as many decimals as tell it.
+impl fmt::Display for NearestEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let by = self.inside_by.abs();
+        let texts = (4..=12).map(|decimals| by.to_decimal_text(decimals));
+        let by = texts.into_iter().find(|text| text.bytes().any(|digit| matches!(digit, b'1'..=b'9')));
+        let side = if self.is_upper { "above" } else { "below" };
+        write!(f, "is {} mm {side} the limit {}", by.unwrap_or_default(), self.end)
+    }
+}
+
 /// The limits of an evaluation.
 pub type Limits = Vec<(LimitTarget, Limit)>;
 
@@ -76,6 +108,21 @@ impl Limit {
     /// With both ends moved inwards by so much.
     pub(super) fn narrowed(self, at_lower: Length, at_upper: Length) -> Self {
         Self { lower: self.lower.map(|end| end + at_lower), upper: self.upper.map(|end| end - at_upper) }
+    }
+
+    /// How far a result is from each end, the upper one first.
+    #[inline]
+    pub fn distances(&self, Interval { lower, upper }: Interval) -> impl Iterator<Item = NearestEnd> {
+        let above = self.upper.map(|end| NearestEnd { result: upper, inside_by: end - upper, end, is_upper: true });
+        let below = self.lower.map(|end| NearestEnd { result: lower, inside_by: lower - end, end, is_upper: false });
+        above.into_iter().chain(below)
+    }
+
+    /// The end that a result is nearest to, or furthest beyond; `None` of a limit without ends.
+    #[must_use]
+    #[inline]
+    pub fn nearest(&self, result: Interval) -> Option<NearestEnd> {
+        self.distances(result).min_by_key(|nearest| nearest.inside_by)
     }
 
     /// Whether every value of a result is permitted.

@@ -22,7 +22,7 @@ mod stack;
 pub mod strokes;
 
 pub use bound::Combined;
-pub use limit::{Limit, LimitTarget, Limits, Verdict};
+pub use limit::{Limit, LimitTarget, Limits, NearestEnd, Verdict};
 pub use measured::{Effect, Feature, MeasuredPart, MeasuredRow};
 pub use prediction::{PlacedError, Predicted, Prediction};
 pub use rule::{Rule, RuleError};

@@ -1,65 +1,123 @@
 //! A batch as pipelines show it: a JUnit report, and annotations of GitHub Actions.
 
 use std::fmt::Write as _;
+use std::io::{self, Read, Seek, Write};
+use std::time::Instant;
 
 use super::batch::Basis;
 use super::escape;
-use super::number::{ends, grouped, unsigned};
+use super::number::{ends, grouped};
 use super::reading::remarks;
-use crate::batch::{Outcome, Part, Problem, RowPlace};
+use crate::batch::{Outcome, Part, PartSink, Problem, RowPlace};
 use crate::judge::Verdict;
 
 /// Annotations that a page shows of one step.
 pub const ANNOTATIONS_SHOWN: usize = 10;
 
-/// What is wrong with a part, in a sentence.
+/// What is wrong with a part, and what came out for it.
 fn sentence(part: &Part) -> String {
-    let result = ends(part.result_mm.0, part.result_mm.1);
-    let on = part.on.map(|on| on.to_string()).unwrap_or_default();
-    if part.verdict == Some(Verdict::Indeterminate) {
-        return format!("ΔCD ({on}) {result} mm is too near its limit to be judged");
-    }
-    format!("ΔCD ({on}) {result} mm is {} mm outside its limit", unsigned(part.margin_mm.abs()))
+    let why = part.reason.clone().unwrap_or_default();
+    let (lower, upper) = part.result_mm;
+    let result = if lower.is_finite() && upper.is_finite() { ends(lower, upper) } else { return why };
+    format!("{why}: {result} mm")
 }
 
-/// The batch as a JUnit report. The parts that did not pass and the rejected rows are test cases of their own,
-/// as far as the outcome lists them; one more stands for all others, so that a pipeline has something to show
-/// where everything passes. What keeps the run from speaking for all parts is an error. File and line stand in the class
-/// name and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
-#[must_use]
-pub fn junit(title: Option<&str>, basis: &Basis, outcome: &Outcome) -> String {
-    let counts = &outcome.counts;
-    let cases = cases(basis, outcome);
-    let count = |tag: &str| cases.iter().filter(|case| case.tag == tag).count();
-    let (all, failed, errors) = (1 + cases.len(), count("failure"), count("error"));
-    let mut xml = begun(title.unwrap_or(BATCH), [all, failed, errors]);
-    xml.push_str("<properties>\n");
-    let property = |xml: &mut String, name: &str, value: &str| {
-        let _ = writeln!(xml, "<property name=\"{name}\" value=\"{}\"/>", escaped(value));
-    };
-    for (name, count) in counts.named() {
-        property(&mut xml, name, &count.to_string());
+/// A JUnit report: a test case for each part and for each row that makes none, as they come, so that memory does not
+/// depend on how many there are. What keeps the run from speaking for all parts is an error of its own. File and line stand
+/// in the class name and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
+pub struct Junit<F> {
+    /// The test cases so far.
+    cases: F,
+    counts: CaseCounts,
+    begun: Instant,
+    /// When the last cases came.
+    last: Instant,
+}
+
+/// How many test cases there are, and how many of each kind do not pass.
+#[derive(Debug, Clone, Copy, Default)]
+struct CaseCounts {
+    tests: u64,
+    failures: u64,
+    errors: u64,
+    skipped: u64,
+}
+
+impl CaseCounts {
+    fn add(&mut self, tag: Option<&str>) {
+        self.tests += 1;
+        match tag {
+            Some("failure") => self.failures += 1,
+            Some("error") => self.errors += 1,
+            Some(_) => self.skipped += 1,
+            None => {}
+        }
     }
-    property(&mut xml, "judged by", &basis.judged_by());
-    for (on, limit) in &basis.limits {
-        property(&mut xml, &format!("limit {}", on.key()), &limit.to_string());
+
+    /// The start of a report that took so many seconds.
+    fn begun(&self, name: &str, seconds: f64) -> String {
+        let (name, Self { tests, failures, errors, skipped }) = (escaped(name), self);
+        let counts = format!("tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\"");
+        format!(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+             <testsuites name=\"rackmesh\" {counts} time=\"{seconds:.3}\">\n\
+             <testsuite name=\"{name}\" {counts} skipped=\"{skipped}\" time=\"{seconds:.3}\">\n"
+        )
     }
-    xml.push_str("</properties>\n");
-    let rest = counts.pass + counts.unjudged;
-    let others = match (counts.unjudged > 0, rest == 1) {
-        (true, true) => "part was checked and has no verdict or passes",
-        (true, false) => "parts were checked and have no verdict or pass",
-        (false, true) => "part was checked and passes",
-        (false, false) => "parts were checked and pass",
-    };
-    let _ = writeln!(xml, "<testcase classname=\"parts\" name=\"{} {others}\"/>", grouped(rest));
-    xml.extend(cases.iter().map(Case::xml));
-    let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
-    said.extend(remarks(&outcome.readings, &outcome.notes));
-    if !said.is_empty() {
-        let _ = writeln!(xml, "<system-out>{}</system-out>", escaped(&said.join("\n")));
+}
+
+impl<F: Write + Send> PartSink for Junit<F> {
+    fn take(&mut self, parts: &[Part], problems: &[Problem]) -> io::Result<()> {
+        let all = parts.len() + problems.len();
+        let seconds = self.last.elapsed().as_secs_f64() / all.max(1) as f64;
+        self.last = Instant::now();
+        let mut xml = String::new();
+        for case in parts.iter().map(of_part).chain(problems.iter().map(of_problem)) {
+            self.counts.add(case.tag);
+            xml += &case.xml(seconds);
+        }
+        self.cases.write_all(xml.as_bytes())
     }
-    xml + ENDED
+}
+
+impl<F: Read + Write + Seek> Junit<F> {
+    /// A report whose test cases wait in this place, which is empty.
+    pub fn new(cases: F) -> Self {
+        Self { cases, counts: CaseCounts::default(), begun: Instant::now(), last: Instant::now() }
+    }
+
+    /// Writes the report of a run that came to this.
+    ///
+    /// # Errors
+    /// If it cannot be written, or the test cases cannot be read back.
+    pub fn write(
+        mut self,
+        out: &mut dyn Write,
+        title: Option<&str>,
+        basis: &Basis,
+        outcome: &Outcome,
+    ) -> io::Result<()> {
+        let doubts = doubts(basis, outcome);
+        doubts.iter().for_each(|doubt| self.counts.add(doubt.tag));
+        let mut xml = self.counts.begun(title.unwrap_or(BATCH), self.begun.elapsed().as_secs_f64());
+        xml += "<properties>\n";
+        let counts = outcome.counts.named().map(|(name, count)| (name.to_owned(), count.to_string()));
+        let limits = basis.limits.iter().map(|(on, limit)| (format!("limit {}", on.key()), limit.to_string()));
+        for (name, value) in counts.into_iter().chain([("judged by".to_owned(), basis.judged_by())]).chain(limits) {
+            xml += &format!("<property name=\"{name}\" value=\"{}\"/>\n", escaped(&value));
+        }
+        xml += "</properties>\n";
+        xml.extend(doubts.iter().map(|doubt| doubt.xml(0.0)));
+        out.write_all(xml.as_bytes())?;
+        self.cases.rewind()?;
+        io::copy(&mut self.cases, out)?;
+        let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
+        said.extend(remarks(&outcome.readings, &outcome.notes));
+        if !said.is_empty() {
+            writeln!(out, "<system-out>{}</system-out>", escaped(&said.join("\n")))?;
+        }
+        out.write_all(ENDED.as_bytes())
+    }
 }
 
 /// What a suite is called that has no title.
@@ -67,32 +125,22 @@ const BATCH: &str = "rackmesh batch";
 /// The end of every report.
 const ENDED: &str = "</testsuite>\n</testsuites>\n";
 
-/// The start of a report with so many test cases, failures and errors.
-fn begun(name: &str, [all, failed, errors]: [usize; 3]) -> String {
-    let name = escaped(name);
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-         <testsuites name=\"rackmesh\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\">\n\
-         <testsuite name=\"{name}\" tests=\"{all}\" failures=\"{failed}\" errors=\"{errors}\" skipped=\"0\">\n"
-    )
-}
-
 /// The JUnit report of a batch that has no outcome, and why it has none: an error.
 #[must_use]
 pub fn junit_of_failure(why: &str) -> String {
-    let case = case(["run", COMPLETE], "error", "incomplete", why.to_owned());
-    begun(BATCH, [1, 0, 1]) + &case.xml() + ENDED
+    let case = doubt(COMPLETE, "incomplete", why.to_owned());
+    CaseCounts { tests: 1, errors: 1, ..CaseCounts::default() }.begun(BATCH, 0.0) + &case.xml(0.0) + ENDED
 }
 
 /// The test case that every part was looked at.
 const COMPLETE: &str = "the run is complete";
 
-/// A test case that is none of those that pass.
+/// A test case.
 struct Case {
     class: String,
     name: String,
-    /// `failure`, or `error` where something was not checked.
-    tag: &'static str,
+    /// `failure`, `error` where something was not checked, `skipped` where there is no verdict; `None` of one that passes.
+    tag: Option<&'static str>,
     kind: &'static str,
     message: String,
     /// Where that is, of a single part or row.
@@ -100,56 +148,52 @@ struct Case {
 }
 
 impl Case {
-    fn xml(&self) -> String {
-        let Self { tag, kind, .. } = self;
+    /// The case as it stands in the report; it took so many seconds.
+    fn xml(&self, seconds: f64) -> String {
         let [class, name, message] = [&self.class, &self.name, &self.message].map(|text| escaped(text));
+        let start = format!("<testcase classname=\"{class}\" name=\"{name}\" time=\"{seconds:.6}\"");
+        let Some(tag) = self.tag else { return start + "/>\n" };
+        let kind = if tag == "skipped" { String::new() } else { format!(" type=\"{}\"", self.kind) };
         let end = match &self.place {
-            Some(place) => format!(">{}: {message}</{tag}>", escaped(place)),
-            None => "/>".to_owned(),
+            Some(place) if tag != "skipped" => format!(">{}: {message}</{tag}>", escaped(place)),
+            _ => "/>".to_owned(),
         };
-        format!(
-            "<testcase classname=\"{class}\" name=\"{name}\">\n<{tag} type=\"{kind}\" message=\"{message}\"{end}\n</testcase>\n"
-        )
+        format!("{start}>\n<{tag}{kind} message=\"{message}\"{end}\n</testcase>\n")
     }
 }
 
-/// What keeps the run from speaking for all parts, the parts that did not pass, and the rejected rows.
-fn cases(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
-    let Outcome { counts, failures, problems, .. } = outcome;
-    let failure = |part: &Part| Case {
+/// The test case of a part.
+fn of_part(part: &Part) -> Case {
+    let (tag, message) = match part.verdict {
+        Some(Verdict::Pass) => (None, String::new()),
+        Some(_) => (Some("failure"), sentence(part)),
+        None => (Some("skipped"), part.reason.clone().unwrap_or_default()),
+    };
+    Case {
         class: part.place.file.to_string(),
         name: part.id.clone(),
-        tag: "failure",
-        kind: part.verdict.map_or("fail", Verdict::name),
-        message: sentence(part),
+        tag,
+        kind: part.verdict.map_or("", Verdict::name),
+        message,
         place: Some(part.place.to_string()),
-    };
-    let error = |problem: &Problem| Case {
+    }
+}
+
+/// The test case of a row that makes no part.
+fn of_problem(problem: &Problem) -> Case {
+    Case {
         class: problem.place.file.to_string(),
-        name: format!("record {}", problem.place.record),
-        tag: "error",
+        name: problem.part.clone().unwrap_or_else(|| format!("record {}", problem.place.record)),
+        tag: Some("error"),
         kind: "bad-row",
         message: problem.what(),
         place: Some(problem.place.to_string()),
-    };
-    let unlisted = |all: u64, listed: usize, case: Case| {
-        let count = all.saturating_sub(listed as u64);
-        (count > 0).then(|| Case { message: format!("{} more {}", grouped(count), case.message), ..case })
-    };
-    let other_parts = case(["parts", "other parts"], "failure", "fail", "parts do not pass".to_owned());
-    let other_rows = case(["rows", "other rows"], "error", "bad-row", "rows are rejected".to_owned());
-    doubts(basis, outcome)
-        .into_iter()
-        .chain(failures.iter().map(failure))
-        .chain(unlisted(counts.fail + counts.indeterminate, failures.len(), other_parts))
-        .chain(problems.iter().map(error))
-        .chain(unlisted(counts.rejected, problems.len(), other_rows))
-        .collect()
+    }
 }
 
-/// A case that is of no single part or row.
-fn case([class, name]: [&str; 2], tag: &'static str, kind: &'static str, message: String) -> Case {
-    Case { class: class.to_owned(), name: name.to_owned(), tag, kind, message, place: None }
+/// A test case of the whole run that is an error.
+fn doubt(name: &str, kind: &'static str, message: String) -> Case {
+    Case { class: "run".to_owned(), name: name.to_owned(), tag: Some("error"), kind, message, place: None }
 }
 
 /// What keeps a run from speaking for all parts.
@@ -163,9 +207,9 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     } else {
         None
     };
-    let incomplete = incomplete.map(|why| case(["run", COMPLETE], "error", "incomplete", why.to_owned()));
+    let incomplete = incomplete.map(|why| doubt(COMPLETE, "incomplete", why.to_owned()));
     let unjudged = basis.unjudged_sentence(&outcome.counts);
-    let unjudged = unjudged.map(|why| case(["run", "every limit is judged"], "error", "unjudged", why));
+    let unjudged = unjudged.map(|why| doubt("every limit is judged", "unjudged", why));
     incomplete.into_iter().chain(unjudged).collect()
 }
 
@@ -192,10 +236,21 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
         command(&mut text, "error", &problem.place, &title, &problem.what());
     }
     let counts = &outcome.counts;
+    let left_out = |all: u64, what: &str| {
+        let more = all.saturating_sub(ANNOTATIONS_SHOWN as u64);
+        if more > 0 { format!("; {} more {what} without an annotation", grouped(more)) } else { String::new() }
+    };
     let _ = writeln!(
         text,
-        "::notice title=rackmesh batch::{} rows: {} pass, {} fail, {} indeterminate, {} without a verdict, {} rejected",
-        counts.rows, counts.pass, counts.fail, counts.indeterminate, counts.unjudged, counts.rejected
+        "::notice title=rackmesh batch::{} rows: {} pass, {} fail, {} indeterminate, {} without a verdict, {} rejected{}{}",
+        counts.rows,
+        counts.pass,
+        counts.fail,
+        counts.indeterminate,
+        counts.unjudged,
+        counts.rejected,
+        left_out(counts.fail + counts.indeterminate, "parts that do not pass"),
+        left_out(counts.rejected, "rejected rows")
     );
     text
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::number::{ends, millimetres, plain, signed, tidy, unsigned};
+use super::number::{ends, millimetres, plain, signed, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, WITHOUT, fact, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
@@ -380,18 +380,9 @@ pub(super) fn deviation_text(value: DeviationValue, ends: Option<[f64; 2]>) -> S
 /// Which end of the limit is broken and by how much, however little that is.
 pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     let what = subject(check.on, stack);
-    let Ok(Interval { lower, upper }) = check.result else { return what };
-    let above = check.limit.upper.filter(|limit| upper > *limit).map(|limit| (upper, limit, "above"));
-    let below = check.limit.lower.filter(|limit| lower < *limit).map(|limit| (lower, limit, "below"));
-    let parts: Vec<_> = [above, below]
-        .into_iter()
-        .flatten()
-        .map(|(result, limit, side)| {
-            let by = (result - limit).abs().mm();
-            let shown = if by < SEEN_MM { plain(by) } else { unsigned(by) };
-            format!("{} mm is {shown} mm {side} the limit {} mm", millimetres(result.mm()), plain(limit.mm()))
-        })
-        .collect();
+    let Ok(result) = check.result else { return what };
+    let broken = check.limit.distances(result).filter(|end| end.inside_by.is_negative());
+    let parts: Vec<_> = broken.map(|end| format!("{} mm {end}", millimetres(end.result.mm()))).collect();
     format!("{what}: {}", parts.join(", and "))
 }
 

@@ -33,6 +33,7 @@ mod racks;
 #[cfg(feature = "table")]
 mod reading;
 mod reproduction;
+mod rows;
 mod simulation;
 mod sketch;
 mod table;
@@ -46,7 +47,7 @@ pub use batch_chart::{RunChart, error_histograms, judged_histogram};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
-pub use ci::{ANNOTATIONS_SHOWN, github_annotations, junit, junit_of_failure};
+pub use ci::{ANNOTATIONS_SHOWN, Junit, github_annotations, junit_of_failure};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart, assumptions, bound_note, bound_remarks};
 
@@ -62,6 +63,7 @@ pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_stud
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, reading_form, remarks};
 pub use reproduction::Reproduction;
+pub use rows::{RowsReport, row_heading};
 pub use simulation::SimulationReport;
 #[cfg(feature = "cli")]
 pub(crate) use table::table_text;

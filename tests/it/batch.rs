@@ -7,10 +7,10 @@ use std::process::{Command, Output, Stdio};
 
 const SPEC: &str = "tests/specs/batch.toml";
 const TABLE: &str = "part_id,over_roller,dp [µm]\nP1,25.0131,10\nP2,25.0601,-5\nP3,24.98,0\n";
-const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
-                    P1,0.013100,0.013737,-0.000637,0.026837,,,pass,\n\
-                    P2,0.060100,0.006869,0.053231,0.066969,,,fail,\n\
-                    P3,-0.020000,0.000000,-0.020000,-0.020000,,,pass,\n";
+const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,margin_mm,verdict,reason\n\
+                    P1,0.013100,0.013737,-0.000637,0.026837,,,0.023163,pass,\n\
+                    P2,0.060100,0.006869,0.053231,0.066969,,,-0.016969,fail,ΔCD (worst case) is 0.0170 mm above the limit 0.05 mm\n\
+                    P3,-0.020000,0.000000,-0.020000,-0.020000,,,0.030000,pass,\n";
 
 fn batch(arguments: &[&str], input: &[u8]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
@@ -253,7 +253,7 @@ fn a_field_of_100_mb_is_refused_in_little_memory() {
     let output = child.wait_with_output().expect("the program ends");
     assert!(text(&output.stderr).contains("the row is longer than 256 KiB"), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("5 rows: 3 pass, 1 fail, 1 rejected"), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,,,pass,\n"));
+    assert!(text(&output.stdout).ends_with("P5,0.000000,0.000000,0.000000,0.000000,,,0.050000,pass,\n"));
     // what the program holds in the middle of the field; the pages of its own file are larger in a test build
     if let Some(held) = status.lines().find_map(|line| line.strip_prefix("RssAnon:")) {
         let kib: u64 = held.trim().trim_end_matches(" kB").parse().expect("a number");
@@ -304,9 +304,9 @@ fn a_lead_of_the_pinion_has_its_column() {
         )
     };
     std::fs::write(&spec, text_of("")).expect("it can be written");
-    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,verdict,reason\n\
-                P1,0.010733,-0.010733,0.010733,,,pass,\n\
-                P2,0.016100,-0.016100,0.016100,,,fail,\n";
+    let rows = "part_id,delta_cd_pinion_lead_mm,range_lower_mm,range_upper_mm,rss_lower_mm,rss_upper_mm,margin_mm,verdict,reason\n\
+                P1,0.010733,-0.010733,0.010733,,,0.004267,pass,\n\
+                P2,0.016100,-0.016100,0.016100,,,-0.001100,fail,ΔCD of pinion lead is 0.0011 mm above the limit 0.015 mm\n";
     let table = |name: &str| format!("part_id;{name}\nP1;8\nP2;-12\n");
     for name in ["Flankenlinienabweichung Ritzel [µm]", "pinion_lead [um]"] {
         let found = batch(&[&spec, "-"], table(name).as_bytes());
@@ -363,7 +363,7 @@ fn several_tables_and_what_pipelines_show() {
     assert!(messages.contains("::error title=rackmesh batch::a table was not read to its end"), "{messages}");
     assert!(messages.contains("::notice title=rackmesh batch::5 rows: 2 pass, 2 fail"), "{messages}");
     let junit = std::fs::read_to_string(&junit).unwrap();
-    assert!(junit.contains("tests=\"5\" failures=\"2\" errors=\"2\""), "{junit}");
+    assert!(junit.contains("tests=\"6\" failures=\"2\" errors=\"2\" time=\""), "{junit}");
     assert!(junit.contains("name=\"Q2 &lt;&amp;&gt;\""), "{junit}");
     // the attributes that every pipeline's schema has
     let case = junit.lines().filter(|line| line.starts_with("<testcase"));
@@ -410,9 +410,9 @@ fn parts_with_their_teeth_go_through_the_exact_mesh() {
     let messages = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{messages}");
     // every space over by the same is a shift of the pitch line
-    let rows = "part_id,mean_delta_cd_mm,min_delta_cd_mm,max_delta_cd_mm,peak_to_peak_mm,tooth_to_tooth_mm,lower_mm,upper_mm,verdict,reason,from_stroke_mm,to_stroke_mm\n\
-                A,0.01000,0.01000,0.01000,0.00000,0.00000,0.01000,0.01000,pass,,0.00000,20.00000\n\
-                B,0.08000,0.08000,0.08000,0.00000,0.00000,0.08000,0.08000,fail,,0.00000,20.00000\n";
+    let rows = "part_id,mean_delta_cd_mm,min_delta_cd_mm,max_delta_cd_mm,peak_to_peak_mm,tooth_to_tooth_mm,lower_mm,upper_mm,margin_mm,verdict,reason,from_stroke_mm,to_stroke_mm\n\
+                A,0.01000,0.01000,0.01000,0.00000,0.00000,0.01000,0.01000,0.05000,pass,,0.00000,20.00000\n\
+                B,0.08000,0.08000,0.08000,0.00000,0.00000,0.08000,0.08000,-0.02000,fail,ΔCD is 0.0200 mm above the limit 0.06 mm,0.00000,20.00000\n";
     assert_eq!(text(&output.stdout), rows, "{messages}");
     assert!(
         messages.contains("<stdin>:26: error[bad-row]: record 25 (part C): column `over_pin_deviation [um]`: `x`"),
@@ -449,6 +449,45 @@ fn parquet_holds_what_csv_holds() {
         }
     }
     assert!(rows.next().is_none());
+}
+
+/// A table for people has what decides, an array of JSON the rows of the lines.
+#[test]
+fn rows_as_a_table_and_as_an_array() {
+    let table = batch(&[SPEC, "--format", "table", "-q"], TABLE.as_bytes());
+    let shown = " part  ΔCD from   ΔCD to   margin  limit  verdict  reason
+           [mm]     [mm]     [mm]
+────────────────────────────────────────────────────────────────────────────────────────────────────────
+ P1     -0.0006  +0.0268  +0.0232  upper  pass
+ P2     +0.0532  +0.0670  -0.0170  upper  fail     ΔCD (worst case) is 0.0170 mm above the limit 0.05 mm
+ P3     -0.0200  -0.0200  +0.0300  lower  pass
+";
+    assert_eq!(text(&table.stdout), shown);
+    let array = batch(&[SPEC, "--format", "json"], TABLE.as_bytes());
+    let lines = batch(&[SPEC, "--format", "jsonl"], TABLE.as_bytes());
+    let array: Vec<serde_json::Value> = serde_json::from_slice(&array.stdout).expect("an array");
+    let lines = text(&lines.stdout).lines().map(|line| serde_json::from_str(line).expect("an object"));
+    assert_eq!(array, lines.collect::<Vec<serde_json::Value>>());
+    let none = batch(&[SPEC, "--format", "json"], b"part_id,over_roller,dp\n");
+    assert_eq!(text(&none.stdout), "[]\n");
+}
+
+/// As many tests as parts; what is not annotated is counted.
+#[test]
+fn a_junit_report_counts_parts() {
+    let junit = path("counted.xml");
+    let mut rows = "part_id,over_roller,dp\n".to_owned();
+    for part in 0..2500 {
+        let _ = writeln!(rows, "P{part},{},0", if part % 100 == 0 { "26" } else { "25" });
+    }
+    rows.push_str("bad,x,0\n");
+    let ended = batch(&[SPEC, "--junit", &junit, "--annotations", "github"], rows.as_bytes());
+    let report = std::fs::read_to_string(&junit).expect("it is written");
+    assert!(report.contains("tests=\"2501\" failures=\"25\" errors=\"1\" skipped=\"0\" time=\""), "{report}");
+    assert_eq!(report.matches("<testcase ").count(), 2501);
+    assert_eq!(report.matches("<failure ").count(), 25);
+    let messages = text(&ended.stderr);
+    assert!(messages.contains("; 15 more parts that do not pass without an annotation"), "{messages}");
 }
 
 /// Whoever looks at the first line only gets the verdict of all parts, and the other files.

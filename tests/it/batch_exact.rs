@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use proptest::prelude::*;
 use rackmesh::batch::{Batch, Decimals, Layout, Outcome, Packing, Plan, Request, RowSink, Sink, Sinks};
 use rackmesh::deviation::Extent;
-use rackmesh::evaluation::evaluate;
+use rackmesh::evaluation::{evaluate, subject};
 use rackmesh::formula::Model;
 use rackmesh::judge::{Interval, LimitTarget, Rule, Stack, Verdict};
 use rackmesh::quantity::Length;
@@ -77,7 +77,8 @@ fn run_with_header(spec: &str, table: &str, request: Request) -> (Vec<String>, O
     let plan = Plan::new(&spec, &table, request).expect("the plan fits");
     let layout = Layout::new(&plan, &table).expect("the columns are there");
     let mut rows = Vec::new();
-    let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
+    let sink = RowSink::Text(Sink { writer: &mut rows, packing: Packing::None });
+    let sinks = Sinks { rows: Some(sink), ..Sinks::default() };
     let mut batch = Batch::new(&plan, sinks, Some(2));
     batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
     let (outcome, _) = batch.finish();
@@ -114,8 +115,22 @@ fn by_eval(case: &Case, values: &[String; 5], id: &str, decimals: Decimals, mode
             Err(_) => row += ",,",
         }
     }
-    let why = evaluation.open_because().map(|why| format!("not judged: {why}")).unwrap_or_default();
-    row + "," + evaluation.verdict.map_or("", Verdict::name) + "," + &why
+    let judged = || evaluation.limits.iter().filter_map(|check| Some((check, check.result.ok()?)));
+    let margins = judged().map(|(check, Interval { lower, upper })| {
+        let [below, above] = [check.limit.lower.expect("two ends"), check.limit.upper.expect("two ends")];
+        (above - upper).min(lower - below)
+    });
+    let margin = margins.min().filter(|_| evaluation.verdict.is_some()).map(write).unwrap_or_default();
+    let failed = judged().filter(|(check, _)| check.verdict == Some(Verdict::Fail));
+    let failed = failed.map(|(check, result)| {
+        let nearest = check.limit.nearest(result).expect("it has ends");
+        format!("{} {nearest}", subject(check.on, evaluation.stack))
+    });
+    let why = match evaluation.open_because() {
+        Some(why) => format!("not judged: {why}"),
+        None => failed.collect::<Vec<_>>().join("; "),
+    };
+    format!("{row},{margin},{},{why}", evaluation.verdict.map_or("", Verdict::name))
 }
 
 fn check(case: &Case, parts: &[[String; 5]], decimals: Decimals, model: Model, stack: Stack) -> Outcome {

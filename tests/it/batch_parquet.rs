@@ -113,7 +113,8 @@ fn judged(name: &str, bytes: Vec<u8>) -> String {
     let plan = Plan::new(&spec, &table, Request::default()).expect("the plan fits");
     let layout = Layout::new(&plan, &table).expect("the columns are there");
     let mut rows = Vec::new();
-    let sinks = Sinks { rows: Some(RowSink::Text(Sink { writer: &mut rows, packing: Packing::None })), rejects: None };
+    let sink = RowSink::Text(Sink { writer: &mut rows, packing: Packing::None });
+    let sinks = Sinks { rows: Some(sink), ..Sinks::default() };
     let mut batch = Batch::new(&plan, sinks, Some(3));
     batch.run(table, &layout, &AtomicBool::new(false), &mut |_| {}).expect("memory is readable");
     let (outcome, _) = batch.finish();

@@ -105,11 +105,19 @@ impl Inputs {
         for (what, bytes) in [("file", file), ("stdout", output.stdout), ("stderr", output.stderr)] {
             if !bytes.is_empty() {
                 let all = String::from_utf8_lossy(&bytes).replace(env!("CARGO_PKG_VERSION"), "VERSION");
+                let all = without_times(&all);
                 text += &format!("--- {what}\n{}\n", shortened(&all, arguments).trim_end_matches('\n'));
             }
         }
         text
     }
+}
+
+/// The text without how long tests of a JUnit report took.
+fn without_times(text: &str) -> String {
+    let mut parts = text.split(" time=\"");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once('"').map_or(part, |(_, rest)| rest))
 }
 
 // ---- what is run ---------------------------------------------------------------------------------------------------

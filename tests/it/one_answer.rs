@@ -249,7 +249,7 @@ fn a_batch_meshes_what_its_bound_does_not_pass() {
     std::fs::write(&spec, format!("{CROWNED}[errors]\n{LIMITS}")).unwrap();
     std::fs::write(&table, "part_id,rack_lead [deg]\nA,0.001\nB,0.05\nC,0.5\nD,0.05\n").unwrap();
     let ended = run(&["batch", &spec, &table], "");
-    let rows: Vec<Vec<_>> = ended.stdout.lines().map(|line| line.splitn(8, ',').collect()).collect();
+    let rows: Vec<Vec<_>> = ended.stdout.lines().map(|line| line.splitn(9, ',').collect()).collect();
     let at = |name: &str| rows[0].iter().position(|title| *title == name).unwrap();
     let column = |name: &str| rows[1..].iter().map(|row| row[at(name)]).collect::<Vec<_>>();
     assert_eq!(column("verdict"), ["pass", "pass", "fail", "pass"], "{}", ended.stdout);

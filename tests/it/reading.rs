@@ -137,6 +137,8 @@ fn outputs_destroy_nothing() {
             &spec,
             &parquet,
             "--ignore",
+            "margin_mm",
+            "--ignore",
             "r*",
             "--ignore",
             "worst_case_*",

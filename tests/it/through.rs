@@ -161,7 +161,7 @@ fn a_text_that_a_spreadsheet_would_compute_is_text() {
     let safe = inputs.outputs(&["batch", "plain.toml", "f.csv", "--quiet", "--safe-csv"]).remove(0).1;
     let names = |bytes: &[u8]| -> Vec<String> {
         let text = String::from_utf8(bytes.to_vec()).unwrap();
-        text.lines().skip(1).map(|line| line.rsplitn(8, ',').last().unwrap_or_default().to_owned()).collect()
+        text.lines().skip(1).map(|line| line.rsplitn(9, ',').last().unwrap_or_default().to_owned()).collect()
     };
     assert_eq!(names(&plain), ["\"=HYPERLINK(\"\"x\"\")\"", "+1+2", "@SUM(A1)", "-7"]);
     assert_eq!(names(&safe), ["\"'=HYPERLINK(\"\"x\"\")\"", "'+1+2", "'@SUM(A1)", "-7"]);

@@ -23,7 +23,7 @@ use super::run::{Progress, RunError};
 use super::write;
 use crate::deviation;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::judge::{Limit, LimitTarget, Verdict};
+use crate::judge::{LimitTarget, NearestEnd, Verdict};
 use crate::mesh::Summary;
 use crate::parallel;
 use crate::quantity::{Length, tidy};
@@ -74,7 +74,7 @@ impl Column {
 }
 
 /// The columns that can be written; the first so many are written unless others are asked for.
-const COLUMNS: [(&str, Column); 15] = [
+const COLUMNS: [(&str, Column); 17] = [
     ("part_id", Column::Text(|part, _| Some(part.name.clone()))),
     ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
     ("min_delta_cd_mm", Column::Number(|solved| Some(solved.summary.min_mm))),
@@ -83,15 +83,17 @@ const COLUMNS: [(&str, Column); 15] = [
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
     ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.lower.mm()))),
     ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.upper.mm()))),
+    ("margin_mm", Column::Number(|solved| Some(solved.nearest()?.inside_by.mm()))),
     ("verdict", Column::Text(|_, solved| Some(solved.judged.evaluation.verdict?.name().to_owned()))),
-    ("reason", Column::Text(|_, solved| solved.judged.evaluation.open_because())),
+    ("reason", Column::Text(|_, solved| solved.reason())),
     ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
     ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
+    ("nearest_limit", Column::Text(|_, solved| solved.nearest().map(|end| format!("center_distance.{}", end.name())))),
     ("min_stroke_mm", Column::Number(|solved| Some(solved.summary.min_stroke_mm))),
     ("max_stroke_mm", Column::Number(|solved| Some(solved.summary.max_stroke_mm))),
     ("transmission_error_mm", Column::Number(|solved| Some(solved.summary.transmission_error_mm))),
 ];
-const WRITTEN: usize = 12;
+const WRITTEN: usize = 13;
 /// Those of which there are statistics.
 const QUANTITIES: Range<usize> = 1..8;
 
@@ -115,7 +117,6 @@ pub struct Teeth<'a> {
     lots: Vec<Lot>,
     request: TeethRequest,
     columns: Vec<(&'static str, Column)>,
-    limit: Option<&'a Limit>,
     ledger: Ledger<'a>,
     workers: usize,
     /// Parts of which not every stroke that was asked for is covered.
@@ -149,7 +150,6 @@ impl<'a> Teeth<'a> {
             lots: Vec::new(),
             request,
             columns,
-            limit,
             ledger: Ledger::new(sinks, kept.iter().map(quantity).collect()),
             workers: workers.max(1),
             cut: 0,
@@ -289,13 +289,15 @@ impl<'a> Teeth<'a> {
         if solved.is_cut {
             self.cut += 1;
         }
-        let failed = matches!(verdict, Some(Verdict::Fail | Verdict::Indeterminate));
-        if failed && self.ledger.outcome.failures.len() < self.request.rows.failures_kept {
-            self.ledger.outcome.failures.push(self.part(part, &solved, lot));
+        let kept = judged_part(part, &solved, lot);
+        if let Some(list) = self.ledger.sinks.parts.as_mut() {
+            list.take(std::slice::from_ref(&kept), &[])?;
+        }
+        if kept.is_not_passed() && self.ledger.outcome.failures.len() < self.request.rows.failures_kept {
+            self.ledger.outcome.failures.push(kept.clone());
         }
         if self.request.rows.statistics {
             self.count(&solved);
-            let kept = self.part(part, &solved, lot);
             keep_worst(&mut self.ledger.outcome.worst, kept.margin_mm, || kept);
         }
         if self.request.rows.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
@@ -320,35 +322,20 @@ impl<'a> Teeth<'a> {
             }
             rejects.write(&lot.encoding.original(&raw))?;
         }
+        let problem = Problem {
+            place: lot.place(fault.line, part.record),
+            part: Some(part.name.clone()).filter(|name| !name.is_empty()),
+            column: None,
+            text: String::new(),
+            message: fault.message.clone(),
+        };
+        if let Some(list) = self.ledger.sinks.parts.as_mut() {
+            list.take(&[], std::slice::from_ref(&problem))?;
+        }
         if self.ledger.outcome.problems.len() < self.request.rows.problems_kept {
-            self.ledger.outcome.problems.push(Problem {
-                place: lot.place(fault.line, part.record),
-                part: Some(part.name.clone()).filter(|name| !name.is_empty()),
-                column: None,
-                text: String::new(),
-                message: fault.message.clone(),
-            });
+            self.ledger.outcome.problems.push(problem);
         }
         Ok(())
-    }
-
-    /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
-    fn part(&self, part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
-        let evaluation = &solved.judged.evaluation;
-        // what is open stands nearest to any limit
-        let open = f64::INFINITY;
-        let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
-        let above = self.limit.and_then(|limit| limit.upper).map(|end| end.mm() - highest);
-        let below = self.limit.and_then(|limit| limit.lower).map(|end| lowest - end.mm());
-        let nearest = above.into_iter().chain(below).reduce(f64::min);
-        Part {
-            id: part.name.clone(),
-            place: lot.place(part.line, part.record),
-            verdict: evaluation.verdict,
-            margin_mm: nearest.unwrap_or(-highest.abs().max(lowest.abs())),
-            on: nearest.map(|_| LimitTarget::CenterDistance),
-            result_mm: (lowest, highest),
-        }
     }
 
     /// Writes the row of a part.
@@ -421,6 +408,39 @@ struct Solved {
     strokes: Range<f64>,
     /// Whether strokes that were asked for are not.
     is_cut: bool,
+}
+
+impl Solved {
+    /// The end of the limit that the part is nearest to.
+    fn nearest(&self) -> Option<NearestEnd> {
+        let checks = self.judged.evaluation.limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
+        checks.filter_map(|check| check.limit.nearest(self.judged.evaluation.judged.ok()?)).next()
+    }
+
+    /// Why the part does not pass, or has no verdict.
+    fn reason(&self) -> Option<String> {
+        let evaluation = &self.judged.evaluation;
+        let fails = evaluation.verdict == Some(Verdict::Fail);
+        evaluation.open_because().or_else(|| Some(format!("ΔCD {}", self.nearest().filter(|_| fails)?)))
+    }
+}
+
+/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
+fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
+    let evaluation = &solved.judged.evaluation;
+    // what is open stands nearest to any limit
+    let open = f64::INFINITY;
+    let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
+    let nearest = solved.nearest();
+    Part {
+        id: part.name.clone(),
+        place: lot.place(part.line, part.record),
+        verdict: evaluation.verdict,
+        margin_mm: nearest.map_or(-highest.abs().max(lowest.abs()), |nearest| nearest.inside_by.mm()),
+        on: nearest.map(|_| LimitTarget::CenterDistance),
+        result_mm: (lowest, highest),
+        reason: solved.reason(),
+    }
 }
 
 impl Lot {

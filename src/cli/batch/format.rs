@@ -7,7 +7,7 @@ use crate::batch::{Packing, RowFormat};
 use crate::cli::output::Failure;
 use crate::cli::target::{self, shown};
 use crate::diagnostic::Diagnostic;
-use crate::report::Format;
+use crate::report::{Format, Screen};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum BatchFormat {
@@ -15,15 +15,15 @@ pub(super) enum BatchFormat {
     Csv,
     /// Tab-separated values with a header.
     Tsv,
-    /// One JSON object per line.
+    /// One JSON object per line (rows).
     Jsonl,
     /// Parquet (rows).
     Parquet,
-    /// Aligned tables for people (summary).
+    /// Aligned tables for people; rows on a terminal unless told otherwise.
     Table,
     /// Markdown tables (summary).
     Markdown,
-    /// One JSON object (summary).
+    /// An array of JSON objects, of a summary one object.
     Json,
     /// Workbook or Q-DAS file (rows), as the output's name says.
     #[value(skip)]
@@ -53,9 +53,9 @@ impl BatchFormat {
 }
 
 impl Args {
-    /// The format of the rows, and of a summary.
-    pub(super) fn formats(&self, safe_csv: bool) -> Result<(RowFormat, Format), Failure> {
-        let format = self.format()?;
+    /// What is written, and by that the format of the rows that the run makes, and of a summary.
+    pub(super) fn formats(&self, screen: Screen) -> Result<(BatchFormat, RowFormat, Format), Failure> {
+        let (format, safe_csv) = (self.format(screen)?, screen.safe_csv);
         let refused = |what: &str, help: &str| {
             let message = format!("{what} cannot be written as {}", format.name());
             Err(Diagnostic::usage(message).help(help).into())
@@ -63,12 +63,12 @@ impl Args {
         let rows = match format {
             BatchFormat::Csv if safe_csv => RowFormat::SafeCsv,
             BatchFormat::Tsv if safe_csv => RowFormat::SafeTsv,
-            BatchFormat::Csv | BatchFormat::Office => RowFormat::Csv,
+            BatchFormat::Csv | BatchFormat::Office | BatchFormat::Table => RowFormat::Csv,
             BatchFormat::Tsv => RowFormat::Tsv,
-            BatchFormat::Jsonl => RowFormat::JsonLines,
+            BatchFormat::Jsonl | BatchFormat::Json => RowFormat::JsonLines,
             BatchFormat::Parquet => RowFormat::Columns,
             _ if self.summary => RowFormat::Csv,
-            _ => return refused("rows", "write csv, tsv, jsonl or parquet; or ask for the --summary"),
+            _ => return refused("rows", "write table, csv, tsv, json, jsonl or parquet; or ask for the --summary"),
         };
         let summary = match format {
             BatchFormat::Table => Format::Table,
@@ -78,13 +78,14 @@ impl Args {
             _ if self.summary => return refused("a summary", "write table, markdown, json or csv"),
             _ => Format::Table,
         };
-        Ok((rows, summary))
+        Ok((format, rows, summary))
     }
 
     /// The format: that of the option, of the output's name, or the usual one.
-    fn format(&self) -> Result<BatchFormat, Failure> {
+    fn format(&self, screen: Screen) -> Result<BatchFormat, Failure> {
         let Some(format) = self.format else {
-            let usual = if self.summary { BatchFormat::Table } else { BatchFormat::Csv };
+            let is_shown = self.output.is_none() && screen.width.is_some();
+            let usual = if self.summary || is_shown { BatchFormat::Table } else { BatchFormat::Csv };
             return Ok(self.known_ending()?.and_then(BatchFormat::of_ending).unwrap_or(usual));
         };
         let Some(path) = &self.output else { return Ok(format) };
@@ -101,7 +102,7 @@ impl Args {
 
     /// The ending of the output's name, which tells the format.
     fn known_ending(&self) -> Result<Option<&'static str>, Diagnostic> {
-        const ROWS: [&str; 7] = ["csv", "tsv", "jsonl", "ndjson", "parquet", "xlsx", "dfq"];
+        const ROWS: [&str; 9] = ["csv", "tsv", "jsonl", "ndjson", "json", "txt", "parquet", "xlsx", "dfq"];
         let Some(path) = &self.output else { return Ok(None) };
         let name = &shown(path);
         let ending = match Packing::of_name(name) {

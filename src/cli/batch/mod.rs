@@ -55,9 +55,9 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum)]
     format: Option<BatchFormat>,
-    /// Decimals of the lengths in the result.
-    #[arg(long, default_value = "6", value_name = "N|full")]
-    decimals: Decimals,
+    /// Decimals of the lengths in the result [default: 6, in a table 4].
+    #[arg(long, value_name = "N|full")]
+    decimals: Option<Decimals>,
     /// The columns to write: results, or columns of the table.
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     columns: Option<Vec<String>>,
@@ -110,9 +110,6 @@ fn with_teeth(arg: clap::Arg) -> clap::Arg {
 /// Rejected rows shown on standard error; the others are counted.
 const PROBLEMS_SHOWN: usize = 10;
 
-/// Parts listed in a JUnit report; the others are counted in it.
-const PARTS_LISTED: usize = 1000;
-
 const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
 
 fn unread(file: &Path, error: &io::Error) -> Diagnostic {
@@ -138,10 +135,11 @@ impl Args {
             files.push("-".into());
         }
         spec_files::refuse_shared_input(&self.spec, &files)?;
-        let (rows_format, summary_format) = self.formats(output.screen().safe_csv)?;
+        let screen = output.screen();
+        let (format, rows_format, summary_format) = self.formats(screen)?;
         let read: Vec<PathBuf> = self.reading.layout_file().into_iter().chain(&files).cloned().collect();
         let inputs = spec_files::inputs(&spec, &self.spec, &read);
-        let mut begun = self.begin(junit, &inputs, &spec)?;
+        let mut begun = self.begin(junit, &inputs, &spec, (format, screen))?;
         let interruption = signals::interrupted(output);
         let opener = Opener::new(&self.reading, &spec, self.judge.model, interruption.stop());
         let opener = Opener { teeth: Some(self.teeth), ..opener };
@@ -159,10 +157,11 @@ impl Args {
         };
         let mut found = interruption.while_waiting(|| opener.look(&files), nothing)?;
         if self.teeth {
-            return self.run_teeth(&spec, (&mut found, begun), (rows_format, summary_format), &interruption, output);
+            let formats = (format, rows_format, summary_format);
+            return self.run_teeth(&spec, (&mut found, begun), formats, &interruption, output);
         }
         let Some(first) = &found.first else { return Ok(Status::Undecided) };
-        let request = self.request(rows_format, &first.spec)?;
+        let request = self.request((format, rows_format), &first.spec)?;
         Plan::refuse(&first.spec, &first.table, &request)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
@@ -243,9 +242,7 @@ impl Args {
             tables::say(&outcome.readings, &outcome.notes, output);
         }
         self.problems(&basis, &outcome, output);
-        if let Some(junit) = targets.junit.take() {
-            junit.write_whole(report::junit(spec.title.as_deref(), &basis, &outcome).as_bytes())?;
-        }
+        targets.finish_report(spec.title.as_deref(), &basis, &outcome)?;
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
@@ -296,16 +293,26 @@ impl Args {
         }
     }
 
-    fn request(&self, format: RowFormat, spec: &Spec) -> Result<Request, Failure> {
+    /// The columns that are written: those asked for, those of a table for people, or all (`None`).
+    fn columns(&self, format: BatchFormat, spec: &Spec) -> Option<Vec<String>> {
+        let of_table = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
+        let count = if spec.limits.is_empty() { 3 } else { of_table.len() };
+        let is_table = format == BatchFormat::Table && !self.summary;
+        self.columns
+            .clone()
+            .or_else(|| is_table.then(|| of_table[..count].iter().copied().map(str::to_owned).collect()))
+    }
+
+    fn request(&self, (written, format): (BatchFormat, RowFormat), spec: &Spec) -> Result<Request, Failure> {
         self.refuse_repeated_columns()?;
         Ok(Request {
             model: self.judge.model,
             stack: self.judge.stack,
             rule: self.judge.rule(spec),
             monte_carlo: self.judge.settings()?,
-            decimals: self.decimals,
+            decimals: self.decimals.unwrap_or_default(),
             format,
-            columns: self.columns.clone(),
+            columns: self.columns(written, spec),
             mesh: self.worst_teeth,
             partial: self.partial,
             rows: match (self.summary, self.only_failures) {
@@ -315,14 +322,9 @@ impl Args {
             },
             statistics: self.summary,
             strict: self.strict,
-            failures_kept: if self.junit.is_some() {
-                PARTS_LISTED
-            } else if self.annotations.is_some() {
-                report::ANNOTATIONS_SHOWN
-            } else {
-                0
-            },
-            problems_kept: if self.junit.is_some() { PARTS_LISTED } else { PROBLEMS_SHOWN },
+            failures_kept: if self.annotations.is_some() { report::ANNOTATIONS_SHOWN } else { 0 },
+            lists_parts: self.junit.is_some(),
+            problems_kept: PROBLEMS_SHOWN,
         })
     }
 

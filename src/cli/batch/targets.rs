@@ -3,25 +3,27 @@
 //! is stands beside as NAME.partial, and the JUnit report says so.
 
 use std::ffi::OsString;
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Args;
-use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink, Sinks};
-use crate::cli::office::{OfficeRows, is_office};
+use super::format::BatchFormat;
+use crate::batch::{ColumnKind, Outcome, Packing, ParquetRows, PartSink, RowFormat, RowSink, Sink, Sinks};
+use crate::cli::office::{FormedRows, is_office};
 use crate::cli::output::{Failure, Output};
 use crate::cli::signals::Interruption;
-use crate::cli::target::{self, Target, UnlessComplete, shown};
+use crate::cli::target::{self, Target, UnlessComplete, named, shown};
 use crate::diagnostic::Diagnostic;
-use crate::report;
+use crate::report::{self, Basis, Junit, Screen};
 use crate::spec::Spec;
 
 /// Rows that are not written to their file as they come.
 enum Kept {
     /// Of a Parquet file, which has an end of its own.
     Parquet(Box<ParquetRows>),
-    /// Of a workbook or a Q-DAS file.
-    Office(Box<OfficeRows<Box<dyn Write + Send>>>),
+    /// Of a workbook, a Q-DAS file, a table for people or an array of JSON.
+    Formed(Box<FormedRows<Box<dyn Write + Send>>>),
 }
 
 /// Files that are written.
@@ -31,7 +33,9 @@ pub(super) struct Targets {
     kept: Option<Kept>,
     rejects: Option<Target>,
     pub(super) summary: Option<Target>,
-    pub(super) junit: Option<Target>,
+    junit: Option<Target>,
+    /// The test cases of the JUnit report.
+    cases: Option<Junit<File>>,
     packing: Packing,
     rejects_packing: Packing,
 }
@@ -51,11 +55,24 @@ impl Targets {
         Ok(Sinks {
             rows: match &mut self.kept {
                 Some(Kept::Parquet(rows)) => Some(RowSink::Columns(rows.as_mut())),
-                Some(Kept::Office(writer)) => Some(RowSink::Text(Sink { writer, packing })),
+                Some(Kept::Formed(writer)) => Some(RowSink::Text(Sink { writer, packing })),
                 None => file,
             },
             rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
+            parts: self.cases.as_mut().map(|cases| cases as &mut dyn PartSink),
         })
+    }
+
+    /// Writes the JUnit report, if there is to be one.
+    pub(super) fn finish_report(
+        &mut self,
+        title: Option<&str>,
+        basis: &Basis,
+        outcome: &Outcome,
+    ) -> Result<(), Failure> {
+        let Some((mut target, cases)) = self.junit.take().zip(self.cases.take()) else { return Ok(()) };
+        cases.write(&mut target, title, basis, outcome)?;
+        target.finish()
     }
 
     /// Ends the files of rows; whether that was not interrupted. Of a run that is not complete, what there is is kept beside,
@@ -69,7 +86,7 @@ impl Targets {
         let mut is_written = true;
         match self.kept.take() {
             Some(Kept::Parquet(rows)) => rows.finish()?,
-            Some(Kept::Office(rows)) => is_written = rows.finish(interruption.stop())?,
+            Some(Kept::Formed(rows)) => is_written = rows.finish(interruption.stop())?,
             None => {}
         }
         if let Some(file) = self.file.take_if(|_| !is_written) {
@@ -106,7 +123,13 @@ impl Args {
     }
 
     /// Begins the other files. Refuses those that are read, that are one, or whose name says what they are not.
-    pub(super) fn begin(&self, junit: Option<Target>, inputs: &[PathBuf], spec: &Spec) -> Result<Targets, Failure> {
+    pub(super) fn begin(
+        &self,
+        junit: Option<Target>,
+        inputs: &[PathBuf],
+        spec: &Spec,
+        (format, screen): (BatchFormat, Screen),
+    ) -> Result<Targets, Failure> {
         let written: Vec<&Path> =
             [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(PathBuf::as_path).collect();
         target::refuse_same(&written)?;
@@ -122,16 +145,24 @@ impl Args {
         let file = is_written.then(|| Target::create(path, inputs)).transpose()?;
         let (mut file, summary) = if self.summary { (None, file) } else { (file, None) };
         let kept = match &mut file {
-            Some(file) if is_office(&shown(path)) => {
+            Some(file) => {
                 let title = spec.title.as_deref().unwrap_or("rackmesh");
-                Some(Kept::Office(Box::new(OfficeRows::new(
-                    &shown(path),
-                    file.take_writer(),
-                    (title, &spec.limits()),
-                )?)))
+                let formed = match format {
+                    _ if is_office(&shown(path)) => {
+                        Some(FormedRows::new(&shown(path), file.take_writer(), (title, &spec.limits()))?)
+                    }
+                    BatchFormat::Table => {
+                        let screen = if self.output.is_some() { screen.of_file() } else { screen };
+                        Some(FormedRows::table(file.take_writer(), screen, self.decimals.is_some()))
+                    }
+                    BatchFormat::Json => Some(FormedRows::array(file.take_writer())),
+                    _ => None,
+                };
+                formed.map(|rows| Kept::Formed(Box::new(rows)))
             }
-            _ => None,
+            None => None,
         };
+        let cases = junit.as_ref().map(|_| tempfile::tempfile()).transpose();
         Ok(Targets {
             kept,
             packing: packing(&self.output),
@@ -140,6 +171,7 @@ impl Args {
             rejects,
             summary,
             junit,
+            cases: cases.map_err(|error| named("a temporary file", &error))?.map(Junit::new),
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::bar::Bar;
+use super::format::BatchFormat;
 use super::targets::Targets;
 use super::{Args, Ending, NO_LIMITS, mesh_basis};
 use crate::batch::{RowFormat, Teeth, TeethRequest};
@@ -21,12 +22,13 @@ impl Args {
         &self,
         spec: &Arc<Spec>,
         (found, mut targets): (&mut tables::Files<'_>, Targets),
-        (format, summary_format): (RowFormat, Format),
+        (written, format, summary_format): (BatchFormat, RowFormat, Format),
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let rows = self.request(format, spec)?;
+        let rows = self.request((written, format), spec)?;
         let basis = mesh_basis(spec, &rows.rule);
+        let columns = Teeth::columns_written(rows.columns.as_deref())?;
         let request =
             TeethRequest { stroke_mm: self.range.stroke.ends()?, tolerance_mm: self.range.tolerance.mm(), rows };
         if self.only_failures && spec.limit_on(LimitTarget::CenterDistance).is_none() {
@@ -34,7 +36,6 @@ impl Args {
         }
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let workers = self.threads.map_or_else(cores, usize::from);
-        let columns = Teeth::columns_written(self.columns.as_deref())?;
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(format, || columns)?, workers)?;
         let mut bar = Bar::new(&found.paths, "parts", output);
         let failed = Self::run_each(found, &mut bar, |table, _| Ok((teeth.take(table)?, interruption.came())))?;
