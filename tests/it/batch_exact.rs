@@ -116,9 +116,8 @@ fn by_eval(case: &Case, values: &[String; 5], id: &str, decimals: Decimals, mode
         }
     }
     let judged = || evaluation.limits.iter().filter_map(|check| Some((check, check.result.ok()?)));
-    let margins = judged().map(|(check, Interval { lower, upper })| {
-        let [below, above] = [check.limit.lower.expect("two ends"), check.limit.upper.expect("two ends")];
-        (above - upper).min(lower - below)
+    let margins = judged().flat_map(|(check, Interval { lower, upper })| {
+        [check.limit.upper.map(|end| end - upper), check.limit.lower.map(|end| lower - end)].into_iter().flatten()
     });
     let margin = margins.min().filter(|_| evaluation.verdict.is_some()).map(write).unwrap_or_default();
     let failed = judged().filter(|(check, _)| check.verdict == Some(Verdict::Fail));
