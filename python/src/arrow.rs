@@ -51,11 +51,11 @@ pub(crate) fn stored(array: &ArrayRef) -> Option<Stored<'_>> {
         }
         DataType::Utf8 => {
             let texts = array.as_string::<i32>();
-            Stored::texts(texts.value_data(), ends(texts.value_offsets()))
+            texts_of(texts.value_data(), texts.value_offsets())
         }
         DataType::LargeUtf8 => {
             let texts = array.as_string::<i64>();
-            Stored::texts(texts.value_data(), ends(texts.value_offsets()))
+            texts_of(texts.value_data(), texts.value_offsets())
         }
         DataType::Null => Stored::doubles(vec![0.0; array.len()]).with_values_where(vec![false; array.len()]),
         DataType::Boolean
@@ -83,10 +83,12 @@ where
     Stored::integers(values.iter().map(|value| i64::from(*value)).collect::<Vec<_>>(), scale)
 }
 
-/// Where texts begin and end.
-fn ends<O: Copy + TryInto<usize>>(offsets: &[O]) -> Vec<usize> {
+/// Texts that begin and end at these places of `all`, which may hold those of other rows, too.
+fn texts_of<'a, O: Copy + TryInto<usize>>(all: &'a [u8], offsets: &[O]) -> Stored<'a> {
     // offsets of an array are not negative
-    offsets.iter().map(|offset| (*offset).try_into().unwrap_or(0)).collect()
+    let place = |offset: &O| (*offset).try_into().unwrap_or(0);
+    let (first, last) = (offsets.first().map_or(0, place), offsets.last().map_or(0, place));
+    Stored::texts(&all[first..last], offsets.iter().map(|offset| place(offset) - first).collect())
 }
 
 /// The schema of results.

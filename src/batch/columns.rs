@@ -65,14 +65,19 @@ pub enum ResultValues {
 }
 
 impl ResultColumns {
-    /// No rows yet of columns of these kinds.
-    pub(super) fn new(kinds: impl IntoIterator<Item = ColumnKind>) -> Self {
-        let values = |kind| match kind {
-            ColumnKind::Text => ResultValues::Texts { bytes: Vec::new(), ends: vec![0] },
-            ColumnKind::Number => ResultValues::Numbers(Vec::new()),
-            ColumnKind::Flag => ResultValues::Flags(Vec::new()),
+    /// No rows yet of columns of these kinds, with room for so many.
+    pub(super) fn new(kinds: impl IntoIterator<Item = ColumnKind>, room: usize) -> Self {
+        let ends = || {
+            let mut ends = Vec::with_capacity(room + 1);
+            ends.push(0);
+            ends
         };
-        let column = |kind| ResultColumn { has_value: Vec::new(), values: values(kind) };
+        let values = |kind| match kind {
+            ColumnKind::Text => ResultValues::Texts { bytes: Vec::new(), ends: ends() },
+            ColumnKind::Number => ResultValues::Numbers(Vec::with_capacity(room)),
+            ColumnKind::Flag => ResultValues::Flags(Vec::with_capacity(room)),
+        };
+        let column = |kind| ResultColumn { has_value: Vec::with_capacity(room), values: values(kind) };
         Self { columns: kinds.into_iter().map(column).collect(), rows: 0 }
     }
 
@@ -111,7 +116,7 @@ impl ResultColumns {
 impl ResultColumn {
     /// Adds a row; numbers are as they are written with these decimals.
     #[inline]
-    fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {
+    pub(super) fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {
         self.has_value.push(*cell != ResultCell::Nothing);
         match &mut self.values {
             ResultValues::Numbers(values) => values.push(match cell {
@@ -121,8 +126,10 @@ impl ResultColumn {
             }),
             ResultValues::Flags(values) => values.push(*cell == ResultCell::Flag(true)),
             ResultValues::Texts { bytes, ends } => {
-                if let ResultCell::Text(text) = cell {
-                    bytes.extend_from_slice(String::from_utf8_lossy(text).as_bytes());
+                match cell {
+                    ResultCell::Text(text) if text.is_ascii() => bytes.extend_from_slice(text),
+                    ResultCell::Text(text) => bytes.extend_from_slice(String::from_utf8_lossy(text).as_bytes()),
+                    _ => {}
                 }
                 ends.push(bytes.len());
             }

@@ -2,6 +2,7 @@
 //! it blocks; where their columns are from, it does not know.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -75,7 +76,7 @@ impl<'a> Evaluator<'a> {
 
     /// Evaluates a block; what came out of the last one is forgotten. `keeps_names` asks for the names of its parts.
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
-        self.written.clear();
+        self.written.clear(block.rows());
         self.rejects.clear();
         self.results = None;
         self.tally.clear(self.plan.followed.len());
@@ -98,10 +99,7 @@ impl<'a> Evaluator<'a> {
             return;
         }
         self.write_no_parts(block, block.record_count);
-        if keeps_names {
-            let names = (0..block.rows()).filter_map(|row| block.name_bytes(row));
-            self.tally.names.extend(names.map(<[u8]>::to_vec));
-        }
+        self.tally.has_names = keeps_names;
     }
 
     /// Where every row is written: those that are no parts, up to this record of the block.
@@ -139,8 +137,13 @@ impl<'a> Evaluator<'a> {
     fn take(&mut self, results: &Results<'_>, first: Row<'_>) {
         for rows in results.runs() {
             let refused = rows.end;
+            let is_at_once = self.is_written_at_once(first.block, results, &rows);
+            if is_at_once {
+                self.write_no_parts(first.block, first.block.records[rows.start] - 1);
+                self.written.parts(first, results, rows.clone());
+            }
             for index in rows {
-                self.take_part(Row { index, ..first }, results);
+                self.take_part(Row { index, ..first }, results, is_at_once);
             }
             if let Some(refusal) = results.refusals.get(&refused) {
                 self.refuse(Row { index: refused, ..first }, refusal);
@@ -151,14 +154,23 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Takes a part.
+    /// Whether rows that are all parts are all written, and nothing between them.
+    fn is_written_at_once(&self, block: &Block, results: &Results<'_>, rows: &Range<usize>) -> bool {
+        let wanted = self.plan.request.rows;
+        let records = &block.records[rows.clone()];
+        let (Some(first), Some(last)) = (records.first(), records.last()) else { return false };
+        results.verdicts[rows.clone()].iter().all(|verdict| wanted.has(*verdict))
+            && (wanted != Rows::Every || last - first + 1 == records.len() as u64)
+    }
+
+    /// Takes a part, which may be written already.
     #[inline]
-    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>) {
+    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>, is_written: bool) {
         let verdict = results.verdicts[row.index];
         self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
         self.tally.counts.meshed += u64::from(matches!(results.meshed(row.index), Some(Ok(_))));
-        if self.plan.request.rows.has(verdict) {
+        if !is_written && self.plan.request.rows.has(verdict) {
             self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
         }

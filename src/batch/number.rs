@@ -18,12 +18,8 @@ impl Decimals {
     /// The double that a length reads as when it is written.
     pub(super) fn value(self, length: Length) -> f64 {
         match self {
-            Self::Places(places) if places < 12 => {
-                let cut = 10i64.pow(12 - u32::from(places));
-                let rounded = (length.fm().abs() + cut / 2) / cut * cut;
-                Length::from_fm(if length.is_negative() { -rounded } else { rounded }).mm()
-            }
-            _ => length.mm(),
+            Self::Places(places) => VALUES.get(usize::from(places)).map_or(length.mm(), |value| value(length)),
+            Self::Full => length.mm(),
         }
     }
 
@@ -34,6 +30,28 @@ impl Decimals {
             _ => crate::quantity::plain(value),
         }
     }
+}
+
+/// What a length is with so many decimals, by their number, so that each divides by a constant.
+const VALUES: [fn(Length) -> f64; 12] = [
+    value::<0>,
+    value::<1>,
+    value::<2>,
+    value::<3>,
+    value::<4>,
+    value::<5>,
+    value::<6>,
+    value::<7>,
+    value::<8>,
+    value::<9>,
+    value::<10>,
+    value::<11>,
+];
+
+fn value<const DECIMALS: u32>(length: Length) -> f64 {
+    let cut = 10i64.pow(12 - DECIMALS);
+    let rounded = (length.fm().abs() + cut / 2) / cut * cut;
+    Length::from_fm(if length.is_negative() { -rounded } else { rounded }).mm()
 }
 
 impl Default for Decimals {

@@ -318,8 +318,8 @@ pub(super) struct Tally {
     pub(super) worst: Vec<Part>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
-    /// The names of the parts, while they are looked at.
-    pub(super) names: Vec<Vec<u8>>,
+    /// Whether the names of the parts are still looked at.
+    pub(super) has_names: bool,
     /// One per result that is held against a limit, where statistics are kept.
     pub(super) moving: Vec<MovingRange>,
 }
@@ -385,7 +385,9 @@ impl Total<'_> {
             *doubted += more;
         }
         join_left_out(&mut self.left_out, &block.left_out);
-        self.outcome.duplicates.add(tally.names.iter().map(Vec::as_slice));
+        if tally.has_names {
+            self.outcome.duplicates.add((0..block.rows()).filter_map(|row| block.name_bytes(row)));
+        }
         self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);
         listed

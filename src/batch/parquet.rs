@@ -3,6 +3,7 @@
 //! Takes results in columns and writes groups of some [`GROUP`] rows, so that memory does not depend on how many there are.
 //! What a program reads is what the rows as text say.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -10,12 +11,13 @@ use ::bytes::Bytes;
 use ::parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use ::parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType};
 use ::parquet::errors::ParquetError;
-use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::types::{ColumnPath, Type};
 
 use super::columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
 use super::ledger::ColumnSink;
+use crate::table::Field;
 
 /// Rows in a group, at least: a few MiB of results.
 const GROUP: usize = 1 << 14;
@@ -48,9 +50,14 @@ impl ParquetRows {
                 .with_logical_type(logical)
                 .build();
             fields.push(Arc::new(field.map_err(failed)?));
-            if *kind == ColumnKind::Number {
-                // hardly any two numbers are the same
-                properties = properties.set_column_dictionary_enabled(ColumnPath::from(vec![name.clone()]), false);
+            let path = || ColumnPath::from(vec![name.clone()]);
+            if *kind == ColumnKind::Number || name == Field::PartId.key() {
+                // hardly any two are the same
+                properties = properties.set_column_dictionary_enabled(path(), false);
+            }
+            if *kind == ColumnKind::Text {
+                // nobody asks for the least and the greatest text
+                properties = properties.set_column_statistics_enabled(path(), EnabledStatistics::None);
             }
         }
         let schema = Type::group_type_builder("parts").with_fields(fields).build().map_err(failed)?;
@@ -107,7 +114,10 @@ impl ColumnSink for ParquetRows {
 }
 
 /// The values of the rows that have one.
-fn present<T: Copy>(values: &[T], has_value: &[bool]) -> Vec<T> {
+fn present<'v, T: Copy>(values: &'v [T], has_value: &[bool]) -> Cow<'v, [T]> {
+    if !has_value.contains(&false) {
+        return values.into();
+    }
     values.iter().zip(has_value).filter(|(_, has_value)| **has_value).map(|(value, _)| *value).collect()
 }
 
@@ -161,7 +171,7 @@ mod tests {
         for part in 0..parts {
             let fm = part as i64 * 1_000_000 * if part % 2 == 0 { -1 } else { 1 };
             let (id, verdict) = (format!("P{part}"), ["pass", "fail", ""][part % 3]);
-            let mut rows = ResultColumns::new(kinds.iter().copied());
+            let mut rows = ResultColumns::new(kinds.iter().copied(), 0);
             let text = |text: &'static str| ResultCell::Text(text.as_bytes().into());
             let cells = [
                 ResultCell::Text(id.clone().into_bytes().into()),

@@ -376,16 +376,40 @@ impl<'a> Results<'a> {
         }
         let mut all = Vec::with_capacity(self.rows);
         for rows in self.runs() {
-            match output {
-                Output::Error(kind) => all.extend_from_slice(&self.each[*kind as usize][rows]),
-                Output::Combined(stack, end) => {
-                    let known = self.combined[*stack as usize].get(rows).unwrap_or_default().iter().flatten();
-                    all.extend(known.map(|range| end.of(*range)));
-                }
-                _ => all.extend(rows.filter_map(|row| self.of(output, row))),
-            }
+            self.each_of(output, &rows, |length| all.extend(length));
         }
         all.into()
+    }
+
+    /// Calls `take` with the result of an output in each of some rows, if the output is a length. Whether it is.
+    #[inline]
+    pub(super) fn each_of(
+        &self,
+        output: &Output,
+        rows: &ops::Range<usize>,
+        mut take: impl FnMut(Option<Length>),
+    ) -> bool {
+        let (ranges, end) = match output {
+            Output::Error(kind) => {
+                match self.each[*kind as usize].get(rows.clone()) {
+                    Some(lengths) => lengths.iter().for_each(|length| take(Some(*length))),
+                    None => rows.clone().for_each(|_| take(None)),
+                }
+                return true;
+            }
+            Output::Combined(stack, end) => (&self.combined[*stack as usize], end),
+            Output::Reached(end) => (&self.reached, end),
+            Output::Judged(_) | Output::Margin => {
+                rows.clone().for_each(|row| take(self.of(output, row)));
+                return true;
+            }
+            _ => return false,
+        };
+        match ranges.get(rows.clone()) {
+            Some(ranges) => ranges.iter().for_each(|range| take(range.map(|range| end.of(range)))),
+            None => rows.clone().for_each(|_| take(None)),
+        }
+        true
     }
 
     /// The result of an output that is a length; `None` if there is none.

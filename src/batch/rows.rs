@@ -1,6 +1,7 @@
 //! The row that is written for a part, as text or in columns. Called by the evaluator; computes nothing.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::columns::{ResultCell, ResultColumns};
@@ -10,6 +11,7 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
 use super::write;
+use crate::quantity::{Length, Places};
 use crate::table::Block;
 
 /// What came of a row.
@@ -59,11 +61,11 @@ impl<'a> RowWriter<'a> {
         Self { plan, out: Vec::new(), columns: ResultColumns::default() }
     }
 
-    /// Forgets what was written.
-    pub(super) fn clear(&mut self) {
+    /// Forgets what was written; so many rows follow.
+    pub(super) fn clear(&mut self, rows: usize) {
         self.out.clear();
         if self.plan.request.format == RowFormat::Columns {
-            self.columns = ResultColumns::new(self.plan.column_kinds());
+            self.columns = ResultColumns::new(self.plan.column_kinds(), rows);
         }
     }
 
@@ -79,7 +81,6 @@ impl<'a> RowWriter<'a> {
         for (index, (output, start)) in plan.outputs.iter().zip(&plan.json_names).enumerate() {
             write::start(&mut self.out, index, start, format);
             match (written, plan.places) {
-                // a quarter of the time of a table is writing its lengths
                 (WrittenRow::Part { results, row }, Some(places)) if let Some(length) = results.of(output, *row) => {
                     places.write(&mut self.out, length);
                 }
@@ -88,6 +89,89 @@ impl<'a> RowWriter<'a> {
         }
         write::end(&mut self.out, format);
     }
+
+    /// Writes rows that are all parts; `first` is the first row of their block.
+    pub(super) fn parts(&mut self, first: Row<'_>, results: &Results<'_>, rows: Range<usize>) {
+        match (self.plan.request.format, self.plan.places) {
+            (RowFormat::Columns, _) => self.parts_in_columns(first, results, &rows),
+            (format, Some(places)) if let Some(separator) = format.separator() => {
+                for start in rows.clone().step_by(STRIP) {
+                    let strip = start..rows.end.min(start + STRIP);
+                    self.strip(first, results, strip, (places, separator));
+                }
+            }
+            _ => {
+                for row in rows {
+                    self.row(Some(Row { index: row, ..first }), &WrittenRow::Part { results, row });
+                }
+            }
+        }
+    }
+
+    /// Some rows as text, the lengths of which are looked up column by column.
+    fn strip(&mut self, first: Row<'_>, results: &Results<'_>, rows: Range<usize>, (places, separator): (Places, u8)) {
+        let (plan, Request { format, decimals, .. }) = (self.plan, &self.plan.request);
+        let width = plan.outputs.len();
+        let mut lengths = vec![Length::ZERO; width * rows.len()];
+        // whether an output is a length in each of these rows; no separator stands before the first
+        let is_length = |lengths: &mut [Length], index: usize| {
+            let (mut each, mut is_full) = (lengths[index..].iter_mut().step_by(width), index > 0);
+            let is_length = results.each_of(&plan.outputs[index], &rows, |length| match (each.next(), length) {
+                (Some(place), Some(length)) => *place = length,
+                _ => is_full = false,
+            });
+            is_length && is_full
+        };
+        let is_length: Vec<bool> = (0..width).map(|index| is_length(&mut lengths, index)).collect();
+        let groups: Vec<Range<usize>> = groups(&is_length);
+        for (at, row) in rows.enumerate() {
+            let lengths = &lengths[at * width..][..width];
+            for group in &groups {
+                if is_length[group.start] {
+                    places.write_each(&mut self.out, separator, &lengths[group.clone()]);
+                    continue;
+                }
+                for index in group.clone() {
+                    write::start(&mut self.out, index, b"", *format);
+                    let written = WrittenRow::Part { results, row };
+                    let cell = cell(plan, index, Some(Row { index: row, ..first }), &written);
+                    write::cell(&mut self.out, &cell, *format, *decimals);
+                }
+            }
+            write::end(&mut self.out, *format);
+        }
+    }
+
+    fn parts_in_columns(&mut self, first: Row<'_>, results: &Results<'_>, rows: &Range<usize>) {
+        let (plan, decimals) = (self.plan, self.plan.request.decimals);
+        for (index, column) in self.columns.columns.iter_mut().enumerate() {
+            let take = |length: Option<Length>| {
+                column.push(&length.map_or(ResultCell::Nothing, ResultCell::Length), decimals);
+            };
+            if results.each_of(&plan.outputs[index], rows, take) {
+                continue;
+            }
+            for row in rows.clone() {
+                let written = WrittenRow::Part { results, row };
+                column.push(&cell(plan, index, Some(Row { index: row, ..first }), &written), decimals);
+            }
+        }
+        self.columns.rows += rows.len();
+    }
+}
+
+/// Rows whose lengths are looked up together.
+const STRIP: usize = 128;
+
+/// Neighbours that are the same, side by side.
+fn groups(all: &[bool]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    all.chunk_by(bool::eq)
+        .map(|same| {
+            end += same.len();
+            end - same.len()..end
+        })
+        .collect()
 }
 
 /// What stands in the output with that index; without a row, only the reason.

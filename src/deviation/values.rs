@@ -45,6 +45,16 @@ impl DeviationValues {
         }
     }
 
+    /// None of that dimension, with room for so many.
+    #[cfg(feature = "table")]
+    pub(crate) fn with_room(like: DeviationValue, count: usize) -> Self {
+        match like {
+            DeviationValue::Length(_) => Self::Lengths(Vec::with_capacity(count)),
+            DeviationValue::Angle(_) => Self::Angles(Vec::with_capacity(count)),
+            DeviationValue::Slope(_) => Self::Slopes(Vec::with_capacity(count)),
+        }
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -192,11 +192,14 @@ impl Block {
         self.values = like.map(|like| DeviationValues::repeated(like, 0)).collect();
     }
 
-    /// Forgets everything but the text's room; the columns are for such values.
+    /// Forgets everything but its room: the next block has about as many rows. The columns are for such values.
     pub(crate) fn clear(&mut self, like: impl Iterator<Item = DeviationValue>) {
-        *self = Self { text: std::mem::take(&mut self.text), ..Self::default() };
-        self.text.clear();
-        self.start_columns(like);
+        let Self { mut text, mut names, mut raw, mut lines, mut records, .. } = std::mem::take(self);
+        let rows = lines.len();
+        text.clear();
+        (names.clear(), raw.clear(), lines.clear(), records.clear());
+        let values = like.map(|like| DeviationValues::with_room(like, rows)).collect();
+        *self = Self { text, names, raw, lines, records, values, ..Self::default() };
     }
 
     /// Appends text.

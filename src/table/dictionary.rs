@@ -1,6 +1,7 @@
 //! What whole headings mean: one list that a reviewer can read in five minutes (`dictionary.txt`), and the keys. A heading
 //! means what its whole text says, or nothing; no part of a heading, no likeness and no order counts.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
@@ -55,13 +56,15 @@ pub(crate) enum Form {
     Characteristics,
 }
 
-static DICTIONARY: LazyLock<HashMap<(Form, String), Meaning>> = LazyLock::new(|| {
-    let mut found = HashMap::new();
+/// What a heading means in tables of each form.
+static DICTIONARY: LazyLock<HashMap<String, [Option<Meaning>; 3]>> = LazyLock::new(|| {
+    let mut found: HashMap<String, [Option<Meaning>; 3]> = HashMap::new();
+    let mut add = |form: Form, name: String, meaning| found.entry(name).or_default()[form as usize] = Some(meaning);
     for (written, headings) in rows() {
         let Some((form, role, is_deviation)) = role_of(written) else { continue };
-        found.extend(headings.split(", ").map(|name| ((form, normal(name)), meaning(role, is_deviation, false))));
+        headings.split(", ").for_each(|name| add(form, normal(name), meaning(role, is_deviation, false)));
     }
-    found.extend(keys());
+    keys().for_each(|((form, name), meaning)| add(form, name, meaning));
     found
 });
 
@@ -110,20 +113,29 @@ fn role_of(written: &str) -> Option<(Form, Role, bool)> {
 /// What the name of a heading means, if its whole text is in the list or is a key; an underscore is a blank. What names parts and
 /// their errors does so in any table.
 pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
+    // no heading of the list has a digit, and most cells of a table do
+    if name.bytes().any(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
     let normal = normal(name);
-    let apart = normal.replace('_', " ");
-    let of = |form: Form| [&normal, &apart].into_iter().find_map(|name| DICTIONARY.get(&(form, name.clone())).copied());
+    let apart = normal.contains('_').then(|| normal.replace('_', " "));
+    let known = [Some(&normal), apart.as_ref()].map(|name| DICTIONARY.get(name?));
+    let of = |form: Form| known.iter().flatten().find_map(|meanings| meanings[form as usize]);
     let of_parts = || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
     of(form).or_else(of_parts)
 }
 
 /// The headings that have a role, as they are compared.
 pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
-    DICTIONARY.iter().filter(move |(_, meaning)| meaning.role == role).map(|((_, heading), _)| heading.as_str())
+    let has = move |meanings: &[Option<Meaning>; 3]| meanings.iter().flatten().any(|meaning| meaning.role == role);
+    DICTIONARY.iter().filter(move |(_, meanings)| has(meanings)).map(|(heading, _)| heading.as_str())
 }
 
 /// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
-fn plain_widths(text: &str) -> String {
+fn plain_widths(text: &str) -> Cow<'_, str> {
+    if text.is_ascii() {
+        return text.into();
+    }
     const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);
     let mut out = String::with_capacity(text.len());
@@ -143,7 +155,7 @@ fn plain_widths(text: &str) -> String {
             c => out.push(c),
         }
     }
-    out
+    out.into()
 }
 
 /// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
@@ -234,6 +246,7 @@ mod tests {
             .collect();
         let distinct: std::collections::HashSet<_> = headings.iter().collect();
         assert_eq!(headings.len(), distinct.len());
+        assert!(headings.iter().all(|(_, name)| !name.contains(|c: char| c.is_ascii_digit())));
         assert!(rows.len() <= 60 && headings.len() <= 300, "{} rows, {} headings", rows.len(), headings.len());
     }
 

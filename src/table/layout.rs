@@ -279,5 +279,6 @@ impl Layout {
 
 /// Whether two headings are the same but for their blanks.
 fn is_same(one: &str, other: &str) -> bool {
-    one.split_whitespace().eq(other.split_whitespace())
+    let first = |text: &str| text.trim_start().bytes().next();
+    first(one) == first(other) && one.split_whitespace().eq(other.split_whitespace())
 }

@@ -190,7 +190,8 @@ pub(crate) fn is_number(cell: &str) -> bool {
     let is_plain =
         |part: Option<&str>| part.is_none_or(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()));
     let is_plain = digits.len() <= 18 && is_plain(parts.next()) && is_plain(parts.next()) && parts.next().is_none();
-    is_plain || DecimalMark::ALL.into_iter().any(|mark| normalise(cell, mark).is_some())
+    let is_word = cell.starts_with(|c: char| c.is_ascii_alphabetic());
+    is_plain || !is_word && DecimalMark::ALL.into_iter().any(|mark| normalise(cell, mark).is_some())
 }
 
 #[cfg(test)]
@@ -238,7 +239,7 @@ mod tests {
             assert_eq!(normalise(cell, DecimalMark::Comma).as_deref(), comma, "{cell} with a comma");
         }
         for (cell, is_it) in
-            [("1,234", true), ("17", true), ("-1.5", true), ("5,", true), ("1.2.3", false), ("-", false)]
+            [("1,234", true), ("17", true), ("P1", false), ("-1.5", true), ("5,", true), ("1.2.3", false), ("-", false)]
         {
             assert_eq!(is_number(cell), is_it, "{cell}");
         }

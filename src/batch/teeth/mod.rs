@@ -349,7 +349,7 @@ impl<'a> Teeth<'a> {
         match &mut self.ledger.sinks.rows {
             None => Ok(()),
             Some(RowSink::Columns(sink)) => {
-                let mut row = ResultColumns::new(self.columns.iter().map(|(_, column)| column.kind()));
+                let mut row = ResultColumns::new(self.columns.iter().map(|(_, column)| column.kind()), 1);
                 row.push(cells, decimals);
                 sink.take(row)
             }

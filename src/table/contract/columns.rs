@@ -1,6 +1,8 @@
 //! The columns of values of a table by contract: their units, of which all that speak agree, and the decimal mark, which is
 //! declared or the only one by which every number can be read.
 
+use std::cmp::Ordering;
+
 use super::heading::{Matched, key};
 use super::open::Open;
 use super::owner::Owner;
@@ -183,30 +185,29 @@ fn mark(
     let [point, comma] = [DecimalMark::Point, DecimalMark::Comma].map(|mark| with(Some(mark)));
     let columns = [point.map_err(wrong)?, comma.map_err(wrong)?];
     let is_marked = |cell: &Cell| matches!(&cell.content, Content::Text(text) if text.contains(['.', ',']));
-    let (mut numbers, mut strict, mut lenient, mut example) = (0u64, [0u64; 2], [0u64; 2], None);
-    for row in rows {
-        for (number, point) in columns[0].iter().enumerate() {
-            let cell = row.cell(point.place);
-            if !is_marked(cell) || cell.is_missing() || !cell.is_number() {
-                continue;
-            }
-            numbers += 1;
-            for (side, columns) in columns.iter().enumerate() {
-                let column = &columns[number];
-                strict[side] += u64::from(column.value(cell, column.beside_in(row)).is_ok());
-                // how large a deviation may be settles nothing
-                let read = column.read(cell, column.beside_in(row));
-                lenient[side] += u64::from(matches!(read, Ok(_) | Err(Problem::TooLarge(_))));
-            }
-            example.get_or_insert_with(|| cell.text().into_owned());
-        }
-    }
-    let Some(example) = example else { return Ok(None) };
-    match [lenient[0] == numbers, lenient[1] == numbers] {
-        [true, false] => Ok(Some(DecimalMark::Point)),
-        [false, true] => Ok(Some(DecimalMark::Comma)),
-        [false, false] if strict[0] > strict[1] => Ok(Some(DecimalMark::Point)),
-        [false, false] if strict[0] < strict[1] => Ok(Some(DecimalMark::Comma)),
-        _ => Err(vec![Open::Mark { example }]),
+    let is_number = |cell: &Cell| is_marked(cell) && !cell.is_missing() && cell.is_number();
+    let of_row = |row| columns[0].iter().enumerate().map(move |(number, column)| (number, row, column.place));
+    let numbers =
+        || rows.iter().flat_map(of_row).filter(|(_, row, place): &(_, &Record, _)| is_number(row.cell(*place)));
+    let Some(example) = numbers().next().map(|(_, row, place)| row.cell(place).text().into_owned()) else {
+        return Ok(None);
+    };
+    let is_read = |column: &Column, row: &Record| {
+        let read = column.read(row.cell(column.place), column.beside_in(row));
+        // how large a deviation may be settles nothing
+        matches!(read, Ok(_) | Err(Problem::TooLarge(_)))
+    };
+    let is_strict = |column: &Column, row: &Record| column.value(row.cell(column.place), column.beside_in(row)).is_ok();
+    let strict = |of: &[Column]| numbers().filter(|(number, row, _)| is_strict(&of[*number], row)).count();
+    let [point, comma] = columns.each_ref().map(|of| numbers().all(|(number, row, _)| is_read(&of[number], row)));
+    match (point, comma) {
+        (true, false) => Ok(Some(DecimalMark::Point)),
+        (false, true) => Ok(Some(DecimalMark::Comma)),
+        (true, true) => Err(vec![Open::Mark { example }]),
+        (false, false) => match strict(&columns[0]).cmp(&strict(&columns[1])) {
+            Ordering::Greater => Ok(Some(DecimalMark::Point)),
+            Ordering::Less => Ok(Some(DecimalMark::Comma)),
+            Ordering::Equal => Err(vec![Open::Mark { example }]),
+        },
     }
 }

@@ -105,7 +105,14 @@ impl From<Unclosed> for Diagnostics {
 
 impl Proposal {
     /// Of a file in which these have no owner.
-    pub(crate) fn of(file: &str, layout: &Arc<Layout>, open: Vec<Open>) -> Self {
+    pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
+        /// Nobody reads more of them; the others follow once these have owners.
+        const MOST: usize = 10_000;
+        if let more @ 1.. = open.len().saturating_sub(MOST) {
+            open.truncate(MOST);
+            let help = "check that this is the table that is meant".to_owned();
+            open.push(Open::Wrong { what: format!("and {more} more columns, characteristics or lines"), help });
+        }
         let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, ..Self::default() };
         for open in &proposal.open {
             proposal.rules.extend(rules::of_open(open));

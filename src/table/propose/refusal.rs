@@ -19,18 +19,22 @@ impl Proposal {
     pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
         let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
-        let all: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).collect();
-        let mut list: Vec<String> = all.iter().take(SHOWN).cloned().collect();
-        if let more @ 1.. = all.len().saturating_sub(SHOWN) {
+        let count = self.open.len() + self.rejected_lines().count();
+        let mut list: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).take(SHOWN).collect();
+        if let more @ 1.. = count.saturating_sub(SHOWN) {
             list.push(format!("and {more} more"));
         }
         list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
         list.extend(block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")));
         let of_columns =
             |open: &&Open| matches!(open, Open::Column { .. } | Open::Characteristic { .. } | Open::Missing { .. });
-        let difference: Vec<_> = self.open.iter().filter(of_columns).map(Open::difference).collect();
+        let different = || self.open.iter().filter(of_columns);
+        let mut difference: Vec<_> = different().take(SHOWN).map(Open::difference).collect();
+        if let more @ 1.. = different().count().saturating_sub(SHOWN) {
+            difference.push(format!("and {more} more"));
+        }
         let message = if difference.is_empty() || *self.layout == Layout::default() {
-            let things = if all.len() == 1 { "a cell or line has" } else { "cells or lines have" };
+            let things = if count == 1 { "a cell or line has" } else { "cells or lines have" };
             format!("{}: {things} no owner, so nothing is judged:", self.file)
         } else {
             format!("{}: it is not as its contract says, so nothing is judged: {}", self.file, difference.join("; "))

@@ -19,9 +19,17 @@ struct Head {
     separator: Separator,
     records: Vec<Record>,
     ends: Vec<usize>,
+    /// How many roles its heading has.
+    roles: usize,
 }
 
 impl Head {
+    /// What separates the cells of all of a text that begins so, where that is known.
+    fn settled(&self) -> Option<u8> {
+        let is_cut = matches!(self.separator, Separator::Character(_));
+        (is_cut && self.roles > 1).then(|| self.separator.byte())
+    }
+
     /// The same below a heading that the user gives.
     fn below(mut self, heading: Option<Record>) -> Self {
         if let Some(heading) = heading {
@@ -59,7 +67,7 @@ impl Text {
                     .into());
             }
             self.refuse_long_lines(&bytes)?;
-            head = self.head(&bytes, is_all, declared, layout)?;
+            head = self.head(&bytes, is_all, declared.or(head.settled()), layout)?;
         }
         let byte = head.separator.byte();
         let separator = is_streamed.then_some(byte);
@@ -98,23 +106,21 @@ impl Text {
             tried = vec![Separator::Character(byte)];
         }
         let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator).below(with_headings(layout)));
-        let mut heads: Vec<(usize, Head)> = heads.map(|head| (score(&head.records, layout), head)).collect();
-        let most = heads.iter().map(|(score, _)| *score).max().unwrap_or(0);
+        let mut heads: Vec<Head> = heads.map(|head| Head { roles: score(&head.records, layout), ..head }).collect();
+        let most = heads.iter().map(|head| head.roles).max().unwrap_or(0);
         // where no heading is known, the separator that makes most cells shows what has no owner
         if most == 0 {
-            heads.sort_by_key(|(_, head)| {
-                std::cmp::Reverse(head.records.iter().map(|record| record.filled().len()).max())
-            });
+            heads.sort_by_key(|head| std::cmp::Reverse(head.records.iter().map(|record| record.filled().len()).max()));
             heads.truncate(1);
         }
-        heads.retain(|(score, _)| *score == most);
+        heads.retain(|head| head.roles == most);
         if heads.len() > 1 {
             // a character that the heading does not have separates nothing there
             let width = |head: &Head| head.records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
-            if heads.iter().any(|(_, head)| head.separator == Separator::Lines) && most == 1 {
-                heads.retain(|(_, head)| head.separator == Separator::Lines);
-            } else if heads.iter().filter(|(_, head)| width(head) > 1).count() == 1 {
-                heads.retain(|(_, head)| width(head) > 1);
+            if heads.iter().any(|head| head.separator == Separator::Lines) && most == 1 {
+                heads.retain(|head| head.separator == Separator::Lines);
+            } else if heads.iter().filter(|head| width(head) > 1).count() == 1 {
+                heads.retain(|head| width(head) > 1);
             }
         }
         if heads.len() > 1 && !layout.headings.is_empty() {
@@ -124,14 +130,14 @@ impl Text {
             };
             let plain_cells =
                 |head: &Head| head.records.iter().flat_map(|record| &record.cells).filter(is_plain).count();
-            let most = heads.iter().map(|(_, head)| plain_cells(head)).max();
-            heads.retain(|(_, head)| Some(plain_cells(head)) == most);
+            let most = heads.iter().map(plain_cells).max();
+            heads.retain(|head| Some(plain_cells(head)) == most);
         }
         if heads.len() > 1 {
-            let names = heads.iter().map(|(_, head)| head.separator.name()).collect();
+            let names = heads.iter().map(|head| head.separator.name()).collect();
             return Err(Unclosed::Open(Box::new(Proposal::of(&self.name, layout, vec![Open::Separator { names }]))));
         }
-        Ok(heads.swap_remove(0).1)
+        Ok(heads.swap_remove(0))
     }
 
     /// The records of a text of fixed width whose columns start where the contract says. What stands before the first is a cell, too.
@@ -148,7 +154,7 @@ impl Text {
         };
         let records =
             text.lines().zip(self.lines + 1..).map(|(line, number)| Record::new(cells(line), number)).collect();
-        Head { separator: Separator::AlignedBlanks, records, ends: Vec::new() }.below(with_headings(layout))
+        Head { separator: Separator::AlignedBlanks, records, ends: Vec::new(), roles: 0 }.below(with_headings(layout))
     }
 
     /// The whole records at the start.
@@ -157,10 +163,10 @@ impl Text {
         let lines = "\n".repeat(before);
         if !matches!(separator, Separator::Character(_) | Separator::Lines) {
             let records = aligned_records(&(lines + &text(bytes)));
-            return Head { separator, records, ends: Vec::new() };
+            return Head { separator, records, ends: Vec::new(), roles: 0 };
         }
         let (records, ends) = separated(bytes, separator.byte(), is_all, self.lines);
-        Head { separator, records, ends }
+        Head { separator, records, ends, roles: 0 }
     }
 }
 
