@@ -197,9 +197,14 @@ impl Block {
         let Self { mut text, mut names, mut raw, mut lines, mut records, .. } = std::mem::take(self);
         let rows = lines.len();
         text.clear();
-        (names.clear(), raw.clear(), lines.clear(), records.clear());
+        for spans in [&mut names, &mut raw] {
+            spans.clear();
+        }
+        for numbers in [&mut lines, &mut records] {
+            numbers.clear();
+        }
         let values = like.map(|like| DeviationValues::with_room(like, rows)).collect();
-        *self = Self { text, names, raw, lines, records, values, ..Self::default() };
+        *self = Self { values, text, names, raw, lines, records, ..Self::default() };
     }
 
     /// Appends text.

@@ -133,10 +133,10 @@ pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
 
 /// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
 fn plain_widths(text: &str) -> Cow<'_, str> {
+    const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     if text.is_ascii() {
         return text.into();
     }
-    const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
