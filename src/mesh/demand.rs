@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 
 use super::contact::{Pose, Touch};
 use super::sampler::{Constants, Looks, Sampler, Seen, Slot};
-use super::{FlankSide, MeshError};
+use super::{FlankSide, MeshError, Support};
 use crate::trig;
 
 /// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
@@ -51,19 +51,24 @@ struct Turn<'a> {
 }
 
 /// The largest demand of one side so far.
+#[derive(Default)]
 struct Best {
     demand: Option<Demand>,
-    floor: f64,
-    /// What others must exceed: of pairs that ask for the same within rounding the first carries, names of carriers
-    /// must not flicker.
-    mark: f64,
+    /// Demands closer than this are the same, and of the same ones the first tooth's counts, not the first that was asked.
+    tie: f64,
+    is_first_of_ties: bool,
     /// A rack tooth that has no thickness or is out of order.
     disorder: Option<i64>,
 }
 
-impl Default for Best {
-    fn default() -> Self {
-        Self { demand: None, floor: f64::NEG_INFINITY, mark: f64::NEG_INFINITY, disorder: None }
+impl Best {
+    /// What a tooth must reach to be known exactly, and what it must exceed to carry: names of carriers must not flicker.
+    fn bar(&self, tooth: i64) -> (f64, f64) {
+        match &self.demand {
+            None => (f64::NEG_INFINITY, f64::NEG_INFINITY),
+            Some(best) if self.is_first_of_ties && tooth < best.tooth => (best.value - self.tie, best.value - self.tie),
+            Some(best) => (best.value, best.value + self.tie),
+        }
     }
 }
 
@@ -109,7 +114,7 @@ impl Sampler<'_> {
     /// The largest demand of one side.
     pub(super) fn demand(&mut self, side: FlankSide, position: &Position, offset: f64) -> Result<Demand, MeshError> {
         let Constants { angular_pitch, window, eccentricity, .. } = self.constants;
-        let (sign, angle, of_side) = (side.sign(), position.angle + offset, usize::from(side == FlankSide::Left));
+        let (sign, angle) = (side.sign(), position.angle + offset);
         let (along, across) = eccentricity;
         let (offset, offset_rate) = if along == 0.0 && across == 0.0 {
             ((0.0, 0.0), (0.0, 0.0))
@@ -139,18 +144,25 @@ impl Sampler<'_> {
             return Err(MeshError::RackToothOrder { stroke_mm, tooth });
         }
         let best = best.demand.ok_or(MeshError::NoContact { stroke_mm, side })?;
-        self.carried[of_side] = best.tooth;
+        self.carries(side, best.tooth);
         Ok(best)
     }
 
     /// The highest of so many flank pairs.
     fn best(&mut self, turn: &Turn<'_>, pairs: RangeInclusive<i64>) -> Best {
-        let mut best = Best::default();
+        let tie = TIE * self.constants.default_rate;
+        let mut best = Best { tie, is_first_of_ties: self.mesh.support() != Support::Fixed, ..Best::default() };
         let carried = self.carried[usize::from(turn.side == FlankSide::Left)];
+        let is_partial = self.looks == Looks::AtPeaks;
+        let [favourite, known @ ..] =
+            carried.map(|tooth| Some(tooth.wrapping_sub(turn.first)).filter(|n| pairs.contains(n)));
         // the pair that carried last first: it sets the mark that the others must reach
-        let favourite = Some(carried.wrapping_sub(turn.first)).filter(|n| pairs.contains(n));
-        for n in favourite.into_iter().chain(pairs.filter(|&n| Some(n) != favourite)) {
-            self.look(turn, n, &mut best);
+        let mut look = |n: i64| self.look(turn, n, &mut best);
+        favourite.into_iter().for_each(&mut look);
+        if is_partial {
+            known.into_iter().flatten().for_each(look);
+        } else {
+            pairs.filter(|&n| Some(n) != favourite).for_each(look);
         }
         best
     }
@@ -168,7 +180,7 @@ impl Sampler<'_> {
             best.disorder = best.disorder.or(Some(tooth));
         }
         let pose = Pose { c: side.sign() * turned + prepared.start, shift: prepared.per_shift * place, ..turn.pose };
-        if best.demand.is_none() || !prepared.stays_below(&pose, best.mark) {
+        if best.demand.is_none() || !prepared.stays_below(&pose, best.bar(tooth).1) {
             self.touch(side, tooth, place, &pose, best);
         }
     }
@@ -176,9 +188,10 @@ impl Sampler<'_> {
     /// Where and when one flank pair touches, unless it is known from the last time that another one does before.
     fn touch(&mut self, side: FlankSide, tooth: i64, place: f64, pose: &Pose, best: &mut Best) {
         let (constants, roll, looks) = (self.constants, self.roll.angle, self.looks);
+        let (floor, mark) = best.bar(tooth);
         let Slot { prepared, seen, peaks, at_peaks, .. } = self.slot(side, tooth);
-        let is_partial = looks == Looks::AtPeaks && peaks.are_known;
-        let is_below = |seen: &Seen| seen.stays_below(pose, roll, best.floor, &constants);
+        let is_partial = looks == Looks::AtPeaks && prepared.plain.is_some() && peaks.are_known;
+        let is_below = |seen: &Seen| seen.stays_below(pose, roll, floor, &constants);
         if seen.as_ref().is_some_and(is_below) || is_partial && at_peaks.as_ref().is_some_and(is_below) {
             return;
         }
@@ -188,20 +201,20 @@ impl Sampler<'_> {
             && best.demand.is_some()
         {
             // of a carrier all of the flank has to be known, of others only that they ask for less
-            let most = plain.touch(pose, best.floor - added, seen.map(|seen| seen.hint));
+            let most = plain.touch(pose, floor - added, seen.map(|seen| seen.hint));
             let most = most.map(|touch| Touch { demand: touch.demand + added, ..touch });
-            if most.as_ref().is_none_or(|most| most.demand < best.floor) {
+            if most.as_ref().is_none_or(|most| most.demand < floor) {
                 (*seen, *at_peaks) = (most.as_ref().map(|most| Seen::new(most, pose, roll)), None);
                 self.work.searched += 1;
                 return;
             }
         }
         let touch = if is_partial {
-            contact.touch_at_peaks(pose, best.floor, peaks)
+            contact.touch_at_peaks(pose, floor, peaks)
         } else if prepared.plain.is_some() {
             contact.touch_with_form(pose, peaks)
         } else {
-            contact.touch(pose, best.floor, seen.map(|seen| seen.hint))
+            contact.touch(pose, floor, seen.map(|seen| seen.hint))
         };
         // a clipped demand is an upper bound, which is all that is asked of it
         let now = touch.as_ref().map(|touch| Seen::new(touch, pose, roll));
@@ -211,9 +224,8 @@ impl Sampler<'_> {
         }
         self.work.searched += 1;
         if let Some(touch) = touch
-            && touch.demand > best.mark
+            && touch.demand > mark
         {
-            (best.floor, best.mark) = (touch.demand, touch.demand + TIE * constants.default_rate);
             let rate = side.sign() * touch.rate;
             best.demand = Some(Demand { value: touch.demand, rate, tooth, touch, pose: *pose, place });
         }

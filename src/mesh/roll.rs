@@ -15,18 +15,31 @@
 //! ```
 //!
 //! from either end; an interval whose bound is above the lowest bottom so far is done with, and the others are divided
-//! where the bounds of both ends meet. In an interval that falls at one end and rises at the other, the bottom is
+//! where the bounds of both ends meet. Where the same points touch at both ends the cubic through both values and slopes
+//! bounds more closely. In an interval that falls at one end and rises at the other, the bottom is
 //! narrowed down by the intersection of both tangents, which meets a kink quadratically, or by the secant of the
-//! derivative where both ends have the same contacts. What is found at a stroke does not depend on the strokes solved before.
+//! derivative where both ends have the same contacts.
+//!
+//! Bounds need no solution: at any rotation the tangents of both sides meet at what they ask for together, and what was
+//! looked at of a side, teeth that carried and known peaks, is what it asks for at least. So most rolls take one rotation,
+//! from what is expected there ([`course`]), and only bottoms are solved with all teeth and all of their flanks; where that
+//! gives more than was bounded, the search goes on. The search begins around the last stroke's bottom: what is found does
+//! not depend on it by more than rounding, unless C is too small.
 //!
 //! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
 //! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
-//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where teeth hardly
+//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where slopes
+//! show that it bends down by more, that counts. Where teeth hardly
 //! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a
 //! valley may be missed, by micrometres in pairs made for it.
 
+pub(super) mod course;
+mod valleys;
+
+use self::course::{AROUND, Start};
+use self::valleys::{Interval, Node, Rolled, SHORT, Search, TIE, is_apart, level_between, lowest_between, tangents};
 use super::prepare::Roll;
-use super::sampler::{Rolling, Sampler};
+use super::sampler::{Looks, Sampler};
 use super::{Ending, MeshError, MeshPoint};
 
 /// Rolls of a rack that is free to roll that are searched, rad: enough to level a flank with a lead error of 1° at a
@@ -34,8 +47,6 @@ use super::{Ending, MeshError, MeshPoint};
 pub const LARGEST_ROLL_RAD: f64 = 0.075;
 /// Intervals to begin with; an odd number, so that none ends at 0, where full lines of contact make a kink.
 const INTERVALS: i32 = 7;
-/// Intervals between a roll with a mesh and one without are divided down to this, to find where the mesh ends.
-const SMALLEST_GAP: f64 = 1e-6;
 /// How far the centre distance may bend down, in units of the largest distance from the roll axis.
 const SAFETY: f64 = 20.0;
 /// Intervals divided at one stroke; mostly fewer than 20 are, and 60 were the most among random pairs.
@@ -43,62 +54,30 @@ const MAX_DIVISIONS: u32 = 200;
 /// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on random pairs as one would build them 3,200 were
 /// the most.
 const MAX_SEARCHES: u64 = 20_000;
-/// The search goes on this far beside a bottom.
+/// The search goes on this far beside a bottom that is not known to be the lowest place there.
 const BESIDE: f64 = 1e-5;
+/// Rotations of one look at a roll, and factors by which a bracket around the expected bottom grows at most.
+const MOST_LOOKS: u32 = 4;
+const MOST_GROWN: u32 = 4;
+/// After so many bottoms at which something else asks for more, all of a stroke's rolls are solved.
+const MOST_SURPRISES: u32 = 8;
+/// What tangents leave out counts if it is more than this, mm, or than this share of what a roll is above the lowest bottom.
+const LEFT_OUT: f64 = 1e-13;
+const SHARE_LEFT_OUT: f64 = 0.02;
 /// Evaluations of one valley; a bisection of the whole range to rounding takes 50.
 const MAX_EVALUATIONS: u32 = 80;
 /// Rounds until the centre distance that the end faces are placed with is the one that follows; two mostly do.
 const MAX_ROUNDS: u32 = 20;
 /// At smaller rolls (rad) the slope needs the centre distance as well as the value needs it at this one.
 const LEAST_LEVER: f64 = 1e-7;
-/// Sides that are this far apart (mm) where the solve ends meet at no rotation; after so many such rounds nothing better
-/// is expected.
-const APART: f64 = 1e-6;
+/// Rounds after whose solve the sides are apart; after so many nothing better is expected.
 const MAX_APART: u32 = 3;
 /// Bottoms known to this much (mm) are known well enough; rounding of a position leaves up to 1e-12.
 const LEVEL: f64 = 3e-12;
-/// Valleys as deep within this (mm): the first one is taken, so that the roll does not flicker.
-const TIE: f64 = 1e-11;
 /// Bottoms this near to an unrolled rack may be it.
 const FLAT: f64 = 1e-8;
 /// Brackets of one and the same contact this short let the secant speak.
 const SAME: f64 = 2e-3;
-/// Brackets this short let the tangents at both ends speak for the two sides of a kink: its square times any
-/// curvature is below [`LEVEL`].
-const SHORT: f64 = 2e-7;
-
-/// The solution at one roll.
-#[derive(Debug, Clone, Copy)]
-struct Rolled {
-    angle: f64,
-    value: f64,
-    slope: f64,
-    point: MeshPoint,
-    rolling: Rolling,
-}
-
-impl Rolled {
-    /// Whether a rotation was found at which both sides balance, or at least change places.
-    fn is_balanced(&self) -> bool {
-        self.point.ending != Ending::Unbalanced
-    }
-
-    /// The rack that is not rolled, if it is as low.
-    fn or_level(self, level: Self) -> Self {
-        if level.is_balanced() && level.value <= self.value + TIE { level } else { self }
-    }
-
-    fn is_nearer_to_balance(&self, other: &Self) -> bool {
-        self.point.residual_mm.abs() < other.point.residual_mm.abs()
-    }
-
-    /// It is not known to be the lowest.
-    fn doubt(&mut self) {
-        if self.point.ending == Ending::Converged {
-            self.point.ending = Ending::RollNotFound;
-        }
-    }
-}
 
 impl Sampler<'_> {
     /// The roll with the smallest centre distance.
@@ -119,50 +98,135 @@ impl Sampler<'_> {
     /// one with the smallest roll.
     fn lowest(&mut self, stroke_mm: f64, depth_mm: f64, searches: u64) -> Result<Rolled, MeshError> {
         let curvature = self.curvature(depth_mm);
-        let most_searched = self.work.searched + searches;
-        let mut search = Search::default();
-        let angles =
-            (0..=INTERVALS).map(|step| LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS));
-        let mut nodes: Vec<Node> =
-            angles.map(|angle| search.node(angle, self.at_roll(stroke_mm, angle, depth_mm))).collect();
-        // racks of small teeth on wide faces may have a mesh only where they are hardly rolled
-        let middle = nodes.len() / 2;
-        if !(nodes[middle - 1].is_balanced() && nodes[middle].is_balanced()) {
-            let angle = 0.5 * FLAT;
-            nodes.insert(middle, search.node(angle, self.at_roll(stroke_mm, angle, depth_mm)));
-        }
-        for pair in nodes.windows(2) {
-            search.open(pair[0], pair[1], curvature);
-        }
+        let stroke = AtStroke { stroke_mm, depth_mm, curvature, most_searched: self.work.searched + searches };
+        let mut search = Search { curvature, ..Search::default() };
+        self.course.go_on();
+        self.begin(&stroke, &mut search);
         let mut positions = 0;
         while let Some(Interval { low, high, meet, .. }) = search.lowest_interval() {
-            if let (Some(falling), Some(rising)) = (low.solution, high.solution)
+            if let Some([low, high]) = self.known(&stroke, &mut search, &[low, high]) {
+                search.open(low, high);
+            } else if let (Some(falling), Some(rising)) = (low.solution, high.solution)
                 && (low.is_balanced() && falling.slope < 0.0)
                 && (high.is_balanced() && rising.slope >= 0.0)
             {
-                let bottom = self.narrow([falling, rising], stroke_mm, depth_mm, most_searched);
-                search.found(bottom);
-                let (left, right) = (bottom.angle - BESIDE, bottom.angle + BESIDE);
-                if left > low.angle {
-                    let left = search.node(left, self.at_roll(stroke_mm, left, depth_mm));
-                    search.open(low, left, curvature);
-                }
-                if right < high.angle {
-                    let right = search.node(right, self.at_roll(stroke_mm, right, depth_mm));
-                    search.open(right, high, curvature);
-                }
+                self.valley(&stroke, &mut search, [falling, rising]);
             } else {
-                let middle = search.node(meet, self.at_roll(stroke_mm, meet, depth_mm));
-                search.open(low, middle, curvature);
-                search.open(middle, high, curvature);
+                let middle = self.node(&stroke, &mut search, meet);
+                search.open(low, middle);
+                search.open(middle, high);
             }
             positions += 1;
-            if positions > MAX_DIVISIONS || self.work.searched > most_searched {
+            if positions > MAX_DIVISIONS || self.work.searched > stroke.most_searched {
                 search.unfinished();
                 break;
             }
         }
-        search.lowest()
+        let lowest = search.lowest()?;
+        self.course.ends_at(lowest.angle);
+        Ok(lowest)
+    }
+
+    /// The first intervals: around the bottom where the last stroke had it, or of the same width.
+    fn begin(&mut self, stroke: &AtStroke, search: &mut Search) {
+        if let Some([falling, rising]) = self.expected(stroke) {
+            self.valley(stroke, search, [falling, rising]);
+            let ends = [-LARGEST_ROLL_RAD, LARGEST_ROLL_RAD].map(|angle| self.node(stroke, search, angle));
+            search.open(ends[0], Node::of(falling));
+            search.open(Node::of(rising), ends[1]);
+            return;
+        }
+        let angles =
+            (0..=INTERVALS).map(|step| LARGEST_ROLL_RAD * f64::from(2 * step - INTERVALS) / f64::from(INTERVALS));
+        let mut nodes: Vec<Node> = angles.map(|angle| self.node(stroke, search, angle)).collect();
+        // racks of small teeth on wide faces may have a mesh only where they are hardly rolled
+        let middle = nodes.len() / 2;
+        if !(nodes[middle - 1].is_balanced() && nodes[middle].is_balanced()) {
+            nodes.insert(middle, self.node(stroke, search, 0.5 * FLAT));
+        }
+        for pair in nodes.windows(2) {
+            search.open(pair[0], pair[1]);
+        }
+    }
+
+    /// A falling and a rising end around the bottom where the last stroke had it.
+    fn expected(&mut self, stroke: &AtStroke) -> Option<[Rolled; 2]> {
+        let (bottom, mut reach) = self.course.bottom()?;
+        let mut near = self.at_least(stroke, bottom, None).ok().filter(Rolled::is_balanced)?;
+        let outward = if near.slope < 0.0 { 1.0 } else { -1.0 };
+        for _ in 0..MOST_GROWN {
+            let angle = bottom + outward * reach;
+            if angle.abs() >= LARGEST_ROLL_RAD {
+                return None;
+            }
+            let far = self.at_least(stroke, angle, None).ok().filter(Rolled::is_balanced)?;
+            match (outward > 0.0, far.slope >= 0.0) {
+                (true, true) => return Some([near, far]),
+                (false, false) => return Some([far, near]),
+                _ => near = far,
+            }
+            reach *= 8.0;
+        }
+        None
+    }
+
+    /// Both ends of an interval, those solved that may be the lowest; `None` if they are known.
+    fn known(&mut self, stroke: &AtStroke, search: &mut Search, ends: &[Node; 2]) -> Option<[Node; 2]> {
+        let best = search.best?;
+        let is_open = |node: &Node| node.solution.is_some_and(|rolled| !rolled.is_exact && rolled.value < best + TIE);
+        ends.iter().any(is_open).then(|| {
+            ends.map(|end| {
+                if !is_open(&end) {
+                    return end;
+                }
+                let solved = self.at_roll(stroke.stroke_mm, end.angle, stroke.depth_mm);
+                search.node(end.angle, solved)
+            })
+        })
+    }
+
+    /// A roll of the search.
+    fn node(&mut self, stroke: &AtStroke, search: &mut Search, angle: f64) -> Node {
+        let solved = match search.best {
+            Some(best) => self.at_least(stroke, angle, Some(best)),
+            None => self.at_roll(stroke.stroke_mm, angle, stroke.depth_mm),
+        };
+        search.node(angle, solved)
+    }
+
+    /// A bottom between a falling and a rising end, and what is left to search beside it.
+    fn valley(&mut self, stroke: &AtStroke, search: &mut Search, [falling, rising]: [Rolled; 2]) {
+        let Narrowed { low, high, is_closed } = self.narrow([falling, rising], stroke);
+        let bottom = if low.value <= high.value { low } else { high };
+        let [from, to] = [falling, rising].map(Node::of);
+        let angle = if is_closed { lowest_between(&low, &high).unwrap_or(bottom.angle) } else { bottom.angle };
+        let is_solved = bottom.is_exact && angle == bottom.angle;
+        let exact = if is_solved { Ok(bottom) } else { self.at_roll(stroke.stroke_mm, angle, stroke.depth_mm) };
+        match exact {
+            Ok(mut exact) if exact.is_balanced() && exact.value <= bottom.value + LEVEL => {
+                if bottom.point.ending == Ending::RollNotFound {
+                    exact.doubt();
+                }
+                search.found(exact.named_as(&low, &high));
+                let [left, right] = if is_closed {
+                    [low, high].map(|end| Node::of(Rolled { is_exact: true, ..end }))
+                } else {
+                    [-BESIDE, BESIDE].map(|beside| {
+                        let angle = (exact.angle + beside).clamp(falling.angle, rising.angle);
+                        self.node(stroke, search, angle)
+                    })
+                };
+                search.open(from, left);
+                search.open(right, to);
+            }
+            // something else asks for more there
+            exact => {
+                self.course.surprises += 1;
+                let middle = search.node(angle, exact);
+                search.open(from, middle);
+                search.open(middle, to);
+            }
+        }
     }
 
     /// What no centre distance bends down by, mm/rad²: the largest distance of a point of the rack's flanks from its roll
@@ -173,14 +237,9 @@ impl Sampler<'_> {
         SAFETY * (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
     }
 
-    /// A bottom between a falling and a rising end, which need not be the lowest one there.
-    fn narrow(
-        &mut self,
-        [mut low, mut high]: [Rolled; 2],
-        stroke_mm: f64,
-        depth_mm: f64,
-        most_searched: u64,
-    ) -> Rolled {
+    /// Both ends next to a bottom between a falling and a rising end, which need not be the lowest one there.
+    fn narrow(&mut self, [mut low, mut high]: [Rolled; 2], stroke: &AtStroke) -> Narrowed {
+        let mut is_closed = false;
         let mut run = 0_i32;
         let mut stalls = 0;
         for _ in 0..MAX_EVALUATIONS {
@@ -189,10 +248,11 @@ impl Sampler<'_> {
             let same = low.rolling.at == high.rolling.at;
             let near = if same { SAME } else { SHORT };
             if (width <= near && (low.value.min(high.value) - bound).abs() <= LEVEL) || width <= 1e-12 {
+                is_closed = true;
                 break;
             }
             let mut angle = if same {
-                low.angle - width * low.slope / (high.slope - low.slope)
+                level_between(&low, &high)
             } else {
                 // from one side: step over the kink, so that the other side comes close too
                 match run {
@@ -209,8 +269,8 @@ impl Sampler<'_> {
                 break;
             }
             // where the mesh ends in between, what is known so far counts
-            let may = self.work.searched <= most_searched;
-            let here = may.then(|| self.at_roll(stroke_mm, angle, depth_mm).ok()).flatten();
+            let may = self.work.searched <= stroke.most_searched;
+            let here = may.then(|| self.at_least(stroke, angle, None).ok()).flatten();
             let Some(here) = here.filter(Rolled::is_balanced) else {
                 low.doubt();
                 high.doubt();
@@ -223,17 +283,11 @@ impl Sampler<'_> {
                 high = here;
                 run = run.min(0) - 1;
             } else {
-                return here;
+                return Narrowed { low: here, high: here, is_closed: true };
             }
             stalls = if high.angle - low.angle > 0.5 * width { stalls + 1 } else { 0 };
         }
-        // at a kink either side's contacts could be named; always those of the lower roll, so that names do not flicker
-        let mut bottom = if low.value <= high.value { low } else { high };
-        if low.rolling.at != high.rolling.at {
-            bottom.point.right = low.point.right;
-            bottom.point.left = low.point.left;
-        }
-        bottom
+        Narrowed { low, high, is_closed }
     }
 
     /// The solution at one roll. The rack's end faces are then inclined and cut the flanks at a place that depends on
@@ -241,6 +295,9 @@ impl Sampler<'_> {
     /// do.
     fn at_roll(&mut self, stroke_mm: f64, angle: f64, depth_mm: f64) -> Result<Rolled, MeshError> {
         self.roll = Roll::new(angle, depth_mm);
+        if let Some([turned, assumed]) = self.course.at(angle, AROUND) {
+            (self.last, self.assumed) = (Some((turned, 0.0)), assumed);
+        }
         let mut point = self.solve(stroke_mm)?;
         let nominal = self.mesh.pair().nominal_center_distance_mm();
         let mut apart = 0;
@@ -265,148 +322,78 @@ impl Sampler<'_> {
         }
         let rolling = self.rolling;
         let slope = rolling.rate[0] / rolling.remaining();
-        let mut rolled = Rolled { angle, value: point.center_distance_mm, slope, point, rolling };
+        let mut rolled = Rolled { angle, value: point.center_distance_mm, slope, point, rolling, is_exact: true };
         if !settled {
             rolled.doubt();
         }
+        self.keep(&rolled);
         Ok(rolled)
     }
-}
 
-/// A roll, and the solution there if there is a mesh.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    angle: f64,
-    solution: Option<Rolled>,
-}
-
-impl Node {
-    fn is_balanced(&self) -> bool {
-        self.solution.as_ref().is_some_and(Rolled::is_balanced)
-    }
-}
-
-/// Two neighbouring rolls, with a lower bound of the centre distance between them and the roll where it is.
-#[derive(Debug, Clone, Copy)]
-struct Interval {
-    low: Node,
-    high: Node,
-    meet: f64,
-    bound: f64,
-}
-
-/// What is known of the valleys at one stroke.
-#[derive(Debug, Default)]
-struct Search {
-    /// The smallest centre distance so far, mm.
-    best: Option<f64>,
-    /// The positions that were the lowest when they were found.
-    lowest: Vec<Rolled>,
-    /// Intervals that may hold a lower one.
-    intervals: Vec<Interval>,
-    /// If there is none: why there is no mesh at some roll, and the position that was nearest to balance.
-    failure: Option<MeshError>,
-    unbalanced: Option<Rolled>,
-}
-
-impl Search {
-    fn node(&mut self, angle: f64, solved: Result<Rolled, MeshError>) -> Node {
-        match solved {
-            Ok(solution) => {
-                if solution.is_balanced() {
-                    self.found(solution);
-                } else if self.unbalanced.is_none_or(|nearest| solution.is_nearer_to_balance(&nearest)) {
-                    self.unbalanced = Some(solution);
+    /// A centre distance that a roll asks for at least: by one rotation, or a few, from what is expected there. With the
+    /// lowest bottom that is known, only as exactly as it needs to be.
+    fn at_least(&mut self, stroke: &AtStroke, angle: f64, best: Option<f64>) -> Result<Rolled, MeshError> {
+        let AtStroke { stroke_mm, depth_mm, curvature, .. } = *stroke;
+        let expected = self.course.at(angle, f64::INFINITY).filter(|_| self.course.surprises <= MOST_SURPRISES);
+        if let Some([mut turned, assumed]) = expected {
+            self.roll = Roll::new(angle, depth_mm);
+            self.assumed = assumed;
+            self.looks = Looks::AtPeaks;
+            let reach = curvature / SAFETY + self.constants.default_rate;
+            let mut found = None;
+            for _ in 0..MOST_LOOKS {
+                let Ok(Some((point, [step, moved]))) = self.glimpse(stroke_mm, turned) else { break };
+                let off = reach * step.abs() + (moved * angle).abs();
+                let left_out = SAFETY * off * off / reach;
+                if left_out <= LEFT_OUT
+                    || best.is_some_and(|best| left_out <= SHARE_LEFT_OUT * (point.center_distance_mm - best))
+                {
+                    let slope = self.rolling.rate[0] / self.rolling.remaining();
+                    let value = point.center_distance_mm - left_out;
+                    self.assumed = point.center_distance_mm;
+                    found = Some(Rolled { angle, value, slope, point, rolling: self.rolling, is_exact: false });
+                    break;
                 }
-                Node { angle, solution: Some(solution) }
+                turned += step;
+                self.assumed += moved;
             }
-            Err(error) => {
-                self.failure = Some(error);
-                Node { angle, solution: None }
+            self.looks = Looks::Everywhere;
+            if let Some(found) = found {
+                self.keep(&found);
+                return Ok(found);
             }
         }
+        self.at_roll(stroke_mm, angle, depth_mm)
     }
 
-    fn found(&mut self, at: Rolled) {
-        if self.best.is_none_or(|best| at.value < best + TIE) {
-            self.best = Some(self.best.map_or(at.value, |best| best.min(at.value)));
-            self.lowest.push(at);
-        }
-    }
-
-    fn open(&mut self, low: Node, high: Node, curvature: f64) {
-        let width = high.angle - low.angle;
-        let middle = low.angle + 0.5 * width;
-        let (meet, bound) = match (low.solution, high.solution) {
-            _ if !(low.is_balanced() || high.is_balanced()) => return,
-            (Some(_), Some(_)) if width <= SHORT => return,
-            (Some(low), Some(high)) => {
-                let (meet, bound) = lower_bound(&low, &high, curvature);
-                (meet.clamp(low.angle + 0.1 * width, high.angle - 0.1 * width), bound)
-            }
-            // the mesh ends in here, perhaps below all that was found
-            _ if width <= SMALLEST_GAP => return,
-            _ => (middle, f64::NEG_INFINITY),
-        };
-        self.intervals.push(Interval { low, high, meet, bound });
-    }
-
-    /// The interval with the lowest bound, if that is below what was found.
-    fn lowest_interval(&mut self) -> Option<Interval> {
-        let bounds = self.intervals.iter().map(|interval| interval.bound).enumerate();
-        let (index, bound) = bounds.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        self.best.is_none_or(|best| bound < best + TIE).then(|| self.intervals.swap_remove(index))
-    }
-
-    /// What was found is not known to be the lowest.
-    fn unfinished(&mut self) {
-        self.lowest.iter_mut().for_each(Rolled::doubt);
-    }
-
-    fn lowest(self) -> Result<Rolled, MeshError> {
-        let best = self.best.unwrap_or(f64::INFINITY);
-        let lowest = self.lowest.into_iter().filter(|position| position.value <= best + TIE);
-        match (lowest.min_by(|a, b| a.angle.total_cmp(&b.angle)), self.failure, self.unbalanced) {
-            (Some(lowest), ..) => Ok(lowest),
-            (None, Some(failure), _) => Err(failure),
-            (None, None, Some(unbalanced)) => Ok(unbalanced),
-            (None, None, None) => unreachable!("every position is a solution or a failure"),
-        }
+    /// Keeps where a roll was solved.
+    fn keep(&mut self, rolled: &Rolled) {
+        // where nothing balances, nothing is known of where the next roll does
+        self.last = self.last.filter(|_| rolled.is_balanced());
+        let Some((offset, displacement)) = self.last else { return };
+        let turned = offset - displacement * self.constants.angle_per_mm;
+        let turn = rolled.rolling.turn[0] + rolled.rolling.turn[1] * rolled.slope;
+        let (at, rate) = ([turned, rolled.point.center_distance_mm], [turn, rolled.slope]);
+        self.course.here.push(Start { angle: rolled.angle, at, rate });
     }
 }
 
-/// Where the tangents of a falling and a rising end meet, and how low that is.
-fn tangents(low: &Rolled, high: &Rolled) -> (f64, f64) {
-    let width = high.angle - low.angle;
-    let meet = low.angle + ((high.value - low.value) - high.slope * width) / (low.slope - high.slope);
-    (meet, low.value + low.slope * (meet - low.angle))
+/// A stroke at which rolls are searched.
+#[derive(Debug, Clone, Copy)]
+struct AtStroke {
+    stroke_mm: f64,
+    depth_mm: f64,
+    /// See [`Sampler::curvature`].
+    curvature: f64,
+    /// The search ends once so many flank pairs were searched.
+    most_searched: u64,
 }
 
-/// Whether no rotation balances both sides.
-fn is_apart(point: &MeshPoint) -> bool {
-    point.residual_mm.abs() > APART
-}
-
-/// Where the bounds from both ends of an interval meet, and how low that is; next to a roll at which no rotation balances
-/// both sides the derivatives say little, and it is what the steeper end allows below the lower one.
-fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
-    let width = high.angle - low.angle;
-    // both parabolas have the same square: their difference is a straight line
-    let apart = low.value - high.value + (high.slope + 0.5 * curvature * width) * width;
-    let from_low = apart / (high.slope - low.slope + curvature * width);
-    if from_low > 0.0 && from_low < width {
-        let bound = low.value + (low.slope - 0.5 * curvature * from_low) * from_low;
-        (low.angle + from_low, bound)
-    } else {
-        let steepest = low.slope.abs().max(high.slope.abs());
-        let bound = if is_apart(&low.point) || is_apart(&high.point) {
-            low.value.min(high.value) - (steepest + 0.5 * curvature * width) * width
-        } else {
-            // it bends down by more than was thought: nothing is known of what lies between
-            f64::NEG_INFINITY
-        };
-        (low.angle + 0.5 * width, bound)
-    }
+/// Both ends next to a bottom, and whether nothing between them is lower.
+struct Narrowed {
+    low: Rolled,
+    high: Rolled,
+    is_closed: bool,
 }
 
 #[cfg(test)]

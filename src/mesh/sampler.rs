@@ -3,6 +3,7 @@
 
 use super::contact::{ContactKind, Hint, Peaks, Pose, Surface, Touch};
 use super::prepare::{Prepared, Roll};
+use super::roll::course::Course;
 use super::{FlankSide, Mesh, Support, Work};
 use crate::trig;
 
@@ -18,21 +19,26 @@ pub struct Sampler<'a> {
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     pub(super) last: Option<(f64, f64)>,
-    /// Rack teeth that carried last, right and left. They are asked first, since most others then are seen from afar to
-    /// ask for less: without it the mesh takes 6 times as long.
-    pub(super) carried: [i64; 2],
+    /// Rack teeth that carried, right and left, the last one first. That is asked first, since most others then are seen
+    /// from afar to ask for less: without it the mesh takes 6 times as long.
+    pub(super) carried: [[i64; KNOWN]; 2],
     /// For a rack that rolls: how the last solution changes with the roll.
     pub(super) rolling: Rolling,
+    /// For a rack that rolls: the rolls that were looked at.
+    pub(super) course: Course,
     pub(super) looks: Looks,
     pub(super) work: Work,
 }
 
-/// Where flanks with form are looked at.
+/// Teeth that carried, as many as are kept of a side.
+pub(super) const KNOWN: usize = 8;
+
+/// Where a side is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Looks {
-    /// On all of the flank.
+    /// At all flanks in reach, and all of each.
     Everywhere,
-    /// Where its peaks were: what is found is what the flank asks for at least.
+    /// At flanks that carried, and where the peaks of those with form were: what is found is what the side asks for at least.
     AtPeaks,
 }
 
@@ -92,6 +98,8 @@ const LIPSCHITZ: f64 = 4.0;
 pub(super) struct Rolling {
     /// Derivatives of the centre distance by the roll, and by the one assumed.
     pub(super) rate: [f64; 2],
+    /// The same of the rotation at which both sides ask for the same.
+    pub(super) turn: [f64; 2],
     /// What touches on both sides.
     pub(super) at: Option<[Contact; 2]>,
 }
@@ -101,6 +109,8 @@ pub(super) struct Rolling {
 pub(super) struct Contact {
     pub(super) tooth: i64,
     pub(super) kind: ContactKind,
+    /// The edges that it is on.
+    pub(super) edges: [Option<ContactKind>; 2],
     pub(super) at_high_end: bool,
     pub(super) surface: Surface,
 }
@@ -150,8 +160,9 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
-            carried: [0; 2],
+            carried: [std::array::from_fn(|i| if i == 0 { 0 } else { i64::MIN }); 2],
             rolling: Rolling::default(),
+            course: Course::default(),
             looks: Looks::Everywhere,
             work: Work::default(),
         }
@@ -161,6 +172,14 @@ impl<'a> Sampler<'a> {
     #[must_use]
     pub const fn work(&self) -> Work {
         self.work
+    }
+
+    /// Keeps the tooth that carries.
+    pub(super) fn carries(&mut self, side: FlankSide, tooth: i64) {
+        let carried = &mut self.carried[usize::from(side == FlankSide::Left)];
+        let place = carried.iter().position(|&known| known == tooth).unwrap_or(KNOWN - 1);
+        carried.copy_within(..place, 1);
+        carried[0] = tooth;
     }
 
     #[inline]

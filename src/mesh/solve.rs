@@ -42,9 +42,9 @@ impl Sampler<'_> {
     /// The zero-backlash position at the present roll.
     pub(super) fn solve(&mut self, stroke_mm: f64) -> Result<MeshPoint, MeshError> {
         let position = self.locate(stroke_mm)?;
-        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
-        let Balance { right, left, offset, step, iterations, ending } = self.balanced(&position, displacement)?;
+        let balance = self.balanced(&position, displacement)?;
+        let Balance { right, left, offset, step, .. } = balance;
         if right.touch.is_on_tip() && left.touch.is_on_tip() {
             return Err(MeshError::TipOnTip { stroke_mm, right: right.tooth, left: left.tooth });
         }
@@ -54,28 +54,56 @@ impl Sampler<'_> {
         if self.mesh.support() != Support::Fixed {
             self.rolling = self.rolling(&right, &left);
         }
+        Ok(self.point(stroke_mm, a, &balance))
+    }
+
+    fn point(&self, stroke_mm: f64, center_distance_mm: f64, balance: &Balance) -> MeshPoint {
+        let Balance { right, left, offset, step, iterations, ending } = balance;
+        let Constants { angle_per_mm, nominal, .. } = self.constants;
         let error = -(offset + step);
-        Ok(MeshPoint {
+        MeshPoint {
             stroke_mm,
-            center_distance_mm: a,
-            delta_cd_mm: a - nominal,
+            center_distance_mm,
+            delta_cd_mm: center_distance_mm - nominal,
             pinion_angle_rad: stroke_mm * angle_per_mm + error,
             transmission_error_rad: error,
             roll_rad: self.roll.angle,
-            right: self.carrier(FlankSide::Right, &right),
-            left: self.carrier(FlankSide::Left, &left),
+            right: self.carrier(FlankSide::Right, right),
+            left: self.carrier(FlankSide::Left, left),
             residual_mm: right.value - left.value,
-            iterations,
-            ending,
-        })
+            iterations: *iterations,
+            ending: *ending,
+        }
     }
 
-    /// The rotation at which both sides ask for the same. Of flanks with form that is where their known peaks do, if no
-    /// other place on them asks for more there: at every other rotation all of the flank asks for no less than its peaks.
-    /// Where peaks come and go with the rotation they do not balance, and all of the flank is looked at from the start; so it
-    /// is where the rack rolls: the lowest roll of the peaks that are known would not always be that of all of the flank.
+    /// One rotation at the present roll, `turned` against where the rack's nearest tooth has the pinion; where the tangents
+    /// of both sides meet, and how far in rotation and centre distance that is. `None` where they tell nothing.
+    pub(super) fn glimpse(&mut self, stroke_mm: f64, turned: f64) -> Result<Option<(MeshPoint, [f64; 2])>, MeshError> {
+        let position = self.locate(stroke_mm)?;
+        let displacement = self.slot(FlankSide::Right, position.tooth).prepared.center;
+        let offset = turned + displacement * self.constants.angle_per_mm;
+        let [right, left] = self.demands(&position, offset)?;
+        let least = LEAST_SLOPE * self.constants.default_rate;
+        if right.touch.is_on_tip() && left.touch.is_on_tip() || !(right.rate < -least && left.rate > least) {
+            return Ok(None);
+        }
+        self.rolling = self.rolling(&right, &left);
+        let share = left.rate / (left.rate - right.rate);
+        let moved = (share * right.value + (1.0 - share) * left.value - self.assumed) / self.rolling.remaining();
+        let step = (left.value - right.value) / (right.rate - left.rate) + self.rolling.turn[1] * moved;
+        let balance = Balance { right, left, offset, step, iterations: 1, ending: Ending::Converged };
+        self.last = Some((offset + step, displacement));
+        Ok(Some((self.point(stroke_mm, self.assumed + moved, &balance), [step, moved])))
+    }
+
+    /// The rotation at which both sides ask for the same. Of flanks with form, and of a rack that may roll, that is where the
+    /// known peaks and teeth do, if no other place asks for more there: at every other rotation all places ask for no less
+    /// than those. Where peaks come and go with the rotation they do not balance, and all is looked at from the start.
     fn balanced(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
-        let is_at_peaks = self.mesh.has_form() && self.mesh.support() == Support::Fixed;
+        let is_at_peaks = match self.mesh.support() {
+            Support::Fixed => self.mesh.has_form(),
+            Support::FreeRoll { .. } => self.last.is_some(),
+        };
         let start = self.last;
         for _ in 0..if is_at_peaks { MOST_CHECKED } else { 0 } {
             self.looks = Looks::AtPeaks;
@@ -131,7 +159,7 @@ impl Sampler<'_> {
             } else {
                 high = offset;
             }
-            if iterations >= MAX_ITERATIONS {
+            if iterations >= if self.looks == Looks::AtPeaks { UNTIL_END } else { MAX_ITERATIONS } {
                 return Ok(given_up(Ending::IterationLimit));
             }
             if iterations == UNTIL_END
@@ -177,9 +205,15 @@ impl Sampler<'_> {
         let at = |demand: &Demand| {
             let spot = &demand.touch.spot;
             let at_high_end = spot.w.is_sign_positive();
-            Contact { tooth: demand.tooth, kind: demand.touch.kind, at_high_end, surface: spot.surface }
+            let edges = [Some(spot.kind), demand.touch.other.map(|(spot, _)| spot.kind)];
+            Contact { tooth: demand.tooth, kind: demand.touch.kind, edges, at_high_end, surface: spot.surface }
         };
-        Rolling { rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]), at: Some([at(right), at(left)]) }
+        let apart = right.rate - left.rate;
+        Rolling {
+            rate: [0, 1].map(|i| share * r[i] + (1.0 - share) * l[i]),
+            turn: [0, 1].map(|i| (l[i] - r[i]) / apart),
+            at: Some([at(right), at(left)]),
+        }
     }
 
     fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {

@@ -7,9 +7,9 @@
 //! grid is narrowed where the demand is not seen to be concave. That does not show every peak: the long form of this
 //! module's tests counts the random contacts that have a higher one.
 //!
-//! With a fixed rack all of a flank is looked at once for each position that is told, and on the way there only its known
-//! [`Peaks`]: what any place asks for is what the flank asks for at least, so that a position that is balanced for some
-//! places, and at which no other place asks for more, is that of all.
+//! All of a flank is looked at once for each position that is told, and on the way there only its known [`Peaks`]: what any
+//! place asks for is what the flank asks for at least, so that a position that is balanced for some places, and at which no
+//! other place asks for more, is that of all.
 //! The same flank without form bounds from above what it asks for ([`Form::most_added`]); most others than the carrier end
 //! there.
 
@@ -64,8 +64,12 @@ const GRIDS: [u32; 2] = [6, 32];
 /// How often such a part is halved where its ends do not tell whether a peak lies between.
 const DIVISIONS: u32 = 4;
 
-/// The search for others goes on at these distances from a peak, rad.
-const BESIDE: [f64; 8] = [-0.03, -0.01, -1e-3, -1e-4, 1e-4, 1e-3, 0.01, 0.03];
+/// The search for others goes on at these distances on either side of a peak, rad. Peaks at both ends of a generator may be
+/// that near to each other.
+const BESIDE: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.03];
+
+/// Places on neighbouring generators that are this share of half the face apart may be those of two peaks, one at each end.
+const FAR: f64 = 0.1;
 
 /// Peaks of a flank that are kept for the next position.
 const KEPT: usize = 3;
@@ -92,11 +96,15 @@ impl Peaks {
         peaks
     }
 
-    fn add(&mut self, delta: f64) {
-        if !self.at.iter().flatten().any(|known| (known - delta).abs() <= ONE_PEAK)
-            && let Some(free) = self.at.iter_mut().find(|peak| peak.is_none())
-        {
-            *free = Some(delta);
+    /// Keeps one more; whether it is another one, and there is room.
+    fn add(&mut self, delta: f64) -> bool {
+        let is_known = self.at.iter().flatten().any(|known| (known - delta).abs() <= ONE_PEAK);
+        match self.at.iter_mut().find(|peak| peak.is_none()) {
+            Some(free) if !is_known => {
+                *free = Some(delta);
+                true
+            }
+            _ => false,
         }
     }
 }
@@ -355,7 +363,8 @@ impl FlankContact {
     pub(in crate::mesh) fn touch_with_form(&self, pose: &Pose, peaks: &mut Peaks) -> Option<Touch> {
         peaks.are_known = true;
         let flank = self.generators(pose)?;
-        GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells, peaks))
+        let known = self.climbed(pose, flank, f64::NEG_INFINITY, peaks);
+        GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells, known, peaks))
     }
 
     /// The largest demand at the peaks that are known, wherever they are now: what the flank asks for at least. `None` if
@@ -364,26 +373,27 @@ impl FlankContact {
         self.climbed(pose, self.generators(pose)?, floor, peaks)
     }
 
-    /// The highest of the known peaks, which move to where they are now.
+    /// The highest of the known peaks, which move to where they are now; one that is now no other than one before it is kept
+    /// where it was.
     fn climbed(&self, pose: &Pose, flank: Range, mut floor: f64, peaks: &mut Peaks) -> Option<Touch> {
         let (mut best, mut moved) = (None::<Touch>, Peaks { at: [None; KEPT], ..*peaks });
         for start in peaks.at.into_iter().flatten() {
             let touch = self.climb(pose, &Search { range: flank, flank, floor, start: Some(start), known: None });
+            if !touch.is_some_and(|touch| moved.add(touch.spot.delta)) {
+                moved.add(start);
+            }
             let Some(touch) = touch else { continue };
-            moved.add(touch.spot.delta);
             if best.is_none_or(|best| touch.demand > best.demand) {
                 floor = floor.max(touch.demand);
                 best = Some(touch);
             }
         }
-        if best.is_some() {
-            *peaks = moved;
-        }
+        *peaks = moved;
         best
     }
 
-    /// The highest of the peaks that show on a grid.
-    fn highest(&self, pose: &Pose, flank: Range, cells: u32, peaks: &mut Peaks) -> Option<Touch> {
+    /// The highest of the known peaks and of those that show on a grid.
+    fn highest(&self, pose: &Pose, flank: Range, cells: u32, known: Option<Touch>, peaks: &mut Peaks) -> Option<Touch> {
         let Range { lo, hi } = flank;
         let sample = |x: f64| Sample { x, generator: self.demand(pose, x) };
         let (mut best, mut found) = (None::<Touch>, Vec::new());
@@ -419,17 +429,23 @@ impl FlankContact {
                 let peak = consider(Range { lo: low.x, hi: high.x }, Some(delta), Some([low, high]));
                 // there may be another one on either side
                 if let Some(peak) = peak.filter(|_| depth < DIVISIONS) {
-                    let places = BESIDE.map(|beside| peak + beside).into_iter();
+                    let before = BESIDE.iter().rev().map(|beside| peak - beside);
+                    let places = before.chain(BESIDE.iter().map(|beside| peak + beside));
                     let within = places.filter(|&x| low.x < x && x < high.x).map(sample);
                     let row: Vec<Sample> = once(low).chain(within).chain(once(high)).collect();
                     let cells = row.windows(2).map(|ends| (ends[0], ends[1], depth + 1));
                     between.extend(cells.filter(|(low, high, _)| !(low.x < peak && peak < high.x)));
                 }
-            } else if depth < DIVISIONS && low.hides(&high, floor) {
+            } else if depth < DIVISIONS && low.hides(&high, floor, FAR * self.half_face) {
                 let middle = sample(low.x + 0.5 * (high.x - low.x));
                 between.extend([(low, middle, depth + 1), (middle, high, depth + 1)]);
             }
         }
+        let best = match known {
+            Some(known) if best.is_none_or(|best| known.demand > best.demand) => Some(known),
+            _ => best,
+        };
+        found.extend(known);
         *peaks = Peaks::of(found);
         best
     }
@@ -464,16 +480,17 @@ impl Sample {
     /// Whether a peak higher than `floor` may lie between this generator and the next one though none shows: where
     /// another edge or surface takes over, or the flank begins or ends, or where the tangents do not bound what lies
     /// between as those of a concave function do.
-    fn hides(&self, next: &Self, floor: f64) -> bool {
+    fn hides(&self, next: &Self, floor: f64, far: f64) -> bool {
         let width = next.x - self.x;
         match (self.generator, next.generator) {
             (
-                Generator::Some { demand: here, slope: before, .. },
-                Generator::Some { demand: there, slope: after, .. },
+                Generator::Some { demand: here, slope: before, w, .. },
+                Generator::Some { demand: there, slope: after, w: next_w, .. },
             ) => {
+                let is_one = self.is_as(next) && (next_w - w).abs() <= far;
                 let mean = (there - here) / width;
                 let steepest = before.abs().max(after.abs());
-                here.max(there) + steepest * width > floor && !(self.is_as(next) && before >= mean && mean >= after)
+                here.max(there) + steepest * width > floor && !(is_one && before >= mean && mean >= after)
             }
             (Generator::None { .. }, Generator::None { .. }) => false,
             _ => true,

@@ -93,7 +93,7 @@ fn the_highest_of_all_peaks_is_found() {
         assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {count} generators");
-    assert!(some > 4000 && none > 300 && count <= 239_130, "{count}");
+    assert!(some > 4000 && none > 300 && count <= 293_500, "{count}");
 }
 
 /// How much more the highest of many generators asks for than the one that is found.

@@ -1,6 +1,7 @@
 //! The search among rolls by itself: what it keeps, bounds, divides and gives.
 
 use super::*;
+use crate::mesh::roll::valleys::{APART, SMALLEST_GAP, lower_bound, smooth_bound};
 
 /// A roll at which the centre distance would have this value and slope.
 fn rolled(angle: f64, value: f64, slope: f64) -> Rolled {
@@ -53,13 +54,31 @@ fn a_bound_is_where_the_parabolas_of_both_ends_meet() {
     }
 }
 
+/// Where the same points touch at both ends, what lies between is bounded closely, and from below.
+#[test]
+fn one_contact_is_bounded_by_the_cubic_through_both_ends() {
+    let curvature = 300.0;
+    for (slope, bend, third, fourth) in [(0.0, 15.0, 0.0, 0.0), (-0.05, 15.0, 40.0, 1e4), (-0.1, 30.0, -200.0, -1e4)] {
+        let f = |x: f64| 2.0 + x * (slope + x * (bend / 2.0 + x * (third / 6.0 + x * fourth / 24.0)));
+        let rate = |x: f64| slope + x * (bend + x * (third / 2.0 + x * fourth / 6.0));
+        let [low, high] = [1e-5, 0.01].map(|x| rolled(x, f(x), rate(x)));
+        let bound = smooth_bound(&low, &high, curvature);
+        let least = (1..1000).map(|i| f(1e-5 + 0.009_99 * f64::from(i) / 1000.0)).fold(f64::INFINITY, f64::min);
+        let parabolas = lower_bound(&low, &high, curvature).1;
+        assert!(bound <= f(0.005).max(least) && bound > parabolas, "{bound} {least} {parabolas}");
+        if slope < 0.0 {
+            assert!(bound <= least && bound > least - 1e-3, "{bound} {least}");
+        }
+    }
+}
+
 /// Divided where both bounds meet but not next to an end; not at all where it is short.
 #[test]
 fn an_interval_is_divided_away_from_its_ends() {
     let curvature = 10.0;
     let opened = |low, high| {
-        let mut search = Search::default();
-        search.open(low, high, curvature);
+        let mut search = Search { curvature, ..Search::default() };
+        search.open(low, high);
         search.intervals.pop().map(|interval| (interval.low.angle, interval.high.angle, interval.meet))
     };
     let (low, high) = (0.03, 0.05);
@@ -77,14 +96,15 @@ fn an_interval_is_divided_away_from_its_ends() {
 #[test]
 fn the_end_of_the_mesh_is_looked_for() {
     let opened = |low: Node, high: Node| {
-        let mut search = Search::default();
-        search.open(low, high, 10.0);
+        let mut search = Search { curvature: 10.0, ..Search::default() };
+        search.open(low, high);
         search.intervals.pop().map(|interval| (interval.meet, interval.bound))
     };
     let (low, high) = (-0.03, 0.05);
     for ends in [(off_mesh(low), node(high, 1.0, 0.0)), (node(low, 1.0, 0.0), off_mesh(high))] {
         let (meet, bound) = opened(ends.0, ends.1).expect("it is long");
-        assert!((meet - 0.01).abs() < 1e-15 && bound == f64::NEG_INFINITY, "{meet} {bound}");
+        // what the one end and the curvature allow
+        assert!((meet - 0.01).abs() < 1e-15 && (bound - (1.0 - 0.5 * 10.0 * 0.08 * 0.08)).abs() < 1e-15, "{bound}");
     }
     assert!(opened(off_mesh(low), off_mesh(high)).is_none(), "no mesh at either end");
     assert!(opened(off_mesh(low), node(low + 0.99 * SMALLEST_GAP, 1.0, 0.0)).is_none());
