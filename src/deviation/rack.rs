@@ -62,6 +62,10 @@ pub struct RackTooth {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RackFlanks {
     deviations: Vec<RackDeviation>,
+    /// Which of them are on one tooth alone, by that, and which are on others or move the teeth behind them: of many a tooth
+    /// looks at few.
+    of_tooth: BTreeMap<i64, Vec<usize>>,
+    of_many: Vec<usize>,
     measured: BTreeMap<i64, RackTooth>,
     form: RackForm,
     /// Normal thickness to displacement of each flank along X, 1/(2 cos β_r).
@@ -76,6 +80,8 @@ impl RackFlanks {
         let helix_angle_rad = pair.rack().helix_angle_rad;
         Self {
             deviations: Vec::new(),
+            of_tooth: BTreeMap::new(),
+            of_many: Vec::new(),
             measured: BTreeMap::new(),
             form: RackForm::default(),
             thickness_to_x: 0.5 / trig::cos(helix_angle_rad),
@@ -106,6 +112,14 @@ impl RackFlanks {
         }
         flanks.check_lead(largest_lead(deviations))?;
         flanks.deviations = deviations.to_vec();
+        for (number, RackDeviation { teeth, kind }) in deviations.iter().enumerate() {
+            match (teeth.first(), kind) {
+                (Some(tooth), kind) if teeth.last() == Some(tooth) && !matches!(kind, RackDeviationKind::Pitch(_)) => {
+                    flanks.of_tooth.entry(tooth).or_default().push(number);
+                }
+                _ => flanks.of_many.push(number),
+            }
+        }
         Ok(flanks)
     }
 
@@ -114,8 +128,8 @@ impl RackFlanks {
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
     pub fn with_deviations(self, pair: &Pair, more: &[RackDeviation]) -> Result<Self, DeviationError> {
-        let deviations = Self::new(pair, &[&self.deviations, more].concat())?.deviations;
-        Ok(Self { deviations, ..self })
+        let Self { deviations, of_tooth, of_many, .. } = Self::new(pair, &[&self.deviations, more].concat())?;
+        Ok(Self { deviations, of_tooth, of_many, ..self })
     }
 
     /// The same rack with measured displacements of single teeth added to those that it has, as
@@ -164,11 +178,23 @@ impl RackFlanks {
         &self.form
     }
 
+    /// The deviations that may be of a tooth, in their order.
+    fn near(&self, tooth: i64) -> impl Iterator<Item = &RackDeviation> {
+        let mut own = self.of_tooth.get(&tooth).map_or(&[][..], Vec::as_slice).iter().peekable();
+        let mut many = self.of_many.iter().peekable();
+        let numbers = std::iter::from_fn(move || match (own.peek(), many.peek()) {
+            (Some(one), Some(other)) if one > other => many.next(),
+            (Some(_), _) => own.next(),
+            (None, _) => many.next(),
+        });
+        numbers.map(|number| &self.deviations[*number])
+    }
+
     /// Where the flanks of a tooth are.
     #[must_use]
     pub fn tooth(&self, index: i64) -> RackTooth {
         let mut tooth = self.measured.get(&index).copied().unwrap_or_default();
-        for deviation in &self.deviations {
+        for deviation in self.near(index) {
             let RackTooth { left, right } = &mut tooth;
             if let RackDeviationKind::Pitch(value) = deviation.kind {
                 // indices stay below 2⁵¹, so the conversion is exact
@@ -242,6 +268,23 @@ mod tests {
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("all", -0.5)]), 0.0);
         // of two as large the first
         assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", -0.5)]), 0.5);
+    }
+
+    /// What is on one tooth and what is on many is summed in the order in which it is given.
+    #[test]
+    fn deviations_of_a_tooth_add_up_in_their_order() {
+        let pair = Pair::new(&crate::gear::example(12, 0.0, 0.0)).unwrap();
+        let shift = |teeth: &str, value| RackDeviation {
+            teeth: teeth.parse().expect("a range"),
+            kind: RackDeviationKind::Shift(value),
+        };
+        let pitch = RackDeviation { kind: RackDeviationKind::Pitch(0.07), ..shift("2", 0.0) };
+        let all = [shift("2", 0.1), shift("all", 0.2), pitch, shift("2", 0.3), shift("1..", -0.6), shift("3", 1e-17)];
+        let flanks = RackFlanks::new(&pair, &all).unwrap();
+        for (tooth, sum) in [(0, 0.2), (1, 0.2 - 0.6), (2, 0.1 + 0.2 + 0.07 + 0.3 - 0.6), (3, 0.2 + 0.07 - 0.6 + 1e-17)]
+        {
+            assert_eq!(flanks.tooth(tooth).left.along_x_mm, sum, "{tooth}");
+        }
     }
 
     /// Of what is given and what is measured of one tooth the sum counts.

@@ -58,6 +58,11 @@ impl Chunker {
         Ok(&self.pending[..self.pending.len().min(count)])
     }
 
+    /// All bytes that are read and not handed on.
+    pub(crate) fn into_pending(self) -> Vec<u8> {
+        self.pending
+    }
+
     /// Drops bytes that [`start`](Self::start) gave.
     pub(crate) fn skip(&mut self, count: usize) {
         self.pending.drain(..count);

@@ -9,7 +9,7 @@ use super::Table;
 use super::encoding::{decode, peek, unpacked};
 use super::parquet::ParquetTable;
 use super::propose::{Proposal, Unclosed};
-use super::qdas::{Qdas, qdas_table};
+use super::qdas::{Qdas, qdas_table, read_all};
 use super::report::is_numbered_report;
 use super::text::Text;
 use super::typed::{parquet_table, workbook_table};
@@ -96,7 +96,7 @@ impl Container {
                 let mut text = Text::open(name, peeked.bytes, want.encoding)?;
                 if text.is_qdas()? {
                     let text = text.whole(LARGEST_FILE)?;
-                    return Ok(Self::Qdas(Box::new(super::qdas::read(&[(name, &text)])?)));
+                    return Ok(Self::Qdas(Box::new(read_all(vec![(name.to_owned(), text)])?)));
                 }
                 Ok(Self::Text(text))
             }
@@ -110,10 +110,9 @@ impl Container {
     pub fn qdas_pair(definitions: (&str, Source), values: (&str, Source)) -> Result<Self, Diagnostics> {
         let mut texts = Vec::new();
         for (name, source) in [definitions, values] {
-            texts.push((name, decode(&whole(name, source.reader())?).into_owned()));
+            texts.push((name.to_owned(), decode(&whole(name, source.reader())?).into_owned()));
         }
-        let files: Vec<_> = texts.iter().map(|(name, text)| (*name, text.as_str())).collect();
-        Ok(Self::Qdas(Box::new(super::qdas::read(&files)?)))
+        Ok(Self::Qdas(Box::new(read_all(texts)?)))
     }
 
     /// What the file says of its characteristics, if it is of a format that does.

@@ -95,6 +95,11 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
+/// The same of bytes that nobody else needs.
+pub(crate) fn owned_text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap_or_else(|error| text(error.as_bytes()).into_owned())
+}
+
 /// The text of bytes that are all there.
 #[must_use]
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {

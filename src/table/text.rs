@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::Table;
 use super::chunk::{Chunker, LONGEST_RECORD};
 use super::contract::{File, of_records};
-use super::encoding::{Encoding, recoded, text};
+use super::encoding::{Encoding, owned_text, recoded, text};
 use super::pieces::Place;
 use super::propose::Unclosed;
 use super::report::{Report, is_report, report};
@@ -68,11 +68,12 @@ impl Text {
 
     /// All of it, for files that are read as a whole.
     pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
-        let (bytes, is_all) = self.start(most + 1)?;
-        if !is_all {
+        let read = self.chunks.start(most + 1).map_err(|error| Diagnostic::unreadable(&self.name, &error))?.len();
+        if read > most {
             return Err(Diagnostic::unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
         }
-        Ok(text(&bytes).into_owned())
+        // tens of MiB are not held twice
+        Ok(owned_text(self.chunks.into_pending()))
     }
 
     pub(crate) fn table(mut self, want: &Want) -> Result<Table, Unclosed> {

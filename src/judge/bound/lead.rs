@@ -375,7 +375,8 @@ impl Slopes {
     /// Of a rack flank whose tooth line turns by an angle, rad.
     pub(in crate::judge) fn of_rack(turn: f64, tan_alpha: f64, helix: f64) -> Self {
         let (sin, cos) = trig::sin_cos(turn);
-        let (sin_turned, cos_turned) = trig::sin_cos(helix + turn);
+        // the same where teeth are straight
+        let (sin_turned, cos_turned) = if helix == 0.0 { (sin, cos) } else { trig::sin_cos(helix + turn) };
         let fall = sin_turned / cos_turned * sin - (1.0 - cos);
         Self { across: sin / (cos_turned * tan_alpha), up: -fall, along: 0.0 }
     }

@@ -69,6 +69,8 @@ pub struct Proposal {
     /// How the table is read, once it is closed.
     pub reading: Option<Reading>,
     pub(super) open: Vec<Open>,
+    /// How many more there are than those.
+    pub(super) more: usize,
     pub(super) layout: Arc<Layout>,
     pub(super) rules: Vec<Suggestion>,
 }
@@ -108,12 +110,9 @@ impl Proposal {
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
         /// Nobody reads more of them; the others follow once these have owners.
         const MOST: usize = 10_000;
-        if let more @ 1.. = open.len().saturating_sub(MOST) {
-            open.truncate(MOST);
-            let help = "check that this is the table that is meant".to_owned();
-            open.push(Open::Wrong { what: format!("and {more} more columns, characteristics or lines"), help });
-        }
-        let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, ..Self::default() };
+        let more = open.len().saturating_sub(MOST);
+        open.truncate(MOST);
+        let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, more, ..Self::default() };
         for open in &proposal.open {
             proposal.rules.extend(rules::of_open(open));
             proposal.lines.extend(line_account(open));

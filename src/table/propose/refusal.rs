@@ -19,7 +19,7 @@ impl Proposal {
     pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
         let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
-        let count = self.open.len() + self.rejected_lines().count();
+        let count = self.open.len() + self.more + self.rejected_lines().count();
         let mut list: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).take(SHOWN).collect();
         if let more @ 1.. = count.saturating_sub(SHOWN) {
             list.push(format!("and {more} more"));
@@ -30,7 +30,7 @@ impl Proposal {
             |open: &&Open| matches!(open, Open::Column { .. } | Open::Characteristic { .. } | Open::Missing { .. });
         let different = || self.open.iter().filter(of_columns);
         let mut difference: Vec<_> = different().take(SHOWN).map(Open::difference).collect();
-        if let more @ 1.. = different().count().saturating_sub(SHOWN) {
+        if let more @ 1.. = (different().count() + self.more).saturating_sub(SHOWN) {
             difference.push(format!("and {more} more"));
         }
         let message = if difference.is_empty() || *self.layout == Layout::default() {

@@ -28,6 +28,7 @@ mod write;
 
 pub(crate) use closed::qdas_table;
 pub use read::read;
+pub(crate) use read::read_all;
 pub use write::{CharacteristicColumn, ValueRow, definition_lines, row_lines};
 
 use super::contract::{Owner, owner};

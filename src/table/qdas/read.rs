@@ -119,9 +119,16 @@ impl Line<'_> {
 /// What is wrong, with the file, the line and the key: a line that is neither, an index beyond K0100, a number that is
 /// none.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
+    read_all(files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect())
+}
+
+/// The same of texts that nobody else needs.
+pub(crate) fn read_all(files: Vec<(String, String)>) -> Result<Qdas, Diagnostic> {
     let mut reader = Reader::default();
-    for (name, text) in files {
-        reader.source = Arc::new(Source::new(*name, text.trim_start_matches('\u{feff}')));
+    for (name, mut text) in files {
+        let marks = text.len() - text.trim_start_matches('\u{feff}').len();
+        text.drain(..marks);
+        reader.source = Arc::new(Source::new(name, text));
         reader.file()?;
     }
     reader.finish()

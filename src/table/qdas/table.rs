@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::{Characteristic, Qdas};
+use super::{Characteristic, Qdas, Value};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Decimal, Unit};
@@ -46,15 +46,30 @@ impl Qdas {
         for indices in &mut indices {
             indices.sort_by_key(|index| self.characteristics[*index].part);
         }
-        let mut rows: Vec<(usize, u32)> = Vec::new();
-        for characteristic in &self.characteristics {
-            rows.extend(characteristic.values.iter().map(|value| (characteristic.part, value.sample)));
-        }
-        rows.sort_unstable();
-        rows.dedup();
+        let part = |characteristic: &Characteristic| u32::try_from(characteristic.part).unwrap_or(u32::MAX);
+        let samples: Vec<_> = self.characteristics.iter().map(|one| (part(one), one.values.as_slice())).collect();
+        let rows = rows_of(samples);
         let numbers_differ = self.parts.iter().any(|part| part.number != self.parts[0].number);
         QdasTable { indices, rows, numbers_differ, qdas: self }
     }
+}
+
+/// Part and sample of each row: of every value, once. Most characteristics have the same ones, which are not gathered first.
+fn rows_of(mut of: Vec<(u32, &[Value])>) -> Vec<(u32, u32)> {
+    of.sort_by_key(|(part, _)| *part);
+    let mut rows: Vec<(u32, u32)> = Vec::new();
+    for same in of.chunk_by(|(one, _), (other, _)| one == other) {
+        let first = rows.len();
+        for (part, values) in same {
+            let is_known = |value: &Value| rows[first..].binary_search(&(*part, value.sample)).is_ok();
+            let new: Vec<_> =
+                values.iter().filter(|value| !is_known(value)).map(|value| (*part, value.sample)).collect();
+            rows.extend(new);
+            rows[first..].sort_unstable();
+        }
+    }
+    rows.dedup();
+    rows
 }
 
 /// The values of a file as a table.
@@ -63,7 +78,7 @@ pub(crate) struct QdasTable {
     /// The characteristics of each column but the first, one per part of the file, in the order of parts.
     pub(super) indices: Vec<Vec<usize>>,
     /// Part and sample.
-    rows: Vec<(usize, u32)>,
+    rows: Vec<(u32, u32)>,
     /// Whether parts have numbers of their own (K1001).
     numbers_differ: bool,
     pub(super) qdas: Qdas,
@@ -84,6 +99,11 @@ impl QdasTable {
         let mut marked = values.filter(|value| value.number.is_some() && value.mark.is_some());
         let known = marked.next().and_then(|value| value.mark);
         marked.find(|value| value.mark != known).map_or(Ok(known), |other| Err(other.line))
+    }
+
+    /// Part and sample of a row.
+    fn row(&self, row: usize) -> Option<(usize, u32)> {
+        self.rows.get(row).map(|(part, sample)| (*part as usize, *sample))
     }
 
     fn characteristics(&self, part: usize) -> impl Iterator<Item = Option<&Characteristic>> {
@@ -111,8 +131,8 @@ impl QdasTable {
         if self.qdas.part_names.len() < 2 {
             return None;
         }
-        self.rows.iter().find_map(|(part, sample)| {
-            let values = self.characteristics(*part).filter_map(|found| found?.sample(*sample));
+        (0..self.len()).filter_map(|row| self.row(row)).find_map(|(part, sample)| {
+            let values = self.characteristics(part).filter_map(|found| found?.sample(sample));
             let mut named = values.filter(|value| value.part_name > 0).peekable();
             let first = named.peek()?.part_name;
             let other = named.find(|value| value.part_name != first)?;
@@ -142,7 +162,7 @@ impl QdasTable {
 
     /// A row: the part's name and the values, nothing where there is none or it does not count; `None` beyond the last.
     pub(crate) fn record(&self, row: usize) -> Option<Record> {
-        let (part, sample) = self.rows.get(row).copied()?;
+        let (part, sample) = self.row(row)?;
         let name = Content::of_text(&self.part_name(row, part, sample));
         let values = self.characteristics(part).map(|found| {
             let number = found.and_then(|found| found.sample(sample)?.number);
@@ -154,7 +174,7 @@ impl QdasTable {
 
     /// The line of the file where a row stands.
     pub(super) fn line(&self, row: usize) -> u32 {
-        let Some((part, sample)) = self.rows.get(row).copied() else { return 0 };
+        let Some((part, sample)) = self.row(row) else { return 0 };
         self.characteristics(part).flatten().find_map(|found| found.sample(sample)).map_or(0, |value| value.line)
     }
 }
