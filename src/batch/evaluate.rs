@@ -8,11 +8,13 @@ use std::sync::atomic::AtomicBool;
 
 use super::layout::Layout;
 use super::meshed::Meshes;
-use super::outcome::{Part, Problem, Tally, keep_worst};
+use super::outcome::{Part, PartError, Problem, Tally, keep_worst};
+use super::output::Output;
 use super::plan::Plan;
 use super::request::{Request, Rows};
 use super::results::{Margin, Results, spread_of};
 use super::rows::{Row, RowWriter, WrittenRow};
+use super::source::Source;
 use super::statistics::Statistics;
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationValue, DeviationValues};
@@ -92,7 +94,7 @@ impl<'a> Evaluator<'a> {
         }
         let columns = self.columns(block);
         let results = Results::new(self.plan, self.layout, block, &columns, &self.errors, &mut self.meshes);
-        self.take(&results, Row { block, index: 0, records_before });
+        self.take(&results, &columns, Row { block, index: 0, records_before });
         self.results = Some(results);
         if self.is_cut(block.rows()) {
             // in strict mode a refused row is the last, and a signal leaves no time for rows
@@ -134,7 +136,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Takes the results of a block, of whose rows this is the first.
-    fn take(&mut self, results: &Results<'_>, first: Row<'_>) {
+    fn take(&mut self, results: &Results<'_>, columns: &[Cow<'_, DeviationValues>], first: Row<'_>) {
         for rows in results.runs() {
             let refused = rows.end;
             let is_at_once = self.is_written_at_once(first.block, results, &rows);
@@ -143,7 +145,7 @@ impl<'a> Evaluator<'a> {
                 self.written.parts(first, results, rows.clone());
             }
             for index in rows {
-                self.take_part(Row { index, ..first }, results, is_at_once);
+                self.take_part(Row { index, ..first }, results, columns, is_at_once);
             }
             if let Some(refusal) = results.refusals.get(&refused) {
                 self.refuse(Row { index: refused, ..first }, refusal);
@@ -165,7 +167,13 @@ impl<'a> Evaluator<'a> {
 
     /// Takes a part, which may be written already.
     #[inline]
-    fn take_part(&mut self, row: Row<'_>, results: &Results<'_>, is_written: bool) {
+    fn take_part(
+        &mut self,
+        row: Row<'_>,
+        results: &Results<'_>,
+        columns: &[Cow<'_, DeviationValues>],
+        is_written: bool,
+    ) {
         let verdict = results.verdicts[row.index];
         self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
@@ -180,7 +188,9 @@ impl<'a> Evaluator<'a> {
         }
         let margin = results.margin(row.index);
         let file = &self.file;
-        let part = || kept(row, file, results, margin);
+        let (plan, layout) = (self.plan, self.layout);
+        let part =
+            || Part { errors: errors(row.index, plan, layout, results, columns), ..kept(row, file, results, margin) };
         if let Some(margin) = margin.filter(|_| self.plan.request.statistics) {
             keep_worst(&mut self.tally.worst, margin.inside_by.mm(), part);
         }
@@ -238,6 +248,27 @@ impl<'a> Evaluator<'a> {
     }
 }
 
+/// The errors of a part.
+fn errors(
+    row: usize,
+    plan: &Plan,
+    layout: &Layout,
+    results: &Results<'_>,
+    columns: &[Cow<'_, DeviationValues>],
+) -> Vec<PartError> {
+    let error = |((source, values), nominal): ((&Source, &Cow<'_, DeviationValues>), &Option<DeviationValue>)| {
+        let kind = source.law.kind();
+        PartError {
+            kind,
+            deviation: values.at(row),
+            nominal: *nominal,
+            delta_cd: results.of(&Output::Error(kind), row).unwrap_or_default(),
+            margin: results.margin_of(kind, row),
+        }
+    };
+    plan.sources.iter().zip(columns).zip(&layout.nominals).map(error).collect()
+}
+
 /// A part as it is kept for the summary; one without a result is as far outside as can be.
 fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Margin>) -> Part {
     const OPEN: f64 = f64::INFINITY;
@@ -249,5 +280,6 @@ fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Mar
         on: margin.and_then(|margin| margin.on).map(|(on, _)| on),
         result_mm: margin.map_or((-OPEN, OPEN), |margin| (margin.result.lower.mm(), margin.result.upper.mm())),
         reason: results.reason(row.index).map(Cow::into_owned),
+        errors: Vec::new(),
     }
 }

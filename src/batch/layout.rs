@@ -3,10 +3,10 @@
 use super::output::Output;
 use super::plan::Plan;
 use super::source::{Source, missing, nominal_of};
-use crate::deviation::DeviationKind;
 use crate::deviation::plausible::{DoubtedColumn, Reach};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::table::{Table, Wanted};
+use crate::table::{Nominal, Table, Wanted};
 
 /// Where one table has what.
 #[derive(Debug, Clone)]
@@ -15,6 +15,8 @@ pub struct Layout {
     pub(super) columns: Vec<Option<usize>>,
     /// The titles of the table's columns, for messages.
     pub(super) titles: Vec<String>,
+    /// The nominal value of each source, where every part has one.
+    pub(super) nominals: Vec<Option<DeviationValue>>,
     /// The fields that outputs copy, in the outputs' order.
     copied: Vec<usize>,
 }
@@ -63,6 +65,8 @@ impl Layout {
             let Output::Copied(name) = output else { continue };
             match table.titles.iter().position(|title| title == name) {
                 Some(field) => copied.push(field),
+                // where no cell is
+                None if plan.request.copied.contains(name) => copied.push(usize::MAX),
                 None => diagnostics.push(bad(format!("{} has no column `{name}`, which is to be written", table.name))),
             }
         }
@@ -70,7 +74,11 @@ impl Layout {
             return Err(Diagnostics(diagnostics));
         }
         let titles = table.columns.iter().map(|column| column.title.clone()).collect();
-        Ok(Self { columns, titles, copied })
+        let nominal = |column: &Option<usize>| {
+            let column = &table.columns[(*column)?];
+            nominal_of(column).or(column.stated.filter(|_| column.nominal == Nominal::Beside))
+        };
+        Ok(Self { nominals: columns.iter().map(nominal).collect(), columns, titles, copied })
     }
 
     /// A sentence for each column that has suspicious values, of which `counts` has one number per source of the plan.

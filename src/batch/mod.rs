@@ -78,7 +78,7 @@ pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use ledger::{ColumnSink, RowSink, Sink, Sinks};
 pub use number::{Decimals, NoDecimals};
-pub use outcome::{Counts, Duplicates, Outcome, Part, PartSink, Problem, Quantity, RowPlace};
+pub use outcome::{Counts, Duplicates, Outcome, Part, PartError, PartSink, Problem, Quantity, RowPlace};
 pub use pack::Packing;
 pub use parquet::ParquetRows;
 pub use plan::{Plan, refuse_without_uncertainty};

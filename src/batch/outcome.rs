@@ -7,10 +7,11 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::io;
 use std::sync::Arc;
 
-use super::output::Output;
+use super::output::{End, Output};
 use super::request::Request;
 use super::source::KINDS;
 use super::statistics::{MovingRange, Statistics};
+use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Code;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
@@ -154,6 +155,23 @@ pub struct Part {
     pub result_mm: (f64, f64),
     /// Why it does not pass, or has no verdict.
     pub reason: Option<String>,
+    /// Its errors; none of a part whose teeth are known.
+    pub errors: Vec<PartError>,
+}
+
+/// An error of a part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartError {
+    /// Which it is.
+    pub kind: DeviationKind,
+    /// The deviation that is evaluated.
+    pub deviation: DeviationValue,
+    /// The nominal value that it is the distance to; `None` where deviations were measured.
+    pub nominal: Option<DeviationValue>,
+    /// Its ΔCD.
+    pub delta_cd: Length,
+    /// How far that is inside its own limit.
+    pub margin: Option<Length>,
 }
 
 impl Part {
@@ -180,25 +198,37 @@ pub struct Quantity {
     pub name: String,
     /// On what a limit is that it is held against. Of the two ends of a combination, the upper one stands last.
     pub on: Option<LimitTarget>,
-    /// The lower and the upper limit that it is held against, mm.
+    /// The lower and the upper limit on what it is of, mm.
     pub limits: (Option<f64>, Option<f64>),
+    /// Which end of a range it is: that is held against the limit on its side.
+    pub(super) end: Option<End>,
     /// Its statistics.
     pub statistics: Statistics,
 }
 
 impl Quantity {
     /// A result without a value so far, and the limit that it is held against.
-    pub(super) fn new(name: String, on: Option<LimitTarget>, limit: Option<&Limit>) -> Self {
+    pub(super) fn new(name: String, on: Option<LimitTarget>, limit: Option<&Limit>, end: Option<End>) -> Self {
         let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
+        let new = Self { name, on, limits: limit.map_or((None, None), ends), end, statistics: Statistics::default() };
         // capability is that of what has a limit
-        let statistics = if limit.is_some() { Statistics::of_kept_values() } else { Statistics::default() };
-        Self { name, on, limits: limit.map_or((None, None), ends), statistics }
+        if new.is_limited() { Self { statistics: Statistics::of_kept_values(), ..new } } else { new }
+    }
+
+    /// The limits that it is held against, mm: of the end of a range the one on its side.
+    #[must_use]
+    pub fn own_limits(&self) -> (Option<f64>, Option<f64>) {
+        match self.end {
+            Some(End::Lower) => (self.limits.0, None),
+            Some(End::Upper) => (None, self.limits.1),
+            None => self.limits,
+        }
     }
 
     /// Whether it is held against a limit.
     #[must_use]
     pub fn is_limited(&self) -> bool {
-        self.limits != (None, None)
+        self.own_limits() != (None, None)
     }
 }
 

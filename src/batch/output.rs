@@ -161,8 +161,12 @@ impl Output {
         limits: &[LimitTarget],
         is_uncertain: bool,
     ) -> Result<Vec<Self>, Diagnostic> {
-        let all = Self::all(request, kinds, limits, is_uncertain);
-        let Some(names) = &request.columns else { return Ok(all) };
+        let mut all = Self::all(request, kinds, limits, is_uncertain);
+        let Some(names) = &request.columns else {
+            let copied = request.copied.iter().filter(|name| table.titles.contains(name));
+            all.splice(1..1, copied.cloned().map(Self::Copied));
+            return Ok(all);
+        };
         let output = |name: &String| {
             let others = Self::others();
             let known = |output: &&Self| output.name(request.stack) == *name;

@@ -189,13 +189,15 @@ impl Plan {
     /// The results that have statistics, without a value so far.
     pub(super) fn quantities_kept(&self) -> Vec<Quantity> {
         let quantities = self.quantities().map(|output| {
-            let on = match output {
-                Output::Error(kind) => Some(LimitTarget::Error(*kind)),
-                Output::Combined(stack, _) if *stack == self.request.stack => Some(LimitTarget::CenterDistance),
-                _ => None,
+            let (on, end) = match output {
+                Output::Error(kind) => (Some(LimitTarget::Error(*kind)), None),
+                Output::Combined(stack, end) if *stack == self.request.stack => {
+                    (Some(LimitTarget::CenterDistance), Some(*end))
+                }
+                _ => (None, None),
             };
             let limit = self.limits.iter().find(|(target, _)| on == Some(*target)).map(|(_, limit)| limit);
-            Quantity::new(output.name(self.request.stack), on, limit)
+            Quantity::new(output.name(self.request.stack), on, limit, end)
         });
         quantities.collect()
     }

@@ -23,6 +23,8 @@ pub struct Request {
     pub format: RowFormat,
     /// The columns to write, by the names of the output or of the input; all results if `None`.
     pub columns: Option<Vec<String>>,
+    /// Columns of the first table that are written as they are, beside all results; a later table may lack one.
+    pub copied: Vec<String>,
     /// Whether the errors of each part are put on the worst teeth that a search finds, where the whole pair is known.
     pub mesh: bool,
     /// Whether parts are judged by what the table has where it lacks an error that the spec asks for.

@@ -369,6 +369,13 @@ impl<'a> Results<'a> {
         self.verdicts[row].and_then(|_| self.margin(row)?.on)
     }
 
+    /// How far an error is inside its own limit.
+    pub(super) fn margin_of(&self, kind: DeviationKind, row: usize) -> Option<Length> {
+        let on = LimitTarget::Error(kind);
+        let (_, limit) = self.plan.limits.iter().find(|(other, _)| *other == on)?;
+        Some(limit.nearest(self.judged(on, row)?)?.inside_by)
+    }
+
     /// The results of an output that is a length, of all parts that have one.
     pub(super) fn all_of(&self, output: &Output) -> Cow<'_, [Length]> {
         if let (Output::Error(kind), true) = (output, self.refusals.is_empty()) {

@@ -118,7 +118,9 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
             let names: Vec<_> = elsewhere.iter().map(|kind| kind.name()).collect();
             let elsewhere = match &names[..] {
                 [] => String::new(),
-                names => format!("; the extent of {} is not followed here, `eval` has its range", names.join(", ")),
+                names => {
+                    format!("; the extent of {} is not followed here, `eval` has its worst case", names.join(", "))
+                }
             };
             format!(
                 "the teeth: over-roller and radial on all, the rack's pitch as one step before tooth {FIRST_ODD_TOOTH}, its lead on \

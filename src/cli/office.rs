@@ -68,10 +68,18 @@ impl<W: Write + Send> FormedRows<W> {
         }
     }
 
-    /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written.
-    pub(super) fn finish(mut self, stop: &AtomicBool) -> io::Result<bool> {
+    /// Says that so many columns behind the first one are those of the table.
+    pub(super) fn with_copied(&mut self, count: usize) {
+        if let Kind::Book(book) = &mut self.kind {
+            book.copied = count;
+        }
+    }
+
+    /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written. A workbook has a sheet
+    /// of notes.
+    pub(super) fn finish(mut self, notes: &[String], stop: &AtomicBool) -> io::Result<bool> {
         match self.kind {
-            Kind::Book(book) => match book.save(Stopped { out: &mut self.out, stop, has_failed: false }) {
+            Kind::Book(book) => match book.save(notes, Stopped { out: &mut self.out, stop, has_failed: false }) {
                 Err(_) if stop.load(Ordering::Relaxed) => return Ok(false),
                 saved => saved?,
             },
@@ -149,12 +157,12 @@ impl<W: Write> Write for Stopped<'_, W> {
 }
 
 /// Rows with a header as such a file.
-pub(super) fn bytes(path: &str, rows: &[Vec<String>], named: (&str, &Limits)) -> io::Result<Vec<u8>> {
+pub(super) fn bytes(path: &str, rows: &[Vec<String>], named: (&str, &Limits), notes: &[String]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut office = FormedRows::new(path, &mut bytes, named)?;
     for row in rows {
         office.push(&row.iter().map(String::as_str).collect::<Vec<_>>())?;
     }
-    office.finish(&AtomicBool::new(false))?;
+    office.finish(notes, &AtomicBool::new(false))?;
     Ok(bytes)
 }

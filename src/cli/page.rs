@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::output::Failure;
+use super::output::{Failure, Status};
 use super::target::{is_dash, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::html::{Headline, InputFile, Page, Section};
@@ -24,7 +24,7 @@ pub(super) fn of_report(
     for input in inputs.iter().filter(|input| !is_dash(input)) {
         page.inputs.push(hashed(input)?);
     }
-    let blocks = without_verdict(report.blocks(), &mut page, "the measured values");
+    let blocks = verdict_to_top(report.blocks(), &mut page, "the measured values: ");
     page.sections.push(Section::new("Result", blocks));
     page.sections.push(reading_section(readings, notes));
     page.sections.extend(spec_sections(spec));
@@ -45,11 +45,17 @@ pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
         .map(|(heading, source)| Section { source: Some(source.text.clone()), ..Section::new(heading, Vec::new()) })
 }
 
-/// The blocks; their verdicts go to the top of the page as well.
-pub(super) fn without_verdict(blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
-    for block in &blocks {
-        let Block::Verdict(verdict, sentence) = block else { continue };
-        page.verdicts.push(Headline { verdict: *verdict, sentence: format!("{of}: {sentence}") });
+/// The blocks without the verdict that counts, the worst of them, which goes to the top of the page; `of` stands before its
+/// sentence.
+pub(super) fn verdict_to_top(mut blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
+    let status = |block: &Block| match block {
+        Block::Verdict(verdict, _) => Some(verdict.map_or(Status::Undecided, Status::from)),
+        _ => None,
+    };
+    let worst = blocks.iter().filter_map(status).max();
+    let place = worst.and_then(|worst| blocks.iter().position(|block| status(block) == Some(worst)));
+    if let Some(Block::Verdict(verdict, sentence)) = place.map(|place| blocks.remove(place)) {
+        page.verdict = Some(Headline { verdict, sentence: format!("{of}{sentence}") });
     }
     blocks
 }

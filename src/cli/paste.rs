@@ -172,7 +172,10 @@ impl Args {
                     page::of_report(title, &read.spec, *report, readings, &read.notes, &self.inputs(&read.spec))?
                         .into_bytes()
                 }
-                Some("xlsx" | "dfq") => office::bytes(&target::shown(path), rows, (title, &read.spec.limits()))?,
+                Some("xlsx" | "dfq") => {
+                    let notes = report::said(readings, &read.notes);
+                    office::bytes(&target::shown(path), rows, (title, &read.spec.limits()), &notes)?
+                }
                 Some("csv") => text(Format::Csv)?,
                 Some("json") => text(Format::Json)?,
                 Some("md") => text(Format::Markdown)?,

@@ -1,6 +1,6 @@
 //! `rackmesh report`: everything about a spec and its parts on one page.
 
-use std::io::{Read as _, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
 use super::output::{Failure, Output, Status};
-use super::page::{hashed, reading_section, spec_sections, without_verdict};
+use super::page::{hashed, reading_section, spec_sections, verdict_to_top};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
 use super::stream::{self, Stdin};
@@ -16,16 +16,22 @@ use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
 use super::{batch, mesh, spec_files};
-use crate::batch::{Batch, Layout, Outcome, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest};
-use crate::deviation::DeviationKind;
+use crate::batch::{
+    Batch, ColumnSink, Layout, Outcome, Part, PartSink, Plan, Problem, Request, ResultColumns, ResultValues, RowFormat,
+    RowSink, Rows, Sinks, Teeth, TeethRequest,
+};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::evaluation::Unjudged;
 use crate::judge::{LimitTarget, Stack};
 use crate::report::chart::Chart;
-use crate::report::html::{Headline, InputFile, Page, Section};
+use crate::report::html::{InputFile, Page, Section};
 use crate::report::{
-    Basis, BatchReport, Block, EvaluationReport, Report as _, RunChart, error_histograms, judged_histogram,
+    Basis, BatchReport, Block, EvaluationReport, Histograms, Report as _, RunChart, grouped, part_block, parts_block,
 };
 use crate::spec::Spec;
+use crate::spec::keys::{self, Key};
+
+const BY_FORMULA: &str = "deviations and ΔCD by formula";
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
 
@@ -35,7 +41,7 @@ pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, h
 
 Examples:
   rackmesh report examples/steering.toml -o report.html
-  rackmesh report rack.toml lot7.csv -o lot7.html
+  rackmesh report rack.toml lot7.csv -o lot7.html --set report.inspector=Frey --all-parts
   rackmesh report rack.toml spaces.csv --teeth -o racks.html
 
 Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 129, 130 or 143 interrupted."
@@ -48,6 +54,9 @@ pub(super) struct Args {
     /// The file to write; the ending of its name tells the format.
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// List every part, and not the worst ten.
+    #[arg(long)]
+    all_parts: bool,
     /// One row per tooth or space: each part through the exact mesh.
     #[arg(long)]
     teeth: bool,
@@ -75,7 +84,7 @@ impl Args {
             Target::create(path, &inputs)
         });
         let target = target.transpose()?;
-        let mut page = Page { title: spec.title.clone().unwrap_or_else(|| shown(&self.spec)), ..Page::default() };
+        let mut page = Page::default();
         for path in &inputs {
             // a file's own bytes have the mark and the line ends that it may have; of standard input it may be the spec, or
             // a table, which is read with the others
@@ -85,35 +94,17 @@ impl Args {
                 page.inputs.push(InputFile::of("-", spec.source.text.as_bytes())?);
             }
         }
-        let mut statuses = Vec::new();
-        // of a lot, the spec may say no more than what its table's values are to be taken with
-        let has_value = |kind: DeviationKind| spec.errors.iter().any(|(error, _)| *error == kind);
-        let nominals = spec.nominals.iter().map(|(kind, _)| *kind);
-        let mut promised = nominals.chain(spec.unmeasured.iter().map(|(kind, _)| *kind));
-        let is_one_part = self.files.is_empty() || promised.all(has_value);
-        let has_errors = !spec.errors.is_empty() && is_one_part;
-        // a table of teeth takes the place of what the spec says of them
-        let is_replaced = self.teeth && !self.files.is_empty();
-        if !is_replaced && (has_errors || self.files.is_empty() || spec.has_deviations()) {
-            let known = with_known_teeth(spec.clone(), &self.spec, output)?;
-            let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
-            if has_errors || self.files.is_empty() {
-                statuses.push(self.evaluation(&known, worst.as_ref(), &mut page, output)?);
-            }
-            if has_errors || spec.has_deviations() {
-                self.mesh(&known, worst.as_ref(), &mut page, output)?;
-            }
-        }
-        if !self.files.is_empty() {
-            statuses.push(self.lot(&spec, &mut page, output)?);
-        }
+        let status = if self.files.is_empty() {
+            self.of_spec(&spec, &mut page, output)?
+        } else {
+            self.of_tables(&spec, &mut page, output)?
+        };
         if !output.readings().is_empty() {
             page.sections.push(reading_section(output.readings(), &[]));
         }
         page.sections.push(self.assumptions());
         page.sections.extend(spec_sections(&spec));
         let html = page.html();
-        let status = statuses.into_iter().max().unwrap_or(Status::Pass);
         let Some(mut target) = target else {
             output.text(&html)?;
             return Ok(status);
@@ -121,9 +112,24 @@ impl Args {
         let is_complete = !matches!(status, Status::Interrupted(_));
         target.write_all(html.as_bytes())?;
         target.end(is_complete, output)?;
-        let decides = |headline: &&Headline| headline.verdict.map_or(Status::Undecided, Status::from) == status;
-        if let Some(headline) = page.verdicts.iter().find(decides) {
+        if let Some(headline) = page.verdict {
             output.text(&format!("{headline}\n"))?;
+        }
+        Ok(status)
+    }
+
+    /// The part of the spec itself.
+    fn of_spec(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
+        page.title = spec.title.clone().unwrap_or_else(|| shown(&self.spec));
+        page.facts = details(spec, &[]);
+        let known = with_known_teeth(spec.clone(), &self.spec, output)?;
+        let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
+        let report = EvaluationReport { title: None, ..evaluated(&known, &self.judge, worst.as_ref(), output)? };
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
+        let blocks = verdict_to_top(report.blocks(), page, "");
+        page.sections.push(Section::new(BY_FORMULA, blocks));
+        if !spec.errors.is_empty() || spec.has_deviations() {
+            page.sections.extend(self.mesh(&known, worst.as_ref(), output)?);
         }
         Ok(status)
     }
@@ -137,38 +143,38 @@ impl Args {
         Ok(Some(bytes.into()))
     }
 
-    /// The part of `[errors]`.
-    fn evaluation(
-        &self,
-        spec: &Spec,
-        worst: Option<&WorstTeeth>,
-        page: &mut Page,
-        output: &mut Output,
-    ) -> Result<Status, Failure> {
-        let report = EvaluationReport { title: None, ..evaluated(spec, &self.judge, worst, output)? };
-        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
-        let blocks = without_verdict(report.blocks(), page, "this part");
-        page.sections.push(Section::new("Deviations and ΔCD by formula", blocks));
-        Ok(status)
+    /// The errors of one part of a table in detail; the verdict on it is the table's.
+    fn part(&self, spec: &Spec, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
+        let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, error.deviation)).collect();
+        let is_open = !self.partial && !spec.lacking(&spec.with_errors(&errors).kinds()).is_empty();
+        let spec = spec.with_errors(&errors);
+        let basis = spec.basis()?;
+        let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, &basis)?;
+        if is_open {
+            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
+        }
+        let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
+        let report = EvaluationReport { uncertainty, ..report };
+        let worst = WorstTeeth::of(spec.part_errors_or_none()?, &basis)?;
+        let sections = [Section::new(BY_FORMULA, report.blocks())].into_iter();
+        for mut section in sections.chain(self.mesh(&spec, worst.as_ref(), output)?) {
+            section.heading = format!("Part {}: {}", part.id, section.heading);
+            section.blocks.retain(|block| !matches!(block, Block::Verdict(..)));
+            page.sections.push(section);
+        }
+        Ok(())
     }
 
     /// The exact mesh, if the spec has the geometry.
-    fn mesh(
-        &self,
-        spec: &Spec,
-        worst: Option<&WorstTeeth>,
-        page: &mut Page,
-        output: &mut Output,
-    ) -> Result<(), Failure> {
-        const HEADING: &str = "Exact mesh along the stroke";
-        let unsolved = |why: String| Section::new(HEADING, vec![Block::Note(why)]);
+    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<Option<Section>, Failure> {
+        const HEADING: &str = "exact mesh along the stroke";
+        let unsolved = |why: String| Ok(Some(Section::new(HEADING, vec![Block::Note(why)])));
         let tables = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut input = match mesh_of(spec, &tables) {
             Ok(input) => input,
             Err(Diagnostics(problems)) if problems.iter().all(|problem| problem.code == Code::MissingKey) => {
-                let missing: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();
-                page.sections.push(unsolved(format!("The mesh is not solved: {}.", missing.join("; "))));
-                return Ok(());
+                let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
+                return unsolved(format!("The mesh is not solved: it needs {}.", missing.join(", ")));
             }
             Err(problems) => return Err(problems.into()),
         };
@@ -179,18 +185,19 @@ impl Args {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
-                page.sections.push(unsolved(format!("The mesh has no solution: {error}.")));
-                return Ok(());
+                return unsolved(format!("The mesh has no solution: {error}."));
             }
         };
         let report = mesh::solved(spec, &input, curve, judged(spec, &self.judge)?)?;
-        let blocks = without_verdict(report.blocks(), page, "the mesh");
-        page.sections.push(Section { charts: vec![report.chart()], ..Section::new(HEADING, blocks) });
-        Ok(())
+        let section = Section::new(HEADING, report.blocks());
+        Ok(Some(match report.level() {
+            Some(level) => Section { blocks: [vec![Block::Note(level)], section.blocks].concat(), ..section },
+            None => Section { charts: vec![report.chart()], ..section },
+        }))
     }
 
     /// The parts of the tables.
-    fn lot(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
+    fn of_tables(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         let waiting = signals::signals(output);
         let stdin = self.stdin(waiting.stop())?;
         if let Some(bytes) = &stdin {
@@ -209,20 +216,41 @@ impl Args {
         } else {
             self.parts(&mut found, &interruption, output)?
         };
-        let Lot { mut outcome, basis, charts, small_charts } = done;
+        let Lot { spec, mut outcome, basis, parts, charts, small_charts, level, facts } = done;
         outcome.notes.extend(spec.suspicions_in_words());
         outcome.tell_duplicates();
         for problem in &outcome.problems {
             output.diagnostic(&Diagnostic::error(Code::BadRow, problem_text(problem)));
         }
         tables::say(&outcome.readings, &outcome.notes, output);
+        let names = self.files.iter().map(|path| stream::name(path)).collect::<Vec<_>>().join(", ");
         let report = BatchReport::new(None, &basis, &outcome);
-        let mut blocks = without_verdict(report.blocks(), page, "the batch");
+        verdict_to_top(vec![report.verdict()], page, "");
+        page.facts = facts;
+        page.facts.extend([("table".to_owned(), names.clone()), ("spec".to_owned(), shown(&self.spec))]);
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
-        blocks.extend(unread);
-        let heading =
-            format!("Batch: {}", self.files.iter().map(|path| stream::name(path)).collect::<Vec<_>>().join(", "));
-        page.sections.push(Section { charts, small_charts, ..Section::new(heading, blocks) });
+        if let ([part], 1) = (outcome.worst.as_slice(), outcome.counts.rows) {
+            page.title = format!("Part {}", spec.get(keys::REPORT_PART).unwrap_or_else(|| part.id.clone()));
+            page.sections.push(Section::new("Measured values", measured_blocks(part)));
+            if !part.errors.is_empty() {
+                self.part(&spec, part, page, output)?;
+            }
+        } else {
+            page.title = format!("{} parts: {names}", grouped(outcome.counts.rows));
+            let (heading, listed) = if parts.is_empty() {
+                (format!("The worst {} parts", outcome.worst.len()), &outcome.worst)
+            } else {
+                ("All parts".to_owned(), &parts)
+            };
+            let blocks = parts_block(listed, "part").into_iter().chain([report.counts_table()]).chain(unread);
+            page.sections.push(Section::new(heading, blocks.collect()));
+            let level = level.into_iter().map(Block::Note);
+            let blocks = level.chain(report.spread()).collect();
+            page.sections.push(Section { charts, small_charts, ..Section::new("How the parts are spread", blocks) });
+            if let Some(worst) = outcome.worst.first().filter(|worst| !worst.errors.is_empty()) {
+                self.part(&spec, worst, page, output)?;
+            }
+        }
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
     }
@@ -230,7 +258,8 @@ impl Args {
     /// What is asked of parts, whatever they are judged by.
     fn request(&self, spec: &Spec) -> Request {
         let rule = self.judge.rule(spec);
-        Request { rule, statistics: true, problems_kept: 10, partial: self.partial, ..Request::default() }
+        let (partial, lists_parts) = (self.partial, self.all_parts);
+        Request { rule, statistics: true, problems_kept: 10, partial, lists_parts, ..Request::default() }
     }
 
     /// Parts by the formulas.
@@ -243,14 +272,20 @@ impl Args {
             monte_carlo: self.judge.settings()?,
             rows: Rows::All,
             format: RowFormat::Columns,
+            copied: first.spec.table.layout.details.iter().map(|(_, heading)| heading.clone()).collect(),
             ..self.request(&first.spec)
         };
         Plan::refuse(&first.spec, &first.table, &request)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
         let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
-        let mut run = RunChart::of(&plan);
-        let sinks = Sinks { rows: Some(RowSink::Columns(&mut run)), ..Sinks::default() };
+        let mut shown = Shown { run: RunChart::of(&plan), details: Detail::of(&plan, &first.spec) };
+        let mut parts = Listed::default();
+        let sinks = Sinks {
+            rows: Some(RowSink::Columns(&mut shown)),
+            parts: self.all_parts.then_some(&mut parts as &mut dyn PartSink),
+            ..Sinks::default()
+        };
         let mut lot = Batch::new(&plan, sinks, None);
         for path in found.paths.clone() {
             let opened = found.next(&path)?;
@@ -264,9 +299,10 @@ impl Args {
         written?;
         outcome.notes.extend(notes);
         let basis = Basis::of(&plan);
-        let charts = judged_histogram(&outcome).into_iter().chain(run.chart(&basis.limits)).collect();
-        let small_charts = error_histograms(&outcome);
-        Ok(Lot { outcome, basis, charts, small_charts })
+        let Histograms { judged, errors, level } = Histograms::of(&outcome);
+        let charts = judged.into_iter().chain(shown.run.chart(&basis.limits)).collect();
+        let facts = details(&spec, &shown.details);
+        Ok(Lot { spec, outcome, basis, parts: parts.0, charts, small_charts: errors, level, facts })
     }
 
     /// Parts with their teeth, by the exact mesh.
@@ -281,7 +317,9 @@ impl Args {
             TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: mesh::TOLERANCE_MM, rows: self.request(spec) };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
-        let mut teeth = Teeth::new(spec, &measured, request, Sinks::default(), crate::parallel::cores())?;
+        let mut parts = Listed::default();
+        let sinks = Sinks { parts: self.all_parts.then_some(&mut parts as &mut dyn PartSink), ..Sinks::default() };
+        let mut teeth = Teeth::new(spec, &measured, request, sinks, crate::parallel::cores())?;
         for path in found.paths.clone() {
             let ran = teeth.take(found.next(&path)?.table)?;
             if let Some(problem) = batch::unfinished(&path, ran)? {
@@ -290,7 +328,17 @@ impl Args {
         }
         let (outcome, written) = teeth.finish(interruption.stop(), &mut |_| {});
         written?;
-        Ok(Lot { outcome, basis, charts: Vec::new(), small_charts: Vec::new() })
+        let Histograms { judged, level, .. } = Histograms::of(&outcome);
+        Ok(Lot {
+            spec: Arc::clone(spec),
+            outcome,
+            basis,
+            parts: parts.0,
+            charts: judged.into_iter().collect(),
+            small_charts: Vec::new(),
+            level,
+            facts: details(spec, &[]),
+        })
     }
 
     fn assumptions(&self) -> Section {
@@ -313,10 +361,95 @@ fn problem_text(problem: &crate::batch::Problem) -> String {
     format!("{}: {}", problem.place, problem.what())
 }
 
+/// What was measured on a part, and how far it is inside its limits.
+fn measured_blocks(part: &Part) -> Vec<Block> {
+    let result = parts_block(&[Part { errors: Vec::new(), ..part.clone() }], "part");
+    part_block(part).into_iter().chain(result).chain(part.reason.clone().map(Block::Note)).collect()
+}
+
 /// What came of the parts of all tables.
 struct Lot {
+    /// The spec with what the first table says where it is silent.
+    spec: Arc<Spec>,
     outcome: Outcome,
     basis: Basis,
+    /// Every part, if they are to be listed.
+    parts: Vec<Part>,
     charts: Vec<Chart>,
     small_charts: Vec<Chart>,
+    /// What does not vary.
+    level: Vec<String>,
+    facts: Vec<(String, String)>,
+}
+
+/// Every part.
+#[derive(Default)]
+struct Listed(Vec<Part>);
+
+impl PartSink for Listed {
+    fn take(&mut self, parts: &[Part], _: &[Problem]) -> io::Result<()> {
+        self.0.extend_from_slice(parts);
+        Ok(())
+    }
+}
+
+/// What a page has of the rows of a batch.
+struct Shown {
+    run: RunChart,
+    details: Vec<Detail>,
+}
+
+impl ColumnSink for Shown {
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
+        self.details.iter_mut().for_each(|detail| detail.take(&rows));
+        self.run.take(rows)
+    }
+}
+
+/// What a column says of all parts.
+struct Detail {
+    /// The key of `[report]` that it stands for.
+    key: &'static str,
+    column: usize,
+    /// The first texts that differ.
+    texts: Vec<String>,
+}
+
+impl Detail {
+    /// Texts that are kept.
+    const MOST: usize = 4;
+
+    /// Those that the spec names columns for.
+    fn of(plan: &Plan, spec: &Spec) -> Vec<Self> {
+        let written = plan.column_names();
+        let place = |heading: &String| written.iter().position(|name| name == heading);
+        let details = spec.table.layout.details.iter();
+        details.filter_map(|(key, heading)| Some(Self { key, column: place(heading)?, texts: Vec::new() })).collect()
+    }
+
+    fn take(&mut self, rows: &ResultColumns) {
+        let ResultValues::Texts { bytes, ends } = &rows.columns[self.column].values else { return };
+        for span in ends.windows(2) {
+            let text = String::from_utf8_lossy(&bytes[span[0]..span[1]]);
+            if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
+                self.texts.push(text.into_owned());
+            }
+        }
+    }
+
+    /// The texts in a line.
+    fn shown(&self) -> String {
+        let all = self.texts.iter().take(Self::MOST - 1).cloned().collect::<Vec<_>>().join(", ");
+        if self.texts.len() < Self::MOST { all } else { format!("{all}, …") }
+    }
+}
+
+/// What `[report]` says of the parts, or else the columns of the table.
+fn details(spec: &Spec, columns: &[Detail]) -> Vec<(String, String)> {
+    let detail = |key: Key<String>| {
+        let name = key.any.name();
+        let column = columns.iter().find(|column| column.key == name && !column.texts.is_empty());
+        Some((name.to_owned(), spec.get(key).or_else(|| column.map(Detail::shown))?))
+    };
+    keys::REPORT_KEYS.into_iter().filter_map(detail).collect()
 }

@@ -4,11 +4,13 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::evaluation::{assumed, assumptions};
-use super::number::{ends, grouped, millimetres, unsigned};
+use super::number::{grouped, millimetres, unsigned};
+use super::parts::judged;
+use super::rows::result_in_words;
 use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, MOST_TESTED, Outcome, Part, Plan, QUANTILES, Quantity};
-use crate::deviation::{DeviationKind, key_in_words};
+use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
@@ -98,8 +100,18 @@ struct ResultFact<'a> {
     quantiles: [QuantileFact; QUANTILES.len()],
     limit_lower_mm: Option<f64>,
     limit_upper_mm: Option<f64>,
+    /// Of the end of a range against the limit on its side.
     #[serde(flatten)]
     capability: Capability,
+    #[serde(skip)]
+    quantity: &'a Quantity,
+}
+
+/// How capable the process is of both limits on all errors together: the least index of its ends, each against its side.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct WholeCapability {
+    cpk: Option<Index>,
+    ppk: Option<Index>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -114,12 +126,12 @@ impl ResultFact<'_> {
     }
 
     fn is_limited(&self) -> bool {
-        self.limit_lower_mm.is_some() || self.limit_upper_mm.is_some()
+        self.quantity.is_limited()
     }
 
     /// Its name for people.
     fn shown(&self) -> String {
-        key_in_words(self.name.trim_start_matches("delta_cd_").trim_end_matches("_mm"))
+        result_in_words(self.name)
     }
 
     fn indices(&self) -> [(&'static str, Option<Index>); 4] {
@@ -135,7 +147,9 @@ impl<'a> BatchReport<'a> {
         Self { title, basis, outcome, results: outcome.quantities.iter().map(ResultFact::from).collect() }
     }
 
-    fn counts_table(&self) -> Block {
+    /// How many parts there are, and what became of them.
+    #[must_use]
+    pub fn counts_table(&self) -> Block {
         let rows = self.outcome.counts.rows;
         // a part in a million that fails is not 0 %, and one that does not is not 100 %
         let share = |count: u64| match 100.0 * count as f64 / rows.max(1) as f64 {
@@ -165,15 +179,26 @@ impl<'a> BatchReport<'a> {
             .block()
     }
 
-    /// The indices of the results that have limits; `None` where there are none.
+    fn whole_capability(&self) -> WholeCapability {
+        let is_whole = |result: &&ResultFact<'_>| result.quantity.on == Some(LimitTarget::CenterDistance);
+        let least = |of: fn(&Capability) -> Option<Index>| {
+            let ends = self.results.iter().filter(is_whole).filter_map(|result| of(&result.capability));
+            ends.min_by(|one, other| one.value.total_cmp(&other.value))
+        };
+        WholeCapability { cpk: least(|of| of.cpk), ppk: least(|of| of.ppk) }
+    }
+
+    /// The indices of the results that have limits: one of both ends together, and those of each error; `None` where there
+    /// are none.
     fn capability_table(&self) -> Option<Block> {
-        let limited = self.results.iter().filter(|result| result.is_limited());
-        let indices = limited.flat_map(|result| {
-            let known = |(name, index): (_, Option<Index>)| Some((result.shown(), name, index?));
-            result.indices().into_iter().filter_map(known)
-        });
-        Table::of(indices)
-            .text("capability", |(result, ..)| result.clone())
+        let WholeCapability { cpk, ppk } = self.whole_capability();
+        let whole = [("Cpk", cpk), ("Ppk", ppk)].map(|(name, index)| ("all errors".to_owned(), name, index));
+        let is_error = |result: &&ResultFact<'_>| matches!(result.quantity.on, Some(LimitTarget::Error(_)));
+        let limited = self.results.iter().filter(is_error);
+        let each = limited.flat_map(|result| result.indices().map(|(name, index)| (result.shown(), name, index)));
+        let known = |(result, name, index): (String, &'static str, Option<Index>)| Some((result, name, index?));
+        Table::of(whole.into_iter().chain(each).filter_map(known))
+            .text("capability of ΔCD", |(result, ..)| result.clone())
             .text("index", |(_, name, _)| *name)
             .number("value", |(.., index)| format!("{:.2}", index.value))
             .number("95 % confidence", |(.., index)| format!("{:.2} … {:.2}", index.lower, index.upper))
@@ -193,14 +218,20 @@ impl<'a> BatchReport<'a> {
     }
 
     fn worst_table(&self) -> Block {
-        Table::of(&self.outcome.worst)
-            .text("worst parts", |part| part.id.clone())
-            .text("where", |part| part.place.to_string())
-            .text("limit on ΔCD", |part| part.on.map(|on| on.to_string()))
-            .number("result\n[mm]", |part| ends(part.result_mm.0, part.result_mm.1))
-            .number("margin\n[mm]", |part| part.on.map(|_| millimetres(part.margin_mm)))
-            .text("verdict", |part| part.verdict.map(Verdict::name))
-            .block()
+        let worst = &self.outcome.worst;
+        let table =
+            Table::of(worst).text("worst parts", |part| part.id.clone()).text("where", |part| part.place.to_string());
+        judged(table, worst).block()
+    }
+
+    /// What a page says of how the parts are spread.
+    #[must_use]
+    pub fn spread(&self) -> Vec<Block> {
+        let mut blocks = vec![self.statistics_table()];
+        blocks.extend(self.capability_table());
+        blocks.extend(self.gauge_table());
+        blocks.extend(self.notes().into_iter().map(Block::Note));
+        blocks
     }
 
     fn capability_notes(&self) -> Vec<String> {
@@ -216,7 +247,7 @@ impl<'a> BatchReport<'a> {
             return notes;
         }
         notes.push(
-            "Pp and Ppk: s of all parts. Cp and Cpk: the mean moving range of successive rows / 1.128, so the rows must stand in the order of production. Confidence: χ², and Bissell's approximation for Cpk and Ppk."
+            "All errors: the least index of the two ends, each against the limit on its side. Pp and Ppk: s of all parts. Cp and Cpk: the mean moving range of successive rows / 1.128, so the rows must stand in the order of production. Confidence: χ², and Bissell's approximation for Cpk and Ppk."
                 .to_owned(),
         );
         if parts < PRELIMINARY_PARTS as u64 {
@@ -253,7 +284,9 @@ impl<'a> BatchReport<'a> {
         notes
     }
 
-    fn verdict(&self) -> Block {
+    /// The verdict on all parts.
+    #[must_use]
+    pub fn verdict(&self) -> Block {
         let counts = &self.outcome.counts;
         let rejected = if counts.rejected > 0 {
             let make = if counts.rejected == 1 { "makes" } else { "make" };
@@ -266,7 +299,8 @@ impl<'a> BatchReport<'a> {
         let by = format!("{by}{}{}", self.basis.and_mesh(), rule_words(&self.basis.rule));
         let judged_by = format!("(judged by {by}){}", judged_without(&self.basis.without));
         let unfit = |count: u64, how: &str| {
-            format!("{} of {} parts are {how} a limit {judged_by}{rejected}", grouped(count), grouped(parts))
+            let are = if count == 1 { "is" } else { "are" };
+            format!("{} of {} parts {are} {how} a limit {judged_by}{rejected}", grouped(count), grouped(parts))
         };
         let unjudged = self.basis.unjudged_sentence(counts);
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
@@ -325,7 +359,8 @@ impl<'a> BatchReport<'a> {
 }
 
 impl<'a> From<&'a Quantity> for ResultFact<'a> {
-    fn from(Quantity { name, limits, statistics, .. }: &'a Quantity) -> Self {
+    fn from(quantity: &'a Quantity) -> Self {
+        let Quantity { name, limits, statistics, .. } = quantity;
         let quantile = |share| QuantileFact { share, value_mm: statistics.quantile_mm(share) };
         Self {
             name,
@@ -337,7 +372,8 @@ impl<'a> From<&'a Quantity> for ResultFact<'a> {
             quantiles: QUANTILES.map(quantile),
             limit_lower_mm: limits.0,
             limit_upper_mm: limits.1,
-            capability: Capability::of(statistics, *limits),
+            capability: Capability::of(statistics, quantity.own_limits()),
+            quantity,
         }
     }
 }
@@ -377,6 +413,7 @@ impl Report for BatchReport<'_> {
             "assumes": self.basis.assumes,
             "counts": named.collect::<Map<_, Value>>(),
             "results": self.results,
+            "capability": self.whole_capability(),
             "worst": worst.iter().map(part_fact).collect::<Vec<_>>(),
             "unjudged_limits": self.basis.unjudged.iter().map(|on| on.key()).collect::<Vec<_>>(),
             "interrupted": interrupted,

@@ -4,32 +4,70 @@
 use std::io;
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
-use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColumns, ResultValues};
-use crate::deviation::key_in_words;
+use super::evaluation::SEEN_MM;
+use super::number::millimetres;
+use super::rows::result_in_words;
+use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColumns, ResultValues, Statistics};
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
 
-/// How the upper end of the combination that is judged is distributed; `None` if there is none.
-#[must_use]
-pub fn judged_histogram(outcome: &Outcome) -> Option<Chart> {
-    histogram(outcome.quantities.iter().rfind(|quantity| quantity.on == Some(LimitTarget::CenterDistance))?)
+/// How results are spread: in pictures where they vary, in a sentence where they do not.
+#[derive(Debug, Default)]
+pub struct Histograms {
+    /// Of the end of what is judged that is nearer to its limit.
+    pub judged: Option<Chart>,
+    /// Of ΔCD of each error, small.
+    pub errors: Vec<Chart>,
+    /// What all parts have alike.
+    pub level: Vec<String>,
 }
 
-/// How ΔCD of each error is distributed, in small pictures.
-#[must_use]
-pub fn error_histograms(outcome: &Outcome) -> Vec<Chart> {
-    let is_error = |quantity: &&Quantity| matches!(quantity.on, Some(LimitTarget::Error(_)));
-    let charts = outcome.quantities.iter().filter(is_error).filter_map(histogram);
-    charts.map(|chart| Chart { width: 420.0, height: 300.0, ..chart }).collect()
+impl Histograms {
+    /// Of the results of a batch.
+    #[must_use]
+    pub fn of(outcome: &Outcome) -> Self {
+        let mut all = Self::default();
+        let room = |quantity: &&Quantity| {
+            let ((lower, upper), statistics) = (quantity.own_limits(), &quantity.statistics);
+            let below = statistics.min_mm().zip(lower).map(|(min, lower)| min - lower);
+            let above = statistics.max_mm().zip(upper).map(|(max, upper)| upper - max);
+            below.into_iter().chain(above).fold(f64::INFINITY, f64::min)
+        };
+        let judged = outcome.quantities.iter().filter(|quantity| quantity.on == Some(LimitTarget::CenterDistance));
+        if let Some(quantity) = judged.rev().min_by(|one, other| room(one).total_cmp(&room(other))) {
+            all.judged = histogram(quantity, &mut all.level);
+        }
+        let is_error = |quantity: &&Quantity| matches!(quantity.on, Some(LimitTarget::Error(_)));
+        for quantity in outcome.quantities.iter().filter(is_error) {
+            let chart = histogram(quantity, &mut all.level);
+            all.errors.extend(chart.map(|chart| Chart { width: 420.0, height: 300.0, ..chart }));
+        }
+        all
+    }
 }
 
-fn histogram(Quantity { name, limits, statistics, .. }: &Quantity) -> Option<Chart> {
-    const BINS: usize = 40;
+/// How many bars show values that reach from the least to the largest: of the width of Freedman and Diaconis, 2 IQR / ∛n.
+fn bins(statistics: &Statistics, reach: f64) -> usize {
+    const MOST: f64 = 40.0;
+    let (count, quarters) = (statistics.count() as f64, [0.25, 0.75].map(|share| statistics.quantile_mm(share)));
+    let middle = quarters[1].zip(quarters[0]).map_or(0.0, |(upper, lower)| upper - lower);
+    // by Sturges where half of the values are the same
+    let bins = if middle > 0.0 { reach / (2.0 * middle) * libm::cbrt(count) } else { 1.0 + libm::log2(count) };
+    bins.ceil().clamp(1.0, MOST) as usize
+}
+
+/// A picture of a result that varies; of another one a sentence.
+fn histogram(Quantity { name, on, limits, statistics, .. }: &Quantity, level: &mut Vec<String>) -> Option<Chart> {
+    let of = if matches!(on, Some(LimitTarget::Error(_))) { "ΔCD of " } else { "" };
+    let title = format!("{of}{}", result_in_words(name));
     let (low, high) = (statistics.min_mm()?, statistics.max_mm()?);
-    let (low, high) = if high > low { (low, high.next_up()) } else { (low - 0.000_5, high + 0.000_5) };
-    let counts = statistics.histogram(low, high, BINS);
-    let edge = |bin: usize| low + (high - low) * bin as f64 / BINS as f64;
-    let title = key_in_words(&name.trim_end_matches("_mm").replace("delta_cd_", "ΔCD of "));
+    if high - low < SEEN_MM {
+        level.push(format!("{title}: {} mm in every part.", millimetres(low)));
+        return None;
+    }
+    let (high, bins) = (high.next_up(), bins(statistics, high - low));
+    let counts = statistics.histogram(low, high, bins);
+    let edge = |bin: usize| low + (high - low) * bin as f64 / bins as f64;
     let bars = counts.into_iter().enumerate().map(|(bin, count)| Bar {
         left: edge(bin),
         right: edge(bin + 1),
@@ -105,10 +143,10 @@ impl RunChart {
         }
     }
 
-    /// The picture, with the limits on ΔCD; `None` without a part.
+    /// The picture, with the limits on ΔCD; `None` of a part alone.
     #[must_use]
     pub fn chart(&self, limits: &Limits) -> Option<Chart> {
-        if self.groups.is_empty() {
+        if self.groups.len() < 2 {
             return None;
         }
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
@@ -122,8 +160,8 @@ impl RunChart {
             x: Axis { label: "part".to_owned(), scale: Scale::Whole },
             y: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
             layers: vec![
+                Layer::new("lowest to highest", Shape::Band(spans.clone())),
                 Layer::new("highest", Shape::Line(spans.iter().map(|span| (span.x, span.high)).collect())),
-                Layer::new("lowest to highest", Shape::Band(spans)),
                 Layer::new("limits", Shape::Limits(limits.collect())),
             ],
             ..Chart::default()

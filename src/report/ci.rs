@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::batch::Basis;
 use super::escape;
 use super::number::{ends, grouped};
-use super::reading::remarks;
+use super::reading::said;
 use crate::batch::{Outcome, Part, PartSink, Problem, RowPlace};
 use crate::judge::Verdict;
 
@@ -111,8 +111,7 @@ impl<F: Read + Write + Seek> Junit<F> {
         out.write_all(xml.as_bytes())?;
         self.cases.rewind()?;
         io::copy(&mut self.cases, out)?;
-        let mut said: Vec<String> = outcome.readings.iter().map(ToString::to_string).collect();
-        said.extend(remarks(&outcome.readings, &outcome.notes));
+        let said = said(&outcome.readings, &outcome.notes);
         if !said.is_empty() {
             writeln!(out, "<system-out>{}</system-out>", escaped(&said.join("\n")))?;
         }

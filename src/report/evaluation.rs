@@ -309,7 +309,7 @@ fn to_add(keys: &[&str]) -> String {
 }
 
 /// The last decimal that columns of mm have.
-const SEEN_MM: f64 = 1e-4;
+pub(super) const SEEN_MM: f64 = 1e-4;
 
 /// Why the ends of a worst case are not the sums of the ends that errors have alone, in a sentence; `None` if they are.
 pub(super) fn why_ends_differ(

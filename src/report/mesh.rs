@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
-use super::evaluation::{failure_sentence, interval_text};
+use super::evaluation::{SEEN_MM, failure_sentence, interval_text};
 use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
@@ -43,6 +43,14 @@ pub struct MeshReport<'a> {
 impl MeshReport<'_> {
     fn summary(&self) -> Option<Summary> {
         self.curve.summary(self.mesh)
+    }
+
+    /// What ΔCD is at every stroke, in a sentence; `None` of a curve that varies.
+    #[must_use]
+    pub fn level(&self) -> Option<String> {
+        let summary = self.summary().filter(|summary| summary.peak_to_peak_mm < SEEN_MM)?;
+        let (from, to) = (self.curve.points.first()?.stroke_mm, self.curve.points.last()?.stroke_mm);
+        Some(format!("ΔCD is {} mm at every stroke from {from} to {to} mm.", millimetres(summary.mean_mm)))
     }
 
     /// The picture of the curve, with what it is held against.

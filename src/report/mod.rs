@@ -26,6 +26,8 @@ pub mod html;
 mod mesh;
 pub mod mesh_points;
 mod number;
+#[cfg(feature = "batch")]
+mod parts;
 mod paste;
 #[cfg(feature = "table")]
 mod qdas;
@@ -43,7 +45,7 @@ pub mod xlsx;
 #[cfg(feature = "batch")]
 pub use batch::{Basis, BatchReport};
 #[cfg(feature = "batch")]
-pub use batch_chart::{RunChart, error_histograms, judged_histogram};
+pub use batch_chart::{Histograms, RunChart};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
@@ -56,12 +58,14 @@ pub(crate) use fact::document;
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
+#[cfg(feature = "batch")]
+pub use parts::{part_block, parts_block};
 pub use paste::{PartRow, PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::QdasRows;
 pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
 #[cfg(feature = "table")]
-pub use reading::{WithReading, reading_blocks, reading_form, remarks};
+pub use reading::{WithReading, reading_blocks, reading_form, remarks, said};
 pub use reproduction::Reproduction;
 pub use rows::{RowsReport, row_heading};
 pub use simulation::SimulationReport;

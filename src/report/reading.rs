@@ -23,6 +23,12 @@ pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
     all
 }
 
+/// How tables were read and what the user must know of it, a line each.
+#[must_use]
+pub fn said(readings: &[Reading], notes: &[String]) -> Vec<String> {
+    readings.iter().map(ToString::to_string).chain(remarks(readings, notes)).collect()
+}
+
 /// How tables were read, for a page: the text's form, every column with its role, unit and nominal value, and what was
 /// not used.
 #[must_use]

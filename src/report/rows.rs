@@ -16,9 +16,16 @@ pub fn row_heading(name: &str) -> String {
         "nearest_limit" => return "limit".to_owned(),
         _ => {}
     }
-    let (name, unit) = name.strip_suffix("_mm").map_or((name, ""), |name| (name, "\n[mm]"));
-    let name = name.strip_prefix("delta_cd_").map_or_else(|| name.to_owned(), |of| format!("ΔCD of {of}"));
-    format!("{}{unit}", key_in_words(&name).replacen("range", "worst case", 1))
+    let of = if name.starts_with("delta_cd_") { "ΔCD of " } else { "" };
+    let unit = if name.ends_with("_mm") { "\n[mm]" } else { "" };
+    format!("{of}{}{unit}", result_in_words(name))
+}
+
+/// What a column of results holds, in words: of `delta_cd_rack_pitch_mm` the error, of `range_upper_mm` the worst case's
+/// upper end.
+pub(super) fn result_in_words(name: &str) -> String {
+    let name = name.trim_start_matches("delta_cd_").trim_end_matches("_mm");
+    key_in_words(name).replacen("range", "worst case", 1)
 }
 
 /// Rows of results.

@@ -20,6 +20,8 @@ pub(super) const LARGEST_CLASS: u8 = 12;
 pub(crate) enum Kind {
     /// Any text.
     Text,
+    /// Any text, or a date or number as it is written.
+    Label,
     /// A length, mm.
     Length(Domain),
     /// An angle, degrees.
@@ -199,6 +201,10 @@ pub use simulation::*;
 
 const fn text() -> Key<String> {
     Key::new(Kind::Text)
+}
+
+const fn label() -> Key<String> {
+    Key::new(Kind::Label)
 }
 
 const fn file() -> Key<String> {
@@ -600,6 +606,10 @@ pub(crate) const TABLE_COLUMNS: Section = section(
         key("pinion_radial", Kind::Table(&TABLE_SIZE), "The pinion's radial measure or error."),
         key("pinion_pitch", Kind::Table(&TABLE_PINION_PITCH), "The pinion's single pitch deviation."),
         key("pinion_lead", Kind::Table(&TABLE_SLOPE), "The pinion's helix slope deviation f_Hβ."),
+        key("date", Kind::Text, "Heading of dates, for pages."),
+        key("inspector", Kind::Text, "Heading of inspectors."),
+        key("order", Kind::Text, "Heading of orders."),
+        key("drawing", Kind::Text, "Heading of drawings."),
         key("name", Kind::Text, "Of characteristics: heading of the column of their names."),
         key("actual", Kind::Text, "Heading of the column of measured values."),
         key("nominal", Kind::Text, "Heading of the column of nominal values."),
@@ -618,6 +628,9 @@ pub(crate) const TABLE_COLUMNS: Section = section(
         key("lead", Kind::Table(&TABLE_TOOTH), "The helix angle deviation of a space or tooth."),
     ],
 );
+
+/// The keys of `[table.columns]` that are headings of what a page says of the parts.
+pub(crate) const DETAILS: [&str; 4] = ["date", "inspector", "order", "drawing"];
 
 /// The keys of `[table.columns]` that are headings.
 pub(crate) const HEADINGS: [&str; 10] =
@@ -674,6 +687,19 @@ section! {
     }
 }
 
+section! {
+    REPORT = "report", "What a page says of the parts." {
+        REPORT_PART: String = "part", label(), "Part number.";
+        REPORT_DATE: String = "date", label(), "Date.";
+        REPORT_INSPECTOR: String = "inspector", label(), "Who measured.";
+        REPORT_ORDER: String = "order", label(), "Order.";
+        REPORT_DRAWING: String = "drawing", label(), "Drawing.";
+    }
+}
+
+/// What a page says of the parts, in its order.
+pub const REPORT_KEYS: [Key<String>; 5] = [REPORT_PART, REPORT_DATE, REPORT_INSPECTOR, REPORT_ORDER, REPORT_DRAWING];
+
 /// The sections in the order in which they are documented.
 pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, TABLE, SIMULATION, SCATTER];
+    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, TABLE, SIMULATION, SCATTER, REPORT];

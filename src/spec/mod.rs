@@ -210,7 +210,7 @@ impl Spec {
             reader.values(&mut spec.values);
             spec.pinion_deviations = deviations::pinion(reader);
         });
-        for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION] {
+        for section in [&keys::SUPPORT, &keys::TOLERANCE, &keys::DECISION, &keys::REPORT] {
             sections.read(section, |reader| reader.values(&mut spec.values));
         }
         sections.diagnostics.extend(spec.roll_axis_alone());

@@ -93,6 +93,12 @@ impl<'a> SectionReader<'a> {
         let written = written.as_ref();
         let span = written.span();
         let value = match key.kind {
+            Kind::Label => Value::Text(match written.get_ref() {
+                DeValue::Integer(number) => number.as_str().to_owned(),
+                DeValue::Float(number) => number.as_str().to_owned(),
+                DeValue::Datetime(date) => date.to_string(),
+                _ => self.text_value(name, written, TEXT)?.to_owned(),
+            }),
             Kind::Text | Kind::File => Value::Text(self.text_value(name, written, TEXT)?.to_owned()),
             Kind::Length(domain) => {
                 let length = self.length_value(name, written)?;

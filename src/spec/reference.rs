@@ -43,6 +43,7 @@ fn in_words(kind: Kind) -> String {
     let one_of = |words: &[&str]| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(" or ");
     let text = match kind {
         Kind::Text => "text",
+        Kind::Label => "text, a date or a number",
         Kind::File => "the name of a file",
         Kind::Length(domain) => return within("a length, mm", &domain, " mm"),
         Kind::Angle(domain) => return within("an angle, degrees", &domain, "°"),

@@ -80,13 +80,17 @@ pub(super) fn file(name: &str, text: &str) -> Result<TableSection, Diagnostics> 
 
 fn section(reader: &mut SectionReader<'_>) -> TableSection {
     let (mut declared, mut part_id, mut status) = (Vec::new(), None, None);
-    let (mut headings, mut of_teeth) = (Vec::new(), Vec::new());
+    let (mut headings, mut of_teeth, mut details) = (Vec::new(), Vec::new(), Vec::new());
     let columns = reader.table("columns", &keys::TABLE_COLUMNS, |reader| {
         part_id = part_names(reader);
         status = status_column(reader);
         for key in keys::HEADINGS {
             let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
             headings.extend(text.map(|text| (key, text.to_owned())));
+        }
+        for key in keys::DETAILS {
+            let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
+            details.extend(text.map(|text| (key, text.to_owned())));
         }
         of_teeth.extend(Field::ALL.into_iter().filter(|field| field.is_of_space_or_tooth()).filter_map(|field| {
             reader
@@ -132,10 +136,13 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         comments: patterns(reader.texts("comments")),
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
         repeats: repeats.unwrap_or_default(),
+        details: Vec::new(),
     };
     for (key, heading) in headings {
         layout.call(key, heading);
     }
+    layout.ignore.extend(details.iter().map(|(_, heading)| Pattern::of_heading(heading)));
+    layout.details = details;
     TableSection { columns, layout: Arc::new(layout), ..TableSection::default() }
 }
 

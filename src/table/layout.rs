@@ -129,6 +129,8 @@ pub struct Layout {
     pub ignores_others: bool,
     /// What becomes of a part that is there more than once.
     pub repeats: Repeats,
+    /// Headings of columns that no value is read from and that pages show, with the keys of `[report]` that they stand for.
+    pub details: Vec<(&'static str, String)>,
 }
 
 /// What an option says of a column: `rack_pitch=CHR_017[um]`.

@@ -250,6 +250,54 @@ fn a_long_list_of_strokes_comes_in_order_and_whole() {
     assert_eq!(child.wait().expect("the program ends").code(), Some(0));
 }
 
+/// A page of a table is about its parts: a sample in the spec that fails is none of them.
+#[test]
+fn a_page_is_about_the_measured_parts() {
+    let folder = Folder::new("measured-parts");
+    let (spec, table) = (folder.path("spec.toml"), folder.path("lot.csv"));
+    let text = "title = \"part 0417\"\n[pair]\nnormal_pressure_angle = 20\n[errors]\n\
+                rack_over_roller = { measured = 25.9, nominal = 25 }\nrack_pitch = \"12 um\"\n\
+                [limits]\ncenter_distance = \"±0.05\"\nrack_pitch = \"±0.02\"\n\
+                [table.columns]\ninspector = \"Prüfer\"\n";
+    std::fs::write(&spec, text).expect("written");
+    let rows = |parts: std::ops::Range<i32>| -> String {
+        let row = |part| format!("0{part},25.0{},{},Frey\n", part % 10, part % 7);
+        "part_id,rack_over_roller,rack_pitch [um],Prüfer\n".to_owned() + &parts.map(row).collect::<String>()
+    };
+    let page = |more: &[&str], status: i32| {
+        let ended = with_input(&[&["report", &spec, &table][..], more].concat(), b"");
+        let batch = with_input(&["batch", &spec, &table, "-q"], b"");
+        assert_eq!((ended.status.code(), batch.status.code()), (Some(status), Some(status)), "{}", text(&ended.stderr));
+        String::from_utf8(ended.stdout).expect("a page is text")
+    };
+    std::fs::write(&table, rows(418..419)).expect("written");
+    let one = page(&["--set", "report.date=2026-11-27", "--set", "report.order=4711"], 1);
+    // measured, nominal, deviation, ΔCD, margin
+    let shown = [
+        "<h1>Part 0418</h1>",
+        "<dt>date</dt><dd>2026-11-27</dd>",
+        "<dt>inspector</dt><dd>Frey</dd>",
+        "<dt>order</dt><dd>4711</dd>",
+        "<span>Signature</span>",
+        "<td class=\"n\">25.0800</td><td class=\"n\">25.0000</td><td class=\"n\">+80.0 µm</td><td class=\"n\">+0.0800</td>",
+        "ΔCD (worst case) is 0.0369 mm above the limit 0.05 mm",
+    ];
+    for shown in shown {
+        assert!(one.contains(shown), "{shown}: {one}");
+    }
+    std::fs::write(&table, rows(430..434)).expect("written");
+    let lot = page(&[], 0);
+    assert!(lot.contains("class=\"verdict pass\"") && lot.contains("<h1>4 parts: "), "{lot}");
+    std::fs::write(&table, rows(400..460)).expect("written");
+    let [worst, all] = [page(&[], 1), page(&["--all-parts"], 1)];
+    let listed = |page: &str| page.matches("<tr><th scope=\"row\">04").count();
+    assert_eq!([listed(&worst), listed(&all)], [10, 60]);
+    for page in [&one, &lot, &worst, &all] {
+        assert!(!page.contains("<h1>part 0417") && !page.contains("25.9000"), "{page}");
+        assert_eq!(page.matches("<p class=\"verdict").count(), 1);
+    }
+}
+
 #[test]
 fn a_report_is_one_page_with_everything() {
     let folder = Folder::new("report");
@@ -265,8 +313,9 @@ fn a_report_is_one_page_with_everything() {
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("`rack_over_roller`"), "{}", text(&output.stderr));
     let html = std::fs::read_to_string(&page).expect("the page is there");
+    let title = format!("<h1>3 parts: {lot}</h1>");
     for part in [
-        "<h1>steering gear, part 0417</h1>",
+        title.as_str(),
         "class=\"verdict fail\"",
         "; judged without rack lead",
         "How the tables were read",
@@ -282,7 +331,8 @@ fn a_report_is_one_page_with_everything() {
     for never in ["<script", "http://", "https://", "P<2>", "NaN"] {
         assert!(!html.contains(never), "{never}");
     }
-    assert_eq!(html.matches("<table>").count(), html.matches("<caption>").count());
+    assert_eq!(html.matches("<table").count(), html.matches("<caption>").count());
+    assert_eq!(html.matches("<p class=\"verdict").count(), 1);
     // the same page again, byte for byte
     assert_eq!(with_input(&arguments, b"").stdout, html.as_bytes());
     // standard input is a table, too, and has a hash
@@ -293,7 +343,7 @@ fn a_report_is_one_page_with_everything() {
     // an error that the table lacks leaves the verdict open, and the page says so above everything else
     let open = with_input(&arguments[..3], b"");
     assert_eq!(open.status.code(), Some(2));
-    let headline = "<p class=\"verdict open\"><b>NO VERDICT</b>the batch: the limit on centre distance is not judged";
+    let headline = "<p class=\"verdict open\"><b>NO VERDICT</b>the limit on centre distance is not judged";
     assert!(text(&open.stdout).contains(headline), "{}", text(&open.stdout));
 }
 

@@ -18,6 +18,7 @@ pub use judge::{JudgedTeeth, TeethJudge};
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
 use super::outcome::{Outcome, Part, Problem, Quantity, RowPlace, keep_worst};
+use super::output::End;
 use super::request::Request;
 use super::run::{Progress, RunError};
 use super::write;
@@ -50,7 +51,7 @@ enum Column {
     /// A result, mm.
     Number(NumberOf),
     /// An end of what is held against the limit, mm.
-    End(NumberOf),
+    End(End, NumberOf),
 }
 
 /// A result; `None` if there is none.
@@ -60,14 +61,14 @@ impl Column {
     const fn kind(self) -> ColumnKind {
         match self {
             Self::Text(_) => ColumnKind::Text,
-            Self::Number(_) | Self::End(_) => ColumnKind::Number,
+            Self::Number(_) | Self::End(..) => ColumnKind::Number,
         }
     }
 
     /// The result without digits that are rounding of the solution; `None` if there is none.
     fn number(self, solved: &Solved) -> Option<f64> {
         match self {
-            Self::Number(of) | Self::End(of) => of(solved).map(tidy),
+            Self::Number(of) | Self::End(_, of) => of(solved).map(tidy),
             Self::Text(_) => None,
         }
     }
@@ -81,8 +82,8 @@ const COLUMNS: [(&str, Column); 17] = [
     ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
     ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
     ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
-    ("lower_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.lower.mm()))),
-    ("upper_mm", Column::End(|solved| Some(solved.judged.evaluation.judged.ok()?.upper.mm()))),
+    ("lower_mm", Column::End(End::Lower, |solved| Some(solved.judged.evaluation.judged.ok()?.lower.mm()))),
+    ("upper_mm", Column::End(End::Upper, |solved| Some(solved.judged.evaluation.judged.ok()?.upper.mm()))),
     ("margin_mm", Column::Number(|solved| Some(solved.nearest()?.inside_by.mm()))),
     ("verdict", Column::Text(|_, solved| Some(solved.judged.evaluation.verdict?.name().to_owned()))),
     ("reason", Column::Text(|_, solved| solved.reason())),
@@ -140,9 +141,9 @@ impl<'a> Teeth<'a> {
         let limit = limit.map(|(_, limit)| &limit.value);
         let kept = if request.rows.statistics { &COLUMNS[QUANTITIES] } else { &[] };
         let quantity = |(name, column): &(&str, Column)| {
-            let is_held = matches!(column, Column::End(_));
-            let on = is_held.then_some(LimitTarget::CenterDistance);
-            Quantity::new((*name).to_owned(), on, limit.filter(|_| is_held))
+            let end = if let Column::End(end, _) = column { Some(*end) } else { None };
+            let on = end.map(|_| LimitTarget::CenterDistance);
+            Quantity::new((*name).to_owned(), on, limit.filter(|_| end.is_some()), end)
         };
         Ok(Self {
             spec,
@@ -440,6 +441,7 @@ fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
         on: nearest.map(|_| LimitTarget::CenterDistance),
         result_mm: (lowest, highest),
         reason: solved.reason(),
+        errors: Vec::new(),
     }
 }
 

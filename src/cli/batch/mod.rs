@@ -23,7 +23,7 @@ use super::set::SetArgs;
 use super::signals::{self, Interruption};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::teeth::with_known_teeth;
-use super::{spec_files, stream};
+use super::{spec_files, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::judge::{LimitTarget, Rule};
@@ -161,7 +161,11 @@ impl Args {
             return self.run_teeth(&spec, (&mut found, begun), formats, &interruption, output);
         }
         let Some(first) = &found.first else { return Ok(Status::Undecided) };
-        let request = self.request((format, rows_format), &first.spec)?;
+        let mut request = self.request((format, rows_format), &first.spec)?;
+        if format == BatchFormat::Office && self.columns.is_none() && self.is_workbook() {
+            request.copied = originals(&first.table);
+            begun.with_copied(request.copied.len());
+        }
         Plan::refuse(&first.spec, &first.table, &request)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
@@ -226,7 +230,10 @@ impl Args {
         outcome.tell_duplicates();
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
-        outcome.interrupted |= !targets.finish_rows(is_complete, interruption, output)?;
+        let counted = in_words(&outcome.counts, if self.teeth { "part" } else { "row" });
+        let notes =
+            [vec![counted.clone(), basis.judged_by()], report::said(&outcome.readings, &outcome.notes)].concat();
+        outcome.interrupted |= !targets.finish_rows(is_complete, &notes, interruption, output)?;
         for diagnostic in failed {
             output.diagnostic(diagnostic);
         }
@@ -253,7 +260,7 @@ impl Args {
                 None => output.report(&report, format)?,
             }
         } else {
-            output.remark(&in_words(&outcome.counts, if self.teeth { "part" } else { "row" }));
+            output.remark(&counted);
         }
         if let Some(status) = interruption.status().filter(|_| outcome.interrupted) {
             return Ok(status);
@@ -313,6 +320,7 @@ impl Args {
             decimals: self.decimals.unwrap_or_default(),
             format,
             columns: self.columns(written, spec),
+            copied: Vec::new(),
             mesh: self.worst_teeth,
             partial: self.partial,
             rows: match (self.summary, self.only_failures) {
@@ -326,6 +334,11 @@ impl Args {
             lists_parts: self.junit.is_some(),
             problems_kept: PROBLEMS_SHOWN,
         })
+    }
+
+    /// Whether rows go to a workbook, which has the columns of the first table, too.
+    fn is_workbook(&self) -> bool {
+        self.output.as_deref().is_some_and(|path| target::ending(path) == "xlsx")
     }
 
     /// What the user should know before the first row.
@@ -365,6 +378,18 @@ impl Args {
             });
         }
     }
+}
+
+/// The headings of a table's columns, once each, without that of the parts' names.
+fn originals(table: &Table) -> Vec<String> {
+    let is_name = |title: &String| table.reading.columns.iter().any(|of| of.role == "part_id" && of.title == *title);
+    let mut titles: Vec<String> = Vec::new();
+    for title in table.titles.iter().filter(|title| !title.is_empty() && !is_name(title)) {
+        if !titles.contains(title) {
+            titles.push(title.clone());
+        }
+    }
+    titles
 }
 
 /// The counts in one line.

@@ -43,7 +43,7 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     if let Some(open) = plan.open() {
         let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
         let is_judged = plan.limits.iter().all(|(on, _)| *on != LimitTarget::CenterDistance);
-        let what = if is_judged { "a range" } else { "a range or a verdict" };
+        let what = if is_judged { "a worst case" } else { "a worst case or a verdict" };
         notes.push(format!("no part has {what}: {open}: {}", missing.join(", ")));
     }
     if plan.open().is_none() {

@@ -63,6 +63,13 @@ impl Targets {
         })
     }
 
+    /// Says that so many columns behind the first one are those of the table.
+    pub(super) fn with_copied(&mut self, count: usize) {
+        if let Some(Kept::Formed(rows)) = &mut self.kept {
+            rows.with_copied(count);
+        }
+    }
+
     /// Writes the JUnit report, if there is to be one.
     pub(super) fn finish_report(
         &mut self,
@@ -80,13 +87,14 @@ impl Targets {
     pub(super) fn finish_rows(
         &mut self,
         is_complete: bool,
+        notes: &[String],
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<bool, Failure> {
         let mut is_written = true;
         match self.kept.take() {
             Some(Kept::Parquet(rows)) => rows.finish()?,
-            Some(Kept::Formed(rows)) => is_written = rows.finish(interruption.stop())?,
+            Some(Kept::Formed(rows)) => is_written = rows.finish(notes, interruption.stop())?,
             None => {}
         }
         if let Some(file) = self.file.take_if(|_| !is_written) {

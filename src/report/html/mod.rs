@@ -88,8 +88,10 @@ impl fmt::Display for Headline {
 pub struct Page {
     /// Its title.
     pub title: String,
-    /// The verdicts that count, above everything else.
-    pub verdicts: Vec<Headline>,
+    /// What else is above everything: of which part, when, by whom.
+    pub facts: Vec<(String, String)>,
+    /// The verdict that counts.
+    pub verdict: Option<Headline>,
     /// Its parts.
     pub sections: Vec<Section>,
     /// What it was made from.
@@ -112,9 +114,11 @@ impl Page {
             style = include_str!("style.css"),
             dark = chart::dark_style(),
         );
-        for Headline { verdict, sentence } in &self.verdicts {
+        out += &self.facts_html();
+        if let Some(Headline { verdict, sentence }) = &self.verdict {
             out += &verdict_html(*verdict, sentence);
         }
+        out += "<p class=\"sign\"><span>Date</span><span>Name</span><span>Signature</span></p>\n";
         for (index, section) in self.sections.iter().enumerate() {
             out += &format!(
                 "<section aria-labelledby=\"s{index}\">\n<h2 id=\"s{index}\">{}</h2>\n",
@@ -138,6 +142,14 @@ impl Page {
         out += &self.inputs_html();
         out += "</main>\n</body>\n</html>\n";
         out
+    }
+
+    fn facts_html(&self) -> String {
+        let fact = |(name, text): &(String, String)| {
+            format!("<div><dt>{}</dt><dd>{}</dd></div>\n", escape(name), escape(text))
+        };
+        let facts: String = self.facts.iter().map(fact).collect();
+        if facts.is_empty() { facts } else { format!("<dl class=\"facts\">\n{facts}</dl>\n") }
     }
 
     fn inputs_html(&self) -> String {
@@ -188,11 +200,14 @@ fn table_html(table: &Table) -> String {
     let class = |align: Align| if align == Align::Right { " class=\"n\"" } else { "" };
     let heading = |text: &str| escape(&text.replace('\n', " "));
     let name = table.columns.first().map_or_else(String::new, |column| heading(&column.heading));
+    // many columns are small on paper
+    let wide = if table.columns.len() > 8 { " class=\"wide\"" } else { "" };
     let mut out = format!(
-        "<div class=\"scroll\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table>\n<caption>{name}</caption>\n<thead><tr>"
+        "<div class=\"scroll\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table{wide}>\n<caption>{name}</caption>\n<thead><tr>"
     );
     for column in &table.columns {
-        out += &format!("<th scope=\"col\"{}>{}</th>", class(column.align), heading(&column.heading));
+        let heading = escape(&column.heading).replace('\n', "<br>");
+        out += &format!("<th scope=\"col\"{}>{heading}</th>", class(column.align));
     }
     out += "</tr></thead>\n<tbody>\n";
     for row in &table.rows {
@@ -225,7 +240,8 @@ mod tests {
         };
         let page = Page {
             title: evil.to_owned(),
-            verdicts: vec![Headline { verdict: Some(Verdict::Fail), sentence: evil.to_owned() }],
+            facts: vec![(evil.to_owned(), evil.to_owned())],
+            verdict: Some(Headline { verdict: Some(Verdict::Fail), sentence: evil.to_owned() }),
             sections: vec![Section {
                 heading: evil.to_owned(),
                 charts: vec![Chart {
@@ -243,7 +259,7 @@ mod tests {
         };
         let html = page.html();
         assert!(!html.contains("<script") && !html.contains("alert('"), "{html}");
-        assert_eq!(html.matches("<caption>").count(), html.matches("<table>").count());
+        assert_eq!(html.matches("<caption>").count(), html.matches("<table").count());
         assert!(html.contains("<th scope=\"col\" class=\"n\">n</th>"));
     }
 

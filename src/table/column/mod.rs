@@ -52,7 +52,7 @@ pub(crate) struct Column {
     /// Over what f_Hβ is evaluated.
     pub(crate) evaluated: Stated<Length>,
     /// The nominal value that the spec gives, where the table has its own.
-    stated: Option<DeviationValue>,
+    pub(crate) stated: Option<DeviationValue>,
     /// How far a measured value may be from its nominal one, and a deviation from 0.
     farthest: Reach,
     /// The normal module, if it is known.

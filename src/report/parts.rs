@@ -1,0 +1,72 @@
+//! Parts of a batch for people: what was measured on each, and how far it is inside its limits.
+
+use super::evaluation::deviation_text;
+use super::number::{ends, millimetres};
+use super::table::Rows;
+use super::{Block, Column, Table};
+use crate::batch::{Part, PartError};
+use crate::deviation::DeviationValue;
+use crate::judge::{LimitTarget, Verdict};
+
+/// A size, in mm or degrees as another value of its kind.
+fn size(base: f64, like: DeviationValue) -> String {
+    let unit = if matches!(like, DeviationValue::Length(_)) { "" } else { "°" };
+    format!("{base:.4}{unit}")
+}
+
+fn measured(error: &PartError) -> Option<String> {
+    error.nominal.map(|nominal| size(nominal.base() + error.deviation.base(), nominal))
+}
+
+fn margin(error: &PartError) -> Option<String> {
+    error.margin.map(|margin| millimetres(margin.mm()))
+}
+
+/// What was measured on one part, an error a row; `None` of a part whose teeth were measured.
+#[must_use]
+pub fn part_block(part: &Part) -> Option<Block> {
+    let has_nominal = part.errors.iter().any(|error| error.nominal.is_some());
+    let has_margin = part.errors.iter().any(|error| error.margin.is_some());
+    Table::of(&part.errors)
+        .text("error", |error| error.kind.to_string())
+        .column_if(has_nominal, Column::number("measured\n[mm]"), |error| measured(error))
+        .column_if(has_nominal, Column::number("nominal\n[mm]"), |error| {
+            error.nominal.map(|nominal| size(nominal.base(), nominal))
+        })
+        .number("deviation", |error| deviation_text(error.deviation, None))
+        .number("ΔCD\n[mm]", |error| millimetres(error.delta_cd.mm()))
+        .column_if(has_margin, Column::number("margin of ΔCD\n[mm]"), |error| margin(error))
+        .block_if_any()
+}
+
+/// What was measured on parts, a part a row; `name` is above their names.
+#[must_use]
+pub fn parts_block(parts: &[Part], name: &str) -> Option<Block> {
+    let errors = parts.iter().map(|part| part.errors.as_slice()).max_by_key(|errors| errors.len()).unwrap_or_default();
+    let mut table = judged(Table::of(parts).text(name, |part| part.id.clone()), parts);
+    for (index, first) in errors.iter().enumerate() {
+        let error = |part: &&Part| part.errors.get(index).copied();
+        let (kind, nominal) = (first.kind.name(), first.nominal.map(|nominal| nominal.to_string()));
+        let has_margin = parts.iter().filter_map(|part| error(&part)?.margin).next().is_some();
+        let heading = format!("{kind}\nmeasured, nominal {}", nominal.as_deref().unwrap_or_default());
+        table = table
+            .column_if(nominal.is_some(), Column::number(heading), |part| error(part).as_ref().and_then(measured))
+            .number(format!("{kind}\ndeviation"), |part| error(part).map(|error| deviation_text(error.deviation, None)))
+            .column_if(has_margin, Column::number("its margin\n[mm]"), |part| error(part).as_ref().and_then(margin));
+    }
+    table.block_if_any()
+}
+
+/// Adds what parts are held against, what came out, and the verdict.
+pub(super) fn judged<'p>(table: Rows<&'p Part>, parts: &[Part]) -> Rows<&'p Part> {
+    let has_others = parts.iter().any(|part| part.on.is_some_and(|on| on != LimitTarget::CenterDistance));
+    let result = |part: &&Part| {
+        let (lower, upper) = part.result_mm;
+        (lower.is_finite() && upper.is_finite()).then(|| ends(lower, upper))
+    };
+    table
+        .column_if(has_others, Column::text("limit on ΔCD"), |part| part.on.map(|on| on.to_string()))
+        .number("ΔCD\n[mm]", result)
+        .number("margin\n[mm]", |part| part.on.map(|_| millimetres(part.margin_mm)))
+        .text("verdict", |part| part.verdict.map(Verdict::name))
+}
