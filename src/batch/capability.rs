@@ -22,9 +22,13 @@ pub struct Capability {
 }
 
 impl Capability {
-    /// Of values held against a lower and an upper limit, mm.
+    /// Of values held against a lower and an upper limit, mm, of what has these limits in all.
     #[must_use]
-    pub fn of(statistics: &Statistics, (lower_mm, upper_mm): (Option<f64>, Option<f64>)) -> Self {
+    pub fn of(
+        statistics: &Statistics,
+        (lower_mm, upper_mm): (Option<f64>, Option<f64>),
+        whole_mm: (Option<f64>, Option<f64>),
+    ) -> Self {
         let count = statistics.count();
         let (mean, deviation) = (statistics.mean_mm(), statistics.standard_deviation_mm());
         let indices = |spread: Option<f64>, of: fn(u64, f64, f64, Option<f64>, Option<f64>) -> Indices| {
@@ -36,7 +40,7 @@ impl Capability {
         let gauge = gauge.map(|((mean, deviation), uncertainty)| {
             let margins = [lower_mm.map(|lower| mean - lower), upper_mm.map(|upper| upper - mean)];
             let margin = margins.into_iter().flatten().fold(f64::INFINITY, f64::min);
-            Gauge::of(uncertainty, deviation, margin, lower_mm.zip(upper_mm).map(|(lower, upper)| upper - lower))
+            Gauge::of(uncertainty, deviation, margin, whole_mm.0.zip(whole_mm.1).map(|(lower, upper)| upper - lower))
         });
         let is_limited = lower_mm.is_some() || upper_mm.is_some();
         Self { cp, cpk, pp, ppk, normality: if is_limited { statistics.normality() } else { None }, gauge }

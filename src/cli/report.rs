@@ -1,9 +1,13 @@
-//! `rackmesh report`: everything about a spec and its parts on one page.
+//! `rackmesh report`: everything about a spec or the parts of tables on one page.
 
-use std::io::{self, Read as _, Write as _};
+mod kept;
+
+use std::io::{Read as _, Write as _};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+
+use kept::{Detail, Listed, Shown, details};
 
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
@@ -17,8 +21,7 @@ use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
 use super::{batch, mesh, spec_files};
 use crate::batch::{
-    Batch, ColumnSink, Layout, Outcome, Part, PartSink, Plan, Problem, Request, ResultColumns, ResultValues, RowFormat,
-    RowSink, Rows, Sinks, Teeth, TeethRequest,
+    Batch, Layout, Outcome, Part, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Unjudged;
@@ -29,9 +32,9 @@ use crate::report::{
     Basis, BatchReport, Block, EvaluationReport, Histograms, Report as _, RunChart, grouped, part_block, parts_block,
 };
 use crate::spec::Spec;
-use crate::spec::keys::{self, Key};
+use crate::spec::keys;
 
-const BY_FORMULA: &str = "deviations and ΔCD by formula";
+const BY_FORMULA: &str = "Deviations and ΔCD by formula";
 
 pub(super) const ABOUT: &str = "Write one page: spec, ΔCD, mesh curve, parts, hashes of inputs";
 
@@ -129,7 +132,7 @@ impl Args {
         let blocks = verdict_to_top(report.blocks(), page, "");
         page.sections.push(Section::new(BY_FORMULA, blocks));
         if !spec.errors.is_empty() || spec.has_deviations() {
-            page.sections.extend(self.mesh(&known, worst.as_ref(), output)?);
+            page.sections.push(self.mesh(&known, worst.as_ref(), output)?);
         }
         Ok(status)
     }
@@ -146,7 +149,8 @@ impl Args {
     /// The errors of one part of a table in detail; the verdict on it is the table's.
     fn part(&self, spec: &Spec, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
         let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, error.deviation)).collect();
-        let is_open = !self.partial && !spec.lacking(&spec.with_errors(&errors).kinds()).is_empty();
+        let kinds: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
+        let is_open = !self.partial && !spec.lacking(&kinds).is_empty();
         let spec = spec.with_errors(&errors);
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, &basis)?;
@@ -156,9 +160,8 @@ impl Args {
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &basis)?;
-        let sections = [Section::new(BY_FORMULA, report.blocks())].into_iter();
-        for mut section in sections.chain(self.mesh(&spec, worst.as_ref(), output)?) {
-            section.heading = format!("Part {}: {}", part.id, section.heading);
+        for mut section in [Section::new(BY_FORMULA, report.blocks()), self.mesh(&spec, worst.as_ref(), output)?] {
+            section.heading = format!("{}: part {}", section.heading, part.id);
             section.blocks.retain(|block| !matches!(block, Block::Verdict(..)));
             page.sections.push(section);
         }
@@ -166,9 +169,9 @@ impl Args {
     }
 
     /// The exact mesh, if the spec has the geometry.
-    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<Option<Section>, Failure> {
-        const HEADING: &str = "exact mesh along the stroke";
-        let unsolved = |why: String| Ok(Some(Section::new(HEADING, vec![Block::Note(why)])));
+    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<Section, Failure> {
+        const HEADING: &str = "Exact mesh along the stroke";
+        let unsolved = |why: String| Ok(Section::new(HEADING, vec![Block::Note(why)]));
         let tables = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut input = match mesh_of(spec, &tables) {
             Ok(input) => input,
@@ -190,10 +193,10 @@ impl Args {
         };
         let report = mesh::solved(spec, &input, curve, judged(spec, &self.judge)?)?;
         let section = Section::new(HEADING, report.blocks());
-        Ok(Some(match report.level() {
+        Ok(match report.level() {
             Some(level) => Section { blocks: [vec![Block::Note(level)], section.blocks].concat(), ..section },
             None => Section { charts: vec![report.chart()], ..section },
-        }))
+        })
     }
 
     /// The parts of the tables.
@@ -229,27 +232,26 @@ impl Args {
         page.facts = facts;
         page.facts.extend([("table".to_owned(), names.clone()), ("spec".to_owned(), shown(&self.spec))]);
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
+        let detailed = outcome.worst.first().filter(|part| !part.errors.is_empty() && !interruption.came());
         if let ([part], 1) = (outcome.worst.as_slice(), outcome.counts.rows) {
             page.title = format!("Part {}", spec.get(keys::REPORT_PART).unwrap_or_else(|| part.id.clone()));
             page.sections.push(Section::new("Measured values", measured_blocks(part)));
-            if !part.errors.is_empty() {
-                self.part(&spec, part, page, output)?;
-            }
         } else {
-            page.title = format!("{} parts: {names}", grouped(outcome.counts.rows));
-            let (heading, listed) = if parts.is_empty() {
-                (format!("The worst {} parts", outcome.worst.len()), &outcome.worst)
-            } else {
-                ("All parts".to_owned(), &parts)
+            let plural = if outcome.counts.rows == 1 { "" } else { "s" };
+            page.title = format!("{} part{plural}: {names}", grouped(outcome.counts.rows));
+            let (heading, listed) = match (parts.len(), outcome.worst.len()) {
+                (1.., _) => ("All parts".to_owned(), &parts),
+                (_, 0) => ("Parts".to_owned(), &parts),
+                (_, worst) => (format!("The worst {worst} parts"), &outcome.worst),
             };
             let blocks = parts_block(listed, "part").into_iter().chain([report.counts_table()]).chain(unread);
             page.sections.push(Section::new(heading, blocks.collect()));
             let level = level.into_iter().map(Block::Note);
             let blocks = level.chain(report.spread()).collect();
             page.sections.push(Section { charts, small_charts, ..Section::new("How the parts are spread", blocks) });
-            if let Some(worst) = outcome.worst.first().filter(|worst| !worst.errors.is_empty()) {
-                self.part(&spec, worst, page, output)?;
-            }
+        }
+        if let Some(part) = detailed {
+            self.part(&spec, part, page, output)?;
         }
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
@@ -380,76 +382,4 @@ struct Lot {
     /// What does not vary.
     level: Vec<String>,
     facts: Vec<(String, String)>,
-}
-
-/// Every part.
-#[derive(Default)]
-struct Listed(Vec<Part>);
-
-impl PartSink for Listed {
-    fn take(&mut self, parts: &[Part], _: &[Problem]) -> io::Result<()> {
-        self.0.extend_from_slice(parts);
-        Ok(())
-    }
-}
-
-/// What a page has of the rows of a batch.
-struct Shown {
-    run: RunChart,
-    details: Vec<Detail>,
-}
-
-impl ColumnSink for Shown {
-    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
-        self.details.iter_mut().for_each(|detail| detail.take(&rows));
-        self.run.take(rows)
-    }
-}
-
-/// What a column says of all parts.
-struct Detail {
-    /// The key of `[report]` that it stands for.
-    key: &'static str,
-    column: usize,
-    /// The first texts that differ.
-    texts: Vec<String>,
-}
-
-impl Detail {
-    /// Texts that are kept.
-    const MOST: usize = 4;
-
-    /// Those that the spec names columns for.
-    fn of(plan: &Plan, spec: &Spec) -> Vec<Self> {
-        let written = plan.column_names();
-        let place = |heading: &String| written.iter().position(|name| name == heading);
-        let details = spec.table.layout.details.iter();
-        details.filter_map(|(key, heading)| Some(Self { key, column: place(heading)?, texts: Vec::new() })).collect()
-    }
-
-    fn take(&mut self, rows: &ResultColumns) {
-        let ResultValues::Texts { bytes, ends } = &rows.columns[self.column].values else { return };
-        for span in ends.windows(2) {
-            let text = String::from_utf8_lossy(&bytes[span[0]..span[1]]);
-            if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
-                self.texts.push(text.into_owned());
-            }
-        }
-    }
-
-    /// The texts in a line.
-    fn shown(&self) -> String {
-        let all = self.texts.iter().take(Self::MOST - 1).cloned().collect::<Vec<_>>().join(", ");
-        if self.texts.len() < Self::MOST { all } else { format!("{all}, …") }
-    }
-}
-
-/// What `[report]` says of the parts, or else the columns of the table.
-fn details(spec: &Spec, columns: &[Detail]) -> Vec<(String, String)> {
-    let detail = |key: Key<String>| {
-        let name = key.any.name();
-        let column = columns.iter().find(|column| column.key == name && !column.texts.is_empty());
-        Some((name.to_owned(), spec.get(key).or_else(|| column.map(Detail::shown))?))
-    };
-    keys::REPORT_KEYS.into_iter().filter_map(detail).collect()
 }

@@ -372,7 +372,7 @@ impl<'a> From<&'a Quantity> for ResultFact<'a> {
             quantiles: QUANTILES.map(quantile),
             limit_lower_mm: limits.0,
             limit_upper_mm: limits.1,
-            capability: Capability::of(statistics, quantity.own_limits()),
+            capability: Capability::of(statistics, quantity.own_limits(), *limits),
             quantity,
         }
     }

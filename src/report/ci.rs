@@ -28,6 +28,8 @@ fn sentence(part: &Part) -> String {
 pub struct Junit<F> {
     /// The test cases so far.
     cases: F,
+    /// What the report is called where these cannot be kept.
+    name: String,
     counts: CaseCounts,
     begun: Instant,
     /// When the last cases came.
@@ -76,14 +78,20 @@ impl<F: Write + Send> PartSink for Junit<F> {
             self.counts.add(case.tag);
             xml += &case.xml(seconds);
         }
-        self.cases.write_all(xml.as_bytes())
+        self.cases.write_all(xml.as_bytes()).map_err(|error| self.named(&error))
+    }
+}
+
+impl<F> Junit<F> {
+    fn named(&self, error: &io::Error) -> io::Error {
+        io::Error::new(error.kind(), format!("{}: {error}", self.name))
     }
 }
 
 impl<F: Read + Write + Seek> Junit<F> {
-    /// A report whose test cases wait in this place, which is empty.
-    pub fn new(cases: F) -> Self {
-        Self { cases, counts: CaseCounts::default(), begun: Instant::now(), last: Instant::now() }
+    /// A report of this name whose test cases wait in this place, which is empty.
+    pub fn new(name: String, cases: F) -> Self {
+        Self { cases, name, counts: CaseCounts::default(), begun: Instant::now(), last: Instant::now() }
     }
 
     /// Writes the report of a run that came to this.
@@ -98,7 +106,9 @@ impl<F: Read + Write + Seek> Junit<F> {
         outcome: &Outcome,
     ) -> io::Result<()> {
         let doubts = doubts(basis, outcome);
-        doubts.iter().for_each(|doubt| self.counts.add(doubt.tag));
+        for doubt in &doubts {
+            self.counts.add(doubt.tag);
+        }
         let mut xml = self.counts.begun(title.unwrap_or(BATCH), self.begun.elapsed().as_secs_f64());
         xml += "<properties>\n";
         let counts = outcome.counts.named().map(|(name, count)| (name.to_owned(), count.to_string()));
@@ -109,7 +119,7 @@ impl<F: Read + Write + Seek> Junit<F> {
         xml += "</properties>\n";
         xml.extend(doubts.iter().map(|doubt| doubt.xml(0.0)));
         out.write_all(xml.as_bytes())?;
-        self.cases.rewind()?;
+        self.cases.rewind().map_err(|error| self.named(&error))?;
         io::copy(&mut self.cases, out)?;
         let said = said(&outcome.readings, &outcome.notes);
         if !said.is_empty() {

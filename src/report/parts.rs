@@ -47,7 +47,7 @@ pub fn parts_block(parts: &[Part], name: &str) -> Option<Block> {
     for (index, first) in errors.iter().enumerate() {
         let error = |part: &&Part| part.errors.get(index).copied();
         let (kind, nominal) = (first.kind.name(), first.nominal.map(|nominal| nominal.to_string()));
-        let has_margin = parts.iter().filter_map(|part| error(&part)?.margin).next().is_some();
+        let has_margin = parts.iter().any(|part| error(&part).is_some_and(|error| error.margin.is_some()));
         let heading = format!("{kind}\nmeasured, nominal {}", nominal.as_deref().unwrap_or_default());
         table = table
             .column_if(nominal.is_some(), Column::number(heading), |part| error(part).as_ref().and_then(measured))

@@ -69,7 +69,7 @@ impl Schema {
         let source = Influence::of_gear(key.path);
         match key.kind {
             Kind::Text | Kind::File => text(),
-            Kind::Label => json!({}),
+            Kind::Label => json!({ "type": ["string", "number"] }),
             Kind::Number(domain) => typed("number", &domain),
             Kind::Count(domain) => typed("integer", &domain),
             Kind::Length(domain) => {

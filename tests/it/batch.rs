@@ -490,6 +490,57 @@ fn a_junit_report_counts_parts() {
     assert!(messages.contains("; 15 more parts that do not pass without an annotation"), "{messages}");
 }
 
+/// A workbook has the table's own columns beside the results, headings in words, a filter, and a sheet of notes.
+#[test]
+fn a_workbook_has_the_columns_of_the_table() {
+    use calamine::{Reader as _, Xlsx, open_workbook};
+    let (table, file) = (path("remarks.csv"), path("remarks.xlsx"));
+    std::fs::write(&table, "Remark,part_id,over_roller,dp [µm]\nfine,P1,25.0131,10\n=1+1,P2,25.0601,-5\n").unwrap();
+    let ended = batch(&[SPEC, &table, "--ignore", "Remark", "-o", &file], b"");
+    assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
+    let mut book: Xlsx<_> = open_workbook(&file).expect("a workbook");
+    assert_eq!(book.sheet_names(), ["rackmesh", "notes"]);
+    let cells = |book: &mut Xlsx<_>, sheet: &str| -> Vec<Vec<String>> {
+        let range = book.worksheet_range(sheet).expect("the sheet");
+        range.rows().map(|row| row.iter().map(ToString::to_string).collect()).collect()
+    };
+    let rows = cells(&mut book, "rackmesh");
+    assert_eq!(rows[0][..5], ["part", "Remark", "over_roller", "dp [µm]", "ΔCD of rack over-roller\n[mm]"]);
+    assert_eq!(rows[2][..5], ["P2", "=1+1", "25.0601", "-5", "0.0601"]);
+    let verdict = rows[0].iter().position(|heading| heading == "verdict").expect("it has one");
+    assert_eq!((rows[1][verdict].as_str(), rows[2][verdict].as_str()), ("pass", "fail"));
+    let notes = cells(&mut book, "notes").concat().join("\n");
+    assert!(notes.starts_with("2 rows: 1 pass, 1 fail\n") && notes.contains("left out: `Remark`"), "{notes}");
+    let mut files = zip::ZipArchive::new(std::fs::File::open(&file).unwrap()).expect("an archive");
+    let mut sheet = String::new();
+    files.by_name("xl/worksheets/sheet1.xml").expect("the sheet").read_to_string(&mut sheet).unwrap();
+    assert!(sheet.contains("<autoFilter ref=\"A1:"), "{sheet}");
+}
+
+/// The capability of all errors together is that of the end that is nearer to its limit.
+#[test]
+fn capability_looks_at_both_limits() {
+    for shift in [-20, 20] {
+        let mut rows = "part_id,over_roller,dp\n".to_owned();
+        for part in 0..40 {
+            let over_roller = 25_000 + shift + part * 7 % 11;
+            let _ = writeln!(rows, "P{part},{}.{:03},0.00{}", over_roller / 1000, over_roller % 1000, part % 5);
+        }
+        let ended = batch(&[SPEC, "--summary", "--format", "json"], rows.as_bytes());
+        let json: serde_json::Value = serde_json::from_slice(&ended.stdout).expect("JSON");
+        let results = json["results"].as_array().expect("results");
+        let of = |name: &str, key: &str| {
+            let result = results.iter().find(|result| result["name"] == name).expect(name);
+            result.pointer(key).and_then(serde_json::Value::as_f64).expect(key)
+        };
+        let index = |name, sign: f64| (0.05 - sign * of(name, "/mean_mm")) / (3.0 * of(name, "/standard_deviation_mm"));
+        let (lower, upper) = (index("range_lower_mm", -1.0), index("range_upper_mm", 1.0));
+        let ppk = json["capability"]["ppk"]["value"].as_f64().expect("an index");
+        assert!((ppk - lower.min(upper)).abs() < 1e-9 * ppk && (lower < upper) == (shift < 0), "{ppk} {lower} {upper}");
+        assert!((of("range_lower_mm", "/ppk/value") - lower).abs() < 1e-9 * lower);
+    }
+}
+
 /// Whoever looks at the first line only gets the verdict of all parts, and the other files.
 #[test]
 fn a_reader_that_has_seen_enough_changes_no_verdict() {

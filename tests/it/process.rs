@@ -255,11 +255,11 @@ fn a_long_list_of_strokes_comes_in_order_and_whole() {
 fn a_page_is_about_the_measured_parts() {
     let folder = Folder::new("measured-parts");
     let (spec, table) = (folder.path("spec.toml"), folder.path("lot.csv"));
-    let text = "title = \"part 0417\"\n[pair]\nnormal_pressure_angle = 20\n[errors]\n\
+    let written = "title = \"part 0417\"\n[pair]\nnormal_pressure_angle = 20\n[errors]\n\
                 rack_over_roller = { measured = 25.9, nominal = 25 }\nrack_pitch = \"12 um\"\n\
                 [limits]\ncenter_distance = \"±0.05\"\nrack_pitch = \"±0.02\"\n\
                 [table.columns]\ninspector = \"Prüfer\"\n";
-    std::fs::write(&spec, text).expect("written");
+    std::fs::write(&spec, written).expect("written");
     let rows = |parts: std::ops::Range<i32>| -> String {
         let row = |part| format!("0{part},25.0{},{},Frey\n", part % 10, part % 7);
         "part_id,rack_over_roller,rack_pitch [um],Prüfer\n".to_owned() + &parts.map(row).collect::<String>()

@@ -414,8 +414,8 @@ struct Solved {
 impl Solved {
     /// The end of the limit that the part is nearest to.
     fn nearest(&self) -> Option<NearestEnd> {
-        let checks = self.judged.evaluation.limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
-        checks.filter_map(|check| check.limit.nearest(self.judged.evaluation.judged.ok()?)).next()
+        let mut checks = self.judged.evaluation.limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
+        checks.find_map(|check| check.limit.nearest(self.judged.evaluation.judged.ok()?))
     }
 
     /// Why the part does not pass, or has no verdict.

@@ -68,7 +68,9 @@ impl Args {
             BatchFormat::Jsonl | BatchFormat::Json => RowFormat::JsonLines,
             BatchFormat::Parquet => RowFormat::Columns,
             _ if self.summary => RowFormat::Csv,
-            _ => return refused("rows", "write table, csv, tsv, json, jsonl or parquet; or ask for the --summary"),
+            BatchFormat::Markdown => {
+                return refused("rows", "write table, csv, tsv, json, jsonl or parquet; or ask for the --summary");
+            }
         };
         let summary = match format {
             BatchFormat::Table => Format::Table,

@@ -55,7 +55,7 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum)]
     format: Option<BatchFormat>,
-    /// Decimals of the lengths in the result [default: 6, in a table 4].
+    /// Decimals of the lengths in the result.
     #[arg(long, value_name = "N|full")]
     decimals: Option<Decimals>,
     /// The columns to write: results, or columns of the table.

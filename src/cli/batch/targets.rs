@@ -170,6 +170,7 @@ impl Args {
             }
             None => None,
         };
+        let name = self.junit.as_deref().map(shown).unwrap_or_default();
         let cases = junit.as_ref().map(|_| tempfile::tempfile()).transpose();
         Ok(Targets {
             kept,
@@ -179,7 +180,7 @@ impl Args {
             rejects,
             summary,
             junit,
-            cases: cases.map_err(|error| named("a temporary file", &error))?.map(Junit::new),
+            cases: cases.map_err(|error| named(&name, &error))?.map(|cases| Junit::new(name, cases)),
         })
     }
 }

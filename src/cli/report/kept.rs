@@ -1,0 +1,81 @@
+//! What a page keeps of the parts of tables while they are read: the run chart, what columns say of all of them, and each
+//! part where all are listed.
+
+use std::io;
+
+use crate::batch::{ColumnSink, Part, PartSink, Plan, Problem, ResultColumns, ResultValues};
+use crate::report::RunChart;
+use crate::spec::Spec;
+use crate::spec::keys::{self, Key};
+
+/// Every part.
+#[derive(Default)]
+pub(super) struct Listed(pub(super) Vec<Part>);
+
+impl PartSink for Listed {
+    fn take(&mut self, parts: &[Part], _: &[Problem]) -> io::Result<()> {
+        self.0.extend_from_slice(parts);
+        Ok(())
+    }
+}
+
+/// What a page has of the rows of a batch.
+pub(super) struct Shown {
+    pub(super) run: RunChart,
+    pub(super) details: Vec<Detail>,
+}
+
+impl ColumnSink for Shown {
+    fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
+        self.details.iter_mut().for_each(|detail| detail.take(&rows));
+        self.run.take(rows)
+    }
+}
+
+/// What a column says of all parts.
+pub(super) struct Detail {
+    /// The key of `[report]` that it stands for.
+    key: &'static str,
+    column: usize,
+    /// The first texts that differ.
+    texts: Vec<String>,
+}
+
+impl Detail {
+    /// Texts that are kept.
+    const MOST: usize = 4;
+
+    /// Those that the spec names columns for.
+    pub(super) fn of(plan: &Plan, spec: &Spec) -> Vec<Self> {
+        let written = plan.column_names();
+        let place = |heading: &String| written.iter().position(|name| name == heading);
+        let details = spec.table.layout.details.iter();
+        details.filter_map(|(key, heading)| Some(Self { key, column: place(heading)?, texts: Vec::new() })).collect()
+    }
+
+    fn take(&mut self, rows: &ResultColumns) {
+        let ResultValues::Texts { bytes, ends } = &rows.columns[self.column].values else { return };
+        for span in ends.windows(2) {
+            let text = String::from_utf8_lossy(&bytes[span[0]..span[1]]);
+            if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
+                self.texts.push(text.into_owned());
+            }
+        }
+    }
+
+    /// The texts in a line.
+    fn shown(&self) -> String {
+        let all = self.texts.iter().take(Self::MOST - 1).cloned().collect::<Vec<_>>().join(", ");
+        if self.texts.len() < Self::MOST { all } else { format!("{all}, …") }
+    }
+}
+
+/// What `[report]` says of the parts, or else the columns of the table.
+pub(super) fn details(spec: &Spec, columns: &[Detail]) -> Vec<(String, String)> {
+    let detail = |key: Key<String>| {
+        let name = key.any.name();
+        let column = columns.iter().find(|column| column.key == name && !column.texts.is_empty());
+        Some((name.to_owned(), spec.get(key).or_else(|| column.map(Detail::shown))?))
+    };
+    keys::REPORT_KEYS.into_iter().filter_map(detail).collect()
+}
