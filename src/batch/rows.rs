@@ -238,6 +238,6 @@ fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) ->
             ResultCell::Number(simulated(known.simulation_of(&plan.sources, *of)?, *statistic))
         }
         Output::Validated => ResultCell::Flag(known.validated?),
-        _ => ResultCell::Flag(known.spreads.upper.folds == Some(0)),
+        _ => ResultCell::Flag(known.spreads.upper.folds == Some(0) && known.spreads.upper.rivals == 0),
     })
 }

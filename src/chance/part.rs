@@ -225,7 +225,7 @@ impl PartModel {
     /// How far one draw moves both extremes of known teeth.
     fn teeth_at(&self, inputs: &[Vec<f64>], draw: usize) -> Range {
         let mut off = Range::default();
-        for TeethSensitivity { source, slope } in &self.teeth {
+        for TeethSensitivity { source, slope, .. } in &self.teeth {
             let Some(column) = self.column(*source, inputs) else { continue };
             let by = column[draw] - self.best_estimate(*source);
             off = off.with(*slope, |off, slope| off + slope * by);

@@ -123,14 +123,16 @@ pub struct Tail {
     /// How many magnitudes so near to 0 are in it that either sign of them may count; `None` where inputs are correlated, so that
     /// other signs may be wider.
     pub folds: Option<u8>,
+    /// How many other strokes of a mesh may hold this end.
+    pub rivals: u32,
 }
 
 impl Tail {
     /// A normal distribution.
-    pub const NORMAL: Self = Self { dof: Some(f64::INFINITY), folds: Some(0) };
+    pub const NORMAL: Self = Self { dof: Some(f64::INFINITY), folds: Some(0), rivals: 0 };
 
     /// The probability, at most, that the end lies so many standard uncertainties beyond its value, Q: either sign of n
-    /// magnitudes makes 2ⁿ normal ends, each of which is as far at most. Student's t for finite degrees of freedom. Nothing lies
+    /// magnitudes, and each stroke that rivals, makes another normal end that is as far at most. Student's t for finite degrees of freedom. Nothing lies
     /// beyond a limit that is not there.
     fn beyond(self, distance: Option<f64>) -> Option<f64> {
         let Some(distance) = distance else { return Some(0.0) };
@@ -139,7 +141,7 @@ impl Tail {
             return Some(if distance > 0.0 { 0.0 } else { 1.0 });
         }
         let of_one = if dof.is_finite() { student_cdf(-distance, dof) } else { normal_cdf(-distance) };
-        Some((f64::from(1_u32 << folds) * of_one).min(1.0))
+        Some((f64::from(1_u32 << folds) * (1.0 + f64::from(self.rivals)) * of_one).min(1.0))
     }
 }
 
@@ -206,7 +208,8 @@ impl Ends {
             Verdict::Fail => {
                 let (low, high) = self.distances(limit);
                 let is_beyond = |distance: Option<f64>, tail: Tail| {
-                    let risk = distance.and_then(|inside| Tail { folds: Some(0), ..tail }.beyond(Some(-inside)));
+                    let risk =
+                        distance.and_then(|inside| Tail { folds: Some(0), rivals: 0, ..tail }.beyond(Some(-inside)));
                     risk.is_some_and(|risk| risk <= 1.0 - ISO_14253_PROBABILITY)
                 };
                 is_beyond(low, self.lower_tail) || is_beyond(high, self.upper_tail)
@@ -282,9 +285,11 @@ pub fn decide(
     Ok(Decision { guard, conformance: Conformance::of(limit, ends, simulated), verdict })
 }
 
-/// A simulated probability, which counts unless what was drawn cancels.
+/// A simulated probability, which counts unless what was drawn cancels, or another stroke of a mesh may hold an end: draws move
+/// the ends only.
 fn counting(ends: Option<&Ends>, simulated: Option<f64>) -> Option<f64> {
-    simulated.filter(|_| !ends.is_some_and(Ends::is_unknown))
+    let has_rivals = |ends: &Ends| ends.lower_tail.rivals + ends.upper_tail.rivals > 0;
+    simulated.filter(|_| !ends.is_some_and(|ends| ends.is_unknown() || has_rivals(ends)))
 }
 
 /// The verdict on a result, from its lower to its upper end, with the uncertainties of both, or its simulated

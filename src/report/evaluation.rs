@@ -212,12 +212,18 @@ pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -
         }
         _ => None,
     };
-    let of_unstated = |unstated: &Unstated| match unstated {
+    notes.iter().filter_map(clause).chain(unstated.iter().map(|what| self::unstated(*what).to_owned())).collect()
+}
+
+/// What a verdict takes for granted where nothing is stated.
+#[must_use]
+pub const fn unstated(what: Unstated) -> &'static str {
+    match what {
         Unstated::Freedom => "ν = ∞ where no dof is given",
         Unstated::Correlation => "r = 0 where no correlation is given",
         Unstated::Size => "sizes without an uncertainty are exact",
-    };
-    notes.iter().filter_map(clause).chain(unstated.iter().map(of_unstated).map(str::to_owned)).collect()
+        Unstated::RootForm => "the pinion's flanks are involutes down to the base circle",
+    }
 }
 
 /// The same of an evaluation.

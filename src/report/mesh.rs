@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
-use super::evaluation::{SEEN_MM, failure_sentence, interval_text};
+use super::evaluation::{SEEN_MM, assumed, assumptions_of, failure_sentence, interval_text};
 use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
@@ -117,6 +117,7 @@ impl MeshReport<'_> {
 /// What came of each limit, in a sentence.
 pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
     let Evaluation { stack, rule, judged_by, .. } = evaluation;
+    let assumed = assumed(&assumptions_of(evaluation));
     evaluation.limits.iter().map(move |check| {
         let by = match check.on {
             LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
@@ -129,7 +130,12 @@ pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
             }
             (result, None) => {
                 let result = result.map(|result| interval_text(&result)).unwrap_or_default();
-                format!("{}: {result} mm is within the limit ({}; {by})", subject(check.on, *stack), check.limit)
+                let assumed = if check.verdict == Some(Verdict::Pass) { assumed.as_str() } else { "" };
+                format!(
+                    "{}: {result} mm is within the limit{assumed} ({}; {by})",
+                    subject(check.on, *stack),
+                    check.limit
+                )
             }
         };
         Block::Verdict(check.verdict, sentence)
@@ -202,6 +208,7 @@ impl MeshReport<'_> {
             "judged_by": self.evaluation.judged_by.name(),
             "verdict": self.evaluation.verdict.map(Verdict::name),
             "reason": self.evaluation.open_because(),
+            "assumes": assumptions_of(&self.evaluation),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
                 "delta_cd_mm": tidy(kink.delta_cd_mm),

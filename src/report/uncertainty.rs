@@ -176,6 +176,14 @@ impl UncertaintyPart {
             let names: Vec<_> = self.taken_as_exact.iter().map(|kind| kind.name()).collect();
             notes.push(format!("taken as exact, because no uncertainty is given: {}", names.join(", ")));
         }
+        let spreads = &self.propagation.spreads;
+        let rivals = spreads.lower.rivals.max(spreads.upper.rivals);
+        if rivals > 0 {
+            notes.push(format!(
+                "strokes that may hold the lowest or highest ΔCD within their uncertainties, beside those that do: {rivals}; \
+                 u is the largest of them, and the probability of conformance counts each"
+            ));
+        }
         if self.through_mesh {
             notes.push(
                 "what is uncertain about the teeth that are known one by one counts by the derivatives of the exact mesh \

@@ -93,7 +93,7 @@ impl Spec {
     }
 
     /// Whether the rack's tips reach below the pinion's involute; `None` if that is not known.
-    fn is_undercut(&self) -> Option<bool> {
+    pub(super) fn is_undercut(&self) -> Option<bool> {
         let module = self.get(keys::PAIR_NORMAL_MODULE)?.mm();
         let pressure_angle = self.get(keys::PAIR_NORMAL_PRESSURE_ANGLE)?;
         let cos_p = trig::sin_cos_of(self.or_zero(keys::PINION_HELIX_ANGLE)).1;

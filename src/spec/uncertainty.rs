@@ -348,8 +348,10 @@ impl Spec {
     /// uncertainties. Values of such teeth have no correlation that could be stated.
     #[must_use]
     pub fn unstated(&self, kinds: &[DeviationKind], has_teeth: bool, rule: &Rule) -> Vec<Unstated> {
+        let is_involute = self.get(keys::PINION_ROOT_FORM_DIAMETER).is_none() && self.is_undercut() == Some(true);
+        let root_form = is_involute.then_some(Unstated::RootForm);
         if !rule.needs_uncertainty() {
-            return Vec::new();
+            return root_form.into_iter().collect();
         }
         let follows = self.followed_by(kinds);
         let of_teeth = |source| has_teeth && !matches!(source, Influence::Datum | Influence::Roller);
@@ -376,6 +378,7 @@ impl Spec {
         ]
         .into_iter()
         .filter_map(|(what, is_unstated)| is_unstated.then_some(what))
+        .chain(root_form)
         .collect()
     }
 

@@ -35,7 +35,7 @@ impl SolvedTeeth {
     fn new(mesh: &Mesh, strokes: &[Range<f64>], varied: &[VariedTeeth]) -> Result<Self, MeshError> {
         let tolerance_mm = tolerance_mm(mesh);
         let extremes = extremes(mesh, strokes, tolerance_mm)?;
-        let sensitivities = teeth_sensitivities(mesh, &extremes, tolerance_mm, varied)?;
+        let sensitivities = teeth_sensitivities(mesh, &extremes, strokes, tolerance_mm, varied)?;
         Ok(Self { teeth: extremes.judged(mesh), sensitivities })
     }
 }
@@ -172,7 +172,8 @@ impl Spec {
             if uncertainty.value.standard == 0.0 {
                 continue;
             }
-            let (source, by) = (*source, uncertainty.value.standard.max(LEAST));
+            let (source, standard) = (*source, uncertainty.value.standard);
+            let by = standard.max(LEAST);
             let count = whole.clone().values(source).len();
             for index in 0..count {
                 let mut off = Vec::new();
@@ -180,7 +181,7 @@ impl Spec {
                     let other = whole.with_value_off(source, index, by)?;
                     off.extend(mesh_of(&other)?.map(|input| (by, input.mesh)));
                 }
-                varied.push(VariedTeeth { source, off });
+                varied.push(VariedTeeth { source, standard, off });
             }
         }
         Ok(varied)
@@ -254,20 +255,21 @@ const fn of_roller(error: &mut WrittenError) -> Option<Variable<'_>> {
 }
 
 fn of_rack(kind: DeviationKind, deviation: &mut RackDeviationKind) -> Option<Variable<'_>> {
-    use RackDeviationKind::{Lead, OverRoller, Pitch, Shift};
+    use RackDeviationKind::{Lead, Left, OverRoller, Pitch, Right, Shift, Thickness};
     match (kind, deviation) {
-        (DeviationKind::RackOverRoller, OverRoller(mm)) | (DeviationKind::RackPitch, Pitch(mm) | Shift(mm)) => {
-            Some(Variable::Mm(mm))
-        }
+        // a thickness is measured over a roller, a flank side as a pitch
+        (DeviationKind::RackOverRoller, OverRoller(mm) | Thickness(mm))
+        | (DeviationKind::RackPitch, Pitch(mm) | Shift(mm) | Left(mm) | Right(mm)) => Some(Variable::Mm(mm)),
         (DeviationKind::RackLead, Lead(rad)) => Some(Variable::Rad(rad)),
         _ => None,
     }
 }
 
 fn of_pinion(kind: DeviationKind, deviation: &mut PinionDeviationKind) -> Option<Variable<'_>> {
-    use PinionDeviationKind::{Lead, Radial, Shift};
+    use PinionDeviationKind::{Eccentricity, Lead, Left, Radial, Right, Shift, Thickness};
     match (kind, deviation) {
-        (DeviationKind::PinionRadial, Radial(mm)) | (DeviationKind::PinionPitch, Shift(mm)) => Some(Variable::Mm(mm)),
+        (DeviationKind::PinionRadial, Radial(mm) | Thickness(mm) | Eccentricity(mm))
+        | (DeviationKind::PinionPitch, Shift(mm) | Left(mm) | Right(mm)) => Some(Variable::Mm(mm)),
         (DeviationKind::PinionLead, Lead(rad)) => Some(Variable::Rad(rad)),
         _ => None,
     }

@@ -16,7 +16,7 @@ pub struct Uncertainties {
     factor: Vec<f64>,
 }
 
-/// What a verdict takes for granted of uncertainties where nothing is stated, as the GUM does.
+/// What a verdict takes for granted where nothing is stated: of uncertainties as the GUM does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unstated {
     /// Degrees of freedom ν are infinite.
@@ -25,6 +25,8 @@ pub enum Unstated {
     Correlation,
     /// Sizes of the gear are exact.
     Size,
+    /// The flanks of a pinion that a rack cutter would undercut are involutes down to the base circle.
+    RootForm,
 }
 
 /// Why uncertainties make no sense.

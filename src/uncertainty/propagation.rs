@@ -180,7 +180,10 @@ impl Propagator {
     }
 
     fn spreads_of(&self, points: &[Point], gradients: &Gradients) -> Spreads {
-        let (lower, upper) = (self.spread(&gradients.lower), self.spread(&gradients.upper));
+        let (mut lower, mut upper) = (self.spread(&gradients.lower), self.spread(&gradients.upper));
+        for TeethSensitivity { rivals: [at_lower, at_upper], .. } in &self.teeth {
+            (lower.rivals, upper.rivals) = (lower.rivals.max(*at_lower), upper.rivals.max(*at_upper));
+        }
         let end_correlation = self.end_correlation(gradients, &lower, &upper);
         let mut spreads = Spreads { lower, upper, end_correlation, ..Spreads::default() };
         for (index, (of, point)) in self.derivatives.iter().zip(points).enumerate() {
@@ -343,6 +346,7 @@ impl Propagator {
             coverage_factor: self.coverage_factor(dof),
             gauge_mm2: self.variance(&gauge),
             folds: (gradient.folded.is_empty() || !is_correlated()).then_some(gradient.folded.len() as u8),
+            rivals: 0,
             dof: dof.map(whole_dof),
         }
     }

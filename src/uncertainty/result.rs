@@ -81,13 +81,15 @@ pub struct Spread {
     pub gauge_mm2: f64,
     /// How many errors are so near to zero that the result is not linear; `None` if some are and inputs are correlated.
     pub folds: Option<u8>,
+    /// How many other strokes of a mesh may hold this end.
+    pub rivals: u32,
     /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
     pub dof: Option<f64>,
 }
 
 impl Spread {
     const fn tail(&self) -> Tail {
-        Tail { dof: self.dof, folds: self.folds }
+        Tail { dof: self.dof, folds: self.folds, rivals: self.rivals }
     }
 }
 

@@ -1,19 +1,23 @@
 //! How the curve of teeth that are known one by one follows from uncertain values: at both of its extremes, by differences
 //! of the exact mesh.
 
+use std::ops::Range as Strokes;
+
 use super::Influence;
 use crate::judge::bound::Range;
-use crate::judge::strokes::{Extremes, extremes};
+use crate::judge::strokes::{CurveExtreme, Extremes, extremes};
 use crate::mesh::{Mesh, MeshError};
 
 /// ∂(both extremes)/∂x of what known teeth do, mm per mm or per degree. Where x stands for many values that were measured
-/// one by one, the root of the sum of their squares.
+/// one by one, the root of the sum of their squares; where other strokes rival an extreme, the largest there and at these.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TeethSensitivity {
     /// x
     pub source: Influence,
     /// Of the lowest and of the highest ΔCD.
     pub slope: Range,
+    /// How many other strokes may hold the lowest and the highest ΔCD, whatever x.
+    pub rivals: [u32; 2],
 }
 
 /// Meshes in which one value is off.
@@ -21,6 +25,8 @@ pub struct TeethSensitivity {
 pub struct VariedTeeth {
     /// What the value is.
     pub source: Influence,
+    /// Its standard uncertainty, mm or degrees.
+    pub standard: f64,
     /// By how much it is off, mm or degrees, and the mesh: of several the one counts in which an extreme changes most.
     pub off: Vec<(f64, Mesh)>,
 }
@@ -28,7 +34,7 @@ pub struct VariedTeeth {
 /// An extreme is looked for so many pitches around where it is without the variation.
 const AROUND: f64 = 0.1;
 
-/// The derivatives of a curve's extremes by each source: what its extremes become if a value is off, less
+/// The derivatives of a curve's extremes over some strokes by each source: what its extremes become if a value is off, less
 /// what they are. Curves are followed to a tolerance in mm, and differences up to twice that are none.
 ///
 /// # Errors
@@ -36,6 +42,7 @@ const AROUND: f64 = 0.1;
 pub fn teeth_sensitivities(
     mesh: &Mesh,
     at: &Extremes,
+    strokes: &[Strokes<f64>],
     tolerance_mm: f64,
     varied: &[VariedTeeth],
 ) -> Result<Vec<TeethSensitivity>, MeshError> {
@@ -48,20 +55,143 @@ pub fn teeth_sensitivities(
         Ok(Range { lower, upper })
     };
     let centre = ends(mesh)?;
+    let rivals = Rivals::find(mesh, at, strokes, tolerance_mm, varied)?;
     let mut found: Vec<TeethSensitivity> = Vec::new();
-    for VariedTeeth { source, off } in varied {
+    for VariedTeeth { source, off, .. } in varied {
         let mut slope = Range::default();
         for (by, mesh) in off {
             let of_one = ends(mesh)?.with(centre, |off, centre| {
                 let difference = off - centre;
                 if difference.abs() > 2.0 * tolerance_mm { difference / by } else { 0.0 }
             });
-            slope = slope.with(of_one, |a, b| if b.abs() > a.abs() { b } else { a });
+            slope = slope.with(of_one, steeper);
         }
         match found.iter_mut().find(|known| known.source == *source) {
             Some(known) => known.slope = known.slope.with(slope, |a, b| (a * a + b * b).sqrt()),
-            None => found.push(TeethSensitivity { source: *source, slope }),
+            None => found.push(TeethSensitivity { source: *source, slope, rivals: rivals.counts() }),
         }
     }
+    for known in &mut found {
+        known.slope = known.slope.with(rivals.slope(known.source, varied), steeper);
+    }
     Ok(found)
+}
+
+fn steeper(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}
+
+/// A stroke at which a curve is lowest or highest nearby.
+struct Peak {
+    delta_cd_mm: f64,
+    /// By how much ΔCD changes there with a standard uncertainty of each value, mm.
+    changes_mm: Vec<f64>,
+}
+
+/// Another stroke holds the extreme if its values change against those of the extreme by so many standard uncertainties: 3
+/// in 100,000.
+const OVERTAKES: f64 = 4.0;
+
+/// The strokes that may hold the lowest and the highest ΔCD once the values are not as measured: the extreme itself first. A tooth just
+/// below the highest one, with an uncertainty of its own, raises the highest ΔCD as probably as that does.
+struct Rivals([Vec<Peak>; 2]);
+
+impl Rivals {
+    fn find(
+        mesh: &Mesh,
+        at: &Extremes,
+        strokes: &[Strokes<f64>],
+        tolerance_mm: f64,
+        varied: &[VariedTeeth],
+    ) -> Result<Self, MeshError> {
+        let mut rivals = Self([Vec::new(), Vec::new()]);
+        let all_alike = varied.iter().flat_map(|value| &value.off).all(|(_, off)| is_alike(off, strokes));
+        if all_alike && is_alike(mesh, strokes) {
+            return Ok(rivals);
+        }
+        let mut peaks = [vec![at.lower], vec![at.upper]];
+        let pitch = mesh.pair().rack().pitch_mm;
+        for piece in strokes.iter().flat_map(|range| pieces(range, pitch)) {
+            let here = extremes(mesh, &[piece], OF_PEAKS * tolerance_mm)?;
+            peaks[0].push(here.lower);
+            peaks[1].push(here.upper);
+        }
+        for (kept, (peaks, sign)) in rivals.0.iter_mut().zip(peaks.iter_mut().zip([-1.0, 1.0])) {
+            peaks[1..].sort_by(|a, b| (sign * b.delta_cd_mm).total_cmp(&(sign * a.delta_cd_mm)));
+            for peak in peaks {
+                let CurveExtreme { stroke_mm, delta_cd_mm } = *peak;
+                let changes_mm = changes_mm(mesh, stroke_mm, varied)?;
+                let peak = Peak { delta_cd_mm, changes_mm };
+                if kept.iter().all(|above| peak.overtakes(above, sign)) {
+                    kept.push(peak);
+                }
+            }
+        }
+        Ok(rivals)
+    }
+
+    fn counts(&self) -> [u32; 2] {
+        [0, 1].map(|end| self.0[end].len().saturating_sub(1) as u32)
+    }
+
+    /// The largest slope of the rivals' ΔCD by one source.
+    fn slope(&self, source: Influence, varied: &[VariedTeeth]) -> Range {
+        let of_peak = |peak: &Peak| {
+            let of_source = varied.iter().zip(&peak.changes_mm).filter(|(value, _)| value.source == source);
+            of_source.map(|(value, change)| (change / value.standard) * (change / value.standard)).sum::<f64>().sqrt()
+        };
+        let [lower, upper] = [0, 1].map(|end| self.0[end].iter().skip(1).map(of_peak).fold(0.0, f64::max));
+        Range { lower, upper }
+    }
+}
+
+impl Peak {
+    /// Whether this one may be beyond one that is: not so where both change alike.
+    fn overtakes(&self, above: &Self, sign: f64) -> bool {
+        let by_value = self.changes_mm.iter().zip(&above.changes_mm);
+        let u_mm = by_value.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        sign * (above.delta_cd_mm - self.delta_cd_mm) < OVERTAKES * u_mm
+    }
+}
+
+/// Peaks are looked for so many times less closely than extremes.
+const OF_PEAKS: f64 = 100.0;
+
+/// Strokes in pieces of a pitch.
+fn pieces(range: &Strokes<f64>, pitch: f64) -> impl Iterator<Item = Strokes<f64>> {
+    let (start, end) = (range.start, range.end);
+    let count = ((end - start) / pitch).ceil().max(1.0) as u64;
+    (0..count).map(move |index| start + index as f64 * pitch..(start + (index + 1) as f64 * pitch).min(end))
+}
+
+/// Whether all teeth of each part that can carry at these strokes deviate alike.
+fn is_alike(mesh: &Mesh, strokes: &[Strokes<f64>]) -> bool {
+    let teeth = mesh.pinion().teeth();
+    let mut of_rack = strokes.iter().flat_map(|range| carrying(mesh, range)).map(|tooth| mesh.rack().tooth(tooth));
+    let first = of_rack.next();
+    of_rack.all(|tooth| Some(tooth) == first) && teeth.iter().all(|tooth| *tooth == teeth[0])
+}
+
+/// The rack's teeth that can carry at some strokes.
+fn carrying(mesh: &Mesh, range: &Strokes<f64>) -> impl Iterator<Item = i64> + use<> {
+    let pitch = mesh.pair().rack().pitch_mm;
+    let contact = (mesh.pair().contact_ratio().total + 2.0).ceil().max(3.0);
+    (range.start / pitch - contact).floor() as i64..=(range.end / pitch + contact).ceil() as i64
+}
+
+/// By how much ΔCD at a stroke changes with a standard uncertainty of each value, mm.
+fn changes_mm(mesh: &Mesh, stroke_mm: f64, varied: &[VariedTeeth]) -> Result<Vec<f64>, MeshError> {
+    let centre = mesh.at(stroke_mm)?.delta_cd_mm;
+    let change = |value: &VariedTeeth| {
+        let mut slope = 0.0;
+        for (by, off) in &value.off {
+            let same_pair = off.pair() == mesh.pair() && off.pinion() == mesh.pinion();
+            let mut teeth = carrying(mesh, &(stroke_mm..stroke_mm));
+            if !(same_pair && teeth.all(|tooth| off.rack().tooth(tooth) == mesh.rack().tooth(tooth))) {
+                slope = steeper(slope, (off.at(stroke_mm)?.delta_cd_mm - centre) / by);
+            }
+        }
+        Ok(slope * value.standard)
+    };
+    varied.iter().map(change).collect()
 }

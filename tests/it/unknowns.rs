@@ -244,7 +244,7 @@ proptest! {
             decide(&Rule::Iso14253, &limit, result, ends.as_ref(), simulated).expect("it is in range")
         };
         let ends = |dof: Option<f64>, folds: Option<u8>| {
-            let tail = Tail { dof, folds };
+            let tail = Tail { dof, folds, rivals: 0 };
             Some(Ends { correlation, lower_tail: tail, upper_tail: tail, ..Ends::value(value, u) })
         };
         let passes = |dof, folds| decided(ends(dof, folds), None).verdict == Verdict::Pass;
@@ -264,7 +264,7 @@ proptest! {
     #[test]
     fn no_conformance_of_zero_percent_at_least(value in -0.03..0.03_f64, u in 1e-5..0.1_f64, folds in 1_u8..6) {
         let limit = Limit::symmetric("0.02".parse().expect("a length"));
-        let tail = Tail { dof: Some(f64::INFINITY), folds: Some(folds) };
+        let tail = Tail { dof: Some(f64::INFINITY), folds: Some(folds), rivals: 0 };
         let ends = Ends { lower_tail: tail, upper_tail: tail, ..Ends::value(value, u) };
         prop_assert!(ends.conformance(&limit).is_none_or(|probability| probability > 0.0));
     }

@@ -50,6 +50,7 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         let missing = spec.missing_geometry();
         notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
     }
+    notes.extend(plan.unstated().iter().map(|unstated| format!("a pass assumes: {}", report::unstated(*unstated))));
     if !plan.has_id {
         notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
     }

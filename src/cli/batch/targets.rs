@@ -117,10 +117,15 @@ pub(in crate::cli) fn report_of_usage(arguments: &[OsString], error: &clap::Erro
     if !error.use_stderr() {
         return;
     }
-    let found = crate::cli::command().ignore_errors(true).try_get_matches_from(arguments).ok();
-    let path = found.as_ref().and_then(|found| found.subcommand_matches("batch")?.get_one::<PathBuf>("junit"));
+    // an option that is wrong ends clap's reading, whatever follows
+    let mut rest = arguments.iter().skip_while(|argument| *argument != "batch");
+    let path = rest.find_map(|argument| match argument.to_str()?.strip_prefix("--junit")? {
+        "" => Some(None),
+        value => value.strip_prefix('=').map(|path| Some(PathBuf::from(path))),
+    });
+    let path = path.and_then(|path| path.or_else(|| rest.next().map(PathBuf::from)));
     // what is wrong with the file is told when the arguments are right
-    drop(path.map(|path| begin_report(path, &[])));
+    drop(path.map(|path| begin_report(&path, &[])));
 }
 
 impl Args {
