@@ -231,6 +231,68 @@ fn without_the_geometry_nothing_passes_that_did_not() {
     assert!(held > 2 && not_zero < cases / 2, "{held} of {cases}, {not_zero} not 0");
 }
 
+/// A pair whose rack has some teeth that are too high, judged by ISO 14253-1 where `u_um` is the uncertainty of each.
+fn of_teeth(teeth: &[(usize, f64)], u_um: Option<f64>, upper_mm: f64) -> String {
+    let mut spec =
+        "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\naddendum = 1.7\n[pinion]\n\
+        teeth = 8\nhelix_angle = 21\nprofile_shift = 0.4\nface_width = 30\ntip_diameter = 21.4\n"
+            .to_owned();
+    if let Some(u) = u_um {
+        spec +=
+            &format!("[errors]\nrack_over_roller = {{ u = \"{u} um\", dof = inf }}\n[decision]\nrule = \"iso14253\"\n");
+    }
+    spec += &format!("[limits]\ncenter_distance = {{ upper = {upper_mm:.9} }}\n");
+    teeth.iter().fold(spec, |spec, (tooth, um)| {
+        spec + &format!("[[rack.deviation]]\nteeth = {tooth}\nover_roller = \"{um:.6} um\"\n")
+    })
+}
+
+fn highest_mm(eval: &Value) -> f64 {
+    eval["judged_mm"]["upper"].as_f64().expect("it is judged")
+}
+
+/// Teeth far apart that are nearly as high raise the highest ΔCD each: what passes conforms for 95 % of what may be.
+#[test]
+fn what_is_uncertain_about_teeth_that_carry_elsewhere_counts() {
+    let mut random = Random(11);
+    let (mut passed, draws) = (0, 20);
+    for _ in 0..5 {
+        let teeth: Vec<_> = (0..4).map(|index| (4 + 6 * index, random.range(9.5, 10.0))).collect();
+        let u_um = random.range(0.5, 3.0);
+        let measured = highest_mm(&eval(&of_teeth(&teeth, None, 1.0)).expect("it is valid"));
+        let upper_mm = measured + 1e-3 * u_um * random.range(1.65, 4.0);
+        let judged = eval(&of_teeth(&teeth, Some(u_um), upper_mm)).expect("it is valid");
+        let conforms = |_: &usize| {
+            let drawn: Vec<_> = teeth
+                .iter()
+                .map(|(tooth, um)| (*tooth, um + u_um * ((0..12).map(|_| random.unit()).sum::<f64>() - 6.0)))
+                .collect();
+            highest_mm(&eval(&of_teeth(&drawn, None, 1.0)).expect("it is valid")) <= upper_mm
+        };
+        let conform = (0..draws).filter(conforms).count();
+        passed += usize::from(judged["verdict"] == "pass");
+        assert!(judged["verdict"] != "pass" || 10 * conform >= 8 * draws, "{conform} of {draws}: {teeth:?} {u_um}");
+    }
+    assert!(passed > 0, "nothing passes");
+}
+
+/// No tooth is exact without a word, whatever deviates.
+#[test]
+fn each_deviation_of_a_tooth_needs_an_uncertainty() {
+    for (part, deviation) in [
+        ("rack", "left = \"6 um\""),
+        ("rack", "right = \"6 um\""),
+        ("pinion", "thickness = \"6 um\""),
+        ("pinion", "left = \"6 um\""),
+        ("pinion", "right = \"6 um\""),
+        ("pinion", "eccentricity = \"6 um\""),
+    ] {
+        let mut spec = of_teeth(&[(4, 2.0)], Some(1.0), 0.05);
+        spec += &format!("[[{part}.deviation]]\nteeth = 1\n{deviation}\n");
+        assert_eq!(eval(&spec).expect("it is valid")["verdict"], Value::Null, "{part} {deviation}");
+    }
+}
+
 proptest! {
     /// Fewer degrees of freedom, an unknown number of them, an unknown sum of magnitudes and no uncertainty at all.
     #[test]
