@@ -22,6 +22,7 @@
 //! | [`judge`] | bounds of ΔCD for errors with extents, how they add up, limits, decision rules, classes and grades |
 //! | [`uncertainty`] | from the uncertainties of inputs to that of ΔCD |
 //! | [`evaluation`] | the errors of a part, judged |
+//! | [`function`] | what the curve means for the yoke's play, its setting, the pinion's torque and lift-off |
 //! | [`chance`] | random parts and random racks |
 //! | [`budget`] | the largest tolerances that a limit leaves |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
@@ -124,6 +125,7 @@ pub mod deviation;
 pub mod diagnostic;
 pub mod evaluation;
 pub mod formula;
+pub mod function;
 pub mod gear;
 pub mod judge;
 mod linear;

@@ -43,7 +43,7 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
     let Some(called) = super::called(&matches, &mut output) else {
         return Err(Diagnostic::usage("there is no such command").into());
     };
-    let status = called.map_err(diagnostics)?;
+    let status = output.ended(called.map_err(diagnostics)?);
     Ok(Answer { status: status.code(), ..output.into_answer() })
 }
 

@@ -87,6 +87,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
+        super::function::leave_open(&spec, output);
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let (entries, classes) = spec.budget_entries()?;
         let decision = spec.or_zero(keys::DECISION_RULE);

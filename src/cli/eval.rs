@@ -6,7 +6,7 @@ use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
-use super::{mesh, spec_files};
+use super::{function, mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
 use crate::report::{EvaluationReport, Format, MeshPart};
@@ -51,10 +51,17 @@ impl Args {
             })?,
         };
         let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path, output)?;
-        let is_searched = !self.no_worst_teeth && (self.mesh || spec.limit_on(LimitTarget::CenterDistance).is_some());
+        let is_searched = !self.no_worst_teeth
+            && (self.mesh || spec.has_yoke() || spec.limit_on(LimitTarget::CenterDistance).is_some());
         let worst = if is_searched { WorstTeeth::of(spec.part_deviations()?, &spec.basis()?)? } else { None };
         let mut report = evaluated(&spec, &self.judge, worst.as_ref(), output)?;
-        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
+        let tables = spec_files::measured_tables(&spec, &path, output)?;
+        report.yoke = function::evaluated(&spec, &tables, &report.evaluation, worst.as_ref())?;
+        if report.yoke.is_none() {
+            function::leave_open(&spec, output);
+        }
+        let of_yoke = report.yoke.as_ref().map_or(Status::Pass, |yoke| function::status(yoke.checks()));
+        let status = Status::of(report.evaluation.verdict, &report.evaluation.limits).max(of_yoke);
         if self.mesh {
             report.mesh = Some(mesh_part(&spec, &path, worst.as_ref(), output)?);
         }
@@ -88,16 +95,16 @@ pub(super) fn evaluated<'a>(
 
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &Path, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
-    const STROKE_MM: (f64, f64) = (0.0, 50.0);
+    let stroke_mm = spec.travel_mm().unwrap_or(mesh::STROKE_MM);
     let mut input = mesh_of(spec, &spec_files::measured_tables(spec, path, output)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    let curve = input.mesh.curve(STROKE_MM.0, STROKE_MM.1, mesh::TOLERANCE_MM)?;
+    let curve = input.mesh.curve(stroke_mm.0, stroke_mm.1, mesh::TOLERANCE_MM)?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;
-    Ok(MeshPart { stroke_mm: STROKE_MM, summary, notes: mesh::notes(&input) })
+    Ok(MeshPart { stroke_mm, summary, notes: mesh::notes(&input) })
 }
 
 pub(super) fn unjudged(spec: &Spec, target: LimitTarget) -> Diagnostic {

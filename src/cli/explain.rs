@@ -50,6 +50,7 @@ const METHODS: &[Page] = &[
         &["composite", "f-i", "f-i''", "fi''", "transmission-error"],
         include_str!("../mesh/summary.md"),
     ),
+    Page::new("yoke", &["function", "play", "torque", "lift-off"], include_str!("../function/method.md")),
     Page::new("simulate", &["multibody", "simulation"], include_str!("../multibody/method.md")),
 ];
 

@@ -6,9 +6,9 @@ use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
-use super::signals;
 use super::spec_files::files_read;
 use super::teeth::{judged, placed};
+use super::{function, signals};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
 use crate::diagnostic::{Code, Diagnostic};
@@ -16,8 +16,10 @@ use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Prediction};
 use crate::mesh::{Curve, Mesh, MeshError, Support};
 use crate::quantity::Length;
-use crate::report::mesh_points::{self, ListedPoint, Trust};
-use crate::report::{Format, MeshReport, Screen, noted};
+use crate::report::chart::Chart;
+use crate::report::function::at_listed;
+use crate::report::mesh_points::{self, AtListed, ListedPoint, Trust};
+use crate::report::{Format, FunctionPart, MeshReport, Screen, noted};
 use crate::spec::{MeshInput, Origin, Spec};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -43,6 +45,9 @@ pub(super) struct Args {
     points: Option<u32>,
     #[command(flatten)]
     plot: PlotArgs,
+    /// What --plot draws: ΔCD, or of a [yoke] its play or the pinion's torque.
+    #[arg(long, value_enum, default_value_t, value_name = "WHAT", hide_possible_values = true)]
+    plot_of: PlotOf,
     #[command(flatten)]
     set: SetArgs,
     /// Output format.
@@ -50,28 +55,46 @@ pub(super) struct Args {
     format: Format,
 }
 
+/// What is drawn along the stroke.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum PlotOf {
+    #[default]
+    DeltaCd,
+    Play,
+    Torque,
+}
+
 /// The stroke.
 #[derive(Debug, clap::Args)]
 pub(super) struct Stroke {
-    /// First stroke.
-    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "LENGTH")]
-    pub(super) from: Length,
-    /// Last stroke.
-    #[arg(long, default_value = "50", allow_hyphen_values = true, value_name = "LENGTH")]
-    pub(super) to: Length,
+    /// First stroke. Default: that of rack.travel, or 0.
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
+    from: Option<Length>,
+    /// Last stroke. Default: that of rack.travel, or 50.
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
+    to: Option<Length>,
 }
 
 impl Stroke {
     /// From the first to the last, mm.
-    pub(super) fn ends(&self) -> Result<(f64, f64), Failure> {
-        let (from, to) = (self.from.mm(), self.to.mm());
+    pub(super) fn ends(&self, spec: &Spec) -> Result<(f64, f64), Failure> {
+        let travel = spec.travel_mm().unwrap_or(STROKE_MM);
+        let (from, to) = (self.from.map_or(travel.0, Length::mm), self.to.map_or(travel.1, Length::mm));
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
             return Err(Diagnostic::usage(message).into());
         }
         Ok((from, to))
     }
+
+    /// Whether the strokes are the rack's travel: the spec or both options say so.
+    pub(super) fn is_travel(&self, spec: &Spec) -> bool {
+        spec.travel_mm().is_some() || (self.from.is_some() && self.to.is_some())
+    }
 }
+
+/// The stroke where nobody says it, mm.
+pub(super) const STROKE_MM: (f64, f64) = (0.0, 50.0);
 
 /// How closely a curve is followed unless the user says otherwise, mm; the default of `--tolerance`.
 pub(super) const TOLERANCE_MM: f64 = 1e-6;
@@ -84,12 +107,6 @@ pub(super) struct Range {
     /// The promised error of the curve between its points.
     #[arg(long, default_value = "1e-6", value_name = "LENGTH", allow_hyphen_values = true)]
     pub(super) tolerance: Length,
-}
-
-impl Range {
-    pub(super) fn curve(&self, mesh: &Mesh) -> Result<Curve, Failure> {
-        Ok(mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), self.tolerance.mm())?)
-    }
 }
 
 /// What the formulas say about the deviations of a mesh.
@@ -161,6 +178,7 @@ pub(super) fn solved<'a>(
             .into_iter()
             .chain(evaluation.note_of_unsolved())
             .collect(),
+        function: None,
         evaluation,
         screen: Screen::default(),
     })
@@ -247,22 +265,26 @@ const MOST_LISTED: u64 = 1000;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let strokes = self.strokes()?;
+        let ends = self.range.stroke.ends(&spec)?;
+        let strokes = self.strokes(ends)?;
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let (spec, input) = placed(spec, &self.spec, output)?;
         let judged = judged(&spec, &JudgeArgs::of_spec())?;
         let status = Status::of(judged.verdict, &judged.limits);
-        if let (Format::Csv, None) = (self.format, &picture) {
+        if let (Format::Csv, None, false) = (self.format, &picture, spec.has_yoke()) {
             // nothing is asked that needs the curve as a whole
             let listed = match &strokes {
-                Some(strokes) => list_csv(strokes, &input.mesh, output),
-                None => self.curve_csv(&input.mesh, output),
+                Some(strokes) => list_csv(strokes, &Listed { mesh: &input.mesh, part: None }, output),
+                None => self.curve_csv(ends, &input.mesh, output),
             };
             return closed_is(status, listed);
         }
-        let curve = self.range.curve(&input.mesh)?;
+        let curve = input.mesh.curve(ends.0, ends.1, self.range.tolerance.mm())?;
+        let function = function::part(&spec, &input, &curve, self.range.stroke.is_travel(&spec), &judged)?;
+        let status = status.max(function.as_ref().map_or(Status::Pass, |part| function::status(&part.checks)));
         let mut report = solved(&spec, &input, curve, judged)?;
         (report.title, report.screen) = (spec.title.as_deref(), output.screen());
+        report.function = function;
         report.notes.extend(sinks(&input, &report.curve, &report.prediction));
         report.notes.extend(spec.suspicions_in_words());
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
@@ -273,27 +295,38 @@ impl Args {
                 report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        draw(picture, || report.chart(), true, output)?;
+        draw(picture, || self.chart(&report), true, output)?;
         let listed = match (&strokes, self.format) {
-            (Some(strokes), Format::Csv) => list_csv(strokes, &input.mesh, output),
+            (Some(strokes), Format::Csv) => list_csv(strokes, &Listed::of(&report), output),
             (Some(strokes), Format::Json) => {
                 let (before, after) = (report.json_around(Trust::default()).0, |trust| report.json_around(trust).1);
-                list(strokes, &input.mesh, output, &before, mesh_points::json_elements, after)
+                list(strokes, &Listed::of(&report), output, (&before, mesh_points::json_elements, after))
             }
             _ => output.report(&report, self.format).map(|()| None),
         };
         closed_is(status, listed)
     }
 
+    /// What is to be drawn, or ΔCD where that is not there.
+    fn chart(&self, report: &MeshReport<'_>) -> Chart {
+        let points = &report.curve.points;
+        let of_yoke = report.function.as_ref().and_then(|part| match self.plot_of {
+            PlotOf::DeltaCd => None,
+            PlotOf::Play => Some(part.play_chart(report.title, points)),
+            PlotOf::Torque => part.torque_chart(report.title, points),
+        });
+        of_yoke.unwrap_or_else(|| report.chart())
+    }
+
     /// Writes the points of the curve as they are found; the status is that of an interruption, if one came.
-    fn curve_csv(&self, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
+    fn curve_csv(&self, ends: (f64, f64), mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
         let interruption = signals::interrupted(output);
-        let mut before = mesh_points::csv_header();
-        let (from, to) = self.range.stroke.ends()?;
+        let mut before = mesh_points::csv_header(false);
+        let (from, to) = ends;
         let written = mesh.curve_pieces(from, to, self.range.tolerance.mm(), |piece| {
             for points in piece.points.chunks(1 << 10) {
                 let points: Vec<ListedPoint> = points.iter().map(|point| (point.stroke_mm, Ok(*point))).collect();
-                output.piece(&(std::mem::take(&mut before) + &mesh_points::csv_lines(&points)))?;
+                output.piece(&(std::mem::take(&mut before) + &mesh_points::csv_lines(&points, None)))?;
             }
             let is_last = piece.points.last().is_some_and(|point| point.stroke_mm >= to);
             let is_stopped = !is_last && interruption.came();
@@ -307,9 +340,8 @@ impl Args {
     }
 
     /// The strokes asked for; `None` for those that the curve needs.
-    fn strokes(&self) -> Result<Option<Strokes>, Failure> {
+    fn strokes(&self, (from, to): (f64, f64)) -> Result<Option<Strokes>, Failure> {
         const MOST: f64 = 1e8;
-        let (from, to) = self.range.stroke.ends()?;
         let (step, intervals) = match (&self.step, self.points) {
             (None, None) => return Ok(None),
             (_, Some(points)) => ((to - from) / f64::from(points - 1), f64::from(points - 1)),
@@ -380,8 +412,24 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
     Diagnostic::warning(Code::NoMesh, error.to_string())
 }
 
-fn list_csv(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
-    list(strokes, mesh, output, &mesh_points::csv_header(), mesh_points::csv_lines, |_| String::new())
+/// What a list of strokes is of: the mesh, and the yoke if there is one.
+struct Listed<'a> {
+    mesh: &'a Mesh,
+    part: Option<&'a FunctionPart>,
+}
+
+impl<'a> Listed<'a> {
+    fn of(report: &'a MeshReport<'_>) -> Self {
+        Self { mesh: report.mesh, part: report.function.as_ref() }
+    }
+}
+
+/// Text of solved strokes, with what a yoke does there.
+type PointsText = fn(&[ListedPoint], AtListed<'_>) -> String;
+
+fn list_csv(strokes: &Strokes, of: &Listed<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
+    let header = mesh_points::csv_header(of.part.is_some());
+    list(strokes, of, output, (&header, mesh_points::csv_lines, |_| String::new()))
 }
 
 fn remark_on(trust: Trust, output: &mut Output) {
@@ -395,21 +443,23 @@ fn remark_on(trust: Trust, output: &mut Output) {
 /// `after` stand around them. The status is that of an interruption, if one came.
 fn list(
     strokes: &Strokes,
-    mesh: &Mesh,
+    of: &Listed<'_>,
     output: &mut Output,
-    before: &str,
-    text: impl Fn(&[ListedPoint]) -> String + Sync,
-    after: impl Fn(Trust) -> String,
+    (before, text, after): (&str, PointsText, impl Fn(Trust) -> String),
 ) -> Result<Option<Status>, Failure> {
     // from the first byte on a signal has to leave whole JSON
     let interruption = signals::interrupted(output);
     output.piece(before)?;
     let mut trust = Trust::default();
     let mut written = 0;
-    let solved = mesh.sample_blocks(
+    let listed = |points: &[ListedPoint]| {
+        let yoke = of.part.map(|part| at_listed(&part.function, of.mesh, points));
+        text(points, yoke.as_deref())
+    };
+    let solved = of.mesh.sample_blocks(
         strokes.count,
         |index| strokes.at(index),
-        |points| (text(points), Trust::of(points), points.len() as u64),
+        |points| (listed(points), Trust::of(points), points.len() as u64),
         |(text, of_block, points)| {
             trust = trust.and(of_block);
             // a comma stands between elements

@@ -13,6 +13,7 @@ mod confirm;
 mod decision;
 mod eval;
 mod explain;
+mod function;
 mod held;
 mod init;
 mod line;

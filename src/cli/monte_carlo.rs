@@ -78,6 +78,7 @@ const LARGEST_STUDY: u64 = 64 << 20;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
+        super::function::leave_open(&spec, output);
         let (scatter, classes) = spec.scatter()?;
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
@@ -94,7 +95,7 @@ impl Args {
         }
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
         let (study, ended) = if self.merge.is_empty() {
-            self.drawn(&racks, &signals::interrupted(output), output)
+            self.drawn(&racks, self.stroke.ends(&spec)?, &signals::interrupted(output), output)
         } else {
             (self.merged(&racks, signals::signals(output).stop())?, Ok(()))
         };
@@ -152,14 +153,15 @@ impl Args {
     fn drawn(
         &self,
         racks: &Racks<'_>,
+        (from_mm, to_mm): (f64, f64),
         interruption: &Interruption,
         output: &mut Output,
     ) -> (RacksStudy, Result<(), Failure>) {
         let settings = RackSettings {
             seed: self.seed,
             range: RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) },
-            from_mm: self.stroke.from.mm(),
-            to_mm: self.stroke.to.mm(),
+            from_mm,
+            to_mm,
             threads: self.threads.map(usize::from),
         };
         let (mut bar, mut done, asked) = (Bar::new(output), 0, settings.range.racks);

@@ -129,6 +129,8 @@ pub(super) struct Output {
     is_quiet: bool,
     /// How the tables that the spec names were read.
     readings: Vec<Reading>,
+    /// Whether a limit of the spec is open, whatever else was judged.
+    is_open: bool,
     /// In place of all that, where a program asks.
     held: Option<Held>,
 }
@@ -156,6 +158,7 @@ impl Output {
             stdout,
             stderr,
             readings: Vec::new(),
+            is_open: false,
             held: None,
         }
     }
@@ -170,6 +173,7 @@ impl Output {
             color_messages: false,
             is_quiet: true,
             readings: Vec::new(),
+            is_open: false,
             held: Some(held),
         }
     }
@@ -290,9 +294,20 @@ impl Output {
         self.say(&render(diagnostic, self.color_messages, width_of_stderr()));
     }
 
+    /// Says why a limit of the spec is open: the command does not end as if all were judged.
+    pub(super) fn leave_open(&mut self, why: &Diagnostic) {
+        self.diagnostic(why);
+        self.is_open = true;
+    }
+
+    /// How a command ends that ended so, with the limits that are open.
+    pub(super) fn ended(&self, status: Status) -> Status {
+        if self.is_open { status.max(Status::Undecided) } else { status }
+    }
+
     /// Shows why a command has no result, if it has none.
     pub(super) fn finish(&mut self, result: Result<Status, Failure>) -> Status {
-        result.unwrap_or_else(|failure| {
+        let status = result.unwrap_or_else(|failure| {
             match failure {
                 // who has seen enough is told nothing, but not that all is well
                 failure if failure.is_closed_pipe() => {}
@@ -303,7 +318,8 @@ impl Output {
                 }
             }
             Status::Undecided
-        })
+        });
+        self.ended(status)
     }
 }
 

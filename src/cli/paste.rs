@@ -116,6 +116,7 @@ impl Args {
     /// The spec, and the file that is written, begun.
     fn begin(&self, output: &mut Output) -> Result<(Arc<Spec>, Option<Target>), Failure> {
         let spec = self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?;
+        super::function::leave_open(&spec, output);
         let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &ENDINGS)?;
             Target::create(path, &self.inputs(&spec))

@@ -19,7 +19,7 @@ use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
-use super::{batch, mesh, spec_files};
+use super::{batch, function, mesh, spec_files};
 use crate::batch::{
     Batch, Layout, Outcome, Part, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
 };
@@ -29,7 +29,8 @@ use crate::judge::{LimitTarget, Stack};
 use crate::report::chart::Chart;
 use crate::report::html::{InputFile, Page, Section};
 use crate::report::{
-    Basis, BatchReport, Block, EvaluationReport, Histograms, Report as _, RunChart, grouped, part_block, parts_block,
+    Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, grouped, part_block,
+    parts_block,
 };
 use crate::spec::Spec;
 use crate::spec::keys;
@@ -132,8 +133,11 @@ impl Args {
         let blocks = verdict_to_top(report.blocks(), page, "");
         page.sections.push(Section::new(BY_FORMULA, blocks));
         if !spec.errors.is_empty() || spec.has_deviations() {
-            page.sections.push(self.mesh(&known, worst.as_ref(), output)?);
+            let (section, of_yoke) = self.mesh(&known, worst.as_ref(), output)?;
+            page.sections.push(section);
+            return Ok(status.max(of_yoke));
         }
+        function::leave_open(spec, output);
         Ok(status)
     }
 
@@ -160,7 +164,7 @@ impl Args {
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &basis)?;
-        for mut section in [Section::new(BY_FORMULA, report.blocks()), self.mesh(&spec, worst.as_ref(), output)?] {
+        for mut section in [Section::new(BY_FORMULA, report.blocks()), self.mesh(&spec, worst.as_ref(), output)?.0] {
             section.heading = format!("{}: part {}", section.heading, part.id);
             section.blocks.retain(|block| !matches!(block, Block::Verdict(..)));
             page.sections.push(section);
@@ -168,10 +172,11 @@ impl Args {
         Ok(())
     }
 
-    /// The exact mesh, if the spec has the geometry.
-    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<Section, Failure> {
+    /// The exact mesh, if the spec has the geometry, and what came of the limits on what a yoke does.
+    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<(Section, Status), Failure> {
         const HEADING: &str = "Exact mesh along the stroke";
-        let unsolved = |why: String| Ok(Section::new(HEADING, vec![Block::Note(why)]));
+        let of_yoke = if spec.function_limits.is_empty() { Status::Pass } else { Status::Undecided };
+        let unsolved = |why: String| Ok((Section::new(HEADING, vec![Block::Note(why)]), of_yoke));
         let tables = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut input = match mesh_of(spec, &tables) {
             Ok(input) => input,
@@ -184,23 +189,30 @@ impl Args {
         if let Some(worst) = worst {
             worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
         }
-        let curve = match input.mesh.curve(self.stroke.from.mm(), self.stroke.to.mm(), mesh::TOLERANCE_MM) {
+        let (from, to) = self.stroke.ends(spec)?;
+        let curve = match input.mesh.curve(from, to, mesh::TOLERANCE_MM) {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
                 return unsolved(format!("The mesh has no solution: {error}."));
             }
         };
-        let report = mesh::solved(spec, &input, curve, judged(spec, &self.judge)?)?;
+        let judged = judged(spec, &self.judge)?;
+        let function = function::part(spec, &input, &curve, self.stroke.is_travel(spec), &judged)?;
+        let report = MeshReport { function, ..mesh::solved(spec, &input, curve, judged)? };
         let section = Section::new(HEADING, report.blocks());
-        Ok(match report.level() {
+        let section = match report.level() {
             Some(level) => Section { blocks: [vec![Block::Note(level)], section.blocks].concat(), ..section },
             None => Section { charts: vec![report.chart()], ..section },
-        })
+        };
+        let Some(part) = &report.function else { return Ok((section, of_yoke)) };
+        let charts = section.charts.into_iter().chain(part.charts(&report.curve.points)).collect();
+        Ok((Section { charts, ..section }, function::status(&part.checks)))
     }
 
     /// The parts of the tables.
     fn of_tables(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
+        function::leave_open(spec, output);
         let waiting = signals::signals(output);
         let stdin = self.stdin(waiting.stop())?;
         if let Some(bytes) = &stdin {
@@ -315,8 +327,11 @@ impl Args {
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<Lot, Failure> {
-        let request =
-            TeethRequest { stroke_mm: self.stroke.ends()?, tolerance_mm: mesh::TOLERANCE_MM, rows: self.request(spec) };
+        let request = TeethRequest {
+            stroke_mm: self.stroke.ends(spec)?,
+            tolerance_mm: mesh::TOLERANCE_MM,
+            rows: self.request(spec),
+        };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut parts = Listed::default();

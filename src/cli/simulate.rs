@@ -67,6 +67,7 @@ impl Args {
 
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let mut spec = self.set.read_spec(&self.spec, output)?;
+        super::function::leave_open(&spec, output);
         if let Some(step) = &self.step {
             spec.simulation.spacing_mm = step.mm();
         }

@@ -9,10 +9,11 @@ use super::spec_files::measured_tables;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Evaluation;
 use crate::formula::PartDeviation;
+use crate::gear::Pair;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
 use crate::judge::{Interval, Limit, LimitTarget, PlacedError};
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, MeshError, Support};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
 /// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
@@ -76,6 +77,14 @@ impl WorstTeeth {
                 .help("`--no-worst-teeth` judges without looking for the worst teeth")
                 .into()),
         }
+    }
+
+    /// The meshes of both placements, with the strokes around which they hold, mm.
+    pub(super) fn meshes(&self, pair: Pair) -> Result<[(Mesh, f64); 2], MeshError> {
+        let of = |Placement { rack, pinion, stroke_mm, .. }: &Placement| {
+            Ok((Mesh::new(pair, rack.clone(), pinion.clone(), Support::Fixed)?, *stroke_mm))
+        };
+        Ok([of(&self.reached.lower)?, of(&self.reached.upper)?])
     }
 
     /// How far ΔCD comes.

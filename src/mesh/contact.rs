@@ -27,11 +27,13 @@ mod form;
 mod rack_corner;
 mod reach;
 mod roll_rate;
+mod slip;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub(super) use form::{Form, FormRates, Peaks};
 pub(super) use roll_rate::{PoseRates, RollRates};
+pub(super) use slip::{Motion, Normal};
 
 use std::f64::consts::PI;
 
@@ -437,19 +439,16 @@ impl FlankContact {
         self.flank.d + pose.shift + self.scale * (self.nu - pose.c) - self.flank.t * pose.offset.0 - pose.offset.1
     }
 
-    /// The contact along a whole generator, if the helix fits and part of that generator is on both flanks.
-    fn line(&self, pose: &Pose) -> Option<Touch> {
+    /// From where to where along w the contact line runs, if the helix fits and part of that generator is on both flanks.
+    fn line_span(&self, pose: &Pose) -> Option<(f64, f64)> {
         if !self.fits {
             return None;
         }
-        let r = self.base_radius;
         let roll = self.nu - pose.c;
         if self.kappa == 0.0 && !(self.start_roll..=self.tip_roll).contains(&roll) {
             return None;
         }
-        let (sin, cos) = (self.sin_nu, self.cos_nu);
-        let xi = r * (sin - roll * cos) + pose.offset.0;
-        let zeta = -r * (cos + roll * sin) + pose.offset.1;
+        let xi = self.base_radius * (self.sin_nu - roll * self.cos_nu) + pose.offset.0;
         let (mut lo, mut hi) = (-self.half_face, self.half_face);
         if self.kappa != 0.0 {
             let (a, b) = ((self.start_roll - roll) * self.inverse_kappa, (self.tip_roll - roll) * self.inverse_kappa);
@@ -461,9 +460,15 @@ impl FlankContact {
         let (a, b) = ((-k - y) * self.inverse_across, (k - y) * self.inverse_across);
         lo = lo.max(a.min(b));
         hi = hi.min(a.max(b));
-        if lo > hi {
-            return None;
-        }
+        (lo <= hi).then_some((lo, hi))
+    }
+
+    /// The contact along that line, unless the tip plane asks for more.
+    fn line(&self, pose: &Pose) -> Option<Touch> {
+        let (lo, hi) = self.line_span(pose)?;
+        let (r, roll) = (self.base_radius, self.nu - pose.c);
+        let (sin, cos) = (self.sin_nu, self.cos_nu);
+        let zeta = -r * (cos + roll * sin) + pose.offset.1;
         let demand = self.unbounded(pose);
         // the tip plane asks for tip.d − ζ (it is level whenever the helix fits); highest where ζ is lowest
         let down = r * self.kappa * sin;

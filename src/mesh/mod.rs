@@ -25,7 +25,7 @@
 //! 5. `roll`: for a rack that may roll, the roll with the smallest such centre distance, by bounds from known slopes
 //!    (`contact/roll_rate`).
 //! 6. `sample`: one stroke after the other, or many on all cores; `curve`: a range of strokes with its kinks, `summary`:
-//!    its figures; `coverage`, `measure`: which strokes teeth carry at, and what a ball between them reads.
+//!    its figures; `rates`: how fast it moves, and what slides; `coverage`, `measure`: which strokes teeth carry at, and what a ball between them reads.
 //!
 //! Steps 2 to 5 end at rounding: no tolerance is asked for below a curve's. The closed forms and bounds change no result;
 //! each says how much slower the mesh is without it.
@@ -45,6 +45,7 @@ mod demand;
 mod measure;
 mod outcome;
 mod prepare;
+mod rates;
 pub mod relations;
 mod roll;
 mod sample;
@@ -59,6 +60,8 @@ pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, SOLVED_MM, Work};
 pub(crate) use prepare::MatingFlanks;
 pub use prepare::{Mesh, Support};
+pub use rates::Rates;
 pub use roll::LARGEST_ROLL_RAD;
 pub use sampler::Sampler;
 pub use summary::Summary;
+pub(crate) use summary::largest_swing;

@@ -77,36 +77,35 @@ impl Curve {
             max_mm: high.delta_cd_mm,
             max_stroke_mm: first_at(high.delta_cd_mm),
             peak_to_peak_mm: high.delta_cd_mm - low.delta_cd_mm,
-            tooth_to_tooth_mm: self.largest_swing(pitch),
+            tooth_to_tooth_mm: largest_swing(self.points.iter().map(|at| (at.stroke_mm, at.delta_cd_mm)), pitch),
             largest_rate,
             transmission_error_rad,
             transmission_error_mm: transmission_error_rad / mesh.pair().rotation_per_stroke_rad(),
         })
     }
+}
 
-    /// Largest peak-to-peak within any window of the given length, by two monotone queues.
-    fn largest_swing(&self, window: f64) -> f64 {
-        let mut swing: f64 = 0.0;
-        let (mut lows, mut highs) = (std::collections::VecDeque::new(), std::collections::VecDeque::new());
-        for point in &self.points {
-            let (at, value) = (point.stroke_mm, point.delta_cd_mm);
-            while highs.back().is_some_and(|&(_, v)| v <= value) {
-                highs.pop_back();
-            }
-            while lows.back().is_some_and(|&(_, v)| v >= value) {
-                lows.pop_back();
-            }
-            highs.push_back((at, value));
-            lows.push_back((at, value));
-            for queue in [&mut lows, &mut highs] {
-                while queue.front().is_some_and(|&(s, _)| s < at - window) {
-                    queue.pop_front();
-                }
-            }
-            if let (Some(&(_, low)), Some(&(_, high))) = (lows.front(), highs.front()) {
-                swing = swing.max(high - low);
+/// Largest difference of two values whose places are no further apart than a window, by two monotone queues; the places rise.
+pub(crate) fn largest_swing(values: impl Iterator<Item = (f64, f64)>, window: f64) -> f64 {
+    let mut swing: f64 = 0.0;
+    let (mut lows, mut highs) = (std::collections::VecDeque::new(), std::collections::VecDeque::new());
+    for (at, value) in values {
+        while highs.back().is_some_and(|&(_, v)| v <= value) {
+            highs.pop_back();
+        }
+        while lows.back().is_some_and(|&(_, v)| v >= value) {
+            lows.pop_back();
+        }
+        highs.push_back((at, value));
+        lows.push_back((at, value));
+        for queue in [&mut lows, &mut highs] {
+            while queue.front().is_some_and(|&(s, _)| s < at - window) {
+                queue.pop_front();
             }
         }
-        swing
+        if let (Some(&(_, low)), Some(&(_, high))) = (lows.front(), highs.front()) {
+            swing = swing.max(high - low);
+        }
     }
+    swing
 }

@@ -4,11 +4,12 @@ use serde_json::{Value, json};
 
 use super::number::{ends, millimetres, plain, signed, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
-use super::{Block, Column, Report, Table, WITHOUT, fact, judged_without, keys_of, titled};
+use super::{Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
 use crate::formula::ToleranceEnds;
 use crate::formula::law::equation;
+use crate::function::Check;
 use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
@@ -29,6 +30,8 @@ pub struct EvaluationReport<'a> {
     pub notes: Vec<String>,
     /// The exact mesh over a stroke, where it was asked for.
     pub mesh: Option<MeshPart>,
+    /// What is known of the yoke, if the spec has one.
+    pub yoke: Option<YokeSection>,
     /// What errors given as classes came to.
     pub classes: Vec<ErrorClass>,
     /// The uncertainty of the results, where uncertainties are given.
@@ -49,6 +52,11 @@ pub struct MeshPart {
 }
 
 impl EvaluationReport<'_> {
+    /// What came of the limits on what a yoke does.
+    fn checks(&self) -> &[Check] {
+        self.yoke.as_ref().map_or(&[], YokeSection::checks)
+    }
+
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
     }
@@ -431,7 +439,7 @@ impl Report for EvaluationReport<'_> {
     fn json(&self) -> Value {
         let evaluation = &self.evaluation;
         let combined = &evaluation.combined;
-        json!({
+        let mut json = json!({
             "title": self.title,
             "model": evaluation.model.name(),
             "contributions": self.contributions().collect::<Vec<_>>(),
@@ -446,9 +454,8 @@ impl Report for EvaluationReport<'_> {
             "reached_mm": evaluation.reached,
             "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
-            "verdict": evaluation.verdict.map(Verdict::name),
-            "reason": evaluation
-                .open_because()
+            "verdict": function::overall(evaluation, self.checks()).map(Verdict::name),
+            "reason": function::open(evaluation, self.checks())
                 .or_else(|| evaluation.limits.iter().find_map(|check| beyond_reach(check, evaluation))),
             "assumes": assumptions_of(evaluation),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
@@ -461,7 +468,11 @@ impl Report for EvaluationReport<'_> {
                 "notes": notes,
             })),
             "notes": self.all_notes(),
-        })
+        });
+        if let Some(yoke) = &self.yoke {
+            json["yoke"] = yoke.json();
+        }
+        json
     }
 
     /// One row per error, then one per combination, then one per limit, then one per uncertainty.
@@ -491,6 +502,8 @@ impl Report for EvaluationReport<'_> {
             row[WITHOUT] = keys_of(&self.without).into();
             row
         }));
+        let of_yoke = self.checks().iter().map(|check| json!({ "limit": function::check_json(check) }));
+        records.extend(of_yoke.map(|row| record("limit", row["limit"]["on"].clone(), row)));
         let mut names = COLUMNS.to_owned();
         if !self.without.is_empty() {
             names = format!("{names} {WITHOUT}");
@@ -514,6 +527,7 @@ impl Report for EvaluationReport<'_> {
         blocks.extend(self.class_notes().map(Block::Note));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
         blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));
+        blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));
         blocks.extend(self.verdict_block());
         blocks
     }
@@ -535,6 +549,7 @@ impl<'a> EvaluationReport<'a> {
             evaluation,
             notes: Vec::new(),
             mesh: None,
+            yoke: None,
             classes: Vec::new(),
             uncertainty: None,
             without: Vec::new(),

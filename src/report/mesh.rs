@@ -7,9 +7,12 @@ use super::evaluation::{SEEN_MM, assumed, assumptions_of, failure_sentence, inte
 use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
-use super::{Block, Column, Report, Screen, Table, document, fact, geometry, noted, sketch, titled};
+use super::{
+    Block, Column, FunctionPart, Report, Screen, Table, document, fact, function, geometry, noted, sketch, titled,
+};
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
+use crate::function::Check;
 use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, FlankSide, Mesh, MeshPoint, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
@@ -34,6 +37,8 @@ pub struct MeshReport<'a> {
     /// What is held against the limits, over all strokes at which a deviated tooth can carry or wherever errors are, and what
     /// came of it.
     pub evaluation: Evaluation,
+    /// What a yoke does over the stroke, if the spec has one.
+    pub function: Option<FunctionPart>,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -96,6 +101,11 @@ impl MeshReport<'_> {
         );
         let mark = Mark { x: point.stroke_mm, y: point.delta_cd_mm, text: String::new() };
         Some(Layer::new(&text, Shape::Marks(vec![mark])))
+    }
+
+    /// What came of the limits on what a yoke does.
+    fn checks(&self) -> &[Check] {
+        self.function.as_ref().map_or(&[], |part| &part.checks)
     }
 
     /// How far the curve's own points can be trusted.
@@ -196,7 +206,7 @@ impl MeshReport<'_> {
             })
         });
         let (lower, upper) = self.prediction.range_mm();
-        json!({
+        let mut json = json!({
             "title": self.title,
             "geometry": geometry::json(self.mesh.pair(), self.over_pin),
             "nominal_center_distance_mm": self.mesh.pair().nominal_center_distance_mm(),
@@ -206,8 +216,8 @@ impl MeshReport<'_> {
             "formula_range_mm": { "lower": lower, "upper": upper },
             "judged_mm": self.evaluation.judged.ok(),
             "judged_by": self.evaluation.judged_by.name(),
-            "verdict": self.evaluation.verdict.map(Verdict::name),
-            "reason": self.evaluation.open_because(),
+            "verdict": function::overall(&self.evaluation, self.checks()).map(Verdict::name),
+            "reason": function::open(&self.evaluation, self.checks()),
             "assumes": assumptions_of(&self.evaluation),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
@@ -221,18 +231,24 @@ impl MeshReport<'_> {
             "unconverged": trust.unconverged,
             "roll_not_found": trust.roll_not_found,
             "notes": self.notes,
-        })
+        });
+        if let Some(part) = &self.function {
+            json["yoke"] = part.json();
+        }
+        json
     }
 }
 
 impl Report for MeshReport<'_> {
     fn json(&self) -> Value {
-        let points = self.curve.points.iter().map(|point| mesh_points::json_point(point.stroke_mm, Some(point)));
+        let at = |index: usize| self.function.as_ref().and_then(|part| part.function.along.get(index));
+        let points = self.curve.points.iter().enumerate();
+        let points = points.map(|(index, point)| mesh_points::json_point(point.stroke_mm, Some(point), at(index)));
         self.json_with(&points.collect(), self.trust())
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        fact::rows(&self.json(), "points", mesh_points::COLUMNS)
+        fact::rows(&self.json(), "points", &mesh_points::columns(self.function.is_some()))
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -247,6 +263,7 @@ impl Report for MeshReport<'_> {
         }
         blocks.push(comparison_table(&summary, &self.prediction));
         blocks.extend(mesh_points::table(&self.listed));
+        blocks.extend(self.function.iter().flat_map(FunctionPart::blocks));
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         let doubts = self.trust().and(Trust::of(&self.listed)).notes();
         blocks.extend(doubts.iter().map(|doubt| Block::Note(noted(doubt))));

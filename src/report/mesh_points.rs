@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 
 use super::number::{millimetres, plain, tidy};
-use super::{Block, Table};
+use super::{Block, Table, function};
+use crate::function::AtStroke;
 use crate::mesh::{Carrier, Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 
 /// A stroke with its solution, or why there is none.
@@ -89,23 +90,31 @@ impl Trust {
     }
 }
 
+/// What a yoke does at each of some strokes, if there is one.
+pub type AtListed<'a> = Option<&'a [Option<AtStroke>]>;
+
+/// The columns of a list of strokes.
+pub(super) fn columns(has_yoke: bool) -> String {
+    if has_yoke { format!("{COLUMNS} {}", function::COLUMNS) } else { COLUMNS.to_owned() }
+}
+
 /// The header line of the CSV.
 #[must_use]
-pub fn csv_header() -> String {
-    COLUMNS.replace(' ', ",") + "\n"
+pub fn csv_header(has_yoke: bool) -> String {
+    columns(has_yoke).split_whitespace().collect::<Vec<_>>().join(",") + "\n"
 }
 
 /// A line of CSV for each point; fields are empty where there is no solution.
 #[must_use]
-pub fn csv_lines(points: &[ListedPoint]) -> String {
+pub fn csv_lines(points: &[ListedPoint], yoke: AtListed<'_>) -> String {
     let mut text = String::with_capacity(96 * points.len());
-    for (stroke, point) in points {
+    for (index, (stroke, point)) in points.iter().enumerate() {
         // writing to a String cannot fail
         let _ = match point {
             Ok(point) => {
                 let [delta, center, angle] = numbers(point).map(plain);
                 let (right, left) = (&point.right, &point.left);
-                writeln!(
+                write!(
                     text,
                     "{},{delta},{center},{angle},{},{},{},{}",
                     plain(*stroke),
@@ -115,8 +124,13 @@ pub fn csv_lines(points: &[ListedPoint]) -> String {
                     left.contact
                 )
             }
-            Err(_) => writeln!(text, "{},,,,,,,", plain(*stroke)),
+            Err(_) => write!(text, "{},,,,,,,", plain(*stroke)),
         };
+        for value in yoke.into_iter().flat_map(|yoke| function::values(yoke.get(index).and_then(Option::as_ref))) {
+            text.push(',');
+            text += &value.map(plain).unwrap_or_default();
+        }
+        text.push('\n');
     }
     text
 }
@@ -126,10 +140,11 @@ fn numbers(point: &MeshPoint) -> [f64; 3] {
     [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad.to_degrees()].map(tidy)
 }
 
-pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
+/// A point, with what a yoke does there if there is one.
+pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>, yoke: Option<&AtStroke>) -> Value {
     let Some(point) = point else { return json!({ "stroke_mm": stroke, "delta_cd_mm": null }) };
     let [delta, center, angle] = numbers(point);
-    json!({
+    let mut json = json!({
         "stroke_mm": stroke,
         "delta_cd_mm": delta,
         "center_distance_mm": center,
@@ -138,16 +153,21 @@ pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>) -> Value {
         "left_tooth": point.left.rack_tooth,
         "right_contact": point.right.contact.name(),
         "left_contact": point.left.contact.name(),
-    })
+    });
+    if yoke.is_some() {
+        function::add_values(yoke, &mut json);
+    }
+    json
 }
 
 /// The points as elements of the array in [`MeshReport::json_around`](super::MeshReport::json_around), a comma before
 /// each.
 #[must_use]
-pub fn json_elements(points: &[ListedPoint]) -> String {
+pub fn json_elements(points: &[ListedPoint], yoke: AtListed<'_>) -> String {
     let mut text = String::new();
-    for (stroke, point) in points {
-        let element = format!("{:#}", json_point(*stroke, point.as_ref().ok()));
+    for (index, (stroke, point)) in points.iter().enumerate() {
+        let at = yoke.and_then(|yoke| yoke.get(index)?.as_ref());
+        let element = format!("{:#}", json_point(*stroke, point.as_ref().ok(), at));
         text.push_str(",\n    ");
         text.push_str(&element.replace('\n', "\n    "));
     }

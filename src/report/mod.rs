@@ -20,6 +20,7 @@ mod ci;
 mod class;
 mod evaluation;
 mod fact;
+pub mod function;
 mod geometry;
 #[cfg(feature = "html")]
 pub mod html;
@@ -55,6 +56,7 @@ pub use evaluation::{EvaluationReport, MeshPart, assumptions, bound_note, bound_
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
+pub use function::{BoundPart, FunctionPart, YokeSection};
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;

@@ -34,8 +34,12 @@ pub(crate) enum Kind {
     Measure(Domain, MeasureUnit),
     /// A deviation, or a table from which one follows.
     Error(DeviationKind),
-    /// Limits of ΔCD.
+    /// Limits of ΔCD, or of a play.
     Limit,
+    /// Limits of what is measured in this unit.
+    MeasureLimit(MeasureUnit),
+    /// A stroke, or `"tightest"`.
+    SetAt,
     /// The name of a file, relative to the spec.
     File,
     /// A list of texts.
@@ -107,6 +111,17 @@ impl MeasureUnit {
         symbol: "N/mm",
         after: " N/mm",
         others: &[("kN/mm", 1000.0, 1.0), ("N/m", 1.0, 1000.0), ("N/um", 1000.0, 1.0)],
+    };
+    const TORQUE: Self = Self {
+        symbol: "N m",
+        after: " N m",
+        others: &[
+            ("Nm", 1.0, 1.0),
+            ("N·m", 1.0, 1.0),
+            ("N mm", 1.0, 1000.0),
+            ("Nmm", 1.0, 1000.0),
+            ("N·mm", 1.0, 1000.0),
+        ],
     };
     const MASS: Self = Self { symbol: "kg", after: " kg", others: &[("g", 1.0, 1000.0)] };
     const INERTIA: Self = Self {
@@ -195,9 +210,11 @@ macro_rules! section {
 
 mod scatter;
 mod simulation;
+mod yoke;
 
 pub(crate) use scatter::SCATTER;
 pub use simulation::*;
+pub use yoke::*;
 
 const fn text() -> Key<String> {
     Key::new(Kind::Text)
@@ -336,6 +353,7 @@ section! {
             "Distance K from the measuring datum (the bar's axis or back) to the reference plane.";
         RACK_TOOTHED_LENGTH: Length = "toothed_length", length(Domain::positive("toothed length", "L")),
             "Length L of the toothed part; its developed diameter is L/π.";
+        "travel", of(Kind::Whole(&TRAVEL)), "Strokes of the rack on its gear.";
         RACK_PIN: Length = "pin", length(domain::PIN_DIAMETER), "Diameter of the pin behind measured over-pin values.";
         RACK_MEASURED: String = "measured", file(), "Table of measured spaces: over-pin, position, lead.";
         "deviation", of(Kind::Tables(&RACK_DEVIATION)), "Deviations of some teeth; any number, they add up.";
@@ -400,6 +418,10 @@ section! {
         "pinion_radial", of(Kind::Limit), "Limits of ΔCD from the pinion's radial error.";
         "pinion_pitch", of(Kind::Limit), "Limits of ΔCD from the pinion's pitch error.";
         "pinion_lead", of(Kind::Limit), "Limits of ΔCD from the pinion's helix slope deviation.";
+        "yoke_play", of(Kind::Limit), "Limits of the yoke's play.";
+        "pinion_torque", of(Kind::MeasureLimit(MeasureUnit::TORQUE)), "Limits of the pinion's free torque.";
+        "torque_fluctuation", of(Kind::MeasureLimit(MeasureUnit::TORQUE)), "Limits of its fluctuation.";
+        "lift_off_force", of(Kind::MeasureLimit(MeasureUnit::FORCE)), "Limits of the lift-off force.";
     }
 }
 
@@ -701,5 +723,6 @@ section! {
 pub const REPORT_KEYS: [Key<String>; 5] = [REPORT_PART, REPORT_DATE, REPORT_INSPECTOR, REPORT_ORDER, REPORT_DRAWING];
 
 /// The sections in the order in which they are documented.
-pub(crate) const SECTIONS: &[Section] =
-    &[PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, TABLE, SIMULATION, SCATTER, REPORT];
+pub(crate) const SECTIONS: &[Section] = &[
+    PAIR, RACK, PINION, SUPPORT, TOLERANCE, BUDGET, ERRORS, LIMITS, DECISION, TABLE, YOKE, SIMULATION, SCATTER, REPORT,
+];

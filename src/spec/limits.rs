@@ -19,7 +19,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<
 }
 
 /// Reads one entry of `[limits]`: `"±0.05"`, or a table with `lower`, `upper` or both.
-fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
+pub(super) fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
     let value = reader.table.get(name)?;
     let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
     let limit = match value.get_ref() {

@@ -35,6 +35,7 @@ mod template;
 mod uncertainty;
 mod value;
 mod vary;
+mod yoke;
 
 pub use basis::GEOMETRY_KEYS;
 pub use batch::{BatchColumn, TableSection};
@@ -60,6 +61,7 @@ use found::Found;
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent, PinionDeviation, RackDeviation};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Place, Source};
+use crate::function::{Bounds, Target};
 use crate::judge::bound::KnownTeeth;
 use crate::judge::{Limit, LimitTarget};
 use crate::multibody::Parameters;
@@ -127,6 +129,8 @@ pub struct Spec {
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
+    /// Those of what a yoke does.
+    pub function_limits: Vec<(Target, Located<Bounds>)>,
     /// `[table]`.
     pub table: TableSection,
     /// `[simulation]`: everything but how the rack may roll, which `[support]` says.
@@ -221,7 +225,12 @@ impl Spec {
             reader.values(&mut spec.values);
             spec.budget = budget::read(reader);
         });
-        sections.read(&keys::LIMITS, |reader| spec.limits = limits::read(reader));
+        sections.read(&keys::LIMITS, |reader| {
+            spec.limits = limits::read(reader);
+            spec.function_limits = yoke::limits(reader);
+        });
+        sections.read(&keys::YOKE, |reader| reader.values(&mut spec.values));
+        sections.diagnostics.extend(spec.yoke_contradictions());
         sections.read(&keys::SIMULATION, |reader| spec.simulation = simulation::read(reader, &mut spec.values));
         sections.read(&keys::SCATTER, |reader| spec.scatter = scatter::read(reader));
         spec.uncertainties = uncertainties;

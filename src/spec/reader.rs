@@ -16,6 +16,7 @@ use super::keys::{AnyKey, ERRORS, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTION
 use super::value::{KeyType, Value, Values};
 use crate::deviation::ToothRange;
 use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::function::SetAt;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, shown, split_number};
@@ -131,6 +132,7 @@ impl<'a> SectionReader<'a> {
             Kind::Rule => Value::Rule(self.rule_value(name, written)?),
             Kind::RackDiameter => Value::RackDiameter(self.rack_diameter(name, written)?),
             Kind::Teeth => Value::Teeth(self.teeth_value(name, written)?),
+            Kind::SetAt => Value::SetAt(self.set_at(name, written)?),
             _ => return None,
         };
         Some(Located { value, span })
@@ -215,6 +217,18 @@ impl<'a> SectionReader<'a> {
         }
     }
 
+    /// Where the play of the yoke is set.
+    fn set_at(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<SetAt> {
+        match value.get_ref() {
+            DeValue::String(text) if text.as_ref() == "tightest" => Some(SetAt::Tightest),
+            DeValue::String(text) if !text.contains(|c: char| c.is_ascii_digit()) => {
+                let message = format!("`{name}` must be a stroke or \"tightest\"");
+                self.refuse(Diagnostic::error(Code::WrongType, message), value.span())
+            }
+            _ => Some(SetAt::Stroke(self.length_value(name, value)?.mm())),
+        }
+    }
+
     /// A range of teeth.
     fn teeth_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<ToothRange> {
         let text = match value.get_ref() {
@@ -253,7 +267,7 @@ impl<'a> SectionReader<'a> {
     }
 
     /// A number in the key's unit, or text that names another.
-    fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: MeasureUnit) -> Option<f64> {
+    pub(super) fn measure_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>, unit: MeasureUnit) -> Option<f64> {
         let DeValue::String(text) = value.get_ref() else { return self.plain_number(name, value) };
         self.accept(name, in_unit(text, unit), Code::BadQuantity, value.span())
     }
@@ -361,6 +375,9 @@ fn others<'t>(
 /// The keys of any section that are called so, or else those of the first section whose names end so, or else the one most
 /// like it: with the way to them, which is what `--set` needs.
 pub(super) fn elsewhere(name: &str) -> Option<String> {
+    if SECTIONS.iter().any(|section| section.name == name) {
+        return Some(format!("its keys stand in a section of its own: [{name}]"));
+    }
     // what is measured is meant most often
     let (errors, others): (Vec<_>, Vec<_>) = SECTIONS.iter().partition(|section| section.name == ERRORS.name);
     let sections: Vec<&Section> = errors.into_iter().chain(others).collect();

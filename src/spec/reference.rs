@@ -55,6 +55,8 @@ fn in_words(kind: Kind) -> String {
         Kind::Extent(counted) => return one_of(&Extent::names(counted)),
         Kind::Error(_) => "a deviation, or a table; a tolerance as { value = { lower, upper } }",
         Kind::Limit => "\"±0.05\", or { lower, upper }",
+        Kind::MeasureLimit(_) => "{ lower, upper }",
+        Kind::SetAt => "a length, mm, or \"tightest\"",
         Kind::Texts => "a list of texts",
         Kind::LineRules => "a list of texts, or of { like, at_most }",
         Kind::PartId => "a heading, or { line }",

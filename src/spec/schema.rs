@@ -88,7 +88,7 @@ impl Schema {
             }
             Kind::PartId => any_of([text(), closed(json!({ "line": text() }), &["line"])]),
             Kind::Starts => json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } }),
-            Kind::NominalOrHeading { .. } => self.quantity(),
+            Kind::NominalOrHeading { .. } | Kind::SetAt => self.quantity(),
             Kind::ColumnUnit { of_lead } => {
                 let lengths = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).collect::<Vec<_>>();
                 let angles = AngleUnit::ALL.into_iter().flat_map(AngleUnit::spellings).collect::<Vec<_>>();
@@ -112,6 +112,11 @@ impl Schema {
             Kind::Table(section) | Kind::Whole(section) => self.section(section),
             Kind::Tables(section) => json!({ "type": "array", "items": self.section(section) }),
             Kind::Limit => self.limit(),
+            Kind::MeasureLimit(_) => {
+                let end = self.quantity();
+                let ends = closed(json!({ "lower": end, "upper": end }), &[]);
+                self.shared("bounds", ends)
+            }
         }
     }
 
@@ -237,8 +242,11 @@ impl Schema {
         let mut properties = beside;
         for name in forms.iter().copied().flatten().copied().chain([EVERY_PART]) {
             let schema = match name {
-                "class" => grade(),
-                "value" | "f_h_beta" => any_of([self.quantity(), self.ends()]),
+                "class" => self.shared("grade", grade()),
+                "value" | "f_h_beta" => {
+                    let forms = any_of([self.quantity(), self.ends()]);
+                    self.shared("amount", forms)
+                }
                 READINGS => self.readings(),
                 EVERY_PART => json!({ "type": "boolean" }),
                 _ => self.quantity(),

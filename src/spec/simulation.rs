@@ -49,11 +49,11 @@ const NUMBERS: &[Number] = &[
     (keys::SIMULATION_PATCH_CELLS.any, Name::PatchCells, |n, v| n.spheres.patch_cells = v as u32),
     (keys::SIMULATION_SPHERE_RADIUS.any, Name::SphereRadius, |n, v| n.spheres.radius_mm = v),
     (keys::SIMULATION_STRIPS.any, Name::Strips, |n, v| n.strips.strips = v as u32),
-    (keys::SIMULATION_YOKE_PRELOAD.any, Name::YokePreload, |n, v| n.yoke.preload_n = v),
-    (keys::SIMULATION_YOKE_RATE.any, Name::YokeRate, |n, v| n.yoke.rate_n_per_mm = v),
-    (keys::SIMULATION_YOKE_STOP.any, Name::YokeStop, |n, v| n.yoke.stop_n_per_mm = v),
-    (keys::SIMULATION_YOKE_BUSH.any, Name::BushStiffness, |n, v| n.yoke.bush_n_per_mm = v),
-    (keys::SIMULATION_YOKE_CLEARANCE.any, Name::YokeClearance, |n, v| n.yoke.clearance_mm = v),
+    (keys::YOKE_PRELOAD.any, Name::YokePreload, |n, v| n.yoke.preload_n = v),
+    (keys::YOKE_RATE.any, Name::YokeRate, |n, v| n.yoke.rate_n_per_mm = v),
+    (keys::YOKE_STOP.any, Name::YokeStop, |n, v| n.yoke.stop_n_per_mm = v),
+    (keys::YOKE_BUSH.any, Name::BushStiffness, |n, v| n.yoke.bush_n_per_mm = v),
+    (keys::YOKE_CLEARANCE.any, Name::YokeClearance, |n, v| n.yoke.clearance_mm = v),
 ];
 
 /// Reads `[simulation]`: the parameters, defaults where nothing is written.
@@ -86,11 +86,16 @@ fn parameters(values: &Values) -> Parameters {
     parameters.returns = word(keys::SIMULATION_DIRECTION) == "both";
     let is_analytic = word(keys::SIMULATION_CONTACT) == "analytic";
     parameters.contact = if is_analytic { ContactModel::Analytic(strips) } else { ContactModel::Spheres(spheres) };
-    if values.at(keys::SIMULATION_YOKE_PRELOAD.any.path).is_none() {
+    if values.at(keys::YOKE_PRELOAD.any.path).is_none() {
         yoke.preload_n = parameters.preload_n;
     }
     if word(keys::SIMULATION_SUPPORT) == "yoke" {
         parameters.support = Support::Yoke(yoke);
+        if values.at(keys::SIMULATION_FRICTION.any.path).is_none()
+            && let Some(friction) = values.located(keys::YOKE_FRICTION_TEETH)
+        {
+            parameters.friction = friction.value;
+        }
     }
     parameters
 }
@@ -118,6 +123,10 @@ impl Spec {
                 return Err(diagnostic.into());
             }
             parameters.support = Support::FreeRoll { axis_depth_mm };
+        }
+        if let Support::Yoke(yoke) = parameters.support {
+            let strokes = parameters.start_mm..parameters.start_mm + parameters.stroke_mm;
+            parameters.support = Support::Yoke(self.simulated_yoke(mesh, yoke, strokes)?);
         }
         Scene::new(*mesh.pair(), mesh.rack().clone(), mesh.pinion().clone(), parameters).map_err(|error| {
             Diagnostic::error(Code::NoSimulation, error.to_string())

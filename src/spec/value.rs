@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::keys::Key;
 use super::{Located, Spec};
 use crate::deviation::ToothRange;
+use crate::function::SetAt;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Length};
@@ -46,6 +47,7 @@ values! {
     RackDiameter(RackDiameter), "Which diameter stands for a rack.";
     Rule(Rule), "A decision rule.";
     Teeth(ToothRange), "Which teeth.";
+    SetAt(SetAt), "Where the play of the yoke is set.";
     Table(()), "A table, whose keys have values of their own.";
 }
 
@@ -63,6 +65,12 @@ impl Values {
     /// The same, to be changed.
     pub fn at_mut(&mut self, path: &str) -> Option<&mut Value> {
         self.0.get_mut(path).map(|located| &mut located.value)
+    }
+
+    /// Whether there is any value whose path begins so.
+    #[must_use]
+    pub fn has_any_within(&self, path: &str) -> bool {
+        self.0.keys().any(|key| key.starts_with(path))
     }
 
     /// Puts a value under a path.

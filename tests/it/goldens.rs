@@ -395,7 +395,7 @@ fn simulation(inputs: &Inputs, index: usize) -> Subject {
     );
     spec += "profile_nodes = 24\nwidth_nodes = 32\nstrips = 32\n";
     if index % 4 == 2 {
-        spec += "support = \"yoke\"\nyoke = { preload = \"700 N\", rate = \"120 N/mm\", clearance = \"0.12 mm\" }\n";
+        spec += "support = \"yoke\"\n[yoke]\npreload = \"700 N\"\nrate = \"120 N/mm\"\nclearance = \"0.12 mm\"\n";
     }
     inputs.write(&format!("{name}.toml"), &spec);
     let how = if index.is_multiple_of(2) { " --quasi-static" } else { "" };

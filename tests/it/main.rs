@@ -13,6 +13,7 @@ mod decimal_exactness;
 mod dependencies;
 mod domains;
 mod formula_accuracy;
+mod function;
 mod fuzz_corpus;
 mod goldens;
 mod house;

@@ -130,6 +130,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let junit = self.begin_report()?;
         let spec = Arc::new(self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?);
+        super::function::leave_open(&spec, output);
         let mut files = self.files.clone();
         if files.is_empty() {
             files.push("-".into());

@@ -30,7 +30,7 @@ impl Args {
         let basis = mesh_basis(spec, &rows.rule);
         let columns = Teeth::columns_written(rows.columns.as_deref())?;
         let request =
-            TeethRequest { stroke_mm: self.range.stroke.ends()?, tolerance_mm: self.range.tolerance.mm(), rows };
+            TeethRequest { stroke_mm: self.range.stroke.ends(spec)?, tolerance_mm: self.range.tolerance.mm(), rows };
         if self.only_failures && spec.limit_on(LimitTarget::CenterDistance).is_none() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }

@@ -137,6 +137,26 @@ impl FlankContact {
         None
     }
 
+    /// Whether the rack's face ends at a point within the pinion's.
+    pub(super) fn is_at_rack_end(&self, place: &Place) -> bool {
+        const NEAR: f64 = 1e-9;
+        let k = self.across.half_width;
+        (place.y.abs() - k).abs() <= NEAR * k && place.w.abs() < self.half_face
+    }
+
+    /// How what such a corner asks for changes as the rack's flank asks for so much more, and as the flank's points have so
+    /// much more as their coordinate across the rack.
+    pub(super) fn corner_rate(&self, pose: &Pose, spot: &Spot, [shift, across]: [f64; 2]) -> f64 {
+        let place = self.place(pose, self.roll_of(pose, spot), spot.w);
+        let w = if self.is_at_rack_end(&place) { -across / place.y_by_w } else { 0.0 };
+        shift - self.scale * place.by_delta * self.kappa * w
+    }
+
+    /// The roll angle of a point of the flank.
+    pub(super) fn roll_of(&self, pose: &Pose, spot: &Spot) -> f64 {
+        spot.delta - (pose.c - self.nu) + self.kappa * spot.w
+    }
+
     pub(super) fn turned(&self, delta: f64) -> Turned {
         let (sin_delta, cos_delta) = trig::sin_cos(delta);
         Turned {

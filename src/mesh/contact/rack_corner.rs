@@ -82,6 +82,15 @@ impl FlankContact {
         None
     }
 
+    /// As [`corner_rate`](Self::corner_rate), of a corner at the rack's tip edge.
+    pub(super) fn rack_corner_rate(&self, pose: &Pose, spot: &Spot, [shift, across]: [f64; 2]) -> f64 {
+        let at = self.rack_point(pose, self.roll_of(pose, spot), spot.w);
+        let is_at_rack_end = self.is_at_rack_end(&at.place);
+        let y = if is_at_rack_end { [-across, at.y_by_roll, at.place.y_by_w] } else { [0.0, 0.0, 1.0] };
+        let (by_roll, by_w) = solved([-shift, y[0]], at.excess_by, [y[1], y[2]]);
+        shift + at.demand_by_roll * by_roll - self.scale * at.place.by_delta * self.kappa * by_w
+    }
+
     fn rack_point(&self, pose: &Pose, roll: f64, w: f64) -> RackPoint {
         let place = self.place(pose, roll, w);
         let Turned { sin_delta, sin, cos, .. } = place.generator;

@@ -4,7 +4,7 @@
 use super::{Across, Bound, ContactKind, Coordinates, FlankContact, FormRates, Plane, Pose, Spot, Touch};
 
 /// How a flank pair changes with the rack's roll.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct RollRates {
     pub(in crate::mesh) flank: Plane,
     pub(in crate::mesh) tip: Plane,

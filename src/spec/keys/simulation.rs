@@ -2,7 +2,7 @@
 
 use std::ops::Bound;
 
-use super::{Key, Kind, MeasureUnit, Section, between, count, from_zero, length, measure, of, section, word};
+use super::{Key, MeasureUnit, Section, between, count, from_zero, length, measure, section, word};
 use crate::quantity::{Domain, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
@@ -11,22 +11,6 @@ const fn nodes(name: &'static str, symbol: &'static str) -> Domain {
 
 const fn exponent(name: &'static str, symbol: &'static str) -> Domain {
     Domain { name, symbol, lower: Bound::Included(1), upper: Bound::Unbounded }
-}
-
-section! {
-    YOKE = "simulation.yoke", "The sprung yoke behind the mesh and the bush at the rack's other end." {
-        SIMULATION_YOKE_PRELOAD: f64 = "preload",
-            measure(Domain::positive("preload of the yoke's spring", "F_y"), MeasureUnit::FORCE),
-            "Force of the yoke's spring with the rack in its nominal place. Default simulation.preload.";
-        SIMULATION_YOKE_RATE: f64 = "rate", measure(from_zero("rate of the yoke's spring", "c_y"), MeasureUnit::RATE),
-            "Rate of the spring. Default 100 N/mm.";
-        SIMULATION_YOKE_CLEARANCE: Length = "clearance", length(from_zero("clearance of the yoke", "s_y")),
-            "Travel until the yoke meets its stop. Default 0.15 mm.";
-        SIMULATION_YOKE_STOP: f64 = "stop", measure(from_zero("stiffness of the yoke's stop", "c_s"), MeasureUnit::RATE),
-            "Stiffness of the stop. Default 1e5 N/mm.";
-        SIMULATION_YOKE_BUSH: f64 = "bush", measure(from_zero("stiffness of the bush", "c_b"), MeasureUnit::RATE),
-            "Stiffness of the flexible bush as it is felt at the mesh. Default 20 N/mm.";
-    }
 }
 
 section! {
@@ -45,8 +29,7 @@ section! {
             "Force that presses the pinion on. Default 500 N.";
         SIMULATION_SUPPORT: &'static str = "support", word(&["slider", "yoke"]),
             "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis \
-             fixed, the rack pressed on by a sprung yoke. Default slider.";
-        "yoke", of(Kind::Table(&YOKE)), "The yoke, with support = \"yoke\".";
+             fixed, the rack pressed on by [yoke]. Default slider.";
         SIMULATION_CONTACT: &'static str = "contact", word(&["spheres", "analytic"]),
             "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the \
              load spread over the contact line. Default spheres.";
@@ -64,7 +47,7 @@ section! {
             measure(exponent("indentation exponent", "e"), MeasureUnit::NONE),
             "Exponent of the penetration in the damping term, 1 to 2.5.";
         SIMULATION_FRICTION: f64 = "friction", measure(from_zero("friction coefficient", "μ"), MeasureUnit::NONE),
-            "Friction coefficient μ. Default 0.";
+            "Friction coefficient μ. Default 0; with a yoke, yoke.friction.teeth.";
         SIMULATION_FRICTION_SPEED: f64 = "friction_speed",
             measure(Domain::positive("friction regularisation speed", "v_f"), MeasureUnit::SPEED),
             "Sliding speed below which friction fades.";

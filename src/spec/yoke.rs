@@ -1,0 +1,143 @@
+//! `[yoke]`, the rack's travel, and the limits of what a yoke does, as written. Resolved for what solves the mesh; judges nothing.
+
+use std::ops::Range;
+
+use super::keys::{self, Kind};
+use super::limits::read_limit;
+use super::reader::SectionReader;
+use super::resolve::Problems;
+use super::{Located, Spec};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::function::{Bounds, SetAt, Target, Yoke};
+use crate::mesh::Mesh;
+use crate::multibody;
+use crate::quantity::{Angle, Length};
+
+/// Reads those entries of `[limits]` that are on what a yoke does.
+pub(super) fn limits(reader: &mut SectionReader<'_>) -> Vec<(Target, Located<Bounds>)> {
+    Target::ALL.into_iter().filter_map(|target| Some((target, limit(reader, target)?))).collect()
+}
+
+fn limit(reader: &mut SectionReader<'_>, target: Target) -> Option<Located<Bounds>> {
+    let name = target.name();
+    let key = keys::LIMITS.keys.iter().find(|key| key.name() == name)?;
+    let help = "write { lower = …, upper = … }, or one of both";
+    let bad = |message: String| Diagnostic::error(Code::BadLimit, message).help(help);
+    let written = reader.table.get(name)?;
+    let (bounds, span) = if let Kind::MeasureLimit(unit) = key.kind {
+        let Some(ends) = written.get_ref().as_table() else {
+            return reader.wrong_type(name, written, "{ lower, upper }");
+        };
+        reader.knows_keys(name, ends, &["lower", "upper"].into_iter(), help)?;
+        let mut end = |name: &str| match ends.get(name) {
+            Some(value) => reader.measure_value(name, value, unit).map(Some),
+            None => Some(None),
+        };
+        let (lower, upper) = (end("lower"), end("upper"));
+        (Bounds { lower: lower?, upper: upper? }, written.span())
+    } else {
+        let Located { value, span } = read_limit(reader, name)?;
+        (Bounds { lower: value.lower.map(Length::mm), upper: value.upper.map(Length::mm) }, span)
+    };
+    let unit = target.unit();
+    let problem = match bounds {
+        Bounds { lower: None, upper: None } => Some(format!("`{name}` limits nothing")),
+        Bounds { lower: Some(lower), upper: Some(upper) } if lower > upper => {
+            Some(format!("the lower limit {lower} {unit} is above the upper limit {upper} {unit}"))
+        }
+        Bounds { lower: Some(lower), .. } if target == Target::YokePlay && lower < 0.0 => {
+            Some(format!("the lower limit of `{name}` is {lower} mm: below 0 there is no play"))
+        }
+        _ => None,
+    };
+    match problem {
+        Some(problem) => reader.refuse(bad(problem), span),
+        None => Some(Located { value: bounds, span }),
+    }
+}
+
+impl Spec {
+    /// Whether something is given of a yoke, or asked of it.
+    #[must_use]
+    pub fn has_yoke(&self) -> bool {
+        self.values.has_any_within("yoke.") || !self.function_limits.is_empty()
+    }
+
+    /// What the spec knows of the yoke.
+    ///
+    /// # Errors
+    /// A diagnostic if the plug is backed off by an angle, and nothing says how far a turn moves it.
+    pub fn yoke(&self) -> Result<Yoke, Diagnostics> {
+        let mut problems = Problems::default();
+        let turned = self.get(keys::YOKE_BACK_OFF).map(|angle: Angle| {
+            let place = self.place(keys::YOKE_BACK_OFF).map(|span| (span, String::new()));
+            let pitch = problems.take(self, keys::YOKE_THREAD_PITCH, || ("`back_off`".to_owned(), place));
+            pitch.map_or(0.0, |pitch| pitch.mm() * angle.degrees() / 360.0)
+        });
+        let yoke = Yoke {
+            preload_n: self.get(keys::YOKE_PRELOAD),
+            rate_n_per_mm: self.get(keys::YOKE_RATE),
+            set_at: self.get(keys::YOKE_SET_AT).unwrap_or_default(),
+            play_mm: self.get(keys::YOKE_SET_PLAY).map(Length::mm).or(turned),
+            thread_pitch_mm: self.get(keys::YOKE_THREAD_PITCH).map(Length::mm),
+            yoke_friction: self.get(keys::YOKE_FRICTION_YOKE),
+            tooth_friction: self.get(keys::YOKE_FRICTION_TEETH),
+            bearing_torque_n_m: self.get(keys::YOKE_BEARING_TORQUE),
+        };
+        problems.answer(Some(yoke), &self.source)
+    }
+
+    /// First and last stroke of the rack's travel, mm.
+    #[must_use]
+    pub fn travel_mm(&self) -> Option<(f64, f64)> {
+        Some((self.get(keys::RACK_TRAVEL_FROM)?.mm(), self.get(keys::RACK_TRAVEL_TO)?.mm()))
+    }
+
+    /// Permitted values of what a yoke does.
+    #[must_use]
+    pub fn function_limits(&self) -> Vec<(Target, Bounds)> {
+        self.function_limits.iter().map(|(target, bounds)| (*target, bounds.value)).collect()
+    }
+
+    /// Values of a yoke or a travel that are each in their domain, but not together.
+    pub(super) fn yoke_contradictions(&self) -> Vec<Diagnostic> {
+        let at = |message: &str, span: Option<Range<usize>>| {
+            Diagnostic::error(Code::OutOfDomain, message).at(&self.source, span, "")
+        };
+        let backwards = self.travel_mm().filter(|(from, to)| from >= to).map(|(from, to)| {
+            at(&format!("the travel from {from} mm to {to} mm is none"), self.place(keys::RACK_TRAVEL_TO))
+                .help("`to` lies above `from`")
+        });
+        let twice = self.place(keys::YOKE_BACK_OFF).filter(|_| self.place(keys::YOKE_SET_PLAY).is_some());
+        let twice = twice.map(|span| {
+            at("`back_off` and `set_play` say the same twice", Some(span)).help("give the play or the angle")
+        });
+        backwards.into_iter().chain(twice).collect()
+    }
+
+    /// The yoke of a simulation that starts from so many mm and covers so many: with the force and the clearance that it has with
+    /// the rack in its nominal place.
+    pub(super) fn simulated_yoke(
+        &self,
+        mesh: &Mesh,
+        yoke: multibody::Yoke,
+        strokes: Range<f64>,
+    ) -> Result<multibody::Yoke, Diagnostics> {
+        let known = self.yoke()?;
+        let found = match known.set_at {
+            SetAt::Stroke(stroke_mm) => mesh.at(stroke_mm).map(|point| point.delta_cd_mm),
+            SetAt::Tightest => {
+                let (from, to) = self.travel_mm().unwrap_or((strokes.start, strokes.end));
+                let curve = mesh.curve(from, to, 1e-6);
+                curve.map(|curve| curve.points.iter().map(|point| point.delta_cd_mm).fold(f64::NEG_INFINITY, f64::max))
+            }
+        };
+        let at_mm = found.map_err(Diagnostic::with_code(Code::NoMesh))?;
+        let clearance = match (self.get(keys::YOKE_CLEARANCE), known.play_mm) {
+            (None, Some(play)) => (play + at_mm).max(0.0),
+            _ => yoke.clearance_mm,
+        };
+        // the force that the user gives is that at s_0
+        Ok(multibody::Yoke { preload_n: yoke.preload_n - yoke.rate_n_per_mm * at_mm, clearance_mm: clearance, ..yoke })
+    }
+}
