@@ -67,7 +67,7 @@ fn crossed_pairs_with_lead_errors() {
 /// One rotation of each stroke looks at all of the flanks; the others look at their known peaks only.
 #[test]
 fn pairs_with_flank_form() {
-    takes_no_more_than([[329, 4141, 1316], [1760, 22315, 5919]], "crossed helical, flank form", 8);
+    takes_no_more_than([[485, 2806, 1640], [1819, 11123, 5460]], "crossed helical, flank form", 8);
 }
 
 #[test]
