@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::layout::Layout;
 use super::meshed::Meshes;
-use super::outcome::{Part, PartError, Problem, Tally, keep_worst};
+use super::outcome::{Part, PartError, Problem, Tally, keep_worst, may_be_worst};
 use super::output::Output;
 use super::plan::Plan;
 use super::request::{Request, Rows};
@@ -20,7 +20,7 @@ use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationValue, DeviationValues};
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::shown;
+use crate::quantity::{Length, shown};
 use crate::table::{Block, Fault};
 
 /// Evaluates the rows of blocks.
@@ -183,7 +183,9 @@ impl<'a> Evaluator<'a> {
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
         }
         let is_kept = self.keeps(verdict);
-        if !is_kept && !self.plan.request.statistics {
+        // most parts are none of the worst
+        let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
+        if !is_kept && !(self.plan.request.statistics && results.inside_by(row.index).is_none_or(is_worst)) {
             return;
         }
         let margin = results.margin(row.index);

@@ -424,13 +424,21 @@ impl Total<'_> {
     }
 }
 
+/// Parts that are kept as the worst.
+const WORST_KEPT: usize = 10;
+
+/// Whether a part with this margin is one of the worst; of equals the first stays.
+#[inline]
+pub(super) fn may_be_worst(worst: &[Part], margin_mm: f64) -> bool {
+    worst.get(WORST_KEPT - 1).is_none_or(|last| last.margin_mm > margin_mm)
+}
+
 /// Adds a part with this margin to the worst if it is one; of equals the first stays.
 #[inline]
 pub(super) fn keep_worst(worst: &mut Vec<Part>, margin_mm: f64, part: impl FnOnce() -> Part) {
-    const MOST: usize = 10;
-    if worst.get(MOST - 1).is_some_and(|last| last.margin_mm <= margin_mm) {
+    if !may_be_worst(worst, margin_mm) {
         return;
     }
-    worst.truncate(MOST - 1);
+    worst.truncate(WORST_KEPT - 1);
     worst.insert(worst.partition_point(|other| other.margin_mm <= margin_mm), part());
 }

@@ -18,7 +18,7 @@ use crate::evaluation::{subject, too_near, worse};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Conformance, Ends};
-use crate::judge::{Interval, LimitTarget, NearestEnd, Stack, Verdict};
+use crate::judge::{Interval, Limit, LimitTarget, NearestEnd, Stack, Verdict};
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::table::{Block, Fault};
 use crate::trig;
@@ -347,6 +347,16 @@ impl<'a> Results<'a> {
         Some(Conformance::of(&plan.limits[index].1, ends.as_ref(), known.inside(index))?.probability)
     }
 
+    /// How far a part is inside the nearest limit; `None` where nothing is held against one.
+    #[inline]
+    pub(super) fn inside_by(&self, row: usize) -> Option<Length> {
+        let inside_by = |(on, limit): &(LimitTarget, Limit)| {
+            let Interval { lower, upper } = self.judged(*on, row)?;
+            limit.upper.map(|end| end - upper).into_iter().chain(limit.lower.map(|end| lower - end)).min()
+        };
+        self.plan.limits.iter().filter_map(inside_by).min()
+    }
+
     /// How far a part is inside the nearest limit; without limits, how far its largest result is from 0. `None` without a result.
     pub(super) fn margin(&self, row: usize) -> Option<Margin> {
         let of_limits = self.plan.limits.iter().filter_map(|(on, limit)| {
@@ -427,7 +437,7 @@ impl<'a> Results<'a> {
             Output::Combined(stack, end) => Some(end.of(at(&self.combined[*stack as usize], row)?)),
             Output::Reached(end) => Some(end.of(at(&self.reached, row)?)),
             Output::Judged(end) => Some(end.of(self.judged(LimitTarget::CenterDistance, row)?)),
-            Output::Margin => self.nearest(row).map(|(_, nearest)| nearest.inside_by),
+            Output::Margin => self.verdicts[row].and_then(|_| self.inside_by(row)),
             _ => None,
         }
     }

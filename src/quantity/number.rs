@@ -107,31 +107,6 @@ impl Decimal {
     pub(crate) fn plain(bytes: &[u8], at: usize, mark: u8) -> Option<(Self, usize)> {
         let negative = *bytes.get(at)? == b'-';
         let start = at + usize::from(negative);
-        Self::in_one_word(bytes, start, mark, negative).or_else(|| Self::digit_by_digit(bytes, start, mark, negative))
-    }
-
-    /// A number of at most seven digits that all stand in the eight bytes behind its sign: these are looked at at once.
-    #[inline]
-    fn in_one_word(bytes: &[u8], start: usize, mark: u8, negative: bool) -> Option<(Self, usize)> {
-        let word = u64::from_le_bytes(*bytes.get(start..)?.first_chunk()?);
-        let whole = leading_digits_of(word);
-        if whole == 8 {
-            return None;
-        }
-        let before = (1 << (8 * whole)) - 1;
-        let is_marked = (word >> (8 * whole)) as u8 == mark;
-        let joined = (word & before) | if is_marked { (word >> 8) & !before } else { 0 };
-        let count = leading_digits_of(joined);
-        let end = start + count + usize::from(is_marked);
-        let goes_on = count == 7 && bytes.get(end).is_some_and(u8::is_ascii_digit);
-        if count == 0 || goes_on {
-            return None;
-        }
-        let digits = of_eight_digits(joined << (8 * (8 - count)));
-        Some((Self { negative, digits, exponent: -((count - whole) as i32) }, end))
-    }
-
-    fn digit_by_digit(bytes: &[u8], start: usize, mark: u8, negative: bool) -> Option<(Self, usize)> {
         let (digits, point) = leading_digits(bytes, start, 0);
         let whole = point - start;
         let (mut digits, mut end, mut decimals) = (digits, point, 0);
@@ -271,24 +246,6 @@ impl std::fmt::Write for ShortText {
     }
 }
 
-/// How many of the bytes of a word, the lowest first, are digits before one that is none.
-#[inline]
-fn leading_digits_of(word: u64) -> usize {
-    let values = word ^ 0x3030_3030_3030_3030;
-    let is_none = (values.wrapping_add(0x7676_7676_7676_7676) | values) & 0x8080_8080_8080_8080;
-    is_none.trailing_zeros() as usize / 8
-}
-
-/// The number of eight digits, the first of which stands in the lowest byte; a byte of 0 is a digit 0. Neighbours are joined
-/// side by side, then pairs, then fours.
-#[inline]
-fn of_eight_digits(word: u64) -> u64 {
-    let ones = word & 0x0f0f_0f0f_0f0f_0f0f;
-    let twos = (ones.wrapping_mul((10 << 8) + 1) >> 8) & 0x00ff_00ff_00ff_00ff;
-    let fours = (twos.wrapping_mul((100 << 16) + 1) >> 16) & 0x0000_ffff_0000_ffff;
-    fours.wrapping_mul((10_000 << 32) + 1) >> 32
-}
-
 /// The digits that start at `at`, appended to `digits`, and the place behind them; wraps beyond 19 digits.
 #[inline]
 fn leading_digits(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) {
@@ -366,21 +323,6 @@ mod tests {
     use super::*;
 
     const MM: Scale = Scale { factor: 1, exponent: 12 };
-
-    proptest::proptest! {
-        /// A number that is read at once is the same digit by digit.
-        #[test]
-        fn at_once_as_digit_by_digit(text in "-?[0-9]{0,9}[.,;]?[0-9]{0,9}[0-9.,;/: ]{0,9}") {
-            for mark in [b'.', b',', 0] {
-                let bytes = text.as_bytes();
-                let at_once = Decimal::in_one_word(bytes, 0, mark, false);
-                let by_digits = Decimal::digit_by_digit(bytes, 0, mark, false);
-                proptest::prop_assert!(at_once.is_none() || at_once == by_digits, "{at_once:?} {by_digits:?}");
-                let is_short = bytes.iter().position(|byte| !byte.is_ascii_digit() && *byte != mark).is_some_and(|end| end < 8);
-                proptest::prop_assert!(!is_short || bytes.len() < 8 || at_once == by_digits || text.starts_with('-'));
-            }
-        }
-    }
 
     fn femtometres(text: &str) -> Option<i64> {
         Decimal::parse(text).expect(text).steps(MM)
