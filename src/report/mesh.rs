@@ -90,9 +90,8 @@ impl MeshReport<'_> {
     fn extreme_in_words(&self) -> Option<Layer> {
         let farther = |a: &&MeshPoint, b: &&MeshPoint| a.delta_cd_mm.abs().total_cmp(&b.delta_cd_mm.abs());
         let point = self.curve.points.iter().max_by(farther)?;
-        let carriers = [(FlankSide::Right, point.right), (FlankSide::Left, point.left)].map(|(side, carrier)| {
-            format!("{side} {} on {}", carrier.rack_tooth, carrier.pinion_tooth)
-        });
+        let carriers = [(FlankSide::Right, point.right), (FlankSide::Left, point.left)]
+            .map(|(side, carrier)| format!("{side} {} on {}", carrier.rack_tooth, carrier.pinion_tooth));
         let text = format!(
             "extreme {} mm at stroke {:.2} mm; rack tooth on pinion tooth: {}",
             millimetres(point.delta_cd_mm),

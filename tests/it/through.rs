@@ -146,7 +146,8 @@ fn a_remedy_names_a_column_as_the_program_takes_it() {
     let inputs = Inputs::new();
     let refused = inputs.outputs(&["batch", "plain.toml", "heading.csv"]);
     let text = String::from_utf8(refused[1].1.clone()).unwrap();
-    let block = text.split_once("in the spec:\n").and_then(|(_, rest)| rest.split_once("\n |")).expect("a block").0;
+    let block =
+        text.split_once("in the spec:\n").and_then(|(_, rest)| rest.split_once("\n = help")).expect("a block").0;
     inputs.write("layout.toml", block);
     let read = inputs.outputs(&["batch", "plain.toml", "heading.csv", "--quiet", "--layout", "layout.toml"]);
     assert!(String::from_utf8_lossy(&read[0].1).contains("a,0.01"), "{read:?}");
