@@ -98,6 +98,11 @@ impl Container {
                     let text = text.whole(LARGEST_FILE)?;
                     return Ok(Self::Qdas(Box::new(read_all(vec![(name.to_owned(), text)])?)));
                 }
+                if start.contains(&0x0f) || start.contains(&0x14) {
+                    let message = format!("{name} holds values of Q-DAS without what they are of");
+                    let help = "give the file of definitions: the .dfd, beside which the .dfx stands";
+                    return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
+                }
                 Ok(Self::Text(text))
             }
         }

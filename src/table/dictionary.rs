@@ -132,7 +132,7 @@ pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
 }
 
 /// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
-fn plain_widths(text: &str) -> Cow<'_, str> {
+pub(crate) fn plain_widths(text: &str) -> Cow<'_, str> {
     const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     if text.is_ascii() {
         return text.into();

@@ -46,6 +46,21 @@ pub enum Repeats {
     Last,
 }
 
+/// What leaves something out that is no rule of a person's, by its place behind those.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum OwnRule {
+    /// That for every further column.
+    Others,
+    RepeatedHeadings,
+    /// What stands beside values, is read and judges nothing.
+    BesideValues,
+    OtherSheets,
+    /// Rows of parts that are there again below.
+    RepeatedParts,
+    /// What the format of a file says besides values.
+    OfFormat,
+}
+
 /// Lines that are no parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LineRule {

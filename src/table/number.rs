@@ -7,6 +7,7 @@
 
 use std::borrow::Cow;
 
+use super::dictionary::plain_widths;
 use crate::deviation::DeviationValue;
 use crate::quantity::{Angle, Decimal, Length, QuantityError, Unit};
 
@@ -61,23 +62,11 @@ pub(crate) fn is_missing(cell: &str) -> bool {
         || MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word))
 }
 
-/// The text with full-width digits, signs and marks as plain ones.
-fn half_width(text: &str) -> Cow<'_, str> {
-    let is_wide = |c: char| ('\u{ff01}'..='\u{ff5e}').contains(&c);
-    if text.is_ascii() || !text.contains(is_wide) {
-        return text.into();
-    }
-    text.chars()
-        .map(|c| if is_wide(c) { char::from_u32(u32::from(c) - 0xfee0).unwrap_or(c) } else { c })
-        .collect::<String>()
-        .into()
-}
-
 /// The cell with every number in it as `Length` and `Angle` read it: a decimal point, no thousands marks, a plain
 /// minus. `None` if the text does not start with a number or is none with this decimal mark.
 pub(crate) fn normalise(cell: &str, mark: DecimalMark) -> Option<String> {
     let mut out = String::new();
-    let cell = half_width(cell);
+    let cell = plain_widths(cell);
     let mut rest = cell.trim();
     let mut first = true;
     while !rest.is_empty() {

@@ -37,10 +37,14 @@ impl Text {
         let (bytes, encoding) = recoded(bytes, told).map_err(|error| Diagnostic::unreadable(name, &error))?;
         let mut chunks = Chunker::new(bytes);
         let start = chunks.start(START).map_err(|error| Diagnostic::unreadable(name, &error))?;
-        if start.contains(&0) {
-            let message = format!("{name} is no text: it holds bytes that no table has");
-            return Err(Diagnostic::error(Code::BadTable, message)
-                .help("tables are text, Excel workbooks (.xlsx), Q-DAS files or Parquet"));
+        let bad = |what: &str, help: &str| Err(Diagnostic::error(Code::BadTable, format!("{name} {what}")).help(help));
+        let odd = start.iter().filter(|byte| byte.is_ascii_control() && !b"\t\n\r\x0b\x0c\x0f\x14\x1a".contains(byte));
+        if start.contains(&0) || odd.count() > start.len() / 100 {
+            let help = "tables are text, Excel workbooks (.xlsx), Q-DAS files or Parquet";
+            return bad("is no text: it holds bytes that no table has", help);
+        }
+        if start.iter().all(|byte| byte.is_ascii_whitespace() || b";,|".contains(byte)) {
+            return bad("holds no table: there is nothing in it", "give the file that was exported");
         }
         let stated = stated_separator(start);
         if let Some((_, length)) = stated {

@@ -2,10 +2,10 @@
 //! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::shown;
 use crate::table::Table;
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
+use crate::table::layout::OwnRule;
 use crate::table::ledger::Tally;
 use crate::table::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use crate::table::pieces::Place;
@@ -46,13 +46,10 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     let mut file = File::new(&name, "workbook");
     for comment in &records.comments {
         let text = comment.text.lines().collect::<Vec<_>>().join(" ");
-        match layout.comments.iter().position(|rule| rule.fits(&text)) {
-            Some(rule) => file.left_out.push((layout.rule_of_comment(rule), format!("{}: {text}", comment.place))),
-            None => file.open.push(Open::Comment { place: comment.place.clone(), text }),
-        }
+        file.comment(layout, &comment.place, &text);
     }
     let others = all.into_iter().filter(|other| *other != sheet);
-    file.left_out.extend(others.map(|other| (layout.other_sheets(), other)));
+    file.left_out.extend(others.map(|other| (layout.own_rule(OwnRule::OtherSheets), other)));
     let mut table = of_records(&file, head, records.records.skip(count), layout, want)?;
     if let Some(problem) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &table)) {
         return Err(problem.into());
@@ -90,7 +87,7 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
         let Err(why) = &column.leaf else { continue };
         let rule =
             [true, false].into_iter().find_map(|exactly| layout.ignores(&column.name, &column.name, place, exactly));
-        if let Some(rule) = rule.or_else(|| layout.ignores_others.then(|| layout.others())) {
+        if let Some(rule) = rule.or_else(|| layout.ignores_others.then(|| layout.own_rule(OwnRule::Others))) {
             unread.push((rule, place, column.name.clone()));
         } else {
             let (Unread::Type(why) | Unread::Packing(why)) = why;
@@ -99,10 +96,7 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
     }
     let of_fields = file.has_units_of_fields().then(|| "units of fields in the schema".to_owned());
     for text in file.remarks().map(|(key, value)| format!("{key}: {value}")).chain(of_fields) {
-        match layout.comments.iter().position(|rule| rule.fits(&text)) {
-            Some(rule) => of.left_out.push((layout.rule_of_comment(rule), text)),
-            None => of.open.push(Open::Comment { place: "metadata".to_owned(), text: shown(&text) }),
-        }
+        of.comment(layout, "metadata", &text);
     }
     let places: Vec<usize> = (0..file.columns.len()).filter(|place| file.columns[*place].is_read()).collect();
     let titles: Vec<String> = places.iter().map(|place| file.columns[*place].name.clone()).collect();

@@ -58,7 +58,7 @@ impl Column {
         if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
             let apart = (stated.base() - deviation.base()).abs();
             if apart > self.rounding(cell, beside) {
-                return Err(Problem::Bad(format!("the deviation beside it is {stated}, and this one is {deviation}")));
+                return Err(Problem::new(format!("the deviation beside it is {stated}, and this one is {deviation}")));
             }
             let digit = self.digit_beside(beside, Role::Deviation);
             let is_finer =
@@ -70,7 +70,7 @@ impl Column {
         }
         let widest = self.widest(beside)?;
         if widest > 0.0 && deviation.base().abs() > TIMES * widest {
-            return Err(Problem::Bad(format!(
+            return Err(Problem::new(format!(
                 "a deviation of {deviation} is more than {TIMES} times the tolerance beside it: check the units"
             )));
         }

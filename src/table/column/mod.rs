@@ -115,25 +115,23 @@ impl PlainNumbers {
     }
 }
 
-/// Why a cell has no value.
+/// Why a cell has no value: it is none, contradicts what stands beside it, or is far from what may be.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Problem {
-    /// It is no value, or one that contradicts what stands beside it.
-    Bad(String),
-    /// It is far from its nominal value.
-    Far(String),
-    /// It is larger than any deviation.
-    TooLarge(String),
+pub(crate) struct Problem {
+    /// What is wrong, and what to do.
+    pub(crate) message: String,
+    /// Whether it is larger than any deviation.
+    pub(crate) is_too_large: bool,
 }
 
 impl Problem {
-    /// What is wrong, and what to do.
-    pub(crate) fn message(&self) -> String {
-        match self {
-            Self::Bad(what) => what.clone(),
-            Self::Far(what) => format!("{what}: check the unit and the decimal mark, or whether it is a deviation"),
-            Self::TooLarge(what) => format!("{what}: check the unit, or give the nominal value if it is a measure"),
-        }
+    pub(crate) fn new(message: String) -> Self {
+        Self { message, is_too_large: false }
+    }
+
+    fn too_large(what: &str) -> Self {
+        let message = format!("{what}: check the unit, or give the nominal value if it is a measure");
+        Self { message, is_too_large: true }
     }
 }
 
@@ -160,7 +158,8 @@ impl Column {
             Stated::Fixed(over) => Some(over),
             Stated::Beside => return None,
         };
-        let is_plain = self.tolerance.is_none() && self.beside.iter().next().is_none();
+        let is_plain =
+            self.tolerance.is_none() && self.beside.iter().next().is_none() && self.unit_from != UnitFrom::Cells;
         is_plain.then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
     }
 
@@ -187,21 +186,21 @@ impl Column {
     /// The value, unless it is what no deviation can be.
     fn possible(&self, value: DeviationValue) -> Result<DeviationValue, Problem> {
         match plausible::deviation(value, self.module).filter(|doubt| doubt.is_impossible) {
-            Some(doubt) => Err(Problem::TooLarge(doubt.to_string())),
+            Some(doubt) => Err(Problem::too_large(&doubt.to_string())),
             None => Ok(value),
         }
     }
 
     fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
         match &cell.content {
-            Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::Bad(error.to_string())),
+            Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::new(error.to_string())),
             Content::Text(text) => self.quantity_of_text(text, unit),
-            Content::Other(text) if text.starts_with('=') => Err(Problem::Bad(format!(
+            Content::Other(text) if text.starts_with('=') => Err(Problem::new(format!(
                 "`{}` is a formula without a result: open the file in a spreadsheet program and save it",
                 shown(text)
             ))),
-            Content::Other(text) => Err(Problem::Bad(format!("`{}` is not a number", shown(text)))),
-            Content::Empty => Err(Problem::Bad("the cell is empty".to_owned())),
+            Content::Other(text) => Err(Problem::new(format!("`{}` is not a number", shown(text)))),
+            Content::Empty => Err(Problem::new("the cell is empty".to_owned())),
         }
     }
 
@@ -213,7 +212,7 @@ impl Column {
         }
         let text = with_inches(text, unit);
         let not_a_number =
-            || Problem::Bad(format!("`{}` is not a number with a decimal {}", shown(&text), self.mark.word()));
+            || Problem::new(format!("`{}` is not a number with a decimal {}", shown(&text), self.mark.word()));
         let number = normalise(&text, self.mark).ok_or_else(not_a_number)?;
         let is_bare = number.ends_with(|c: char| c.is_ascii_digit() || c == '.');
         let united = match unit {
@@ -225,7 +224,7 @@ impl Column {
             Unit::Length(_) => united.parse().map(DeviationValue::Length),
             Unit::Angle(_) => united.parse().map(DeviationValue::Angle),
         };
-        read.map_err(|error| Problem::Bad(error.to_string()))
+        read.map_err(|error| Problem::new(error.to_string()))
     }
 
     /// f_Hβ over its evaluation length.
@@ -235,13 +234,13 @@ impl Column {
             Stated::Fixed(over) => over,
             _ => match self.quantity_beside(beside, Role::Length)? {
                 Some(DeviationValue::Length(over)) => over,
-                _ => return Err(Problem::Bad("there is no evaluation length for this f_Hβ".to_owned())),
+                _ => return Err(Problem::new("there is no evaluation length for this f_Hβ".to_owned())),
             },
         };
         if let Some(doubt) = plausible::evaluation_length(over) {
-            return Err(Problem::TooLarge(doubt.to_string()));
+            return Err(Problem::too_large(&doubt.to_string()));
         }
-        let slope = lead_slope(deviation, over).map_err(|error| Problem::Bad(error.to_string()))?;
+        let slope = lead_slope(deviation, over).map_err(|error| Problem::new(error.to_string()))?;
         self.possible(slope)
     }
 

@@ -21,11 +21,11 @@ impl Column {
 
     pub(super) fn nominal_beside(&self, beside: &Companions<&Cell>) -> Result<DeviationValue, Problem> {
         let Some(nominal) = self.quantity_beside(beside, Role::Nominal)? else {
-            return self.stated.ok_or_else(|| Problem::Bad("there is no nominal value beside it".to_owned()));
+            return self.stated.ok_or_else(|| Problem::new("there is no nominal value beside it".to_owned()));
         };
         match self.stated {
             Some(stated) if !self.agrees(stated, nominal, beside) => {
-                Err(Problem::Bad(format!("the nominal value is {nominal} in the table and {stated} in the spec")))
+                Err(Problem::new(format!("the nominal value is {nominal} in the table and {stated} in the spec")))
             }
             Some(stated) => Ok(stated),
             None => Ok(nominal),
@@ -51,7 +51,9 @@ impl Column {
     pub(super) fn less(&self, value: DeviationValue, nominal: DeviationValue) -> Result<DeviationValue, Problem> {
         let deviation = value.less(nominal);
         if near(nominal, self.farthest).is_exceeded_by(deviation) {
-            return Err(Problem::Far(format!("{value} is far from the nominal value {nominal}")));
+            return Err(Problem::new(format!(
+                "{value} is far from the nominal value {nominal}: check the unit and the decimal mark, or whether it is a deviation"
+            )));
         }
         Ok(deviation)
     }

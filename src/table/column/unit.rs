@@ -15,6 +15,8 @@ pub(crate) enum UnitFrom {
     Table,
     /// A column of units beside the values.
     Beside,
+    /// The cells of values alone: each has it.
+    Cells,
     /// The spec.
     Spec,
     /// A column that is called by its key has that of a spec.
@@ -38,7 +40,7 @@ impl Column {
         let is_own = self.unit_from == UnitFrom::Beside && self.beside.iter().count() == 1;
         let own = unit_of(&text, self.field.is_angle()).filter(|unit| discriminant(unit) == discriminant(&self.unit));
         own.filter(|_| is_own).ok_or_else(|| {
-            Problem::Bad(format!(
+            Problem::new(format!(
                 "the unit beside it is `{}`, and the column's is {}",
                 shown(&text),
                 self.unit.symbol()

@@ -10,7 +10,7 @@ use super::tallies::Tallies;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::field::{Beside, Field};
-use crate::table::layout::{Layout, Repeats};
+use crate::table::layout::{Layout, OwnRule, Repeats};
 use crate::table::ledger::RowLedger;
 
 /// What stands beside a value in a row of its characteristic.
@@ -132,7 +132,7 @@ impl<'r> Reader<'r, '_> {
         }
         let line = line_of(record);
         if line == self.columns.heading {
-            return self.left_out.add(self.layout.repeated_headings(), record.line, 0, &line);
+            return self.left_out.add(self.layout.own_rule(OwnRule::RepeatedHeadings), record.line, 0, &line);
         }
         let Some(title) = self.name(record) else {
             return self.open.push(Open::Line { line: record.line, text: line });
@@ -164,7 +164,8 @@ impl<'r> Reader<'r, '_> {
     /// Whether the rule for all others would leave out what has the nominal value and the unit of a characteristic that is read: it
     /// may be the same, measured again.
     fn repeats_owned(&self, record: &Record, rule: usize) -> bool {
-        rule == self.layout.others() && self.nominal(record).is_some_and(|nominal| self.owned.contains(&nominal))
+        rule == self.layout.own_rule(OwnRule::Others)
+            && self.nominal(record).is_some_and(|nominal| self.owned.contains(&nominal))
     }
 
     /// The rows of a record's part; the last ones of it.
@@ -206,7 +207,7 @@ impl<'r> Reader<'r, '_> {
             if self.layout.repeats == Repeats::Last {
                 let before = std::mem::replace(&mut self.parts[part], next);
                 for row in before.rows.values() {
-                    self.left_out.add(self.layout.repeated_parts(), row.line, 0, &line_of(row));
+                    self.left_out.add(self.layout.own_rule(OwnRule::RepeatedParts), row.line, 0, &line_of(row));
                 }
             } else {
                 self.parts.push(next);
@@ -219,7 +220,7 @@ impl<'r> Reader<'r, '_> {
             match owner {
                 Some(Owner::Role(Role::Status)) => {
                     let text = ledger.read(place).text();
-                    self.left_out.add(self.layout.beside_values(), record.line, place, &text);
+                    self.left_out.add(self.layout.own_rule(OwnRule::BesideValues), record.line, place, &text);
                 }
                 Some(Owner::Role(role)) => {
                     let cell = ledger.read(place);

@@ -9,14 +9,14 @@ use super::owner::Owner;
 use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
-use crate::quantity::{AngleUnit, Length, LengthUnit, Unit};
+use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
-use crate::table::column::{Column, Declared, Problem, UnitFrom};
+use crate::table::column::{Column, Declared, UnitFrom};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::field::{Beside, Field};
-use crate::table::grid::unit_of;
+use crate::table::grid::{unit_in, unit_of};
 use crate::table::layout::Layout;
-use crate::table::number::DecimalMark;
+use crate::table::number::{DecimalMark, normalise};
 use crate::table::want::Want;
 
 /// Finds the columns of values; what is missing is added to what is open. `units` is the line of units below the heading.
@@ -97,6 +97,11 @@ fn one(
         let default = if is_angle { Unit::Angle(AngleUnit::Degree) } else { Unit::Length(LengthUnit::Millimetre) };
         said.push((default, UnitFrom::Key));
     }
+    if said.is_empty() {
+        said.extend(
+            unit_of_cells(rows.iter().map(|row| row.cell(place)), is_angle).map(|unit| (unit, UnitFrom::Cells)),
+        );
+    }
     let is_own = own.is_some_and(|own| own.is_deviation) || field.is_deviation();
     let is_deviation = matched.are_deviations || is_own || meaning.is_some_and(|meaning| meaning.is_deviation);
     let is_of_part = matched.form == Form::Parts;
@@ -117,6 +122,17 @@ fn one(
     }
     matched.units.push((place, unit));
     Some(with(unit, from))
+}
+
+/// The unit behind the numbers of some cells, if each has one: that of the first.
+fn unit_of_cells<'c>(cells: impl Iterator<Item = &'c Cell>, is_angle: bool) -> Option<Unit> {
+    let unit = |cell: &Cell| {
+        let text = cell.text();
+        let is_in_degrees = is_angle && text.contains(['°', '′', '\'']) && text.parse::<Angle>().is_ok();
+        if is_in_degrees { Some(Unit::Angle(AngleUnit::Degree)) } else { unit_of(&unit_in(&text)?, is_angle) }
+    };
+    let units = cells.filter(|cell| cell.is_number()).map(unit).collect::<Option<Vec<_>>>()?;
+    units.first().copied()
 }
 
 /// The columns beside that of an error, with their places and the units of their headings.
@@ -195,10 +211,17 @@ fn mark(
     let is_read = |column: &Column, row: &Record| {
         let read = column.read(row.cell(column.place), column.beside_in(row));
         // how large a deviation may be settles nothing
-        matches!(read, Ok(_) | Err(Problem::TooLarge(_)))
+        read.map_or_else(|problem| problem.is_too_large, |_| true)
     };
     let is_strict = |column: &Column, row: &Record| column.value(row.cell(column.place), column.beside_in(row)).is_ok();
-    let strict = |of: &[Column]| numbers().filter(|(number, row, _)| is_strict(&of[*number], row)).count();
+    let strict = |of: &[Column]| {
+        let is_written = |column: &Column, row: &Record| normalise(&row.cell(column.place).text(), column.mark).is_some();
+        let count = |is_it: &dyn Fn(&Column, &Record) -> bool| {
+            numbers().filter(|(number, row, _)| is_it(&of[*number], row)).count()
+        };
+        // what contradicts its nominal value is a number all the same
+        (count(&is_strict), count(&is_written))
+    };
     let [point, comma] = columns.each_ref().map(|of| numbers().all(|(number, row, _)| is_read(&of[number], row)));
     match (point, comma) {
         (true, false) => Ok(Some(DecimalMark::Point)),

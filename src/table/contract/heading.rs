@@ -7,7 +7,7 @@ use crate::quantity::{Unit, shown};
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
 use crate::table::field::Beside;
-use crate::table::layout::Layout;
+use crate::table::layout::{Layout, OwnRule};
 
 /// A table whose columns are looked at.
 #[derive(Debug, Default)]
@@ -157,7 +157,7 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
         return Ok(Some(Owner::Rule(rule)));
     }
     if form == Form::Characteristics && layout.of_format.iter().any(|own| own == title) {
-        return Ok(Some(Owner::Rule(layout.of_format())));
+        return Ok(Some(Owner::Rule(layout.own_rule(OwnRule::OfFormat))));
     }
     if title.is_empty() {
         return Ok(Some(layout.ignores(title, name, place, false).map_or(Owner::Nameless, Owner::Rule)));
@@ -171,7 +171,8 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
             Err(Open::Pattern { pattern: layout.ignore[rule].text().to_owned(), title: title.to_owned() })
         }
         Some(rule) => Ok(Some(Owner::Rule(rule))),
-        None => Ok((layout.ignores_others && lookup(form, name).is_none()).then(|| Owner::Rule(layout.others()))),
+        None => Ok((layout.ignores_others && lookup(form, name).is_none())
+            .then(|| Owner::Rule(layout.own_rule(OwnRule::Others)))),
     }
 }
 

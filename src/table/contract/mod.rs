@@ -25,14 +25,14 @@ use std::sync::Arc;
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
 use super::field::Field;
-use super::layout::{Layout, Repeats, StatusColumn};
+use super::layout::{Layout, OwnRule, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
 use crate::quantity::shown;
 
 /// A table of which every column has an owner. Only this one can be read.
 #[derive(Debug, Clone)]
 pub(crate) struct Contract {
-    layout: Arc<Layout>,
+    pub(crate) layout: Arc<Layout>,
     pub(crate) owners: Vec<Owner>,
     /// The headings.
     pub(crate) titles: Vec<String>,
@@ -47,46 +47,13 @@ pub(crate) struct Contract {
 }
 
 /// The names of statistics and limits, which are none of parts.
-const NO_PART_NAMES: [&str; 38] = [
-    "mean",
-    "average",
-    "avg",
-    "max",
-    "min",
-    "maximum",
-    "minimum",
-    "median",
-    "range",
-    "sigma",
-    "std",
-    "stdev",
-    "sum",
-    "total",
-    "cp",
-    "cpk",
-    "nominal",
-    "target",
-    "usl",
-    "lsl",
-    "ucl",
-    "lcl",
-    "upper limit",
-    "lower limit",
-    "mittelwert",
-    "mittel",
-    "spannweite",
-    "streuung",
-    "standardabweichung",
-    "summe",
-    "soll",
-    "sollwert",
-    "nennwert",
-    "toleranz",
-    "moyenne",
-    "平均",
-    "最大",
-    "最小",
-];
+const NO_PART_NAMES: &str = "mean, average, avg, max, min, maximum, minimum, median, range, sigma, std, stdev, sum, total, cp, cpk, nominal, \
+     target, usl, lsl, ucl, lcl, upper limit, lower limit, mittelwert, mittel, spannweite, streuung, standardabweichung, summe, soll, \
+     sollwert, nennwert, toleranz, moyenne, 平均, 最大, 最小";
+
+/// The names of what leaves something out and is no rule of a person's, in their order.
+const OWN_RULES: [&str; 6] =
+    ["others", "headings again", "beside values", "other sheets", "rows before the last of their part", OF_FORMAT];
 
 impl Contract {
     /// Closes a table: every column has an owner.
@@ -103,21 +70,15 @@ impl Contract {
         Ok(Self { layout: Arc::clone(layout), owners, titles, of, heading, units: units_line, first_bytes })
     }
 
-    /// What the spec says of the table.
-    pub(crate) fn layout(&self) -> &Arc<Layout> {
-        &self.layout
+    /// What numbers the rows, where they are spaces or teeth.
+    fn index(&self) -> Option<Field> {
+        let place = self.place(|role| matches!(role, Role::Index(_)))?;
+        if let Owner::Role(Role::Index(field)) = self.owners[place] { Some(field) } else { None }
     }
 
     /// The column of a role.
     fn place(&self, is_it: impl Fn(Role) -> bool) -> Option<usize> {
         self.owners.iter().position(|owner| matches!(owner, Owner::Role(role) if is_it(*role)))
-    }
-
-    /// What numbers the rows, where they are spaces or teeth.
-    fn index(&self) -> Option<Field> {
-        self.owners
-            .iter()
-            .find_map(|owner| if let Owner::Role(Role::Index(field)) = owner { Some(*field) } else { None })
     }
 
     /// The columns that a rule leaves out, with the rule.
@@ -138,21 +99,6 @@ impl Contract {
         self.first_bytes.as_ref().is_none_or(|bytes| bytes.contains(&first) || first == b'"' && !bytes.is_empty())
     }
 
-    /// The rule that leaves out a line, by its place among those for lines.
-    pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
-        self.layout.covering(record)
-    }
-
-    /// How many lines that could be parts a rule may leave out.
-    pub(crate) fn at_most(&self, line_rule: usize) -> u64 {
-        self.layout.ignore_lines[line_rule].at_most
-    }
-
-    /// The number of a rule for lines.
-    pub(crate) fn rule_of_line(&self, line_rule: usize) -> usize {
-        self.layout.rule_of_line(line_rule)
-    }
-
     /// Whether a record is the heading again.
     pub(crate) fn is_heading(&self, record: &Record) -> bool {
         let line = line_of(record);
@@ -166,7 +112,8 @@ impl Contract {
 
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
-        NO_PART_NAMES.contains(&name.text().to_lowercase().as_str())
+        let text = name.text().to_lowercase();
+        NO_PART_NAMES.split(", ").any(|known| known == text)
     }
 
     /// What is wrong with the name of a part, of which all values can be read or not; `None` if it is one.
@@ -189,24 +136,9 @@ impl Contract {
         name.iter().any(u8::is_ascii_digit)
     }
 
-    /// The number of the rule for headings that are repeated.
-    pub(crate) fn repeated_headings(&self) -> usize {
-        self.layout.repeated_headings()
-    }
-
-    /// The number of the rule for what stands beside values.
-    pub(crate) fn beside_values(&self) -> usize {
-        self.layout.beside_values()
-    }
-
-    /// Whether a part may be there twice.
-    pub(crate) fn may_repeat(&self) -> bool {
-        self.layout.repeats == Repeats::All
-    }
-
     /// The column of a measuring program's decision.
     pub(crate) fn status(&self) -> Option<usize> {
-        self.owners.iter().position(|owner| *owner == Owner::Role(Role::Status))
+        self.place(|role| role == Role::Status)
     }
 }
 
@@ -248,34 +180,9 @@ impl Layout {
         self.ignore.len() + self.ignore_lines.len() + comment
     }
 
-    /// The rule for every further column.
-    pub(crate) fn others(&self) -> usize {
-        self.rule_of_comment(self.comments.len())
-    }
-
-    /// What the format leaves out: headings that are repeated.
-    pub(crate) fn repeated_headings(&self) -> usize {
-        self.others() + 1
-    }
-
-    /// What stands beside values, is read and judges nothing.
-    pub(crate) fn beside_values(&self) -> usize {
-        self.others() + 2
-    }
-
-    /// Sheets that are not read.
-    pub(crate) fn other_sheets(&self) -> usize {
-        self.others() + 3
-    }
-
-    /// Rows of parts that are there again below.
-    pub(crate) fn repeated_parts(&self) -> usize {
-        self.others() + 4
-    }
-
-    /// What the format of a file says besides values.
-    pub(crate) fn of_format(&self) -> usize {
-        self.others() + 5
+    /// The number of one that is no rule of a person's.
+    pub(crate) fn own_rule(&self, rule: OwnRule) -> usize {
+        self.rule_of_comment(self.comments.len()) + rule as usize
     }
 
     /// All rules by their number, with nothing left out so far.
@@ -284,15 +191,7 @@ impl Layout {
         let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
         let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));
         let comments = self.comments.iter().map(|rule| quoted("comments ", rule.text()));
-        let own = [
-            "others",
-            "headings again",
-            "beside values",
-            "other sheets",
-            "rows before the last of their part",
-            OF_FORMAT,
-        ];
-        let own = own.map(str::to_owned);
+        let own = OWN_RULES.map(str::to_owned);
         let all = ignored.chain(lines).chain(comments).chain(own);
         all.map(|rule| LeftOut { rule, tally: Tally::default() }).collect()
     }

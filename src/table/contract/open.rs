@@ -1,6 +1,7 @@
 //! What of a table has no owner.
 
 use crate::quantity::shown;
+use crate::table::block::Odd;
 
 /// Something that a role or a rule has to own before a table is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -11,8 +12,8 @@ pub(crate) enum Open {
     Characteristic { title: String, first: Vec<String> },
     /// A line that is no part.
     Line { line: u64, text: String },
-    /// A row that is no part by its name, or because it has no value; whether it has a number for each value.
-    Row { line: u64, text: String, pattern: String, could_be_part: bool },
+    /// A row that is no part by its name, or because it has no value.
+    Row(Odd),
     /// A comment or a text box of a workbook.
     Comment { place: String, text: String },
     /// Sheets of which none is chosen.
@@ -47,7 +48,7 @@ impl Open {
             Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
             Self::Characteristic { title, first } => format!("characteristic `{}`: {}", shown(title), first.join(", ")),
             Self::Line { line, text } => format!("line {line}: {}", shown(text)),
-            Self::Row { line, text, .. } => format!("line {line} is no part: {}", shown(text)),
+            Self::Row(Odd { line, text, .. }) => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),
             Self::Sheets { names } => format!("several sheets have cells: {}", listed(names)),
             Self::Unit { key, title, .. } => format!("`{}` is {key}, and nothing tells its unit", shown(title)),

@@ -13,6 +13,7 @@ use super::tallies::Tallies;
 use super::whole::{last_of_each, named, own_headings};
 use crate::quantity::{Unit, shown};
 use crate::table::Table;
+use crate::table::block::Odd;
 use crate::table::cell::Record;
 use crate::table::column::{Column, Nominal, UnitFrom, is_rack};
 use crate::table::companions::Companions;
@@ -20,11 +21,11 @@ use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
 use crate::table::field::Beside;
 use crate::table::grid::{only_units, unit_of};
-use crate::table::layout::{Layout, Parts, Repeats};
+use crate::table::layout::{Layout, OwnRule, Parts, Repeats};
 use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
 use crate::table::pieces::{Pieces, Place};
-use crate::table::propose::{Proposal, Unclosed, generalised};
+use crate::table::propose::{Proposal, Unclosed};
 use crate::table::reading::{ColumnReading, Reading};
 use crate::table::rows::Setup;
 use crate::table::want::Want;
@@ -64,6 +65,14 @@ impl<'f> File<'f> {
         column.tolerance = self.widest.and_then(|widest| widest(column.place, column.unit));
     }
 
+    /// Takes a comment or the like, which a rule leaves out or nobody owns.
+    pub(crate) fn comment(&mut self, layout: &Layout, place: &str, text: &str) {
+        match layout.comments.iter().position(|rule| rule.fits(text)) {
+            Some(rule) => self.left_out.push((layout.rule_of_comment(rule), format!("{place}: {text}"))),
+            None => self.open.push(Open::Comment { place: place.to_owned(), text: text.to_owned() }),
+        }
+    }
+
     /// A file of which nothing but its records is known.
     pub(crate) fn new(name: &'f str, format: &'static str) -> Self {
         Self {
@@ -95,7 +104,7 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
     let is_possible = |(parts, form): &(Parts, Form)| {
         layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
     };
-    forms.into_iter().filter(is_possible).find_map(|(parts, form)| {
+    let mut found = forms.into_iter().filter(is_possible).filter_map(|(parts, form)| {
         if parts != Parts::Columns {
             return find(records, layout, form).map(|(_, score)| (parts, form, score));
         }
@@ -106,7 +115,10 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
         known.sort_by_key(|role| key(*role));
         known.dedup();
         (layout.parts.is_some() || known.len() == score).then_some((parts, form, score))
-    })
+    });
+    // one heading alone may be the name of a row
+    let first = found.next()?;
+    Some(if first.2 > 1 { first } else { found.find(|(.., score)| *score > 1).unwrap_or(first) })
 }
 
 /// The columns of records as rows, without lines that a rule leaves out; a row has the number of its column.
@@ -139,7 +151,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     for (rule, text) in &file.left_out {
         left_out.add(*rule, 0, 0, text);
     }
-    left_out.rules[layout.of_format()].tally.join(&file.said);
+    left_out.rules[layout.own_rule(OwnRule::OfFormat)].tally.join(&file.said);
     let mut open = file.open.clone();
     open.extend(own_headings(records, layout));
     if parts == Parts::Characteristics {
@@ -314,7 +326,7 @@ fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
 /// another measurement of the same.
 fn open_to_others(matched: &mut Matched, columns: &[Column], below: &[Record], layout: &Layout) {
     for place in 0..matched.owners.len() {
-        if matched.owners[place] != Some(Owner::Rule(layout.others())) {
+        if matched.owners[place] != Some(Owner::Rule(layout.own_rule(OwnRule::Others))) {
             continue;
         }
         let unit = matched.headings[place].unit.as_deref();
@@ -347,14 +359,10 @@ fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
         if super::heading::is_one(record, layout) || statistic.is_none() && (numbers > 0 || !is_line()) {
             return None;
         }
-        let text = line_of(record);
-        let pattern = match statistic {
-            Some(name) if id == Some(0) && record.filled().len() > 1 => format!("{};*", name.text()),
-            Some(name) if id != Some(0) => format!("*{}*", name.text()),
-            _ => generalised(&text),
-        };
-        let could_be_part = statistic.is_some() && numbers == values.len();
-        Some(Open::Row { line: record.line, text, pattern, could_be_part })
+        let name = statistic.unwrap_or_else(|| record.cell(0)).text().into_owned();
+        let (is_no_name, could_be_part) = (statistic.is_some(), statistic.is_some() && numbers == values.len());
+        let (line, text) = (record.line, line_of(record));
+        Some(Open::Row(Odd { line, text, name, is_no_name, has_text: false, could_be_part }))
     };
     below.iter().filter(|record| !record.filled().is_empty()).filter_map(row).collect()
 }
@@ -390,7 +398,7 @@ fn table(
     let index_field = contract.index();
     let (id, index) =
         (contract.place(|role| role == Role::PartId), contract.place(|role| matches!(role, Role::Index(_))));
-    let may_repeat = contract.may_repeat() || is_teeth;
+    let may_repeat = contract.layout.repeats == Repeats::All || is_teeth;
     let setup = Setup {
         columns: columns.clone(),
         titles: titles.clone(),

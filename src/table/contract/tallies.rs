@@ -3,7 +3,7 @@
 use super::heading::Matched;
 use super::owner::{Owner, line_of};
 use crate::table::cell::Record;
-use crate::table::layout::Layout;
+use crate::table::layout::{Layout, OwnRule};
 use crate::table::ledger::LeftOut;
 
 /// What each rule left out so far.
@@ -14,7 +14,7 @@ pub(super) struct Tallies {
 
 impl Tallies {
     pub(super) fn new(layout: &Layout) -> Self {
-        Self { rules: layout.rules(), beside: layout.beside_values() }
+        Self { rules: layout.rules(), beside: layout.own_rule(OwnRule::BesideValues) }
     }
 
     pub(super) fn add(&mut self, rule: usize, line: u64, place: usize, text: &str) {

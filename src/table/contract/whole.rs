@@ -10,7 +10,7 @@ use super::tallies::Tallies;
 use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Role};
-use crate::table::layout::{Layout, Repeats};
+use crate::table::layout::{Layout, OwnRule, Repeats};
 
 /// The heading that the user gives to a file without one.
 pub(crate) fn with_headings(layout: &Layout) -> Option<Record> {
@@ -86,7 +86,7 @@ pub(super) fn last_of_each(
     for record in &records[first..] {
         let is_before = is_row(record) && last.get(&name(record)).is_some_and(|line| *line != record.line);
         if is_before && score(record, layout, form).is_none() {
-            left_out.add(layout.repeated_parts(), record.line, 0, &line_of(record));
+            left_out.add(layout.own_rule(OwnRule::RepeatedParts), record.line, 0, &line_of(record));
         } else {
             kept.push(record.clone());
         }

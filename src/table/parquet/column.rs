@@ -5,9 +5,7 @@ use std::ops::Range;
 use ::parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
 use ::parquet::schema::types::{ColumnDescriptor, SchemaDescriptor, TypePtr};
 use chrono::DateTime;
-use half::f16;
 
-use crate::quantity::Decimal;
 use crate::table::chunk::LONGEST_RECORD;
 use crate::table::stored::Stored;
 
@@ -59,10 +57,6 @@ pub(super) enum Values {
         scale: i32,
     },
     Moment(Moment),
-    /// Numbers of half precision, in two bytes.
-    Halves,
-    /// Sixteen bytes that name something.
-    Uuids,
 }
 
 impl Values {
@@ -72,7 +66,7 @@ impl Values {
             Self::Moment(moment) => Stored::others(stored.into_iter().map(|count| moment.shown(count.into()))),
             Self::Unsigned => Stored::long_integers(stored.into_iter().map(|value| value.cast_unsigned().into()), 0),
             Self::Decimal { scale } => Stored::integers(stored, scale),
-            Self::PlainNumbers | Self::Halves | Self::Uuids => Stored::integers(stored, 0),
+            Self::PlainNumbers => Stored::integers(stored, 0),
         }
     }
 }
@@ -117,35 +111,13 @@ pub(super) fn shown_int96([low, high, day]: [u32; 3]) -> String {
     Moment::timestamp(1).shown((i128::from(day) - EPOCH) * i128::from(DAY) + nanoseconds)
 }
 
-/// A number of half precision as its shortest decimal; `None` if it is not finite.
-pub(super) fn half(bytes: [u8; 2]) -> Option<Decimal> {
-    /// No number of 11 binary digits needs more decimals behind its first digit.
-    const PLACES: usize = 5;
-    let number = f16::from_le_bytes(bytes);
-    let magnitude = number.to_f64().abs();
-    let decimal = |places| format!("{magnitude:.places$e}");
-    let is_it = |text: &String| text.parse().is_ok_and(|decimal| f16::from_f64(decimal).to_f64() == magnitude);
-    let shortest = Decimal::parse(&(0..=PLACES).map(decimal).find(is_it)?).ok()?;
-    Some(Decimal { negative: number < f16::ZERO, ..shortest })
-}
-
 /// Bytes of a fixed length as the text that they are, or else in hexadecimal digits.
 pub(super) fn shown_bytes(bytes: &[u8]) -> String {
     let text = std::str::from_utf8(bytes).map(|text| text.trim_end_matches('\0'));
     match text.ok().filter(|text| !text.contains(char::is_control)) {
         Some(text) => text.to_owned(),
-        None => hexadecimal(bytes),
+        None => bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}")),
     }
-}
-
-/// 16 bytes as they are written as a name: 8-4-4-4-12 hexadecimal digits.
-pub(super) fn shown_uuid(bytes: &[u8]) -> String {
-    let groups = [0..4, 4..6, 6..8, 8..10, 10..16].map(|group| bytes.get(group).map_or_else(String::new, hexadecimal));
-    groups.join("-")
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
 /// The columns of a file in their order; the fields of a record are called by their path, `rack.pitch`.
@@ -233,8 +205,6 @@ fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
         (ConvertedType::DECIMAL, _) => Some(Values::Decimal { scale: column.type_scale() }),
         (ConvertedType::UTF8 | ConvertedType::ENUM | ConvertedType::JSON, _)
         | (ConvertedType::NONE, None | Some(LogicalType::Unknown)) => Some(Values::PlainNumbers),
-        (_, Some(LogicalType::Float16)) => Some(Values::Halves),
-        (_, Some(LogicalType::Uuid)) => Some(Values::Uuids),
         _ => None,
     }
 }
@@ -242,7 +212,6 @@ fn of_bytes(column: &ColumnDescriptor) -> Option<Values> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::cell::Content;
 
     #[test]
     fn days_are_shown_as_dates() {
@@ -267,31 +236,9 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_their_shortest_decimals() {
-        for (bits, text) in [
-            (0x3c00, "1"),
-            (0x2e66, "0.1"),
-            (0xae66, "-0.1"),
-            (0x4e40, "25"),
-            (0x7bff, "65500"),
-            (0x0001, "6e-8"),
-            (0x0400, "6.104e-5"),
-            (0x0000, "0"),
-            (0x8000, "0"),
-        ] {
-            let decimal = Decimal::parse(text).unwrap();
-            let number = half(u16::to_le_bytes(bits)).unwrap();
-            assert_eq!(Content::Number(number).to_string(), Content::Number(decimal).to_string(), "{bits:x}");
-        }
-        assert_eq!([0x7c00, 0xfc00, 0x7e00].map(|bits: u16| half(bits.to_le_bytes())), [None; 3]);
-    }
-
-    #[test]
     fn bytes_that_name_something() {
         assert_eq!(shown_bytes(b"P001"), "P001");
         assert_eq!(shown_bytes(b"P1\0\0"), "P1");
         assert_eq!(shown_bytes(&[0xff, 0x01]), "ff01");
-        let uuid = [0x12, 0x3e, 0x45, 0x67, 0xe8, 0x9b, 0x12, 0xd3, 0xa4, 0x56, 0x42, 0x66, 0x14, 0x17, 0x40, 0x00];
-        assert_eq!(shown_uuid(&uuid), "123e4567-e89b-12d3-a456-426614174000");
     }
 }

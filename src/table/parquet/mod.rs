@@ -281,9 +281,10 @@ fn stored(reader: &mut ColumnReader, leaf: &Leaf, rows: usize) -> Result<Stored<
             }
             Stored::texts(bytes, ends)
         }),
-        (ColumnReader::FixedLenByteArrayColumnReader(reader), _) => {
-            read_each(reader, rows, |value| of_fixed(value.data(), values))
-        }
+        (ColumnReader::FixedLenByteArrayColumnReader(reader), _) => read_each(reader, rows, |value| match values {
+            Values::Decimal { scale } => of_bytes(value.data(), scale),
+            _ => Content::of_text(&column::shown_bytes(value.data())),
+        }),
         (ColumnReader::Int96ColumnReader(reader), _) => {
             let parts = |value: &Int96| value.data().try_into().unwrap_or_default();
             read_each(reader, rows, |value| Content::Other(column::shown_int96(parts(value))))
@@ -319,16 +320,6 @@ fn read<T: DataType>(
         return Ok(stored(values));
     }
     Ok(stored(values).spread(levels.into_iter().map(|level| level == present).collect()))
-}
-
-/// Bytes of a fixed length.
-fn of_fixed(bytes: &[u8], values: Values) -> Content {
-    match values {
-        Values::Decimal { scale } => of_bytes(bytes, scale),
-        Values::Halves => number(bytes.try_into().ok().and_then(column::half)),
-        Values::Uuids => Content::of_text(&column::shown_uuid(bytes)),
-        _ => Content::of_text(&column::shown_bytes(bytes)),
-    }
 }
 
 /// A `DECIMAL` from its two's complement, the highest byte first.

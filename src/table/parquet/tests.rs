@@ -192,7 +192,7 @@ fn texts_dates_and_what_is_no_measurement() {
     let table = opened(&bytes).unwrap();
     let not_read: Vec<_> =
         table.columns.iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
-    assert_eq!(not_read, ["list", "several"]);
+    assert_eq!(not_read, ["half", "list", "several"]);
     let other = |text: &str| vec![Content::Other(text.to_owned())];
     let text = |text: &str| vec![Content::Text(text.to_owned())];
     let expected = [
@@ -202,7 +202,6 @@ fn texts_dates_and_what_is_no_measurement() {
         other("2025-12-31"),
         other("1970-01-02 00:00:00"),
         other("1970-01-01 00:00:01.500"),
-        vec![decimal("1")],
         vec![Content::Empty],
     ];
     assert_eq!(read_all(&bytes).unwrap(), expected);

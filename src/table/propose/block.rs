@@ -3,7 +3,7 @@
 use super::own;
 use super::proposal::Proposal;
 use super::rules::{Certainty, MOST_EXACT, Rule, Suggestion};
-use crate::table::layout::LineRule;
+use crate::table::pattern::Pattern;
 use crate::table::want::quoted;
 
 /// What becomes of guesses.
@@ -30,24 +30,23 @@ impl Proposal {
                 text += &entry(&format!("{key} = {value}"), certainty, guesses);
             }
         }
-        let known = self.layout.ignore.iter().map(|rule| quoted(rule.text())).collect();
-        text += &self.list("ignore", known, guesses, &|rule, _| match rule {
-            Rule::Ignore(title) => vec![quoted(title)],
-            _ => Vec::new(),
-        });
-        let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Ignore(_))).count();
+        let quote_all = |patterns: &[Pattern]| patterns.iter().map(|rule| quoted(rule.text())).collect();
+        let texts = |list: &'static str| {
+            move |rule: &Rule, _| match rule {
+                Rule::Entry(own, text) if *own == list => vec![quoted(text)],
+                _ => Vec::new(),
+            }
+        };
+        text += &self.list("ignore", quote_all(&self.layout.ignore), guesses, &texts("ignore"));
+        let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Entry("ignore", _))).count();
         if count >= MANY {
             text += &format!(
                 "# others = \"ignore\"   # in place of the {count} new columns of that list: they and any further one\n"
             );
         }
-        let known = self.layout.ignore_lines.iter().map(line_rule).collect();
+        let known = self.layout.ignore_lines.iter().map(|rule| line_rule(rule.pattern.text(), rule.at_most)).collect();
         text += &self.list("ignore_lines", known, guesses, &lines);
-        let known = self.layout.comments.iter().map(|rule| quoted(rule.text())).collect();
-        text += &self.list("comments", known, guesses, &|rule, _| match rule {
-            Rule::Comment(text) => vec![quoted(text)],
-            _ => Vec::new(),
-        });
+        text += &self.list("comments", quote_all(&self.layout.comments), guesses, &texts("comments"));
         let columns = self.each().filter_map(|(rule, certainty)| match rule {
             Rule::Column { key, entry: value } => {
                 Some((key != "part_id", entry(&format!("{key} = {value}"), certainty, guesses)))
@@ -111,21 +110,18 @@ impl Proposal {
 /// The entries of `ignore_lines` of a rule: its pattern, or each line as it stands there.
 fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
     let Rule::Lines { exact, like, at_most } = rule else { return Vec::new() };
-    let entry = |text: &String, most: u64| match most {
-        0 => quoted(text),
-        most => format!("{{ like = {}, at_most = {most} }}", quoted(text)),
-    };
     match like {
-        Some(like) if guesses == Guesses::Filled || exact.len() > MOST_EXACT => vec![entry(like, *at_most)],
-        _ if exact.len() > 1 => exact.iter().map(|text| entry(text, (*at_most).min(1))).collect(),
-        _ => exact.iter().map(|text| entry(text, *at_most)).collect(),
+        Some(like) if guesses == Guesses::Filled || exact.len() > MOST_EXACT => vec![line_rule(like, *at_most)],
+        _ if exact.len() > 1 => exact.iter().map(|text| line_rule(text, (*at_most).min(1))).collect(),
+        _ => exact.iter().map(|text| line_rule(text, *at_most)).collect(),
     }
 }
 
-fn line_rule(rule: &LineRule) -> String {
-    match rule.at_most {
-        0 => quoted(rule.pattern.text()),
-        most => format!("{{ like = {}, at_most = {most} }}", quoted(rule.pattern.text())),
+/// A rule for lines, so many of which could be parts.
+fn line_rule(text: &str, at_most: u64) -> String {
+    match at_most {
+        0 => quoted(text),
+        most => format!("{{ like = {}, at_most = {most} }}", quoted(text)),
     }
 }
 

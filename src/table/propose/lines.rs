@@ -50,7 +50,7 @@ fn shape(text: &str) -> String {
 }
 
 /// A line with `#` for each number.
-pub(crate) fn generalised(text: &str) -> String {
+pub(super) fn generalised(text: &str) -> String {
     let mut pattern = String::new();
     let mut rest = text.trim();
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {

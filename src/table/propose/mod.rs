@@ -12,7 +12,6 @@ mod refusal;
 mod rules;
 
 pub use block::Guesses;
-pub(crate) use lines::generalised;
 pub use mail::table_in_sentences;
 pub(crate) use proposal::Unclosed;
 pub use proposal::{ColumnAccount, LineAccount, Proposal};

@@ -129,7 +129,7 @@ impl Proposal {
         proposal.rules.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
         // what the other columns of a row per characteristic are is known once that of their names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
-        let is_guessed = |rule: &Rule| matches!(rule, Rule::Ignore(title) if has_names || guesses.iter().any(|guess| guess.title == *title));
+        let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| guess.title == *title));
         proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));
         let first = |place: usize| {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
@@ -159,7 +159,7 @@ impl Proposal {
         let name = Arc::clone(&table.name);
         let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
         let contract = table.pieces.contract();
-        let layout = Arc::clone(contract.layout());
+        let layout = Arc::clone(&contract.layout);
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
         let mut proposal =
@@ -251,7 +251,7 @@ impl Proposal {
 /// What a line without an owner is.
 fn line_account(open: &Open) -> Option<LineAccount> {
     let (place, text) = match open {
-        Open::Line { line, text } | Open::Row { line, text, .. } => (format!("line {line}"), text),
+        Open::Line { line, text } | Open::Row(Odd { line, text, .. }) => (format!("line {line}"), text),
         Open::Comment { place, text } => (place.clone(), text),
         _ => return None,
     };

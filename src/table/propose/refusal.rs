@@ -4,6 +4,7 @@ use super::block::Guesses;
 use super::proposal::{LineAccount, Proposal, REJECTED};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
+use crate::table::block::Odd;
 use crate::table::contract::Open;
 use crate::table::layout::Layout;
 
@@ -72,7 +73,9 @@ impl Open {
             Self::Column { title, .. } => format!("new column {}", quoted(title)),
             Self::Characteristic { title, .. } => format!("new characteristic {}", quoted(title)),
             Self::Missing { name, .. } => format!("column {} is gone", quoted(name)),
-            Self::Line { line, text } | Self::Row { line, text, .. } => format!("new line {line} {}", quoted(text)),
+            Self::Line { line, text } | Self::Row(Odd { line, text, .. }) => {
+                format!("new line {line} {}", quoted(text))
+            }
             Self::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),
             other => other.in_words(),
         }

@@ -31,12 +31,10 @@ pub(crate) enum Certainty {
 pub(crate) enum Rule {
     /// A key of `[table]`, with its value as TOML.
     Key(&'static str, String),
-    /// A column that is not used.
-    Ignore(String),
+    /// An entry of a list of `[table]`: of `ignore` a column that is not used, of `comments` a comment of a workbook.
+    Entry(&'static str, String),
     /// Lines that belong to no part: as they stand there, and a pattern that fits more.
     Lines { exact: Vec<String>, like: Option<String>, at_most: u64 },
-    /// A comment of a workbook.
-    Comment(String),
     /// An entry of `[table.columns]`, with its value as TOML.
     Column { key: String, entry: String },
 }
@@ -67,12 +65,12 @@ pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
     let name = |title: &str| quoted(&Heading::of(title).name);
     match open {
         Open::Column { place, title, .. } if title.is_empty() => {
-            vec![Rule::Ignore(format!("column {}", place + 1)).exact()]
+            vec![ignore(&format!("column {}", place + 1)).exact()]
         }
-        Open::Column { title, .. } | Open::Characteristic { title, .. } => vec![Rule::Ignore(title.clone()).exact()],
+        Open::Column { title, .. } | Open::Characteristic { title, .. } => vec![ignore(title).exact()],
         Open::Line { text, .. } => vec![line(text, 0)],
-        Open::Row { text, pattern, could_be_part, .. } => vec![row(text, pattern.clone(), u64::from(*could_be_part))],
-        Open::Comment { text, .. } => vec![Rule::Comment(text.lines().collect::<Vec<_>>().join(" ")).exact()],
+        Open::Row(odd) => of_odd(odd, &Shapes::default()).into_iter().collect(),
+        Open::Comment { text, .. } => vec![Rule::Entry("comments", text.lines().collect::<Vec<_>>().join(" ")).exact()],
         Open::Unit { key, title, units } => {
             let entry = |unit: &str| Rule::Column {
                 key: (*key).to_owned(),
@@ -95,10 +93,15 @@ pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
             names.iter().take(1).map(sheet).collect()
         }
         Open::Twice { titles: [one, other], .. } if one != other => {
-            vec![Rule::Ignore(other.clone()).choice(format!("or {}: say which of them is not used", quoted(one)))]
+            vec![ignore(other).choice(format!("or {}: say which of them is not used", quoted(one)))]
         }
         _ => Vec::new(),
     }
+}
+
+/// A column that is not used.
+fn ignore(title: &str) -> Rule {
+    Rule::Entry("ignore", title.to_owned())
 }
 
 /// The rule for a line, `at_most` of which could be parts.
@@ -202,11 +205,10 @@ impl Rule {
     fn identity(&self) -> (u8, &str) {
         match self {
             Self::Key(key, _) => (0, key),
-            Self::Ignore(title) => (1, title),
+            Self::Entry(list, text) => (if *list == "ignore" { 1 } else { 3 }, text),
             Self::Lines { exact, like, .. } => {
                 (2, like.as_deref().or(exact.first().map(String::as_str)).unwrap_or_default())
             }
-            Self::Comment(text) => (3, text),
             Self::Column { key, .. } => (4, key),
         }
     }

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
 use crate::table::Table;
 use crate::table::column::{SMALLEST_DIGIT, in_words};
-use crate::table::contract::{File, Open, of_records};
+use crate::table::contract::{File, of_records};
 use crate::table::field::{Field, ValueKind};
 use crate::table::layout::{Layout, Parts};
 use crate::table::number::{DecimalMark, quantity};
@@ -30,10 +30,7 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
     let mut file = File { said: qdas.said.clone(), ..File::new(name, "Q-DAS") };
     for remark in &qdas.remarks {
         let text = format!("K{:04}: {}", remark.key, remark.text);
-        match layout.comments.iter().position(|rule| rule.fits(&text)) {
-            Some(rule) => file.left_out.push((layout.rule_of_comment(rule), format!("line {}: {text}", remark.line))),
-            None => file.open.push(Open::Comment { place: format!("line {}", remark.line), text }),
-        }
+        file.comment(&layout, &format!("line {}", remark.line), &text);
     }
     let left_out = qdas.left_out.clone();
     let has_names = !qdas.part_names.is_empty();

@@ -1,7 +1,7 @@
 //! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what is said, and judges nothing.
 
 use std::collections::BTreeMap;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::definition::{Draft, NUMBERS, Said};
@@ -17,48 +17,20 @@ use crate::table::number::{DecimalMark, normalise};
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 500_000;
-/// The keys that say what is measured, where, when, with what and by whom: those that are read, and others that say nothing of
+/// Whether a key says what is measured, where, when, with what and by whom: those that are read, and others that say nothing of
 /// values. All further keys and those of remarks need a rule.
-const FORMAT: [RangeInclusive<u16>; 38] = [
-    1..=2,
-    4..=8,
-    10..=12,
-    14..=17,
-    53..=53,
-    97..=97,
-    100..=101,
-    1001..=1017,
-    1021..=1022,
-    1031..=1032,
-    1041..=1046,
-    1051..=1055,
-    1061..=1063,
-    1071..=1072,
-    1081..=1087,
-    1091..=1092,
-    1100..=1115,
-    1201..=1231,
-    1301..=1303,
-    1311..=1315,
-    1341..=1363,
-    2001..=2011,
-    2015..=2016,
-    2022..=2024,
-    2027..=2031,
-    2041..=2049,
-    2060..=2061,
-    2071..=2072,
-    2090..=2093,
-    2101..=2106,
-    2110..=2117,
-    2120..=2121,
-    2130..=2131,
-    2141..=2143,
-    2151..=2152,
-    2201..=2228,
-    2301..=2322,
-    2401..=2411,
-];
+#[rustfmt::skip]
+const fn is_of_format(key: u16) -> bool {
+    matches!(
+        key,
+        1..=2 | 4..=8 | 10..=12 | 14..=17 | 53 | 97 | 100..=101 | 1001..=1017 | 1021..=1022 | 1031..=1032 | 1041..=1046
+        | 1051..=1055 | 1061..=1063 | 1071..=1072 | 1081..=1087 | 1091..=1092 | 1100..=1115 | 1201..=1231 | 1301..=1303
+        | 1311..=1315 | 1341..=1363 | 2001..=2011 | 2015..=2016 | 2022..=2024 | 2027..=2031 | 2041..=2049 | 2060..=2061
+        | 2071..=2072 | 2090..=2093 | 2101..=2106 | 2110..=2117 | 2120..=2121 | 2130..=2131 | 2141..=2143 | 2151..=2152
+        | 2201..=2228 | 2301..=2322 | 2401..=2411
+    )
+}
+
 /// The key of an event: a number of a catalogue, or words.
 const EVENT: u16 = 5;
 /// Values of a file at most: a lot of a million parts has some millions.
@@ -187,8 +159,7 @@ impl Reader {
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         let text = line.text.trim();
-        let is_own = FORMAT.iter().any(|keys| keys.contains(&line.key))
-            && !(line.key == EVENT && text.contains(char::is_alphabetic));
+        let is_own = is_of_format(line.key) && !(line.key == EVENT && text.contains(char::is_alphabetic));
         if is_own {
             // the index of a value is said by the order of values
             let index = self.source.text[line.at..line.start].trim();

@@ -3,6 +3,7 @@
 use super::super::block::{Block, Contradiction, Odd, Span};
 use super::super::cell::{Cell, Record};
 use super::super::contract::{Contract, Owner, line_of};
+use super::super::layout::OwnRule;
 use super::super::ledger::RowLedger;
 use super::super::reading::AsideReading;
 use super::{Column, PlainField, Problem, Rows, put, start, swallowed, take_index};
@@ -37,7 +38,7 @@ impl Doubtful {
         for (rule, line) in &block.doubtful {
             self.counts.resize(self.counts.len().max(rule + 1), 0);
             self.counts[*rule] += 1;
-            if self.counts[*rule] > rows.setup.contract.at_most(*rule) {
+            if self.counts[*rule] > rows.setup.contract.layout.ignore_lines[*rule].at_most {
                 self.beyond.get_or_insert((*rule, *line));
             }
         }
@@ -46,7 +47,7 @@ impl Doubtful {
     /// That there are more than a rule says.
     pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
         let (rule, line) = self.beyond?;
-        let most = rows.setup.contract.at_most(rule);
+        let most = rows.setup.contract.layout.ignore_lines[rule].at_most;
         let message = format!("a rule leaves out a line that could be a part, and {most} of them at most");
         let help = "say how many such lines there may be: ignore_lines = [{ like = \"…\", at_most = 1 }]";
         Some(Contradiction { line, column: String::new(), message, help })
@@ -61,14 +62,14 @@ impl Rows {
             block.blank_lines += 1;
             return;
         }
-        if let Some(rule) = contract.covering(record) {
+        if let Some(rule) = contract.layout.covering(record) {
             if self.could_be_part(record) {
                 block.doubtful.push((rule, record.line));
             }
-            return no_part(contract.rule_of_line(rule), record, block);
+            return no_part(contract.layout.rule_of_line(rule), record, block);
         }
         if contract.is_heading(record) {
-            return no_part(contract.repeated_headings(), record, block);
+            return no_part(contract.layout.own_rule(OwnRule::RepeatedHeadings), record, block);
         }
         if contract.is_other_heading(record) {
             let message = format!("another heading stands here: {}", record.in_words());
@@ -90,7 +91,7 @@ impl Rows {
     /// A row that is a part, or rejected.
     pub(super) fn part(&self, record: &Record, raw: Span, block: &mut Block) {
         let contract = &self.setup.contract;
-        let ledger = RowLedger::new(record);
+        let (ledger, beside) = (RowLedger::new(record), contract.layout.own_rule(OwnRule::BesideValues));
         let name = self.setup.id.map(|place| ledger.read(place));
         let index = self.setup.index.map(|place| ledger.read(place));
         let read = |column: &Column| -> Result<Option<DeviationValue>, Problem> {
@@ -103,13 +104,13 @@ impl Rows {
         for column in &self.setup.columns {
             for companion in column.beside.iter() {
                 let text = record.cell(companion.place).text();
-                block.tally(contract.beside_values()).add(record.line, companion.place, &text);
+                block.tally(beside).add(record.line, companion.place, &text);
             }
         }
         let status = contract.status().map(|place| {
             let text = ledger.read(place).text();
-            block.tally(contract.beside_values()).add(record.line, place, &text);
-            contract.layout().accepts(text.trim())
+            block.tally(beside).add(record.line, place, &text);
+            contract.layout.accepts(text.trim())
         });
         for (place, rule) in contract.left_out().take_while(|(place, _)| *place < record.cells.len()) {
             block.tally(rule).add(record.line, place, &ledger.read(place).text());

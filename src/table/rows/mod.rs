@@ -327,7 +327,7 @@ pub(crate) fn put(
         Ok(Some(value)) if block.values[number].push(value) => return,
         Ok(Some(value)) => format!("{value} is of another dimension than the values of the column"),
         Ok(None) => missing(column, cell),
-        Err(problem) => problem.message(),
+        Err(problem) => problem.message,
     };
     block.values[number].push_nothing();
     block.fault(Some(number), is_missing, &shown(&cell.text()), fault);
