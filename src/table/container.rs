@@ -6,9 +6,9 @@ use std::io::{self, Cursor, Read, Seek as _};
 use bytes::Bytes;
 
 use super::Table;
+use super::account::{Proposal, Unclosed};
 use super::encoding::{decode, peek, unpacked};
 use super::parquet::ParquetTable;
-use super::propose::{Proposal, Unclosed};
 use super::qdas::{Qdas, qdas_table, read_all};
 use super::report::is_numbered_report;
 use super::text::Text;

@@ -18,7 +18,7 @@
 //! | `workbook`, `qdas`, `parquet`, `report`, `typed` | files whose cells are typed, and reports whose format says what each cell is |
 //! | `field`, `dictionary`, `layout`, `pattern` | what a column can hold, which whole headings say so, and what a person says |
 //! | `contract` | gives each column and line its owner, or refuses the table |
-//! | `propose` | what would close a table; has no path to a result |
+//! | `account`, `propose` | what a table holds and who owns it; what would close it: no path to a result |
 //! | `ledger` | which cells were read, and what rules left out |
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `rows`, `pieces`, `block` | rows to columns |
@@ -41,6 +41,7 @@
 //! # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 //! ```
 
+mod account;
 mod block;
 mod cell;
 mod chunk;
@@ -72,6 +73,7 @@ mod typed;
 mod want;
 pub mod workbook;
 
+pub use account::{ColumnAccount, LineAccount, Proposal};
 pub use block::{Block, Contradiction, Fault};
 pub use container::{Container, Source};
 pub use encoding::{Encoding, decode};
@@ -81,7 +83,7 @@ pub use layout::{ColumnOption, DeclaredColumn, Layout, LineRule, PartNames, Part
 pub use ledger::{LeftOut, Tally};
 pub use number::DecimalMark;
 pub use pattern::Pattern;
-pub use propose::{ColumnAccount, Guesses, LineAccount, Proposal, table_in_sentences};
+pub use propose::{Guesses, table_in_sentences};
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};

@@ -7,11 +7,11 @@ use std::io::Read;
 use std::sync::Arc;
 
 use super::Table;
+use super::account::Unclosed;
 use super::chunk::{Chunker, LONGEST_RECORD};
 use super::contract::{File, of_records};
 use super::encoding::{Encoding, owned_text, recoded, text};
 use super::pieces::Place;
-use super::propose::Unclosed;
 use super::report::{Report, is_report, report};
 use super::want::Want;
 use crate::diagnostic::{Code, Diagnostic};

@@ -3,13 +3,13 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
+use crate::table::account::{Proposal, Unclosed};
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::OwnRule;
 use crate::table::ledger::Tally;
 use crate::table::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
 use crate::table::pieces::Place;
-use crate::table::propose::{Proposal, Unclosed};
 use crate::table::rows::stored_record;
 use crate::table::stored::Stored;
 use crate::table::want::Want;

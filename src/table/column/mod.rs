@@ -208,7 +208,7 @@ impl Column {
         if let Some((plain, end)) = Decimal::plain(text.as_bytes(), 0, self.mark.byte())
             && end == text.len()
         {
-            return quantity(plain, unit).map_err(|error| Problem::Bad(error.to_string()));
+            return quantity(plain, unit).map_err(|error| Problem::new(error.to_string()));
         }
         let text = with_inches(text, unit);
         let not_a_number =

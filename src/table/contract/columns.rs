@@ -215,7 +215,8 @@ fn mark(
     };
     let is_strict = |column: &Column, row: &Record| column.value(row.cell(column.place), column.beside_in(row)).is_ok();
     let strict = |of: &[Column]| {
-        let is_written = |column: &Column, row: &Record| normalise(&row.cell(column.place).text(), column.mark).is_some();
+        let is_written =
+            |column: &Column, row: &Record| normalise(&row.cell(column.place).text(), column.mark).is_some();
         let count = |is_it: &dyn Fn(&Column, &Record) -> bool| {
             numbers().filter(|(number, row, _)| is_it(&of[*number], row)).count()
         };

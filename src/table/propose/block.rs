@@ -1,8 +1,7 @@
 //! The lines of a contract that a proposal would add, as a spec has them.
 
 use super::own;
-use super::proposal::Proposal;
-use super::rules::{Certainty, MOST_EXACT, Rule, Suggestion};
+use super::rules::{Certainty, MOST_EXACT, Rule, Rules, Suggestion};
 use crate::table::pattern::Pattern;
 use crate::table::want::quoted;
 
@@ -18,10 +17,9 @@ pub enum Guesses {
 /// From so many columns on that are not used, a rule for all others is offered.
 const MANY: usize = 12;
 
-impl Proposal {
+impl Rules {
     /// The `[table]` that closes the table. Lists are whole: those of the contract that there is come first.
-    #[must_use]
-    pub fn block(&self, guesses: Guesses) -> String {
+    pub(crate) fn block(&self, guesses: Guesses) -> String {
         let mut text = "[table]\n".to_owned();
         let own = own::keys(&self.layout).into_iter().flat_map(|line| [line, "\n".to_owned()]);
         text.extend(own);
@@ -64,7 +62,7 @@ impl Proposal {
     }
 
     fn each(&self) -> impl Iterator<Item = (&Rule, &Certainty)> {
-        self.rules.iter().map(|Suggestion { rule, certainty }| (rule, certainty))
+        self.list.iter().map(|Suggestion { rule, certainty }| (rule, certainty))
     }
 
     /// A list: in one line, or a line for each entry where one of those is a guess.

@@ -23,16 +23,16 @@ const IS_NEAR: &str = "its heading is near one that is known";
 
 /// What a column may be.
 #[derive(Debug)]
-pub(super) struct Guess {
-    pub(super) place: usize,
-    pub(super) title: String,
-    pub(super) key: String,
-    pub(super) why: &'static str,
+pub(crate) struct Guess {
+    pub(crate) place: usize,
+    pub(crate) title: String,
+    pub(crate) key: String,
+    pub(crate) why: &'static str,
     entry: String,
 }
 
 impl Guess {
-    pub(super) fn suggestion(self) -> Suggestion {
+    pub(crate) fn suggestion(self) -> Suggestion {
         Rule::Column { key: self.key, entry: self.entry }.guess(self.why)
     }
 }
@@ -64,7 +64,7 @@ impl Candidate<'_> {
 }
 
 /// The guesses for the columns of a table, one a column.
-pub(super) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
+pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
     let of_open = matched.open.iter().filter_map(|open| match open {
         Open::Column { place, title, .. } if !title.is_empty() => {
             let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();

@@ -8,17 +8,17 @@ use crate::table::pattern::Pattern;
 
 /// What the names of parts look like.
 #[derive(Debug, Default)]
-pub(super) struct Shapes {
+pub(crate) struct Shapes {
     of_names: HashSet<String>,
     /// The names so far, as digests.
     names: HashSet<u64>,
     /// The first name that is there again.
-    pub(super) twice: Option<String>,
+    pub(crate) twice: Option<String>,
 }
 
 impl Shapes {
     /// Takes the names of parts.
-    pub(super) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
+    pub(crate) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
         const MOST: usize = 1000;
         let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
         for name in names {
@@ -32,7 +32,7 @@ impl Shapes {
     }
 
     /// Whether a text looks like one of them.
-    pub(super) fn has(&self, text: &str) -> bool {
+    pub(crate) fn has(&self, text: &str) -> bool {
         self.of_names.contains(&shape(text))
     }
 }
@@ -50,7 +50,7 @@ fn shape(text: &str) -> String {
 }
 
 /// A line with `#` for each number.
-pub(super) fn generalised(text: &str) -> String {
+pub(crate) fn generalised(text: &str) -> String {
     let mut pattern = String::new();
     let mut rest = text.trim();
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
@@ -67,12 +67,12 @@ pub(super) fn generalised(text: &str) -> String {
 }
 
 /// A pattern if it fits the text that it is of; `*` for each `#` that stands in the text itself.
-pub(super) fn fitting(pattern: String, text: &str) -> String {
+pub(crate) fn fitting(pattern: String, text: &str) -> String {
     if Pattern::of_line(&pattern).fits(text) { pattern } else { text.trim().replace('#', "*") }
 }
 
 /// The pattern of two lines that begin alike: numbers that differ, or else all behind the words that they have in common.
-pub(super) fn common(one: &str, other: &str) -> Option<String> {
+pub(crate) fn common(one: &str, other: &str) -> Option<String> {
     if one == other || Pattern::of_line(one).fits(other) {
         return Some(one.to_owned());
     }

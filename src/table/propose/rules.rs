@@ -1,6 +1,7 @@
 //! The rules that a proposal would add to a contract, each exact, a guess, or a choice that is left to a person.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::lines::{Shapes, common, fitting, generalised};
 use crate::deviation::DeviationKind;
@@ -13,7 +14,7 @@ use crate::table::layout::Layout;
 use crate::table::want::{Want, quoted};
 
 /// So many lines of one pattern stand there one by one, at most.
-pub(super) const MOST_EXACT: usize = 20;
+pub(crate) const MOST_EXACT: usize = 20;
 
 /// How sure a rule is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,12 +47,19 @@ pub(crate) struct Suggestion {
     pub(crate) certainty: Certainty,
 }
 
+/// The rules that a proposal would add to a contract.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rules {
+    pub(crate) layout: Arc<Layout>,
+    pub(crate) list: Vec<Suggestion>,
+}
+
 impl Rule {
-    pub(super) fn exact(self) -> Suggestion {
+    pub(crate) fn exact(self) -> Suggestion {
         Suggestion { rule: self, certainty: Certainty::Exact }
     }
 
-    pub(super) fn guess(self, why: impl Into<String>) -> Suggestion {
+    pub(crate) fn guess(self, why: impl Into<String>) -> Suggestion {
         Suggestion { rule: self, certainty: Certainty::Guess(why.into()) }
     }
 
@@ -61,7 +69,7 @@ impl Rule {
 }
 
 /// The rules that would own what has no owner.
-pub(super) fn of_open(open: &Open) -> Vec<Suggestion> {
+pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
     let name = |title: &str| quoted(&Heading::of(title).name);
     match open {
         Open::Column { place, title, .. } if title.is_empty() => {
@@ -110,14 +118,14 @@ fn line(text: &str, at_most: u64) -> Suggestion {
 }
 
 /// That nothing tells which column has values.
-pub(super) fn no_values(want: &Want) -> Suggestion {
+pub(crate) fn no_values(want: &Want) -> Suggestion {
     let kind = want.expected.first().copied().unwrap_or(DeviationKind::RackPitch);
     let entry = "{ name = \"…\", unit = \"um\" }".to_owned();
     Rule::Column { key: kind.key().to_owned(), entry }.choice("say which column it is")
 }
 
 /// What becomes of parts that are there more than once.
-pub(super) fn repeats() -> Suggestion {
+pub(crate) fn repeats() -> Suggestion {
     Rule::Key("repeats", "\"last\"".to_owned()).choice("or \"all\": say which")
 }
 
@@ -130,7 +138,7 @@ fn row(text: &str, like: String, at_most: u64) -> Suggestion {
 }
 
 /// The rule for a row that is no part, unless it looks like one.
-pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
+pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     if !odd.is_no_name && shapes.has(&odd.name) {
         return None;
     }
@@ -149,16 +157,16 @@ pub(super) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
 
 /// What is known of the columns of a table: their owners, their headings, the units of values by their places, and the headings of
 /// a characteristics' table.
-pub(super) struct Found<'t> {
-    pub(super) owners: &'t [Option<Owner>],
-    pub(super) titles: &'t [String],
-    pub(super) units: &'t [(usize, Unit)],
-    pub(super) of: &'t [(String, Role)],
+pub(crate) struct Found<'t> {
+    pub(crate) owners: &'t [Option<Owner>],
+    pub(crate) titles: &'t [String],
+    pub(crate) units: &'t [(usize, Unit)],
+    pub(crate) of: &'t [(String, Role)],
 }
 
 /// The roles that are found, as a contract names them; those that it names are none of them. A role of which two columns have
 /// one name is named by its whole heading.
-pub(super) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<Suggestion> {
+pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<Suggestion> {
     let name = |place: usize| {
         let name = Heading::of(&titles[place]).name;
         let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
@@ -188,7 +196,7 @@ pub(super) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
 }
 
 /// Takes a person's word that a guess is right. Whether there was one.
-pub(super) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
+pub(crate) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
     let name = quoted(&Heading::of(column).name);
     let mut found = false;
     for Suggestion { rule, certainty } in rules {
@@ -234,7 +242,7 @@ impl Rule {
 }
 
 /// Joins rules that say the same; lines of one pattern are one rule.
-pub(super) fn settle(rules: &mut Vec<Suggestion>) {
+pub(crate) fn settle(rules: &mut Vec<Suggestion>) {
     let mut places: HashMap<(u8, String), usize> = HashMap::new();
     let mut settled: Vec<Suggestion> = Vec::new();
     for suggestion in rules.drain(..) {
@@ -249,7 +257,7 @@ pub(super) fn settle(rules: &mut Vec<Suggestion>) {
 }
 
 /// Adds the rules of another file: what is a role in both by different names needs no rule, and lines that differ are generalised.
-pub(super) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, file: &str) {
+pub(crate) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, file: &str) {
     for other in others {
         match &other.rule {
             Rule::Lines { exact, at_most, .. } => {

@@ -8,12 +8,12 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
 use crate::table::Table;
+use crate::table::account::Unclosed;
 use crate::table::column::{SMALLEST_DIGIT, in_words};
 use crate::table::contract::{File, of_records};
 use crate::table::field::{Field, ValueKind};
 use crate::table::layout::{Layout, Parts};
 use crate::table::number::{DecimalMark, quantity};
-use crate::table::propose::Unclosed;
 use crate::table::reading::NotUsed;
 use crate::table::want::{GivenColumn, Want};
 

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::{LARGEST_WHOLE, START, Text};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
+use crate::table::account::{Proposal, Unclosed};
 use crate::table::cell::{Cell, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, score, with_headings};
 use crate::table::encoding::text;
 use crate::table::grid::{Separator, aligned_records, separated};
 use crate::table::layout::Layout;
-use crate::table::propose::{Proposal, Unclosed};
 use crate::table::want::Want;
 
 /// The first records of a text under a separator, and where each ends.

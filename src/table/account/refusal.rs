@@ -1,12 +1,12 @@
 //! What is said of a table that is not closed.
 
-use super::block::Guesses;
 use super::proposal::{LineAccount, Proposal, REJECTED};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::shown;
 use crate::table::block::Odd;
 use crate::table::contract::Open;
 use crate::table::layout::Layout;
+use crate::table::propose::Guesses;
 
 impl Proposal {
     /// The refusal: what has no owner, how the file differs from its contract, and the `[table]` that closes it.
@@ -34,7 +34,7 @@ impl Proposal {
         if let more @ 1.. = (different().count() + self.more).saturating_sub(SHOWN) {
             difference.push(format!("and {more} more"));
         }
-        let message = if difference.is_empty() || *self.layout == Layout::default() {
+        let message = if difference.is_empty() || *self.rules.layout == Layout::default() {
             let things = if count == 1 { "a cell or line has" } else { "cells or lines have" };
             format!("{}: {things} no owner, so nothing is judged:", self.file)
         } else {

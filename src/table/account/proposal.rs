@@ -5,9 +5,6 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::guess::{Guess, guesses};
-use super::lines::Shapes;
-use super::rules::{self, Found, Rule, Suggestion};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::quantity::shown;
 use crate::table::Table;
@@ -16,6 +13,10 @@ use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
 use crate::table::dictionary::{Form, Heading, lookup};
 use crate::table::layout::Layout;
+use crate::table::propose::Guesses;
+use crate::table::propose::guess::{Guess, guesses};
+use crate::table::propose::lines::Shapes;
+use crate::table::propose::rules::{self, Found, Rule, Rules};
 use crate::table::reading::Reading;
 use crate::table::rows::Wanted;
 use crate::table::want::Want;
@@ -71,8 +72,7 @@ pub struct Proposal {
     pub(super) open: Vec<Open>,
     /// How many more there are than those.
     pub(super) more: usize,
-    pub(super) layout: Arc<Layout>,
-    pub(super) rules: Vec<Suggestion>,
+    pub(super) rules: Rules,
 }
 
 /// Why a file is no table that can be read.
@@ -112,9 +112,10 @@ impl Proposal {
         const MOST: usize = 10_000;
         let more = open.len().saturating_sub(MOST);
         open.truncate(MOST);
-        let mut proposal = Self { file: file.to_owned(), layout: Arc::clone(layout), open, more, ..Self::default() };
+        let rules = Rules { layout: Arc::clone(layout), list: Vec::new() };
+        let mut proposal = Self { file: file.to_owned(), rules, open, more, ..Self::default() };
         for open in &proposal.open {
-            proposal.rules.extend(rules::of_open(open));
+            proposal.rules.list.extend(rules::of_open(open));
             proposal.lines.extend(line_account(open));
         }
         proposal
@@ -126,11 +127,11 @@ impl Proposal {
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
         let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
-        proposal.rules.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
+        proposal.rules.list.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
         // what the other columns of a row per characteristic are is known once that of their names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
         let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| guess.title == *title));
-        proposal.rules.retain(|suggestion| !is_guessed(&suggestion.rule));
+        proposal.rules.list.retain(|suggestion| !is_guessed(&suggestion.rule));
         let first = |place: usize| {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());
             cells.take(3).map(|cell| cell.text().into_owned()).collect()
@@ -145,9 +146,9 @@ impl Proposal {
             }
         }
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
-        proposal.rules.extend(rules::pinned(&found, layout));
-        proposal.rules.extend(guesses.into_iter().map(Guess::suggestion));
-        rules::settle(&mut proposal.rules);
+        proposal.rules.list.extend(rules::pinned(&found, layout));
+        proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
+        rules::settle(&mut proposal.rules.list);
         proposal
     }
 
@@ -162,12 +163,12 @@ impl Proposal {
         let layout = Arc::clone(&contract.layout);
         let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
-        let mut proposal =
-            Self { file: name.to_string(), layout: Arc::clone(&want.layout), parts: Some(0), ..Self::default() };
+        let rules = Rules { layout: Arc::clone(&want.layout), list: Vec::new() };
+        let mut proposal = Self { file: name.to_string(), rules, parts: Some(0), ..Self::default() };
         let found = Found { owners: &owners, titles: &contract.titles, units: &units, of: &contract.of };
         proposal.columns = columns(&found, &layout);
         proposal.columns.retain(|column| !column.title.is_empty());
-        proposal.rules = rules::pinned(&found, &layout);
+        proposal.rules.list = rules::pinned(&found, &layout);
         let (mut reading, refuses_repeats) = (table.reading.clone(), table.refuses_repeats);
         let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
         for block in table.rows(Wanted::default()) {
@@ -179,13 +180,13 @@ impl Proposal {
         if let Some(twice) = shapes.twice.take().filter(|_| refuses_repeats) {
             let what = format!("the part `{}` is there more than once", shown(&twice));
             proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
-            proposal.rules.push(rules::repeats());
+            proposal.rules.list.push(rules::repeats());
         }
         for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
             proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });
         }
-        proposal.rules.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
-        rules::settle(&mut proposal.rules);
+        proposal.rules.list.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
+        rules::settle(&mut proposal.rules.list);
         proposal.reading = Some(reading);
         proposal.closes = proposal.is_closed();
         Ok(proposal)
@@ -210,10 +211,16 @@ impl Proposal {
         self.open.is_empty() && self.lines.is_empty()
     }
 
+    /// The `[table]` that closes the table.
+    #[must_use]
+    pub fn block(&self, guesses: Guesses) -> String {
+        self.rules.block(guesses)
+    }
+
     /// How many rules it would add to the contract.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.rules.len()
+        self.rules.list.len()
     }
 
     /// Adds what is found once the contract says what this proposes.
@@ -222,8 +229,8 @@ impl Proposal {
         let known: HashSet<LineAccount> = self.lines.iter().cloned().collect();
         self.lines.extend(next.lines.into_iter().filter(|line| !known.contains(line)));
         (self.parts, self.rejected, self.reading) = (next.parts, next.rejected, next.reading);
-        self.rules.extend(next.rules);
-        rules::settle(&mut self.rules);
+        self.rules.list.extend(next.rules.list);
+        rules::settle(&mut self.rules.list);
         // what is the same in both is said once
         if !next.closes {
             let known: HashSet<String> = self.open.iter().map(Open::in_words).collect();
@@ -233,7 +240,7 @@ impl Proposal {
 
     /// Takes a person's word that a guess is right. Whether there was one.
     pub fn accept(&mut self, key: &str, column: &str) -> bool {
-        rules::accept(&mut self.rules, key, column)
+        rules::accept(&mut self.rules.list, key, column)
     }
 
     /// What would close several files by one contract; lines are generalised where the files differ.
@@ -242,7 +249,7 @@ impl Proposal {
         let mut each = proposals.iter().cloned();
         let mut all = each.next().unwrap_or_default();
         for other in each {
-            rules::generalise(&mut all.rules, other.rules, &other.file);
+            rules::generalise(&mut all.rules.list, other.rules.list, &other.file);
         }
         all
     }
