@@ -283,5 +283,6 @@ fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Mar
         result_mm: margin.map_or((-OPEN, OPEN), |margin| (margin.result.lower.mm(), margin.result.upper.mm())),
         reason: results.reason(row.index).map(Cow::into_owned),
         errors: Vec::new(),
+        judged_by: results.judged_by(row.index),
     }
 }

@@ -13,6 +13,7 @@ use super::source::KINDS;
 use super::statistics::{MovingRange, Statistics};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Code;
+use crate::evaluation::JudgedBy;
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{
@@ -155,6 +156,8 @@ pub struct Part {
     pub result_mm: (f64, f64),
     /// Why it does not pass, or has no verdict.
     pub reason: Option<String>,
+    /// Who judges its errors together.
+    pub judged_by: JudgedBy,
     /// Its errors; none of a part whose teeth are known.
     pub errors: Vec<PartError>,
 }

@@ -139,6 +139,15 @@ impl Plan {
         Asked::new(spec, table, request).map(drop)
     }
 
+    /// The columns that a plan writes where none is asked for, found before anything is computed.
+    ///
+    /// # Errors
+    /// As those of [`Plan::new`].
+    pub fn usual_columns(spec: &Arc<Spec>, table: &Table, request: &Request) -> Result<Vec<String>, Diagnostics> {
+        let asked = Asked::new(spec, table, request)?;
+        Ok(asked.outputs.iter().map(|output| output.name(request.stack)).collect())
+    }
+
     /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
     fn follow(&mut self) {
         if self.outputs.contains(&Output::Reason) {

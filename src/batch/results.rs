@@ -14,7 +14,7 @@ use super::request::Request;
 use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
-use crate::evaluation::{subject, too_near, worse};
+use crate::evaluation::{JudgedBy, subject, too_near, worse};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Conformance, Ends};
@@ -292,6 +292,15 @@ impl<'a> Results<'a> {
     /// What the exact mesh says of a part, or why it has no answer; `None` of a part that it does not judge.
     pub(super) fn meshed(&self, row: usize) -> Option<Result<&Meshed, &str>> {
         self.meshed.get(&row).map(|answer| answer.as_ref().as_ref().map_err(String::as_str))
+    }
+
+    /// Who judges the errors of a part together.
+    pub(super) fn judged_by(&self, row: usize) -> JudgedBy {
+        match (self.meshed(row), self.plan.request.stack) {
+            (Some(Ok(_)), _) => JudgedBy::Mesh,
+            (_, Stack::Rss) => JudgedBy::Statistical,
+            (_, Stack::Range) => JudgedBy::Bound,
+        }
     }
 
     /// Why a part fails, is indeterminate or has no verdict, and what the exact mesh says of one that it judges.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::output::{Failure, Output};
 use super::read;
 use super::stream::{self, Stdin};
-use super::tables::{Opened, Opener};
+use super::tables::{Opener, Reopened};
 use super::target::is_dash;
 use super::{target, terminal, written};
 use crate::deviation::DeviationKind;
@@ -25,12 +25,12 @@ pub(super) fn can_ask() -> bool {
 }
 
 /// The table of a block as a person confirms it; `None` if it is not wanted, or nothing closes the table.
-pub(super) fn confirmed(
-    opener: &Opener<'_>,
+pub(super) fn confirmed<'a>(
+    opener: &Opener<'a>,
     (path, spec_path): (&Path, &Path),
     stdin: &mut Option<Stdin>,
     output: &mut Output,
-) -> Result<Option<Opened>, Failure> {
+) -> Result<Option<Reopened<'a>>, Failure> {
     let mut opener = opener.clone();
     let (mut path, mut sentences) = (path.to_owned(), None);
     let mut proposal = opener.proposal(&path, &[])?;
@@ -72,7 +72,7 @@ pub(super) fn confirmed(
     let rules = sentences.as_ref().unwrap_or(&block).lines().map(str::trim).filter(|line| !line.is_empty());
     let what = if sentences.is_some() { "these values of sentences, and nothing else" } else { "these rules" };
     opened.notes.push(format!("confirmed on a terminal, {what}: {}", rules.map(shown).collect::<Vec<_>>().join(" · ")));
-    Ok(Some(opened))
+    Ok(Some(Reopened { opened, opener: by_rules, path }))
 }
 
 /// Shows the values of parts as they would count.

@@ -98,23 +98,6 @@ impl JudgeArgs {
         Ok(if by_bound.0.passes() { by_bound } else { by_mesh })
     }
 
-    /// The same of one of many parts: the mesh is solved only if the bound does not pass.
-    pub(super) fn judged_in_lot(
-        &self,
-        spec: &Spec,
-        errors: &[PartDeviation],
-        basis: &Basis,
-    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let by_bound = self.judged_by(None, spec, errors, basis)?;
-        if by_bound.0.passes() {
-            return Ok(by_bound);
-        }
-        match solved(spec) {
-            Some(solved) => self.judged_by(Some(solved), spec, errors, basis),
-            None => Ok(by_bound),
-        }
-    }
-
     fn judged_by(
         &self,
         solved: Option<Result<SolvedTeeth, String>>,

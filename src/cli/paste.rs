@@ -1,27 +1,28 @@
 //! `rackmesh paste`: measured values from the clipboard, a mail, a terminal.
 
 use std::cell::Cell;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
-use super::tables::{self, Opened, Opener, ReadArgs};
+use super::tables::{self, Opened, Opener, ReadArgs, Reopened};
 use super::target::{self, Target, is_dash};
-use super::{batch, confirm, eval, mesh, office, page, signals, spec_files, teeth, terminal};
-use crate::batch::{Duplicates, TeethJudge, refuse_without_uncertainty};
-use crate::deviation::plausible::{DoubtedColumn, Reach};
+use super::{batch, confirm, mesh, office, page, signals, spec_files, stream, teeth, terminal};
+use crate::batch::{
+    self as batch_room, Batch, Decimals, Layout, Packing, PartSink, Plan, Problem, Request, RowSink, Sink, Sinks,
+    TeethJudge,
+};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::{Evaluation, Unjudged};
-use crate::judge::bound::Basis;
-use crate::judge::{LimitTarget, Verdict};
-use crate::report::{
-    self, EvaluationReport, Format, PartRow, PartsReport, Report, SpacesReport, UncertaintyPart, WithReading,
-};
+use crate::evaluation::Unjudged;
+use crate::judge::Verdict;
+use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading};
 use crate::spec::Spec;
-use crate::table::{Block, Fault, Gatherer, Reading, Table, Teeth, gather};
+use crate::table::{Gatherer, Reading, Table, Teeth, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
@@ -67,7 +68,9 @@ pub(super) struct Args {
 /// The largest block that is read from standard input: beyond what anybody pastes.
 const LARGEST_BLOCK: u64 = 4 << 20;
 /// Parts that are shown at most: `batch` is for more.
-const MOST_PARTS: usize = 20_000;
+const MOST_PARTS: u64 = 20_000;
+/// Rejected rows that are named on standard error.
+const PROBLEMS_SHOWN: usize = 20;
 
 /// What the name of the file that is written may end in.
 const ENDINGS: [&str; 8] = ["html", "htm", "xlsx", "dfq", "csv", "json", "md", "txt"];
@@ -84,7 +87,7 @@ struct Shown<'a> {
 /// What was read, and what there is to say of it.
 struct ReadBlock {
     spec: Arc<Spec>,
-    reading: Reading,
+    readings: Vec<Reading>,
     notes: Vec<String>,
     /// The file that is written, begun.
     target: Cell<Option<Target>>,
@@ -102,15 +105,18 @@ impl Args {
                 return Ok(status);
             }
         };
-        let opened = self.open(&spec, output);
+        let interruption = signals::signals(output);
+        let found = self.open(&spec, interruption.stop(), output);
         if let Some(status) = signals::signals(output).status() {
             output.message(signals::NOTHING_YET);
             return Ok(status);
         }
-        let Opened { table, spec, notes } = opened?;
-        let mut read = ReadBlock { spec, reading: table.reading.clone(), notes, target: Cell::new(target) };
+        let found = found?;
+        let Opened { table, spec, notes } = &found.opened;
+        let readings = vec![table.reading.clone()];
+        let mut read = ReadBlock { spec: Arc::clone(spec), readings, notes: notes.clone(), target: Cell::new(target) };
         read.notes.extend(read.spec.suspicions_in_words());
-        if table.is_teeth { self.teeth(read, table, output) } else { self.parts(read, table, output) }
+        if table.is_teeth { self.teeth(read, found.opened.table, output) } else { self.parts(read, found, output) }
     }
 
     /// The spec, and the file that is written, begun.
@@ -142,29 +148,34 @@ impl Args {
         spec_files::inputs(spec, &self.spec, &files)
     }
 
-    fn open(&self, spec: &Arc<Spec>, output: &mut Output) -> Result<Opened, Failure> {
-        let interruption = signals::signals(output);
-        let opener = Opener::new(&self.reading, spec, self.judge.model, interruption.stop());
+    fn open<'a>(
+        &'a self,
+        spec: &Arc<Spec>,
+        stop: &'a Arc<AtomicBool>,
+        output: &mut Output,
+    ) -> Result<Reopened<'a>, Failure> {
+        let opener = Opener::new(&self.reading, spec, self.judge.model, stop);
         let mut rest = None;
         let (opener, opened, path) = if let Some(path) = self.path() {
-            (opener.clone(), opener.open(path), path)
+            let opened = opener.open(path);
+            (opener, opened, path.to_owned())
         } else {
             let bytes = terminal::read_block(output, LARGEST_BLOCK, &mut rest)?;
             let opened = opener.block(bytes.clone());
-            (Opener { stdin: Some(bytes.into()), ..opener }, opened, Path::new("-"))
+            (Opener { stdin: Some(bytes.into()), ..opener }, opened, PathBuf::from("-"))
         };
         match opened {
             Err(failure) if confirm::can_ask() && !signals::signals(output).came() => {
-                confirm::confirmed(&opener, (path, &self.spec), &mut rest, output)?.ok_or(failure)
+                confirm::confirmed(&opener, (&path, &self.spec), &mut rest, output)?.ok_or(failure)
             }
-            opened => opened,
+            opened => Ok(Reopened { opened: opened?, opener, path }),
         }
     }
 
     /// Prints a report with how its table was read, and writes it to the file that was asked for.
     fn report(&self, shown: &Shown<'_>, read: &ReadBlock, output: &mut Output) -> Result<(), Failure> {
         let Shown { title, report, rows } = shown;
-        let readings = std::slice::from_ref(&read.reading);
+        let readings = &read.readings;
         let whole = WithReading { report: *report, readings, notes: &read.notes };
         if let Some((path, target)) = self.output.as_ref().zip(read.target.take()) {
             let text = |format| report::write(&whole, format, output.screen().of_file()).map(String::into_bytes);
@@ -191,170 +202,102 @@ impl Args {
         }
     }
 
-    fn evaluate(
-        &self,
-        read: &ReadBlock,
-        basis: &Basis,
-        errors: &[(DeviationKind, DeviationValue)],
-        is_alone: bool,
-    ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
-        let of_every_part = read.spec.errors_of_every_part(&in_table)?;
-        let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
-        let mut all: Vec<_> = all.collect();
-        all.sort_by_key(|(kind, _)| *kind);
-        let spec = read.spec.with_errors(&all);
-        let deviations = spec.part_deviations()?;
-        let (mut evaluation, uncertainty) = if is_alone {
-            self.judge.judged(&spec, &deviations, basis)?
-        } else {
-            self.judge.judged_in_lot(&spec, &deviations, basis)?
-        };
-        if !self.partial && !read.spec.lacking(&in_table).is_empty() {
-            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
-        }
-        let is_certain = |kind: &DeviationKind| !read.spec.is_uncertain(*kind);
-        if !self.partial && self.judge.rule(&read.spec).needs_uncertainty() && in_table.iter().any(is_certain) {
-            for on in read.spec.limits().into_iter().map(|(on, _)| on) {
-                evaluation.leave_open(on, Unjudged::NoUncertainty);
-            }
-        }
-        Ok((evaluation, uncertainty))
-    }
-
-    fn parts(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
+    /// The parts of a block, as a batch judges them.
+    fn parts(&self, mut read: ReadBlock, found: Reopened<'_>, output: &mut Output) -> Result<Status, Failure> {
         if self.mesh {
             let message = "--mesh needs values of spaces or teeth; these are values of whole parts";
             return Err(Diagnostic::usage(message)
                 .help("for a part's errors put on its teeth: rackmesh eval --mesh")
                 .into());
         }
-        let kinds: Vec<DeviationKind> = table.kinds().collect();
-        if kinds.is_empty() {
-            let message = format!("{} has no column of an error that is known", table.name);
-            return Err(Diagnostic::error(Code::BadTable, message).help("`rackmesh read` shows how it is read").into());
+        let Reopened { opened: Opened { table, .. }, opener, path } = found;
+        let (request, is_named) = (self.request(&read.spec)?, table.has_id);
+        let mut columns = Plan::usual_columns(&read.spec, &table, &request)?;
+        columns.extend(["lower_mm", "upper_mm"].map(str::to_owned));
+        read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
+        let plan = Plan::new(&read.spec, &table, Request { columns: Some(columns), ..request })?;
+        batch::unjudged(&plan, output);
+        let layout = Layout::new(&plan, &table)?;
+        let (mut text, mut listed) = (Vec::new(), Listed::default());
+        let rows = Some(RowSink::Text(Sink { writer: &mut text, packing: Packing::None }));
+        let mut lot = Batch::new(&plan, Sinks { rows, rejects: None, parts: Some(&mut listed) }, None);
+        let run = lot.run(table, &layout, opener.stop, &mut |_| {});
+        let (mut outcome, written) = lot.finish();
+        written?;
+        if let Some(problem) = batch::unfinished(&path, run)? {
+            return Err(problem.into());
         }
-        read.spec = Arc::new(read.spec.for_columns(&kinds));
-        if read.spec.uncertainties.is_empty() {
-            let is_simulated = self.judge.settings()?.is_some();
-            refuse_without_uncertainty(&self.judge.rule(&read.spec), is_simulated)?;
+        if outcome.counts.rows > MOST_PARTS {
+            let message = format!("{} has more than {MOST_PARTS} parts", stream::name(&path));
+            return Err(Diagnostic::error(Code::BadTable, message)
+                .help("`rackmesh batch` evaluates tables of any length")
+                .into());
         }
-        read.notes.extend(self.notes(&read.spec, &kinds));
-        let mut rows = self.rows(&mut read, table, &kinds, output)?;
-        let missing = read.spec.missing_geometry();
-        if rows.len() > 1 {
-            let bounds = rows.iter().filter_map(|row| row.evaluation.as_ref());
-            let of_bounds = bounds.flat_map(|evaluation| report::bound_remarks(&evaluation.notes, &missing));
-            report::add_new(&mut read.notes, of_bounds);
-        }
-        tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
-        if rows.is_empty() {
+        outcome.tell_duplicates();
+        read.readings = std::mem::take(&mut outcome.readings);
+        read.notes.extend(std::mem::take(&mut outcome.notes).into_iter().chain(batch::notes(&read.spec, &plan)));
+        tables::say(&read.readings, &read.notes, output);
+        outcome.problems.iter().for_each(|problem| output.message(&problem.to_string()));
+        let basis = report::Basis::of(&plan);
+        let status = batch::status(&outcome, &basis, false);
+        let Listed { parts, problems } = listed;
+        if outcome.counts.rows == 0 {
             let message = "there is no part in the block, so none was checked";
             output.diagnostic(&Diagnostic::warning(Code::BadTable, message));
-            return Ok(Status::Undecided);
-        }
-        let lacks = |target: LimitTarget| matches!(target, LimitTarget::Error(kind) if !kinds.contains(&kind));
-        for target in unjudged(&rows).into_iter().filter(|target| lacks(*target)) {
-            output.diagnostic(&eval::unjudged(&read.spec, target));
-        }
-        let judged: Option<Vec<_>> = rows.iter().map(|row| row.evaluation.as_ref()).collect();
-        // a part without values counts more than one that fails
-        let status = judged.and_then(|parts| parts.iter().map(|part| Status::of(part.verdict, &part.limits)).max());
-        let without = if self.partial { read.spec.lacking(&kinds) } else { Vec::new() };
-        let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
-        let cells = of_all.rows();
-        if let [PartRow { evaluation, name, uncertainty, .. }] = rows.as_mut_slice() {
-            if let Some(evaluation) = evaluation.take() {
-                let is_named = read.reading.columns.iter().any(|column| column.role == "part_id");
-                let title = if is_named { format!("part {name}") } else { self.block_name() };
-                let mut report = EvaluationReport::new(Some(&title), evaluation, &missing);
-                report.uncertainty = uncertainty.take();
-                report.without.clone_from(&without);
-                self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
-            }
+        } else if let ([part], []) = (&parts[..], &problems[..]) {
+            let title = if is_named { format!("part {}", part.id) } else { self.block_name() };
+            let cells = rows_of(&text)?;
+            let errors = only_part(opener.open(&path)?.table, &read.spec)?;
+            let report = self.only(&plan, &errors, (&title, part.verdict), &read.spec)?;
+            self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
         } else {
-            let of_all = PartsReport { title: read.spec.title.as_deref(), rows: &rows, without: &without };
-            let title = read.spec.title.clone().unwrap_or_else(|| self.block_name());
-            self.report(&Shown { title: &title, report: &of_all, rows: cells }, &read, output)?;
+            let (title, rows) = (read.spec.title.as_deref(), &rows_of(&text)?[..]);
+            let report =
+                PartsReport { title, rows, parts: &parts, problems: &problems, basis: &basis, outcome: &outcome };
+            let (cells, title) = (report.rows(), read.spec.title.clone().unwrap_or_else(|| self.block_name()));
+            self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
         }
-        Ok(status.unwrap_or(Status::Undecided))
+        Ok(status)
     }
 
-    /// What the block leaves to say: what it lacks, and what counts for every part.
-    fn notes(&self, spec: &Spec, kinds: &[DeviationKind]) -> Vec<String> {
-        let of_every: Vec<_> = spec.every_part.iter().copied().filter(|kind| !kinds.contains(kind)).collect();
-        let lacking = batch::lacking("block lacks", spec, &spec.lacking(kinds), self.partial);
-        let exact: Vec<_> = kinds.iter().copied().filter(|kind| !spec.is_uncertain(*kind)).collect();
-        lacking
-            .into_iter()
-            .chain(batch::of_every_part(&of_every))
-            .chain(spec.extents_in_words(&[kinds, &of_every].concat()))
-            .chain(spec.circles_in_words(kinds))
-            .chain(spec.note_of_exact(&exact, None))
-            .collect()
+    /// What is asked of the parts of a block.
+    fn request(&self, spec: &Spec) -> Result<Request, Failure> {
+        Ok(Request {
+            model: self.judge.model,
+            stack: self.judge.stack,
+            rule: self.judge.rule(spec),
+            monte_carlo: self.judge.settings()?,
+            decimals: Decimals::Full,
+            partial: self.partial,
+            lists_parts: true,
+            problems_kept: PROBLEMS_SHOWN,
+            ..Request::default()
+        })
     }
 
-    /// Every part, evaluated; one whose values cannot be read has none.
-    fn rows(
+    /// The only part of a block as `eval` shows it, with the verdict of the batch.
+    fn only<'s>(
         &self,
-        read: &mut ReadBlock,
-        table: Table,
-        kinds: &[DeviationKind],
-        output: &mut Output,
-    ) -> Result<Vec<PartRow>, Failure> {
-        let name = Arc::clone(&table.name);
-        let refuses_repeats = table.refuses_repeats;
-        let titles: Vec<String> = table.columns.iter().map(|column| column.title.clone()).collect();
-        read.spec.refuse_both_ways(kinds)?;
-        read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
-        let basis = read.spec.basis()?;
-        let usual = Reach::usual(read.spec.module());
-        let mut doubted = vec![0; kinds.len()];
-        let mut rows: Vec<PartRow> = Vec::new();
-        let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
-        let is_alone = blocks.iter().map(Block::rows).sum::<usize>() == 1;
-        for block in blocks {
-            if let Some(contradiction) = &block.contradiction {
-                let message = format!("{name}, line {}: {}", contradiction.line, contradiction.message);
-                return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
-            }
-            block.tell(&mut read.reading);
-            for (column, doubted) in doubted.iter_mut().enumerate() {
-                *doubted += usual.doubted(block.values(column));
-            }
-            for index in 0..block.rows() {
-                if rows.len() == MOST_PARTS {
-                    let message = format!("{name} has more than {MOST_PARTS} parts");
-                    return Err(Diagnostic::error(Code::BadTable, message)
-                        .help("`rackmesh batch` evaluates tables of any length")
-                        .into());
-                }
-                let faults = block.faults().iter().filter(|fault| fault.row == index);
-                let faults: Vec<_> = faults.map(|fault| unread_cell(&name, &titles, &block, fault)).collect();
-                for fault in &faults {
-                    output.diagnostic(fault);
-                }
-                let values = || errors_of(&read.spec, kinds, &block, index);
-                let judged = faults.is_empty().then(|| self.evaluate(read, &basis, &values(), is_alone)).transpose()?;
-                let (mut evaluation, uncertainty) = judged.unzip();
-                if let Some(evaluation) = evaluation.as_mut().filter(|_| block.failed.contains(&index)) {
-                    evaluation.verdict = Some(Verdict::Fail);
-                }
-                let part = block.name(index).filter(|name| !name.is_empty()).map(std::borrow::Cow::into_owned);
-                rows.push(PartRow {
-                    name: part.unwrap_or_else(|| (rows.len() + 1).to_string()),
-                    line: usize::try_from(block.lines[index]).unwrap_or(usize::MAX),
-                    evaluation,
-                    uncertainty: uncertainty.flatten(),
-                });
-            }
-        }
-        tell_duplicates(&rows, refuses_repeats, &name, &mut read.reading)?;
-        for ((kind, title), count) in kinds.iter().zip(&titles).zip(doubted).filter(|(_, count)| *count > 0) {
-            let column = DoubtedColumn { usual, is_lead: *kind == DeviationKind::RackLead, count };
-            read.reading.notes.push(format!("{name}: `{title}`: {column}"));
-        }
-        Ok(rows)
+        plan: &Plan,
+        errors: &[(DeviationKind, DeviationValue)],
+        (title, verdict): (&'s str, Option<Verdict>),
+        spec: &Spec,
+    ) -> Result<EvaluationReport<'s>, Failure> {
+        let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
+        let spec = &spec.for_columns(&in_table);
+        let of_every_part = spec.errors_of_every_part(&in_table)?;
+        let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
+        let mut all: Vec<_> = all.collect();
+        all.sort_by_key(|(kind, _)| *kind);
+        let of_part = spec.with_errors(&all);
+        let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &of_part.part_deviations()?, &spec.basis()?)?;
+        let why = if plan.lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::Lacking };
+        plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
+        evaluation.verdict = verdict;
+        let mut report = EvaluationReport::new(Some(title), evaluation, &spec.missing_geometry());
+        report.uncertainty = uncertainty;
+        report.without = if plan.is_partial() { plan.lacking.clone() } else { Vec::new() };
+        Ok(report)
     }
 
     fn teeth(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
@@ -362,7 +305,7 @@ impl Args {
         let gatherer = Gatherer::new(&table)?;
         let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
         for block in &blocks {
-            block.tell(&mut read.reading);
+            block.tell(&mut read.readings[0]);
         }
         let mut parts = gather(gatherer, &blocks)?.into_iter();
         let (part, others) = (parts.next(), parts.next());
@@ -382,7 +325,7 @@ impl Args {
         if read.spec.has_other_deviations(part.teeth.part()) {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
-        tables::say(std::slice::from_ref(&read.reading), &read.notes, output);
+        tables::say(&read.readings, &read.notes, output);
         self.spaces(read, part.teeth, output)
     }
 
@@ -427,14 +370,6 @@ impl Args {
     }
 }
 
-/// Where a value cannot be read, and why.
-fn unread_cell(name: &str, titles: &[String], block: &Block, fault: &Fault) -> Diagnostic {
-    let column = fault.column.and_then(|column| titles.get(column));
-    let place = column.map(|title| format!(", column `{title}`")).unwrap_or_default();
-    let line = block.lines[fault.row];
-    Diagnostic::error(Code::BadRow, format!("{name}, line {line}{place}: {}", fault.message))
-}
-
 /// Why measured teeth have no verdict.
 fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
     let missing = missing.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
@@ -445,44 +380,42 @@ fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
     .help("what the formulas say of single teeth is no range of all together")
 }
 
-fn unjudged(rows: &[PartRow]) -> Vec<LimitTarget> {
-    let mut targets = Vec::new();
-    for target in rows.iter().filter_map(|row| row.evaluation.as_ref()).flat_map(Evaluation::not_given) {
-        if !targets.contains(&target) {
-            targets.push(target);
-        }
-    }
-    targets
+/// Every part of a block, and every row that makes none.
+#[derive(Default)]
+struct Listed {
+    parts: Vec<batch_room::Part>,
+    problems: Vec<Problem>,
 }
 
-/// The errors of a part; a pitch of the pinion is on the reference circle.
-fn errors_of(
-    spec: &Spec,
-    kinds: &[DeviationKind],
-    block: &Block,
-    index: usize,
-) -> Vec<(DeviationKind, DeviationValue)> {
-    let scaled = |kind, value| match (value, spec.pitch_circle) {
+impl PartSink for Listed {
+    fn take(&mut self, parts: &[batch_room::Part], problems: &[Problem]) -> io::Result<()> {
+        self.parts.extend_from_slice(parts);
+        self.problems.extend_from_slice(problems);
+        Ok(())
+    }
+}
+
+/// The rows of a text that a batch wrote, its header first.
+fn rows_of(text: &[u8]) -> Result<Vec<Vec<String>>, Failure> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text);
+    let row =
+        |row: csv::Result<csv::StringRecord>| Ok(row.map_err(io::Error::from)?.iter().map(str::to_owned).collect());
+    reader.records().map(row).collect()
+}
+
+/// The errors of the only part of a table; a pitch of the pinion is on the reference circle.
+fn only_part(table: Table, spec: &Spec) -> Result<Vec<(DeviationKind, DeviationValue)>, Failure> {
+    let (name, kinds) = (Arc::clone(&table.name), table.kinds().collect::<Vec<_>>());
+    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
+    let scaled = |kind, value| match (value, spec.for_columns(&kinds).pitch_circle) {
         (DeviationValue::Length(pitch), Some(circle)) if kind == DeviationKind::PinionPitch => {
             circle.scaled(pitch).into()
         }
         (value, _) => value,
     };
-    kinds.iter().enumerate().map(|(column, kind)| (*kind, scaled(*kind, block.values(column).at(index)))).collect()
-}
-
-/// Says which parts have one name; a contract refuses them unless it says that a part may be there twice.
-fn tell_duplicates(
-    rows: &[PartRow],
-    refuses_repeats: bool,
-    name: &str,
-    reading: &mut Reading,
-) -> Result<(), Diagnostic> {
-    let mut duplicates = Duplicates::default();
-    duplicates.add(rows.iter().map(|row| row.name.as_bytes()));
-    if let Some(twice) = duplicates.refusal().filter(|_| refuses_repeats) {
-        return Err(Diagnostic::error(Code::BadTable, format!("{name}: {}", twice.message)).help(twice.help));
-    }
-    reading.notes.extend(duplicates.note().map(|note| format!("{name}: {note}")));
-    Ok(())
+    let block = blocks.iter().find(|block| block.rows() > 0);
+    let values = block
+        .into_iter()
+        .flat_map(|block| kinds.iter().enumerate().map(move |(column, kind)| (*kind, block.values(column).at(0))));
+    Ok(values.map(|(kind, value)| (kind, scaled(kind, value))).collect())
 }

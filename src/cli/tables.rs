@@ -96,6 +96,13 @@ pub(super) struct Opened {
     pub(super) notes: Vec<String>,
 }
 
+/// A table that was opened, and how it is opened again.
+pub(super) struct Reopened<'a> {
+    pub(super) opened: Opened,
+    pub(super) opener: Opener<'a>,
+    pub(super) path: PathBuf,
+}
+
 /// Opens the tables of a run.
 #[derive(Clone)]
 pub(super) struct Opener<'a> {

@@ -62,7 +62,7 @@ pub use mesh::{MeasureReport, MeshReport};
 pub(crate) use number::grouped;
 #[cfg(feature = "batch")]
 pub use parts::{part_block, parts_block};
-pub use paste::{PartRow, PartsReport, SpacesReport};
+pub use paste::{PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::QdasRows;
 pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};

@@ -2,200 +2,112 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::{assumed, assumptions_of};
 use super::number::{millimetres, signed};
-use super::uncertainty::micrometres;
-use super::{
-    Block, Column, MeshReport, Report, Table, UncertaintyPart, WITHOUT, add_new, fact, judged_without, keys_of, titled,
-};
+use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, WITHOUT, fact, titled};
+use crate::batch::{Outcome, Part as BatchPart, Problem};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
-use crate::evaluation::Evaluation;
 use crate::formula::law::equation;
-use crate::judge::{Interval, MeasuredPart, Stack, Verdict};
-use crate::quantity::{Length, LengthUnit};
-use crate::uncertainty::{Linear, Propagation};
+use crate::judge::{MeasuredPart, Verdict};
+use crate::quantity::LengthUnit;
 
-/// One part of several.
-#[derive(Debug)]
-pub struct PartRow {
-    /// Its name, or its number in the block.
-    pub name: String,
-    /// The line where it stands.
-    pub line: usize,
-    /// What was computed; `None` if its values cannot be read.
-    pub evaluation: Option<Evaluation>,
-    /// The uncertainty of its results, where uncertainties are given.
-    pub uncertainty: Option<UncertaintyPart>,
-}
-
-/// Several parts, one row each.
+/// Several parts, a row each, as a batch judged them.
 #[derive(Debug)]
 pub struct PartsReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
-    /// The parts.
-    pub rows: &'a [PartRow],
-    /// Errors that the spec asks for and the parts were judged without.
-    pub without: &'a [DeviationKind],
+    /// The batch's rows; the first has the names of the columns.
+    pub rows: &'a [Vec<String>],
+    /// The parts of the rows behind the first, in their order.
+    pub parts: &'a [BatchPart],
+    /// Rows that make no part.
+    pub problems: &'a [Problem],
+    /// What the parts are held against.
+    pub basis: &'a Basis,
+    /// What they come to.
+    pub outcome: &'a Outcome,
+}
+
+/// The ends of what is judged, which JSON has as one range.
+const JUDGED: [&str; 2] = ["lower_mm", "upper_mm"];
+const STANDARD: &str = "_standard_uncertainty_mm";
+
+/// Whether a column is a length that people look at first.
+fn is_result(name: &str) -> bool {
+    name.ends_with("_mm") && !["uncertainty", "monte_carlo"].iter().any(|word| name.contains(word))
 }
 
 impl PartsReport<'_> {
-    fn kinds(&self) -> Vec<DeviationKind> {
-        let present = |kind: &DeviationKind| {
-            let mut evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
-            evaluations.any(|evaluation| evaluation.contributions.iter().any(|c| c.kind == *kind))
+    fn names(&self) -> &[String] {
+        self.rows.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// The rows with the columns of these names.
+    fn of_columns(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<Vec<String>> {
+        let places: Vec<_> = (0..self.names().len()).filter(|place| is_wanted(&self.names()[*place])).collect();
+        let row = |row: &Vec<String>| places.iter().filter_map(|place| row.get(*place).cloned()).collect();
+        self.rows.iter().map(row).collect()
+    }
+
+    /// A part, or a row that makes none.
+    fn fact(&self, name: &str, line: u64, part: Option<(&BatchPart, &Vec<String>)>, reason: Option<&str>) -> Value {
+        let number = |name: &str| -> Option<f64> {
+            let place = self.names().iter().position(|own| own == name)?;
+            part.and_then(|(_, row)| row.get(place)?.parse().ok())
         };
-        DeviationKind::ALL.into_iter().filter(present).collect()
+        let mut fact = json!({ "part_id": name, "line": line });
+        for name in self.names().iter().filter(|name| is_result(name) && !JUDGED.contains(&name.as_str())) {
+            fact[name] = json!(number(name));
+        }
+        fact["verdict"] = part.and_then(|(part, _)| part.verdict).map(Verdict::name).into();
+        fact["reason"] = reason.into();
+        fact["judged_by"] = part.map(|(part, _)| part.judged_by.name()).into();
+        let [lower, upper] = JUDGED.map(number);
+        fact["judged_mm"] = json!(lower.zip(upper).map(|(lower, upper)| json!({ "lower": lower, "upper": upper })));
+        fact["assumes"] = json!(part.map(|_| &self.basis.assumes));
+        let uncertain = self.names().iter().filter_map(|name| name.strip_suffix(STANDARD));
+        let results = uncertain.map(|of| {
+            let key = of.strip_prefix("delta_cd_").or(of.split_once('_').map(|(_, end)| end)).unwrap_or(of);
+            let expanded = number(&format!("{of}_expanded_uncertainty_mm"));
+            json!({ "of": key, "standard_uncertainty_mm": number(&format!("{of}{STANDARD}")), "expanded_uncertainty_mm": expanded })
+        });
+        let results: Vec<_> = results.collect();
+        if part.is_some() && !results.is_empty() {
+            fact["uncertainty"] = json!({ "coverage": "95.45 %", "results": results });
+        }
+        fact
     }
-
-    fn is_uncertain(&self) -> bool {
-        self.rows.iter().any(|row| row.uncertainty.is_some())
-    }
-
-    fn count(&self, verdict: Verdict) -> usize {
-        let evaluations = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
-        evaluations.filter(|evaluation| evaluation.verdict == Some(verdict)).count()
-    }
-}
-
-/// The ends of the combinations, by the names that `batch` gives them.
-const ENDS: [&str; 4] = ["range_lower_mm", "range_upper_mm", "rss_lower_mm", "rss_upper_mm"];
-
-fn ends(evaluation: Option<&Evaluation>) -> [Option<Length>; 4] {
-    let interval = |stack| evaluation.and_then(|evaluation| evaluation.combined.interval(stack).ok());
-    let (range, rss): (Option<Interval>, Option<Interval>) = (interval(Stack::Range), interval(Stack::Rss));
-    [range.map(|r| r.lower), range.map(|r| r.upper), rss.map(|r| r.lower), rss.map(|r| r.upper)]
-}
-
-fn delta_cd(evaluation: &Evaluation, kind: DeviationKind) -> Option<Length> {
-    let contribution = evaluation.contributions.iter().find(|contribution| contribution.kind == kind)?;
-    Some(contribution.delta_cd(evaluation.model))
 }
 
 impl Report for PartsReport<'_> {
     fn json(&self) -> Value {
-        let kinds = self.kinds();
-        let parts: Vec<_> = self
-            .rows
-            .iter()
-            .map(|row| {
-                let mut part = json!({ "part_id": row.name, "line": row.line });
-                let evaluation = row.evaluation.as_ref();
-                for kind in &kinds {
-                    let value = evaluation.and_then(|evaluation| delta_cd(evaluation, *kind));
-                    part[format!("delta_cd_{}_mm", kind.key())] = json!(value);
-                }
-                for (name, end) in ENDS.into_iter().zip(ends(evaluation)) {
-                    part[name] = json!(end);
-                }
-                part["verdict"] = evaluation.and_then(|evaluation| evaluation.verdict).map(Verdict::name).into();
-                part["reason"] = match evaluation {
-                    Some(evaluation) => evaluation.open_because().into(),
-                    None => "a value cannot be read".into(),
-                };
-                part["judged_by"] = evaluation.map(|evaluation| evaluation.judged_by.name()).into();
-                part["judged_mm"] = json!(evaluation.and_then(|evaluation| evaluation.judged.ok()));
-                part["assumes"] = json!(evaluation.map(assumptions_of));
-                if let Some(uncertainty) = &row.uncertainty {
-                    part["uncertainty"] = uncertainty.json();
-                }
-                part
-            })
-            .collect();
-        json!({ "title": self.title, "parts": parts })
+        let parts = self.parts.iter().zip(self.rows.iter().skip(1)).map(|(part, row)| {
+            (part.place.record, self.fact(&part.id, part.place.line, Some((part, row)), part.reason.as_deref()))
+        });
+        let problems = self.problems.iter().map(|problem| {
+            let name = problem.part.clone().unwrap_or_else(|| problem.place.record.to_string());
+            (problem.place.record, self.fact(&name, problem.place.line, None, Some(&problem.message)))
+        });
+        let mut all: Vec<_> = parts.chain(problems).collect();
+        all.sort_by_key(|(record, _)| *record);
+        json!({ "title": self.title, "parts": all.into_iter().map(|(_, fact)| fact).collect::<Vec<_>>() })
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        let kinds = self.kinds();
-        let own = |kind: &DeviationKind| format!("delta_cd_{}", kind.key());
-        let mut names = vec!["part_id".to_owned()];
-        names.extend(kinds.iter().map(|kind| own(kind) + "_mm"));
-        names.extend(ENDS.into_iter().chain(["verdict", "reason"]).map(str::to_owned));
-        if let Some(known) = self.rows.iter().find_map(|row| row.uncertainty.as_ref()) {
-            let stack = known.propagation.stack.name();
-            let ends = ["lower", "upper"].map(|end| (format!("{stack}_{end}"), end));
-            for (name, of) in kinds.iter().map(|kind| (own(kind), kind.key())).chain(ends) {
-                let cell = |u: &str| format!("{name}_{u}_uncertainty_mm={of}/{u}_uncertainty_mm");
-                names.extend(["standard", "expanded"].map(cell));
-            }
-        }
-        let mut json = self.json();
-        for part in json["parts"].as_array_mut().into_iter().flatten() {
-            part[WITHOUT] = keys_of(self.without).into();
-            let results = part.pointer_mut("/uncertainty/results").map(Value::take);
-            for result in results.iter().filter_map(Value::as_array).flatten() {
-                part[result["of"].as_str().unwrap_or_default()] = result.clone();
-            }
-        }
-        names.extend((!self.without.is_empty()).then(|| WITHOUT.to_owned()));
-        fact::rows(&json, "parts", &names.join(" "))
+        self.of_columns(|name| !JUDGED.contains(&name))
     }
 
     fn blocks(&self) -> Vec<Block> {
+        const OTHERS: [&str; 4] = ["part_id", "verdict", "reason", WITHOUT];
+        let is_shown = |name: &str| {
+            OTHERS.contains(&name) || is_result(name) && !name.starts_with("range_") && !name.starts_with("rss_")
+        };
+        let rows = self.of_columns(is_shown);
         let mut blocks = titled(self.title);
-        let kinds = self.kinds();
-        let judged = self.rows.iter().filter_map(|row| row.evaluation.as_ref()).any(|e| !e.limits.is_empty());
-        let end = |part: &PartRow, end: fn(Interval) -> Length| {
-            let evaluation = part.evaluation.as_ref()?;
-            let interval = evaluation.combined.interval(evaluation.stack);
-            Some(interval.map_or_else(|_| "open".to_owned(), |interval| millimetres(end(interval).mm())))
-        };
-        let uncertainty = |part: &PartRow, end: fn(&Propagation) -> &Linear| {
-            part.uncertainty.as_ref().and_then(|part| end(&part.propagation).expanded_mm()).map(micrometres)
-        };
-        let of_kind = |part: &PartRow, kind| {
-            let delta_cd = part.evaluation.as_ref().and_then(|evaluation| delta_cd(evaluation, kind));
-            delta_cd.map(|length| millimetres(length.mm()))
-        };
-        let table = kinds.iter().fold(Table::of(self.rows).text("part", |part| part.name.clone()), |table, kind| {
-            table.number(format!("{}\n[mm]", kind.name()), |part| of_kind(part, *kind))
-        });
-        let table = table
-            .number("ΔCD from\n[mm]", |part| end(part, |ends| ends.lower))
-            .column_if(self.is_uncertain(), Column::number("± U\n[µm]"), |part| uncertainty(part, |of| &of.lower))
-            .number("to\n[mm]", |part| end(part, |ends| ends.upper))
-            .column_if(self.is_uncertain(), Column::number("± U\n[µm]"), |part| uncertainty(part, |of| &of.upper))
-            .column_if(judged, Column::text("verdict"), |part| match &part.evaluation {
-                Some(evaluation) => evaluation.verdict.map_or("open", Verdict::name),
-                None => "not judged",
-            });
-        blocks.push(table.block());
-        if let Some(evaluation) = self.rows.iter().find_map(|row| row.evaluation.as_ref()) {
-            let stack = match evaluation.stack {
-                Stack::Range => "from … to: the worst case, wherever on the teeth the errors are",
-                Stack::Rss => "from … to: statistical, at one stroke",
-            };
-            blocks.push(Block::Note(format!("{stack}; formulas: {} model", evaluation.model)));
-            if self.is_uncertain() {
-                blocks.push(Block::Note("U: expanded uncertainty of that end, 95.45 %".to_owned()));
-            }
+        if rows.len() > 1 {
+            blocks.extend(RowsReport { rows: &rows, as_written: false }.blocks());
         }
-        let unread = self.rows.iter().filter(|row| row.evaluation.is_none()).count();
-        if judged {
-            let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
-            let indeterminate = self.count(Verdict::Indeterminate);
-            let open = self.rows.len() - unread - pass - fail - indeterminate;
-            let passed = self.rows.iter().filter_map(|row| row.evaluation.as_ref());
-            let passed = passed.filter(|evaluation| evaluation.verdict == Some(Verdict::Pass));
-            let mut assumptions = Vec::new();
-            add_new(&mut assumptions, passed.flat_map(assumptions_of));
-            let assumed = assumed(&assumptions);
-            let mut sentence = format!("{pass} of {} parts are within the limits{assumed}", self.rows.len());
-            for (count, what) in
-                [(indeterminate, "indeterminate"), (open, "without a verdict"), (unread, "could not be read")]
-            {
-                if count > 0 {
-                    sentence.push_str(&format!(", {count} {what}"));
-                }
-            }
-            sentence.push_str(&judged_without(self.without));
-            let verdict = match self.rows.len() {
-                _ if fail > 0 => Some(Verdict::Fail),
-                all if pass == all => Some(Verdict::Pass),
-                all if pass + indeterminate == all => Some(Verdict::Indeterminate),
-                _ => None,
-            };
-            blocks.push(Block::Verdict(verdict, sentence));
+        if !(self.basis.limits.is_empty() && self.basis.unjudged.is_empty()) {
+            blocks.push(BatchReport::new(None, self.basis, self.outcome).verdict());
         }
         blocks
     }

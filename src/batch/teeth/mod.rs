@@ -442,6 +442,7 @@ fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
         result_mm: (lowest, highest),
         reason: solved.reason(),
         errors: Vec::new(),
+        judged_by: evaluation.judged_by,
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use bar::Bar;
 use clap::builder::PossibleValue;
 use format::BatchFormat;
-pub(super) use notes::{lacking, notes, of_every_part};
+pub(super) use notes::notes;
 use targets::Targets;
 pub(super) use targets::report_of_usage;
 
@@ -344,17 +344,7 @@ impl Args {
 
     /// What the user should know before the first row.
     fn remarks(&self, plan: &Plan, output: &mut Output) {
-        for target in &plan.unjudged {
-            let message = match target {
-                LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
-                    format!("there is a limit on ΔCD of the {target}, but the table has no such column")
-                }
-                _ => format!(
-                    "the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"
-                ),
-            };
-            output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
-        }
+        unjudged(plan, output);
         if self.only_failures && plan.limits.is_empty() && plan.unjudged.is_empty() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
@@ -391,6 +381,19 @@ fn originals(table: &Table) -> Vec<String> {
         }
     }
     titles
+}
+
+/// Says which limits are not judged, before the first row.
+pub(super) fn unjudged(plan: &Plan, output: &mut Output) {
+    for target in &plan.unjudged {
+        let message = match target {
+            LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
+                format!("there is a limit on ΔCD of the {target}, but the table has no such column")
+            }
+            _ => format!("the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"),
+        };
+        output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
+    }
 }
 
 /// The counts in one line.

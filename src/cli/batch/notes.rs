@@ -7,7 +7,7 @@ use crate::report;
 use crate::spec::{Spec, WrittenError};
 
 /// What the tables lack of what the spec asks for, and what follows.
-pub(in crate::cli) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
+fn lacking(spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
     let keys = DeviationKind::keys(kinds.iter().copied());
     let consequence = if is_partial {
         "parts are judged without, as told by --partial"
@@ -16,11 +16,11 @@ pub(in crate::cli) fn lacking(who: &str, spec: &Spec, kinds: &[DeviationKind], i
     } else {
         "the sum is shown without and not judged; every_part = true beside a value of [errors] says that every part has it, --partial judges without"
     };
-    (!kinds.is_empty()).then(|| format!("the {who} {keys}, which the spec asks for: {consequence}"))
+    (!kinds.is_empty()).then(|| format!("the tables lack {keys}, which the spec asks for: {consequence}"))
 }
 
 /// Which values of the spec every part has.
-pub(in crate::cli) fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
+fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
     let keys = DeviationKind::keys(kinds.iter().copied());
     (!kinds.is_empty()).then(|| format!("every part has the value in [errors]: {keys}"))
 }
@@ -34,7 +34,7 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
             format!("{key}: the table's values count; class {grade} in [errors] is not held against them, because limits stand in [limits]")
         })
         .collect();
-    notes.extend(lacking("tables lack", spec, &plan.lacking, plan.is_partial()));
+    notes.extend(lacking(spec, &plan.lacking, plan.is_partial()));
     notes.extend(of_every_part(&plan.of_every_part().collect::<Vec<_>>()));
     notes.extend(plan.extents_in_words());
     notes.extend(spec.circles_in_words(&plan.errors().collect::<Vec<_>>()));
