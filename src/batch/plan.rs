@@ -145,7 +145,8 @@ impl Plan {
     /// As those of [`Plan::new`].
     pub fn usual_columns(spec: &Arc<Spec>, table: &Table, request: &Request) -> Result<Vec<String>, Diagnostics> {
         let asked = Asked::new(spec, table, request)?;
-        Ok(asked.outputs.iter().map(|output| output.name(request.stack)).collect())
+        let usual = asked.outputs.iter().filter(|output| **output != Output::Without);
+        Ok(usual.map(|output| output.name(request.stack)).collect())
     }
 
     /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.

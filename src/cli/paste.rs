@@ -213,7 +213,7 @@ impl Args {
         let Reopened { opened: Opened { table, .. }, opener, path } = found;
         let (request, is_named) = (self.request(&read.spec)?, table.has_id);
         let mut columns = Plan::usual_columns(&read.spec, &table, &request)?;
-        columns.extend(["lower_mm", "upper_mm"].map(str::to_owned));
+        columns.extend(PartsReport::ASKED_FOR.map(str::to_owned));
         read.spec = Arc::new(teeth::with_known_teeth((*read.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&read.spec, &table, Request { columns: Some(columns), ..request })?;
         batch::unjudged(&plan, output);

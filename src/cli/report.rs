@@ -292,7 +292,8 @@ impl Args {
         Plan::refuse(&first.spec, &first.table, &request)?;
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
-        let notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
+        let mut notes = [first.notes.clone(), batch::notes(&spec, &plan)].concat();
+        notes.extend(batch::without_names(&plan));
         let mut shown = Shown { run: RunChart::of(&plan), details: Detail::of(&plan, &first.spec) };
         let mut parts = Listed::default();
         let sinks = Sinks {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::number::{millimetres, signed};
-use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, WITHOUT, fact, titled};
+use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, fact, titled};
 use crate::batch::{Outcome, Part as BatchPart, Problem};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::law::equation;
@@ -29,21 +29,26 @@ pub struct PartsReport<'a> {
 
 /// The ends of what is judged, which JSON has as one range.
 const JUDGED: [&str; 2] = ["lower_mm", "upper_mm"];
+/// What people see of a part, in this order.
+const SHOWN: [&str; 7] = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
 const STANDARD: &str = "_standard_uncertainty_mm";
 
-/// Whether a column is a length that people look at first.
+/// Whether a column is a length, and not how certain one is.
 fn is_result(name: &str) -> bool {
     name.ends_with("_mm") && !["uncertainty", "monte_carlo"].iter().any(|word| name.contains(word))
 }
 
 impl PartsReport<'_> {
+    /// The columns of a batch that it needs besides those that are always written.
+    pub const ASKED_FOR: [&'static str; 3] = ["lower_mm", "upper_mm", "nearest_limit"];
+
     fn names(&self) -> &[String] {
         self.rows.first().map_or(&[], Vec::as_slice)
     }
 
-    /// The rows with the columns of these names.
-    fn of_columns(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<Vec<String>> {
-        let places: Vec<_> = (0..self.names().len()).filter(|place| is_wanted(&self.names()[*place])).collect();
+    /// The rows with the columns of these names, in this order.
+    fn of_columns<'n>(&self, names: impl Iterator<Item = &'n str>) -> Vec<Vec<String>> {
+        let places: Vec<_> = names.filter_map(|name| self.names().iter().position(|own| own == name)).collect();
         let row = |row: &Vec<String>| places.iter().filter_map(|place| row.get(*place).cloned()).collect();
         self.rows.iter().map(row).collect()
     }
@@ -93,15 +98,12 @@ impl Report for PartsReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        self.of_columns(|name| !JUDGED.contains(&name))
+        let is_own = |name: &&str| !Self::ASKED_FOR.contains(name);
+        self.of_columns(self.names().iter().map(String::as_str).filter(is_own))
     }
 
     fn blocks(&self) -> Vec<Block> {
-        const OTHERS: [&str; 4] = ["part_id", "verdict", "reason", WITHOUT];
-        let is_shown = |name: &str| {
-            OTHERS.contains(&name) || is_result(name) && !name.starts_with("range_") && !name.starts_with("rss_")
-        };
-        let rows = self.of_columns(is_shown);
+        let rows = self.of_columns(SHOWN.into_iter());
         let mut blocks = titled(self.title);
         if rows.len() > 1 {
             blocks.extend(RowsReport { rows: &rows, as_written: false }.blocks());

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use bar::Bar;
 use clap::builder::PossibleValue;
 use format::BatchFormat;
-pub(super) use notes::notes;
+pub(super) use notes::{notes, without_names};
 use targets::Targets;
 pub(super) use targets::report_of_usage;
 
@@ -171,7 +171,8 @@ impl Args {
         let spec = Arc::new(with_known_teeth((*first.spec).clone(), &self.spec, output)?);
         let plan = Plan::new(&spec, &first.table, request)?;
         self.remarks(&plan, output);
-        let notes = [first.notes.clone(), notes(&spec, &plan)].concat();
+        let mut notes = [first.notes.clone(), notes(&spec, &plan)].concat();
+        notes.extend(without_names(&plan));
         let sinks = begun.sinks(rows_format, || plan.columns_written())?;
         let mut batch = Batch::new(&plan, sinks, self.threads.map(usize::from));
         let mut bar = Bar::new(&files, "rows", output);

@@ -51,10 +51,14 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
     }
     notes.extend(plan.unstated().iter().map(|unstated| format!("a pass assumes: {}", report::unstated(*unstated))));
-    if !plan.has_id {
-        notes.push("the tables have no column `part_id`: parts are called by the number of their row; name the column with --id".to_owned());
-    }
     notes
+}
+
+/// That parts have no names of their own.
+pub(in crate::cli) fn without_names(plan: &Plan) -> Option<String> {
+    let note =
+        "the tables have no column `part_id`: parts are called by the number of their row; name the column with --id";
+    (!plan.has_id).then(|| note.to_owned())
 }
 
 /// The class that `[errors]` gives for an error.

@@ -77,6 +77,12 @@ impl Column {
         Ok(deviation)
     }
 
+    /// Whether the deviation beside a value has digits that the value lost, so that it may count in the value's place.
+    pub(crate) fn has_finer_deviation(&self, cell: &Cell, beside: &Companions<&Cell>) -> bool {
+        let digit = self.digit_beside(beside, Role::Deviation);
+        digit.is_some_and(|digit| digit < self.digit(cell, self.unit))
+    }
+
     /// One of the last digit of a companion, mm or degrees.
     pub(super) fn digit_beside(&self, beside: &Companions<&Cell>, role: Role) -> Option<f64> {
         Some(self.digit(beside.get(role)?, self.unit_beside(role)))
@@ -89,7 +95,9 @@ impl Column {
         const FINE: f64 = 1e-3;
         const FEWER: f64 = 15.0;
         let value = Some(self.digit(cell, self.unit));
-        let nominal = self.digit_beside(beside, Role::Nominal);
+        // a nominal value of 0 is exact
+        let is_zero = matches!(self.quantity_beside(beside, Role::Nominal), Ok(Some(nominal)) if nominal.is_zero());
+        let nominal = self.digit_beside(beside, Role::Nominal).filter(|_| !is_zero);
         let deviation = self.digit_beside(beside, Role::Deviation);
         let all = [value, nominal, deviation.map(|digit| digit.max(FINE))].into_iter().flatten();
         let finest = all.fold(f64::INFINITY, f64::min);

@@ -102,6 +102,10 @@ impl Rows {
         let is_whole = values.iter().all(|(_, value)| matches!(value, Ok(Some(_))));
         block.odd.extend(may_be_no_part(record, name, &values));
         for column in &self.setup.columns {
+            let value = record.cell(column.place);
+            if column.has_finer_deviation(value, &column.beside_in(record)) {
+                block.tally(beside).add(record.line, column.place, &value.text());
+            }
             for companion in column.beside.iter() {
                 let text = record.cell(companion.place).text();
                 block.tally(beside).add(record.line, companion.place, &text);

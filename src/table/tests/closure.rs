@@ -281,10 +281,16 @@ fn mutated(grid: &mut Grid, random: &mut Random) -> Option<&'static str> {
     None
 }
 
-/// A grid without blanks around its cells, blank cells at the ends of its rows, and blank rows at its end.
+/// A grid without blanks around its cells, blank cells at the ends of its rows, and blank rows at its end. A unit behind a number in a
+/// column of that unit is another spelling of the number.
 fn normal(grid: &Grid) -> Grid {
+    let is_number = |text: &str| text.parse::<f64>().is_ok();
+    let cell = |cell: &String| match cell.trim().split_once(' ') {
+        Some((number, "mm")) if is_number(number) => number.to_owned(),
+        _ => cell.trim().to_owned(),
+    };
     let trimmed = |row: &Vec<String>| {
-        let mut row: Vec<String> = row.iter().map(|cell| cell.trim().to_owned()).collect();
+        let mut row: Vec<String> = row.iter().map(cell).collect();
         row.truncate(row.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
         row
     };

@@ -90,7 +90,7 @@ fn what_is_ambiguous_or_wrong_is_refused_with_its_place() {
         ("tooth,left_pitch,pitch_um\n1,2,25\n", "column `pitch_um`: 25"),
         ("tooth,radial measured [mm]\n1,25\n", "column `radial measured [mm]`: 25"),
         ("part,space,over_pin\nA,1,25.5\nB,1,25.5\n", "error[bad-table]: rack.csv has rows of several parts"),
-        ("", "no column is known as that of a rack's spaces or a pinion's teeth"),
+        ("", "rack.csv holds no table: there is nothing in it"),
     ] {
         let found = one(text).err().unwrap_or_else(|| panic!("{text}"));
         assert!(found.contains(expected), "{text}: {found}");
