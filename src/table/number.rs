@@ -5,8 +5,6 @@
 //! A comma and a point are each other's opposite: where one is the decimal mark, the other groups thousands and does
 //! nothing else. A blank, a thin space or an apostrophe groups thousands with both.
 
-use std::borrow::Cow;
-
 use super::dictionary::plain_widths;
 use crate::deviation::DeviationValue;
 use crate::quantity::{Angle, Decimal, Length, QuantityError, Unit};
