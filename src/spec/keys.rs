@@ -328,12 +328,9 @@ section! {
         PAIR_NORMAL_PRESSURE_ANGLE: Angle = "normal_pressure_angle", angle(domain::NORMAL_PRESSURE_ANGLE),
             "Normal pressure angle α_n, above 0° and at most 45°.";
         PAIR_SHAFT_ANGLE: Angle = "shaft_angle", angle(domain::SHAFT_ANGLE),
-            "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked; 0° where the \
-             pinion's axis lies square across the rack.";
+            "Magnitude of the shaft angle Σ = β_r + β_p, against which the helix angles are checked.";
         PAIR_CONTACT: &'static str = "contact", word(&[BOTH_FLANKS]),
-            "\"both flanks\" states, where the geometry is not given, that a tooth of the rack and one of the pinion \
-             always carry with both flanks: ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|, ε and c being length and offset of the \
-             path of contact in pitches.";
+            "\"both flanks\": where the geometry is not given, a tooth of either part always carries with both flanks.";
     }
 }
 
@@ -381,7 +378,7 @@ section! {
             "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.";
         PINION_MEASURED: String = "measured", file(), "Table of measured teeth: radial, left and right pitch, lead.";
         PINION_MEASURED_AT: Length = "measured_at", length(domain::MEASUREMENT_CIRCLE),
-            "Diameter of the circle on which the arcs of `measured` and of [[pinion.deviation]] are; they are scaled to the reference circle. Default: that circle.";
+            "Diameter of the circle on which the arcs of `measured` and of [[pinion.deviation]] are. Default: the reference circle.";
         "deviation", of(Kind::Tables(&PINION_DEVIATION)), "Deviations of some teeth; any number, they add up.";
         PINION_CROWNING: Length = "crowning", length(FORM),
             "Lead crowning: removed at the ends of the face width, falling off as the square towards its middle.";
@@ -392,10 +389,7 @@ section! {
 
 section! {
     ERRORS = "errors",
-    "The measured errors: a deviation, or the values from which it follows; with every_part = true beside it, the \
-     error of every part of a table; with extent = \"one\", \"part\", \"all\", \"each\" or \"total\" beside it, on \
-     which teeth; total presumes cumulative deviations with a mean of zero. { values = [25.011, 25.013, 25.012], … } in \
-     place of a measured value: repeated readings, their mean with u = s/√n and n − 1 degrees of freedom." {
+    "The measured errors, each a deviation or the values from which it follows, with its extent and uncertainty." {
         "rack_over_roller", of(Kind::Error(DeviationKind::RackOverRoller)),
             "Over-roller error of the rack, M - M_nom; with { measured, roller } the nominal is computed.";
         "rack_pitch", of(Kind::Error(DeviationKind::RackPitch)), "Pitch error of the rack, along its axis.";
@@ -552,9 +546,9 @@ const fn table_column(of: Countable, is_lead: bool) -> [AnyKey; 10] {
             "Nominal value of what was measured, or the heading of a column of them.",
         ),
         beside("deviation", "Heading of a column of deviations, held against measured less nominal."),
-        beside("upper", "Heading of a column of upper limits, which are read and judge nothing."),
-        beside("lower", "Heading of a column of lower limits, which are read and judge nothing."),
-        beside("uncertainty", "Heading of a column of uncertainties, which are read and judge nothing."),
+        beside("upper", "Heading of a column of upper limits, not judged."),
+        beside("lower", "Heading of a column of lower limits, not judged."),
+        beside("uncertainty", "Heading of a column of uncertainties, not judged."),
         beside("units", "Heading of a column of units."),
         COLUMN_KIND.any,
         column_extent(of),
@@ -635,10 +629,10 @@ pub(crate) const TABLE_COLUMNS: Section = section(
         key("name", Kind::Text, "Of characteristics: heading of the column of their names."),
         key("actual", Kind::Text, "Heading of the column of measured values."),
         key("nominal", Kind::Text, "Heading of the column of nominal values."),
-        key("upper", Kind::Text, "Heading of the column of upper limits, which are read and judge nothing."),
-        key("lower", Kind::Text, "Heading of the column of lower limits, which are read and judge nothing."),
+        key("upper", Kind::Text, "Heading of the column of upper limits, not judged."),
+        key("lower", Kind::Text, "Heading of the column of lower limits, not judged."),
         key("deviation", Kind::Text, "Heading of the column of deviations."),
-        key("uncertainty", Kind::Text, "Heading of the column of uncertainties, which are read and judge nothing."),
+        key("uncertainty", Kind::Text, "Heading of the column of uncertainties, not judged."),
         key("unit", Kind::Text, "Heading of the column of units."),
         key("space", Kind::Text, "Of a rack's spaces: heading of the column of their numbers."),
         key("tooth", Kind::Text, "Of a pinion's teeth: heading of the column of their numbers."),
@@ -659,7 +653,7 @@ pub(crate) const HEADINGS: [&str; 10] =
     ["name", "actual", "nominal", "upper", "lower", "deviation", "uncertainty", "unit", "space", "tooth"];
 
 section! {
-    TABLE = "table", "The contract of tables with values of parts: every column and line is read, or left out by a rule." {
+    TABLE = "table", "The contract of tables with values of parts." {
         "columns", of(Kind::Table(&TABLE_COLUMNS)), "What columns are, whose headings do not say it by themselves.";
         TABLE_PARTS: &'static str = "parts", word(&["rows", "columns", "characteristics", "spaces", "teeth"]),
             "What each row is, or columns if each part is one. Default: found from the headings.";
@@ -691,8 +685,7 @@ const FRACTION: Domain = Domain {
 
 section! {
     BUDGET = "budget",
-    "Which tolerances are fixed, which are sought, and how they add up; with extent = \"one\", \"part\", \"all\", \
-     \"each\" or \"total\" beside one, on which teeth. Default each." {
+    "Which tolerances are fixed, which are sought, and how they add up. An extent beside one is by default each." {
         BUDGET_STACK: &'static str = "stack", word(&["worst", "rss", "simulation"]),
             "How tolerances add up. Default worst.";
         BUDGET_CONFORMING: f64 = "conforming", number(FRACTION),

@@ -28,11 +28,9 @@ section! {
         SIMULATION_PRELOAD: f64 = "preload", measure(Domain::positive("preload", "F"), MeasureUnit::FORCE),
             "Force that presses the pinion on. Default 500 N.";
         SIMULATION_SUPPORT: &'static str = "support", word(&["slider", "yoke"]),
-            "slider: the pinion on a slider that the preload presses on, as in the paper; yoke: the pinion's axis \
-             fixed, the rack pressed on by [yoke]. Default slider.";
+            "slider: the preload presses the pinion on; yoke: its axis is fixed, and [yoke] presses the rack on. Default slider.";
         SIMULATION_CONTACT: &'static str = "contact", word(&["spheres", "analytic"]),
-            "spheres: spheres on the pinion's flanks against triangles of the rack's; analytic: exact surfaces, the \
-             load spread over the contact line. Default spheres.";
+            "spheres: spheres on the pinion against triangles on the rack; analytic: exact surfaces. Default spheres.";
         SIMULATION_STIFFNESS: f64 = "stiffness", measure(Domain::positive("contact stiffness", "k"), MeasureUnit::NONE),
             "Contact stiffness k, N/mm^a; of one sphere, or of 1 mm of contact line.";
         SIMULATION_STIFFNESS_EXPONENT: f64 = "stiffness_exponent",
