@@ -1,25 +1,54 @@
 //! Patterns of a contract: what a heading or a line looks like that a rule leaves out. Knows no tables.
 
-/// A text in which `*` stands for any characters and, in a rule for lines, `#` for a number, a date or a time of day. Case
-/// counts; outer blanks do not.
+/// A text in which `*` stands for any characters and, in a rule for lines, `#` for a number, a date or a time of day; `\*`, `\#` and
+/// `\\` stand for themselves. Case counts; outer blanks do not.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     text: String,
-    /// Whether `#` is a number.
-    counts: bool,
+    /// What stands before, between and behind each `*`.
+    pieces: Vec<Vec<Token>>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Token {
+    Text(String),
+    Number,
 }
 
 impl Pattern {
     /// A pattern for headings.
     #[must_use]
     pub fn of_heading(text: &str) -> Self {
-        Self { text: text.trim().to_owned(), counts: false }
+        Self::new(text, false)
     }
 
     /// A pattern for lines.
     #[must_use]
     pub fn of_line(text: &str) -> Self {
-        Self { text: text.trim().to_owned(), counts: true }
+        Self::new(text, true)
+    }
+
+    /// Reads a pattern in which `#` is a number, or is not.
+    fn new(text: &str, counts: bool) -> Self {
+        let text = text.trim();
+        let mut pieces = vec![Vec::new()];
+        let mut characters = text.chars().peekable();
+        while let Some(c) = characters.next() {
+            let piece = pieces.last_mut().expect("there is a first one");
+            match c {
+                '*' => pieces.push(Vec::new()),
+                '#' if counts => piece.push(Token::Number),
+                c => {
+                    let escaped = characters.next_if(|next| c == '\\' && SPECIAL.contains(next));
+                    let c = escaped.unwrap_or(c);
+                    match piece.last_mut() {
+                        Some(Token::Text(text)) => text.push(c),
+                        _ => piece.push(Token::Text(c.to_string())),
+                    }
+                }
+            }
+        }
+        Self { text: text.to_owned(), pieces }
     }
 
     /// The pattern as it is written.
@@ -31,24 +60,22 @@ impl Pattern {
     /// Whether it fits one text only.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        !(self.text.contains('*') || self.counts && self.text.contains('#'))
+        matches!(&self.pieces[..], [only] if !only.contains(&Token::Number))
     }
 
     /// The first byte of every text that it fits; `None` if that may be any.
     #[must_use]
     pub fn first_byte(&self) -> Option<u8> {
-        let first = *self.text.as_bytes().first()?;
-        (first != b'*' && !(self.counts && first == b'#')).then_some(first)
+        let Token::Text(first) = self.pieces[0].first()? else { return None };
+        first.bytes().next()
     }
 
     /// Whether it fits a text.
     #[must_use]
     pub fn fits(&self, text: &str) -> bool {
         let text = text.trim();
-        let mut pieces = self.text.split('*');
-        let first = pieces.next().unwrap_or_default();
-        let Some(mut at) = self.piece(first, text) else { return false };
-        let mut pieces = pieces.peekable();
+        let Some(mut at) = length_of(&self.pieces[0], text) else { return false };
+        let mut pieces = self.pieces[1..].iter().peekable();
         if pieces.peek().is_none() {
             return at == text.len();
         }
@@ -56,7 +83,7 @@ impl Pattern {
         while let Some(piece) = pieces.next() {
             let is_last = pieces.peek().is_none();
             let places = text[at..].char_indices().map(|(by, _)| at + by).chain([text.len()]);
-            let found = places.filter_map(|place| Some(place + self.piece(piece, &text[place..])?));
+            let found = places.filter_map(|place| Some(place + length_of(piece, &text[place..])?));
             let Some(end) = found.into_iter().find(|end| !is_last || *end == text.len()) else { return false };
             at = end;
         }
@@ -65,24 +92,62 @@ impl Pattern {
 
     /// What the one `*` of a pattern without `#` stands for in a text that it fits.
     pub(crate) fn left_open<'t>(&self, text: &'t str) -> Option<&'t str> {
-        let (before, behind) = self.text.split_once('*')?;
-        let inner = text.trim().strip_prefix(before)?.strip_suffix(behind)?.trim();
+        let [before, behind] = &self.pieces[..] else { return None };
+        let (text, behind) = (text.trim(), behind.iter().map(Token::text).collect::<String>());
+        let inner = text[length_of(before, text)?..].strip_suffix(&*behind)?.trim();
         (!inner.is_empty()).then_some(inner)
     }
+}
 
-    /// How many bytes at the start of a text a piece without `*` fits.
-    fn piece(&self, piece: &str, text: &str) -> Option<usize> {
-        let mut rest = text;
-        for (index, literal) in piece.split('#').enumerate() {
-            if self.counts && index > 0 {
-                rest = &rest[number(rest)?..];
-            } else if index > 0 {
-                rest = rest.strip_prefix('#')?;
-            }
-            rest = rest.strip_prefix(literal)?;
+impl Token {
+    fn text(&self) -> &str {
+        match self {
+            Self::Text(text) => text,
+            Self::Number => "#",
         }
-        Some(text.len() - rest.len())
     }
+}
+
+/// What a backslash makes stand for itself.
+const SPECIAL: [char; 3] = ['*', '#', '\\'];
+
+/// A text as a pattern for lines that fits it alone.
+#[must_use]
+pub(crate) fn escaped(text: &str) -> String {
+    escaped_but(text, false)
+}
+
+/// The same for headings, in which `#` is a character as any.
+#[must_use]
+pub(crate) fn escaped_heading(text: &str) -> String {
+    escaped_but(text, true)
+}
+
+fn escaped_but(text: &str, is_heading: bool) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    let mut characters = text.chars().peekable();
+    while let Some(c) = characters.next() {
+        let is_special = match c {
+            '*' => true,
+            '#' => !is_heading,
+            '\\' => characters.peek().is_some_and(|next| SPECIAL.contains(next)),
+            _ => false,
+        };
+        escaped.extend(is_special.then_some('\\').into_iter().chain([c]));
+    }
+    escaped
+}
+
+/// How many bytes at the start of a text a piece fits.
+fn length_of(piece: &[Token], text: &str) -> Option<usize> {
+    let mut rest = text;
+    for token in piece {
+        rest = match token {
+            Token::Number => &rest[number(rest)?..],
+            Token::Text(literal) => rest.strip_prefix(literal.as_str())?,
+        };
+    }
+    Some(text.len() - rest.len())
 }
 
 /// The bytes of the number, the date or the time of day at the start of a text.
@@ -128,6 +193,11 @@ mod tests {
         ] {
             assert_eq!(Pattern::of_line(pattern).fits(text), fits, "{pattern} {text}");
         }
+        for text in ["Bem*", "#17", r"C:\T\*", "***", r"\#", r"a\\*#", "25.012"] {
+            let (heading, line) = (Pattern::of_heading(&escaped_heading(text)), Pattern::of_line(&escaped(text)));
+            assert!(heading.is_exact() && line.is_exact() && heading.fits(text) && line.fits(text), "{text}");
+        }
+        assert!(!Pattern::of_line(&escaped("Bem*")).fits("Bemerkung"));
         assert!(Pattern::of_heading("Temp #").is_exact() && !Pattern::of_line("Temp #").is_exact());
         assert_eq!(
             [Pattern::of_line("# x"), Pattern::of_line("xy*")].map(|pattern| pattern.first_byte()),

@@ -13,6 +13,7 @@ use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
 use crate::table::dictionary::{Form, Heading, lookup};
 use crate::table::layout::Layout;
+use crate::table::pattern::escaped_heading;
 use crate::table::propose::Guesses;
 use crate::table::propose::guess::{Guess, guesses};
 use crate::table::propose::lines::Shapes;
@@ -130,7 +131,7 @@ impl Proposal {
         proposal.rules.list.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
         // what the other columns of a row per characteristic are is known once that of their names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
-        let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| guess.title == *title));
+        let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| escaped_heading(&guess.title) == *title));
         proposal.rules.list.retain(|suggestion| !is_guessed(&suggestion.rule));
         let first = |place: usize| {
             let cells = rows.iter().map(|row| row.cell(place)).filter(|cell| !cell.is_empty());

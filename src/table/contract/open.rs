@@ -50,7 +50,7 @@ impl Open {
             Self::Line { line, text } => format!("line {line}: {}", shown(text)),
             Self::Row(Odd { line, text, .. }) => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),
-            Self::Sheets { names } => format!("several sheets have cells: {}", listed(names)),
+            Self::Sheets { names } => format!("several sheets have cells: {}: choose one with --sheet", listed(names)),
             Self::Unit { key, title, .. } => format!("`{}` is {key}, and nothing tells its unit", shown(title)),
             Self::Twice { key, titles } => format!("{} are both {key}", listed(titles)),
             Self::Pattern { pattern, title } => {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::lines::{Shapes, common, fitting, generalised};
+use super::lines::{Shapes, common, generalised};
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use crate::table::block::Odd;
@@ -11,6 +11,7 @@ use crate::table::contract::{Open, Owner, key};
 use crate::table::dictionary::{Heading, Role};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::Layout;
+use crate::table::pattern::{escaped, escaped_heading};
 use crate::table::want::{Want, quoted};
 
 /// So many lines of one pattern stand there one by one, at most.
@@ -78,7 +79,9 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Column { title, .. } | Open::Characteristic { title, .. } => vec![ignore(title).exact()],
         Open::Line { text, .. } => vec![line(text, 0)],
         Open::Row(odd) => of_odd(odd, &Shapes::default()).into_iter().collect(),
-        Open::Comment { text, .. } => vec![Rule::Entry("comments", text.lines().collect::<Vec<_>>().join(" ")).exact()],
+        Open::Comment { text, .. } => {
+            vec![Rule::Entry("comments", escaped_heading(&text.lines().collect::<Vec<_>>().join(" "))).exact()]
+        }
         Open::Unit { key, title, units } => {
             let entry = |unit: &str| Rule::Column {
                 key: (*key).to_owned(),
@@ -96,10 +99,6 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Separator { names } => {
             vec![Rule::Key("separator", "\";\"".to_owned()).choice(format!("say which: {}", names.join(" or ")))]
         }
-        Open::Sheets { names } => {
-            let sheet = |name: &String| Rule::Key("sheet", quoted(name)).choice("say which sheet");
-            names.iter().take(1).map(sheet).collect()
-        }
         Open::Twice { titles: [one, other], .. } if one != other => {
             vec![ignore(other).choice(format!("or {}: say which of them is not used", quoted(one)))]
         }
@@ -109,7 +108,7 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
 
 /// A column that is not used.
 fn ignore(title: &str) -> Rule {
-    Rule::Entry("ignore", title.to_owned())
+    Rule::Entry("ignore", escaped_heading(title))
 }
 
 /// The rule for a line, `at_most` of which could be parts.
@@ -131,7 +130,7 @@ pub(crate) fn repeats() -> Suggestion {
 
 /// The rule for a row that is no part by its name.
 fn row(text: &str, like: String, at_most: u64) -> Suggestion {
-    let exact = fitting(text.trim().to_owned(), text);
+    let exact = escaped(text.trim());
     let (is_same, like_any) = (like == exact, like.contains('*'));
     let rule = Rule::Lines { exact: vec![exact], like: (!is_same).then_some(like), at_most };
     if is_same { rule.exact() } else { rule.guess(if like_any { "whatever stands there" } else { "any number there" }) }
@@ -149,7 +148,7 @@ pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     let at_most = u64::from(odd.could_be_part);
     Some(if odd.is_no_name && odd.name.chars().any(char::is_alphanumeric) {
         let pattern = if odd.text.starts_with(&format!("{};", odd.name)) { "{};*" } else { "*{}*" };
-        row(&odd.text, pattern.replace("{}", &odd.name), at_most)
+        row(&odd.text, pattern.replace("{}", &escaped(&odd.name)), at_most)
     } else {
         line(&odd.text, at_most)
     })
