@@ -185,7 +185,7 @@ impl<'a> Evaluator<'a> {
         let is_kept = self.keeps(verdict);
         // most parts are none of the worst
         let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
-        if !is_kept && !(self.plan.request.statistics && results.inside_by(row.index).is_none_or(is_worst)) {
+        if !(is_kept || self.plan.request.statistics && results.inside_by(row.index).is_none_or(is_worst)) {
             return;
         }
         let margin = results.margin(row.index);

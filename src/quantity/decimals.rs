@@ -48,6 +48,7 @@ impl Places {
     }
 
     /// Writes several, each behind a separator.
+    #[cfg_attr(not(feature = "batch"), expect(dead_code, reason = "only batches write several"))]
     #[inline]
     pub(crate) fn write_each(self, out: &mut Vec<u8>, separator: u8, lengths: &[Length]) {
         if self.zeros == 0 {

@@ -29,6 +29,7 @@ pub mod mesh_points;
 mod number;
 #[cfg(feature = "batch")]
 mod parts;
+#[cfg(feature = "batch")]
 mod paste;
 #[cfg(feature = "table")]
 mod qdas;
@@ -62,6 +63,7 @@ pub use mesh::{MeasureReport, MeshReport};
 pub(crate) use number::grouped;
 #[cfg(feature = "batch")]
 pub use parts::{part_block, parts_block};
+#[cfg(feature = "batch")]
 pub use paste::{PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::QdasRows;
@@ -82,6 +84,7 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{harmless, harmless_lines, is_formula};
 
 /// Adds texts to a list: those that are not there.
+#[cfg(feature = "batch")]
 pub(crate) fn add_new(all: &mut Vec<String>, more: impl IntoIterator<Item = String>) {
     for one in more {
         if !all.contains(&one) {

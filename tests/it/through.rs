@@ -27,14 +27,19 @@ impl Inputs {
         inputs.write("text.toml", &SPEC.replace("\"±0.05\"", &format!("\"{toml}\"")));
         inputs.write("raw.toml", &format!("{SPEC}# {STEERING}\nx = \"{STEERING}\"\n"));
         let quoted = STEERING.replace('"', "\"\"");
+        // a text that is mostly control characters is none
+        let rows = |more: &str| (0..300).map(|part| format!("p{part},25.01{more}\n")).collect::<Vec<_>>().concat();
         inputs.write(
             "name.csv",
-            &format!("part_id,rack_over_roller\n\"a{quoted}\n::error::b\",25.01\n\"{quoted}\",26\n"),
+            &format!("part_id,rack_over_roller\n\"a{quoted}\n::error::b\",25.01\n\"{quoted}\",26\n{}", rows("")),
         );
-        inputs.write("heading.csv", &format!("part_id,rack_over_roller,\"x{quoted}\"\na,25.01,7\n"));
-        inputs.write("rack_pich.csv", &format!("part_id,rack_over_roller,\"rack_pich{quoted}\"\na,25.01,7\n"));
-        inputs.write("cell.csv", &format!("part_id,rack_over_roller\n\"b{quoted}\",\"2{quoted}\"\nc,25\n"));
-        inputs.write("unit.csv", &format!("part_id,\"rack_over_roller [{quoted}]\"\nb,25\n"));
+        inputs.write("heading.csv", &format!("part_id,rack_over_roller,\"x{quoted}\"\na,25.01,7\n{}", rows(",7")));
+        inputs.write(
+            "rack_pich.csv",
+            &format!("part_id,rack_over_roller,\"rack_pich{quoted}\"\na,25.01,7\n{}", rows(",7")),
+        );
+        inputs.write("cell.csv", &format!("part_id,rack_over_roller\n\"b{quoted}\",\"2{quoted}\"\nc,25\n{}", rows("")));
+        inputs.write("unit.csv", &format!("part_id,\"rack_over_roller [{quoted}]\"\nb,25\n{}", rows("")));
         inputs.write("mail.txt", &format!("Hello {STEERING},\nrack_over_roller: 25.012 mm\n{STEERING}foo: 12 mm\n"));
         #[cfg(unix)]
         inputs.write(&format!("file{STEERING}.csv"), "part_id,rack_over_roller\na,25.01\nb,x\n");
@@ -146,8 +151,8 @@ fn a_remedy_names_a_column_as_the_program_takes_it() {
     let inputs = Inputs::new();
     let refused = inputs.outputs(&["batch", "plain.toml", "heading.csv"]);
     let text = String::from_utf8(refused[1].1.clone()).unwrap();
-    let block =
-        text.split_once("in the spec:\n").and_then(|(_, rest)| rest.split_once("\n = help")).expect("a block").0;
+    let block = text.split_once("in the spec:\n").and_then(|(_, rest)| rest.split_once("\n = help"));
+    let block = block.unwrap_or_else(|| panic!("a block: {text}")).0;
     inputs.write("layout.toml", block);
     let read = inputs.outputs(&["batch", "plain.toml", "heading.csv", "--quiet", "--layout", "layout.toml"]);
     assert!(String::from_utf8_lossy(&read[0].1).contains("a,0.01"), "{read:?}");

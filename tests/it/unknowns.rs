@@ -285,10 +285,11 @@ fn each_deviation_of_a_tooth_needs_an_uncertainty() {
         ("pinion", "thickness = \"6 um\""),
         ("pinion", "left = \"6 um\""),
         ("pinion", "right = \"6 um\""),
-        ("pinion", "eccentricity = \"6 um\""),
+        ("pinion", "eccentricity = { amount = \"6 um\", tooth = 1 }"),
     ] {
         let mut spec = of_teeth(&[(4, 2.0)], Some(1.0), 0.05);
-        spec += &format!("[[{part}.deviation]]\nteeth = 1\n{deviation}\n");
+        let teeth = if deviation.starts_with("ecc") { "" } else { "teeth = 1\n" };
+        spec += &format!("[[{part}.deviation]]\n{teeth}{deviation}\n");
         assert_eq!(eval(&spec).expect("it is valid")["verdict"], Value::Null, "{part} {deviation}");
     }
 }

@@ -50,7 +50,8 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         let missing = spec.missing_geometry();
         notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
     }
-    notes.extend(plan.unstated().iter().map(|unstated| format!("a pass assumes: {}", report::unstated(*unstated))));
+    let unstated: Vec<_> = plan.unstated().into_iter().map(report::unstated).collect();
+    notes.extend((!unstated.is_empty()).then(|| format!("a pass assumes: {}", unstated.join(", "))));
     notes
 }
 

@@ -82,12 +82,13 @@ fn the_worst_decision_of_a_part_counts() {
 /// A long table is cut into cells as its start is; of what has no owner the first are kept, and all are counted.
 #[test]
 fn a_long_table_has_the_separator_of_its_start() {
-    let rows: String = (0..6000).map(|part| format!("P{part};Rollenmaß;25,000;25,{:03};mm\n", part % 100)).collect();
+    let rows = (0..6000).map(|part| format!("P{part};Rollenmaß;25,000;25,{:03};mm\n", part % 100));
+    let rows = rows.collect::<Vec<_>>().concat();
     let text = format!("Teil;Merkmal;Soll;Ist;Einheit\n{rows}");
     let (parts, reading) = read(&text, Layout::default()).unwrap();
     assert_eq!((parts.len(), reading.separator), (6000, Some("semicolons".to_owned())));
     assert_eq!(parts[5999], "P5999: rack_over_roller 0.099 mm");
-    let unknown: String = (0..12_000).map(|row| format!("P1;C{row};0;1;mm\n")).collect();
+    let unknown = (0..12_000).map(|row| format!("P1;C{row};0;1;mm\n")).collect::<Vec<_>>().concat();
     let problem = read(&(text + &unknown), Layout::default()).unwrap_err();
     assert!(problem.contains("characteristic `C39`: 1") && problem.contains("and 11960 more"), "{problem:.2000}");
 }
