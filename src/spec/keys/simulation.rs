@@ -28,7 +28,7 @@ section! {
         SIMULATION_PRELOAD: f64 = "preload", measure(Domain::positive("preload", "F"), MeasureUnit::FORCE),
             "Force that presses the pinion on. Default 500 N.";
         SIMULATION_SUPPORT: &'static str = "support", word(&["slider", "yoke"]),
-            "slider: the preload presses the pinion on; yoke: its axis is fixed, and [yoke] presses the rack on. Default slider.";
+            "slider: the preload presses the pinion on; yoke: its axis is fixed, and a yoke presses the rack on. Default slider.";
         SIMULATION_CONTACT: &'static str = "contact", word(&["spheres", "analytic"]),
             "spheres: spheres on the pinion against triangles on the rack; analytic: exact surfaces. Default spheres.";
         SIMULATION_STIFFNESS: f64 = "stiffness", measure(Domain::positive("contact stiffness", "k"), MeasureUnit::NONE),
