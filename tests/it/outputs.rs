@@ -316,12 +316,14 @@ fn a_signal_is_obeyed_wherever_the_time_goes() {
     let measured = (spec[..start].to_owned() + &spec[end..]).replace("[rack]", "[rack]\nmeasured = \"rack.csv\"");
     fs::write(path("measured.toml"), measured).unwrap();
     let rows = |from: u32, to: u32| (from..to).map(|row| format!("P{row},{}\n", row % 13)).collect::<Vec<_>>().concat();
-    fs::write(path("parts.csv"), "part_id,rack_pitch [um]\n".to_owned() + &rows(0, 20_000)).unwrap();
+    for (name, column) in [("parts.csv", "rack_pitch"), ("pinions.csv", "pinion_pitch")] {
+        fs::write(path(name), format!("part_id,{column} [um]\n{}", rows(0, 20_000))).unwrap();
+    }
     let commands = [
         "batch examples/mesh-errors.toml parts.csv --worst-teeth --partial -o rows.csv --junit report.xml",
         "batch examples/steering.toml parts.csv --partial -o pipe.csv",
         "batch examples/steering.toml pipe.csv --partial -o other.csv",
-        "batch measured.toml parts.csv --partial -o other.csv",
+        "batch measured.toml pinions.csv --partial -o other.csv",
         "batch examples/uncertain.toml parts.csv --partial --monte-carlo 1000000 -o other.csv",
         "mesh measured.toml",
         "mesh examples/mesh.toml --plot pipe.svg",
