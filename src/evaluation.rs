@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::formula::{Model, PartDeviation, ToleranceEnds};
+use crate::function::Check;
 use crate::judge::bound::{Basis, Bound, ErrorRange, NoBound, Note};
 use crate::judge::rule::{Decision, Rule, decide};
 use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdict};
@@ -221,6 +222,30 @@ impl Evaluation {
         let mut reasons: Vec<_> =
             self.limits.iter().filter_map(|check| check.open_because(self.stack, &self.rule)).collect();
         reasons.dedup();
+        (!reasons.is_empty()).then(|| reasons.join("; "))
+    }
+
+    /// The verdict with those on what a yoke does; `None` without any limit, or if one is open.
+    #[must_use]
+    pub fn verdict_with(&self, checks: &[Check]) -> Option<Verdict> {
+        let of_errors = (!self.limits.is_empty()).then_some(self.verdict);
+        of_errors.into_iter().chain(checks.iter().map(|check| check.verdict)).reduce(worse).flatten()
+    }
+
+    /// How wide the worst case is, mm: U − L, beyond which no ΔCD varies; `None` without a bound.
+    #[must_use]
+    pub fn range_width_mm(&self) -> Option<f64> {
+        self.combined.range.ok().map(|range| (range.upper - range.lower).mm())
+    }
+
+    /// Why that is open; `None` where it is a pass or a fail.
+    #[must_use]
+    pub fn open_with(&self, checks: &[Check]) -> Option<String> {
+        if matches!(self.verdict_with(checks), Some(Verdict::Pass | Verdict::Fail)) {
+            return None;
+        }
+        let reasons: Vec<_> =
+            self.open_because().into_iter().chain(checks.iter().filter_map(Check::open_because)).collect();
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 

@@ -20,7 +20,7 @@ use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationValue, DeviationValues};
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::{Length, shown};
+use crate::quantity::{LARGEST, Length, shown};
 use crate::table::{Block, Fault};
 
 /// Evaluates the rows of blocks.
@@ -178,6 +178,9 @@ impl<'a> Evaluator<'a> {
         self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
         self.tally.counts.meshed += u64::from(matches!(results.meshed(row.index), Some(Ok(_))));
+        if let Some(settings) = results.yoke(row.index).and_then(|yoke| yoke.settings_known()) {
+            self.tally.settings.add(settings);
+        }
         if !is_written && self.plan.request.rows.has(verdict) {
             self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
@@ -185,10 +188,14 @@ impl<'a> Evaluator<'a> {
         let is_kept = self.keeps(verdict);
         // most parts are none of the worst
         let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
-        if !(is_kept || self.plan.request.statistics && results.inside_by(row.index).is_none_or(is_worst)) {
+        let fails_by_yoke = results.fails_by_yoke(row.index);
+        let may_be_worst = || fails_by_yoke || results.inside_by(row.index).is_none_or(is_worst);
+        if !(is_kept || self.plan.request.statistics && may_be_worst()) {
             return;
         }
-        let margin = results.margin(row.index);
+        // a part that its yoke alone fails is among the worst, whatever its ΔCD
+        let outside = |margin: Margin| Margin { inside_by: Length::from_fm(-LARGEST), on: None, ..margin };
+        let margin = results.margin(row.index).map(|margin| if fails_by_yoke { outside(margin) } else { margin });
         let file = &self.file;
         let (plan, layout) = (self.plan, self.layout);
         let part =
@@ -283,6 +290,7 @@ fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Mar
         result_mm: margin.map_or((-OPEN, OPEN), |margin| (margin.result.lower.mm(), margin.result.upper.mm())),
         reason: results.reason(row.index).map(Cow::into_owned),
         errors: Vec::new(),
+        yoke: results.yoke(row.index).cloned(),
         judged_by: results.judged_by(row.index),
     }
 }

@@ -1,5 +1,5 @@
-//! What the exact mesh says of parts whose errors are all on every tooth, where the bound does not pass them. Asked by the
-//! results of a block; holds nothing against a limit.
+//! What the exact mesh says of parts whose errors are all on every tooth: its extremes where the bound does not pass them, and what
+//! a yoke does. Asked by the results of a block.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,8 +9,10 @@ use super::plan::Plan;
 use super::uncertain::{RowUncertainty, Uncertain};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
+use crate::function::{Judged, JudgedYoke, YokeJudge};
 use crate::judge::Interval;
 use crate::judge::bound::Basis;
+use crate::mesh::TOLERANCE_MM;
 use crate::spec::{SolvedTeeth, Spec};
 
 /// What the mesh says of a part.
@@ -27,6 +29,8 @@ pub(super) type MeshAnswer = Arc<Result<Meshed, String>>;
 /// The parts that were meshed: those that are equal once.
 pub(super) struct Meshes<'a> {
     known: HashMap<Vec<u64>, MeshAnswer>,
+    /// What a yoke does on them.
+    yokes: HashMap<Vec<u64>, Arc<JudgedYoke>>,
     /// Ends the run.
     pub(super) stop: &'a AtomicBool,
 }
@@ -37,7 +41,7 @@ const MOST_KEPT: usize = 4096;
 impl<'a> Meshes<'a> {
     /// None so far.
     pub(super) fn new(stop: &'a AtomicBool) -> Self {
-        Self { known: HashMap::new(), stop }
+        Self { known: HashMap::new(), yokes: HashMap::new(), stop }
     }
 
     /// The answer for a part with these errors, a value per source of the plan; `None` once the run is to stop.
@@ -45,22 +49,48 @@ impl<'a> Meshes<'a> {
         if self.stop.load(Ordering::Relaxed) {
             return None;
         }
-        let key: Vec<_> = values.iter().map(|value| value.base().to_bits()).collect();
-        if let Some(known) = self.known.get(&key) {
-            return Some(Arc::clone(known));
-        }
-        let answer = Arc::new(meshed(plan, values));
-        if self.known.len() == MOST_KEPT {
-            self.known.clear();
-        }
-        self.known.insert(key, Arc::clone(&answer));
-        Some(answer)
+        Some(kept(&mut self.known, values, || meshed(plan, values)))
+    }
+
+    /// What a yoke does on a part with these errors, all of them on all teeth.
+    pub(super) fn yoke(&mut self, plan: &Plan, yoke: &YokeJudge, values: &[DeviationValue]) -> Arc<JudgedYoke> {
+        let unsolved = || yoke.unknown(yoke.open(&Judged::Unsolved));
+        kept(&mut self.yokes, values, || yoke_on(plan, yoke, values).unwrap_or_else(unsolved))
     }
 }
 
-fn meshed(plan: &Plan, values: &[DeviationValue]) -> Result<Meshed, String> {
+/// What is known of a part with these values, or is found now.
+fn kept<T>(known: &mut HashMap<Vec<u64>, Arc<T>>, values: &[DeviationValue], find: impl FnOnce() -> T) -> Arc<T> {
+    let key: Vec<_> = values.iter().map(|value| value.base().to_bits()).collect();
+    if let Some(known) = known.get(&key) {
+        return Arc::clone(known);
+    }
+    let found = Arc::new(find());
+    if known.len() == MOST_KEPT {
+        known.clear();
+    }
+    known.insert(key, Arc::clone(&found));
+    found
+}
+
+/// The part of the plan's spec with these errors.
+fn part(plan: &Plan, values: &[DeviationValue]) -> Spec {
     let kinds = plan.sources.iter().map(|source| source.law.kind());
-    let spec = plan.spec.with_errors(&kinds.zip(values.iter().copied()).collect::<Vec<_>>());
+    plan.spec.with_errors(&kinds.zip(values.iter().copied()).collect::<Vec<_>>())
+}
+
+/// What a yoke does on a part; `None` where its mesh has no solution.
+fn yoke_on(plan: &Plan, yoke: &YokeJudge, values: &[DeviationValue]) -> Option<JudgedYoke> {
+    let input = part(plan, values).mesh_of_all_teeth(&plan.spec.measured).ok()??;
+    let (from, to) = yoke.strokes_mm;
+    let curve = input.mesh.curve(from, to, TOLERANCE_MM).ok()?;
+    let function = yoke.on(&input.mesh, &curve).ok()??;
+    let is_measured = input.measures(&function);
+    Some(yoke.known(function, is_measured).in_short())
+}
+
+fn meshed(plan: &Plan, values: &[DeviationValue]) -> Result<Meshed, String> {
+    let spec = part(plan, values);
     let solved = spec.solved().unwrap_or_else(|| Err("something is left to place".to_owned()))?;
     let range = Interval::nearest(solved.teeth.range).map_err(|problem| problem.to_string())?;
     let uncertainty = plan.uncertain.as_ref().map(|_| uncertain(plan, spec, solved, values)).transpose()?;

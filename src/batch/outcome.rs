@@ -14,6 +14,7 @@ use super::statistics::{MovingRange, Statistics};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Code;
 use crate::evaluation::JudgedBy;
+use crate::function::{JudgedYoke, Settings};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
 use crate::table::{
@@ -160,6 +161,8 @@ pub struct Part {
     pub judged_by: JudgedBy,
     /// Its errors; none of a part whose teeth are known.
     pub errors: Vec<PartError>,
+    /// What a yoke does on it, if the spec has one.
+    pub yoke: Option<Arc<JudgedYoke>>,
 }
 
 /// An error of a part.
@@ -248,6 +251,8 @@ pub struct Outcome {
     pub worst: Vec<Part>,
     /// The results that have statistics.
     pub quantities: Vec<Quantity>,
+    /// The settings of the parts' plug, where it is known which keep the window.
+    pub settings: Settings,
     /// How each table was read.
     pub readings: Vec<Reading>,
     /// What the spec and the tables leave to say: what was left out, what was assumed.
@@ -353,6 +358,8 @@ pub(super) struct Tally {
     pub(super) doubted: [u64; KINDS],
     /// Whether the names of the parts are still looked at.
     pub(super) has_names: bool,
+    /// The settings of the parts' plug.
+    pub(super) settings: Settings,
     /// One per result that is held against a limit, where statistics are kept.
     pub(super) moving: Vec<MovingRange>,
 }
@@ -423,6 +430,7 @@ impl Total<'_> {
         }
         self.records += block.record_count;
         self.outcome.counts.add(&tally.counts);
+        self.outcome.settings.merge(&tally.settings);
         listed
     }
 }

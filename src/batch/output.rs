@@ -5,6 +5,7 @@ use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostic;
+use crate::function::{FIGURES, Target};
 use crate::judge::{Interval, LimitTarget, Stack};
 use crate::quantity::Length;
 use crate::table::Table;
@@ -41,10 +42,23 @@ pub(super) enum Output {
     Verdict,
     /// Why a row has no results, or its part does not pass.
     Reason,
+    /// A figure of the yoke, by its place among them.
+    Yoke(usize),
+    /// The verdict on a limit of the yoke.
+    OnYoke(Target),
     /// What the parts are judged without.
     Without,
     /// The input's column of that name, as it is.
     Copied(String),
+}
+
+/// What a spec says of a yoke.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct SaidOfYoke {
+    /// Something is given, or asked.
+    pub(super) is_given: bool,
+    /// Something is asked.
+    pub(super) is_limited: bool,
 }
 
 /// An end of a range.
@@ -111,7 +125,13 @@ pub(super) fn simulated(simulation: &Simulation, statistic: usize) -> f64 {
 
 impl Output {
     /// What there is to write of parts with errors of these kinds and limits on these.
-    fn all(request: &Request, kinds: &[DeviationKind], limits: &[LimitTarget], is_uncertain: bool) -> Vec<Self> {
+    fn all(
+        request: &Request,
+        kinds: &[DeviationKind],
+        limits: &[LimitTarget],
+        is_uncertain: bool,
+        yoke: SaidOfYoke,
+    ) -> Vec<Self> {
         let errors = kinds.iter().copied().map(UncertainOutput::Error);
         let results = || errors.clone().chain(End::BOTH.map(UncertainOutput::Combined));
         let mut all = vec![Self::Id];
@@ -134,11 +154,12 @@ impl Output {
             };
             all.extend(limits.iter().copied().filter(is_known).map(Self::Conformance));
         }
-        if limits.is_empty() {
-            all.push(Self::Verdict);
-        } else {
-            all.extend([Self::Margin, Self::Verdict, Self::Reason]);
+        if yoke.is_given {
+            all.extend((0..FIGURES.len()).map(Self::Yoke).chain(Target::ALL.map(Self::OnYoke)));
         }
+        all.extend((!limits.is_empty()).then_some(Self::Margin));
+        all.push(Self::Verdict);
+        all.extend((!limits.is_empty() || yoke.is_limited).then_some(Self::Reason));
         all
     }
 
@@ -160,8 +181,9 @@ impl Output {
         kinds: &[DeviationKind],
         limits: &[LimitTarget],
         is_uncertain: bool,
+        yoke: SaidOfYoke,
     ) -> Result<Vec<Self>, Diagnostic> {
-        let mut all = Self::all(request, kinds, limits, is_uncertain);
+        let mut all = Self::all(request, kinds, limits, is_uncertain, yoke);
         let Some(names) = &request.columns else {
             let copied = request.copied.iter().filter(|name| table.titles.contains(name));
             all.splice(1..1, copied.cloned().map(Self::Copied));
@@ -193,7 +215,7 @@ impl Output {
     fn would_be_uncertain(name: &str) -> bool {
         let limits = DeviationKind::ALL.map(LimitTarget::Error);
         let limits = [&limits[..], &[LimitTarget::CenterDistance]].concat();
-        let all = Self::all(&Request::default(), &DeviationKind::ALL, &limits, true);
+        let all = Self::all(&Request::default(), &DeviationKind::ALL, &limits, true, SaidOfYoke::default());
         all.iter().any(|output| output.is_uncertain() && Stack::ALL.iter().any(|stack| output.name(*stack) == name))
     }
 
@@ -218,6 +240,8 @@ impl Output {
             }
             Self::Verdict => "verdict".to_owned(),
             Self::Reason => "reason".to_owned(),
+            Self::Yoke(figure) => FIGURES[*figure].0.to_owned(),
+            Self::OnYoke(on) => format!("{}_verdict", on.name()),
             Self::Without => "judged_without".to_owned(),
             Self::Copied(name) => name.clone(),
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::columns::ColumnKind;
 use super::number::Decimals;
 use super::outcome::Quantity;
-use super::output::{Output, UncertainOutput};
+use super::output::{Output, SaidOfYoke, UncertainOutput};
 use super::request::{Request, Rows};
 use super::source::{Source, error_columns, index_of, sources};
 use super::uncertain::Uncertain;
@@ -16,6 +16,7 @@ use super::write;
 use crate::chance::MonteCarloError;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::function::YokeJudge;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
@@ -43,6 +44,10 @@ pub struct Plan {
     pub(super) needs_reached: bool,
     /// Whether nothing of the errors is left to place: the exact mesh judges parts that the bound does not pass.
     pub(crate) is_all_placed: bool,
+    /// What the parts' yoke is held against, if the spec has one.
+    pub(crate) yoke: Option<YokeJudge>,
+    /// Whether nothing of the errors is left to place, so that the exact mesh says what the yoke does.
+    pub(super) knows_teeth: bool,
     /// The limits that can be judged.
     pub limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
@@ -94,10 +99,12 @@ impl Plan {
         let needs = |of: Stack| {
             is_judged(of) || (is_shown && stack == of) || Output::ends(of).iter().any(|end| outputs.contains(end))
         };
-        let (needs_range, needs_rss) = (needs(Stack::Range), needs(Stack::Rss));
-        let is_all_placed = judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
-            && matches!(basis.geometry, GivenGeometry::Known(_))
+        let yoke = spec.yoke_judge(None, &request.rule)?;
+        let knows_teeth = matches!(basis.geometry, GivenGeometry::Known(_))
             && sources.iter().all(|source| source.extended.is_on_all_teeth());
+        let is_all_placed = knows_teeth && judged.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
+        let is_bounded = !knows_teeth && !spec.function_limits.is_empty();
+        let (needs_range, needs_rss) = (is_bounded || needs(Stack::Range), needs(Stack::Rss));
         let needs_reached = asks_for_reached(&outputs);
         if needs_reached {
             refuse_unreached(spec, &basis)?;
@@ -109,6 +116,8 @@ impl Plan {
             nothing_scatters,
             needs_reached,
             is_all_placed,
+            yoke,
+            knows_teeth,
             followed: Vec::new(),
             uncertain,
             json_names: Vec::new(),
@@ -240,6 +249,7 @@ impl Plan {
             | Output::Verdict
             | Output::Reason
             | Output::Without
+            | Output::OnYoke(_)
             | Output::Copied(_) => ColumnKind::Text,
             Output::Linear | Output::Validated => ColumnKind::Flag,
             _ => ColumnKind::Number,
@@ -274,6 +284,12 @@ impl Plan {
     #[must_use]
     pub fn judges_the_sum(&self) -> bool {
         self.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
+    }
+
+    /// Whether something is asked of a yoke.
+    #[must_use]
+    pub fn is_yoke_limited(&self) -> bool {
+        self.yoke.as_ref().is_some_and(|yoke| !yoke.limits.is_empty())
     }
 
     /// Why no part has a range that is written or judged, whatever its values.
@@ -358,10 +374,12 @@ impl Asked {
             refuse_without_uncertainty(&request.rule, request.monte_carlo.is_some())?;
         }
         let limited: Vec<_> = limits.iter().map(|(on, _)| *on).collect();
-        let mut outputs = Output::asked(table, request, &present, &limited, is_uncertain)?;
+        let yoke = SaidOfYoke { is_given: spec.has_yoke(), is_limited: !spec.function_limits.is_empty() };
+        let mut outputs = Output::asked(table, request, &present, &limited, is_uncertain, yoke)?;
         let needed = |kind: &DeviationKind| {
-            let is_limited =
-                limited.contains(&LimitTarget::CenterDistance) || limited.contains(&LimitTarget::Error(*kind));
+            let is_limited = yoke.is_limited
+                || limited.contains(&LimitTarget::CenterDistance)
+                || limited.contains(&LimitTarget::Error(*kind));
             is_limited || outputs.iter().any(|output| output.needs(*kind))
         };
         let needed: Vec<_> = present.iter().copied().filter(needed).collect();
@@ -378,6 +396,10 @@ impl Asked {
         let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
         let unjudged: Vec<_> = unjudged.into_iter().map(|(on, _)| on).collect();
         outputs.retain(|output| !matches!(output, Output::Conformance(on) if unjudged.contains(on)));
+        if request.columns.is_none() && !sources.iter().all(|source| source.extended.is_on_all_teeth()) {
+            // of teeth that are not known a yoke has no figures
+            outputs.retain(|output| !matches!(output, Output::Yoke(_)));
+        }
         let mut without = Vec::new();
         if request.partial {
             without.extend(lacking.iter().map(|kind| kind.key().to_owned()));

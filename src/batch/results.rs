@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::layout::Layout;
@@ -15,6 +16,7 @@ use super::source::{KINDS, index_of};
 use super::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
 use crate::evaluation::{JudgedBy, subject, too_near, worse};
+use crate::function::{Check, Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::{ChangingErrors, ErrorRange, ExtendedError, GivenGeometry, NoBound, Range};
 use crate::judge::reached::{self, Reached};
 use crate::judge::rule::{self, Conformance, Ends};
@@ -45,6 +47,10 @@ pub(super) struct Results<'a> {
     uncertainties: Vec<Option<RowUncertainty>>,
     /// The parts that the exact mesh judges, by row.
     meshed: BTreeMap<usize, MeshAnswer>,
+    /// What the yoke does on each part, if that is asked.
+    yokes: Vec<Option<Arc<JudgedYoke>>>,
+    /// The verdict on the errors of each part, where there are limits on a yoke, too.
+    of_errors: Vec<Option<Verdict>>,
     /// The verdict on each part; `None` if a limit could not be judged.
     pub(super) verdicts: Vec<Option<Verdict>>,
 }
@@ -108,6 +114,8 @@ impl<'a> Results<'a> {
             reached: Vec::new(),
             uncertainties: Vec::new(),
             meshed: BTreeMap::new(),
+            yokes: Vec::new(),
+            of_errors: Vec::new(),
             verdicts: Vec::new(),
         };
         let values: Vec<_> = deviations.iter().map(|deviations| plain_values(deviations)).collect();
@@ -128,6 +136,9 @@ impl<'a> Results<'a> {
             if let Some(verdict) = results.verdicts.get_mut(*row) {
                 *verdict = Some(Verdict::Fail);
             }
+        }
+        if let Some(yoke) = &plan.yoke {
+            results.take_yokes(yoke, deviations, meshes);
         }
         if let Some((first, _)) = results.refusals.first_key_value().filter(|_| plan.request.strict) {
             results.cut(first + 1);
@@ -265,6 +276,62 @@ impl<'a> Results<'a> {
         self.verdicts = verdicts.unwrap_or_default();
     }
 
+    /// What the yoke does on each part, with the verdicts on it: by the mesh where nothing is left to place, by the bound elsewhere.
+    #[cold]
+    fn take_yokes(&mut self, yoke: &YokeJudge, deviations: &[Cow<'_, DeviationValues>], meshes: &mut Meshes<'_>) {
+        let plan = self.plan;
+        self.yokes = self.by_slow_row(|results, row| {
+            Ok(Some(if !plan.lacking.is_empty() && !plan.is_partial() {
+                let keys = plan.lacking.iter().map(|kind| kind.key()).collect();
+                Arc::new(yoke.unknown(yoke.open(&Judged::Lacks(keys))))
+            } else if plan.knows_teeth {
+                let values: Vec<_> = deviations.iter().map(|column| column.at(row)).collect();
+                meshes.yoke(plan, yoke, &values)
+            } else {
+                Arc::new(yoke.unknown(results.yoke_by_bound(yoke, row)))
+            }))
+        });
+        if yoke.limits.is_empty() {
+            return;
+        }
+        self.of_errors.clone_from(&self.verdicts);
+        for (row, yoke) in self.yokes.iter().enumerate() {
+            let Some(yoke) = yoke else { continue };
+            let checks = yoke.checks.iter().map(|check| check.verdict);
+            let of_errors = self.asks_of_errors(row).then_some(self.of_errors[row]);
+            self.verdicts[row] = of_errors.into_iter().chain(checks).reduce(worse).flatten();
+        }
+    }
+
+    /// Whether something is asked of the errors of a part beside its yoke, or the table says that the part is rejected.
+    fn asks_of_errors(&self, row: usize) -> bool {
+        let has_limits = !(self.plan.limits.is_empty() && self.plan.unjudged.is_empty());
+        has_limits || self.of_errors.get(row) == Some(&Some(Verdict::Fail))
+    }
+
+    /// The limits on a yoke by the worst case of a part; open where its pair is not known.
+    fn yoke_by_bound(&self, yoke: &YokeJudge, row: usize) -> Vec<Check> {
+        let range = at(&self.combined[Stack::Range as usize], row);
+        match &self.plan.basis.geometry {
+            GivenGeometry::Known(pairs) => {
+                let width_mm = range.map(|range| (range.upper - range.lower).mm());
+                yoke.by_bound(&pairs.given().pair, width_mm, &[])
+            }
+            GivenGeometry::Unknown | GivenGeometry::BothFlanks => yoke.open(&Judged::NotProven),
+        }
+    }
+
+    /// Whether a limit on the yoke is broken, and none on ΔCD.
+    pub(super) fn fails_by_yoke(&self, row: usize) -> bool {
+        self.verdicts[row] == Some(Verdict::Fail)
+            && self.of_errors.get(row).is_some_and(|verdict| *verdict != Some(Verdict::Fail))
+    }
+
+    /// What the yoke does on a part, if that is asked.
+    pub(super) fn yoke(&self, row: usize) -> Option<&Arc<JudgedYoke>> {
+        self.yokes.get(row)?.as_ref()
+    }
+
     /// Judges the parts that the bound does not pass by their exact mesh. Once the run is to stop, no part counts that is not
     /// meshed, nor any behind it.
     #[cold]
@@ -306,12 +373,17 @@ impl<'a> Results<'a> {
     /// Why a part fails, is indeterminate or has no verdict, and what the exact mesh says of one that it judges.
     pub(super) fn reason(&self, row: usize) -> Option<Cow<'_, str>> {
         let meshed = self.meshed(row).map(by_mesh);
-        let unless_pass = match self.verdicts[row] {
-            Some(Verdict::Pass) => None,
-            None => return Some(self.plan.without_verdict.as_str().into()),
-            Some(verdict) => Some(self.not_passed(verdict, row)),
+        let checks = self.yoke(row).map_or(&[][..], |yoke| &yoke.checks);
+        let own = if checks.is_empty() { &self.verdicts } else { &self.of_errors };
+        let of_errors = (checks.is_empty() || self.asks_of_errors(row)).then(|| own[row]);
+        let unless_pass = match of_errors {
+            None | Some(Some(Verdict::Pass)) => None,
+            Some(None) if checks.is_empty() => return Some(self.plan.without_verdict.as_str().into()),
+            Some(None) => Some(self.plan.without_verdict.clone()),
+            Some(Some(verdict)) => Some(self.not_passed(verdict, row)),
         };
-        let said: Vec<_> = unless_pass.into_iter().chain(meshed).collect();
+        let of_yoke = checks.iter().filter_map(Check::reason);
+        let said: Vec<_> = unless_pass.into_iter().chain(meshed).chain(of_yoke).collect();
         (!said.is_empty()).then(|| said.join("; ").into())
     }
 

@@ -11,7 +11,8 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat};
 use super::results::{Results, spread_of};
 use super::write;
-use crate::quantity::{Length, Places};
+use crate::function::FIGURES;
+use crate::quantity::{Length, Places, tidy};
 use crate::table::Block;
 
 /// What came of a row.
@@ -211,12 +212,26 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
         (Output::Verdict, WrittenRow::Part { results, row }) => {
             results.verdicts[*row].map_or(ResultCell::Nothing, |verdict| text(verdict.name()))
         }
+        (Output::Yoke(_) | Output::OnYoke(_), WrittenRow::Part { results, row }) => {
+            of_yoke(&plan.outputs[index], results, *row).unwrap_or(ResultCell::Nothing)
+        }
         (output, WrittenRow::Part { results, row }) if output.is_uncertain() => {
             uncertain(plan, output, results, *row).unwrap_or(ResultCell::Nothing)
         }
         (output, WrittenRow::Part { results, row }) => {
             results.of(output, *row).map_or(ResultCell::Nothing, ResultCell::Length)
         }
+    }
+}
+
+/// What stands in an output of a yoke; `None` where nothing is known.
+#[inline(never)]
+fn of_yoke<'a>(output: &Output, results: &Results<'_>, row: usize) -> Option<ResultCell<'a>> {
+    let yoke = results.yoke(row)?;
+    match output {
+        Output::Yoke(figure) => Some(ResultCell::Number(tidy(FIGURES[*figure].1(yoke)?))),
+        Output::OnYoke(on) => Some(ResultCell::Text(yoke.verdict_on(*on)?.name().as_bytes().into())),
+        _ => None,
     }
 }
 

@@ -9,6 +9,7 @@ use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{function, mesh, spec_files};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
+use crate::mesh::{STROKE_MM, TOLERANCE_MM};
 use crate::report::{EvaluationReport, Format, MeshPart};
 use crate::spec::Spec;
 
@@ -95,12 +96,12 @@ pub(super) fn evaluated<'a>(
 
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &Path, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {
-    let stroke_mm = spec.travel_mm().unwrap_or(mesh::STROKE_MM);
+    let stroke_mm = spec.travel_mm().unwrap_or(STROKE_MM);
     let mut input = mesh_of(spec, &spec_files::measured_tables(spec, path, output)?)?;
     if let Some(worst) = worst {
         worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
     }
-    let curve = input.mesh.curve(stroke_mm.0, stroke_mm.1, mesh::TOLERANCE_MM)?;
+    let curve = input.mesh.curve(stroke_mm.0, stroke_mm.1, TOLERANCE_MM)?;
     let summary = curve
         .summary(&input.mesh)
         .ok_or_else(|| Diagnostic::error(Code::NoMesh, "the exact mesh has no points along the stroke"))?;

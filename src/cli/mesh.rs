@@ -14,12 +14,12 @@ use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDevi
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Prediction};
-use crate::mesh::{Curve, Mesh, MeshError, Support};
+use crate::mesh::{Curve, Mesh, MeshError, STROKE_MM, Support};
 use crate::quantity::Length;
 use crate::report::chart::Chart;
 use crate::report::function::at_listed;
 use crate::report::mesh_points::{self, AtListed, ListedPoint, Trust};
-use crate::report::{Format, FunctionPart, MeshReport, Screen, noted};
+use crate::report::{Format, FunctionPart, MeshReport, Screen, YokeSection, noted};
 use crate::spec::{MeshInput, Origin, Spec};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -87,17 +87,12 @@ impl Stroke {
         Ok((from, to))
     }
 
-    /// Whether the strokes are the rack's travel: the spec or both options say so.
-    pub(super) fn is_travel(&self, spec: &Spec) -> bool {
-        spec.travel_mm().is_some() || (self.from.is_some() && self.to.is_some())
+    /// The strokes if they are the rack's travel: the spec or both options say so.
+    pub(super) fn travel(&self, spec: &Spec) -> Result<Option<(f64, f64)>, Failure> {
+        let is_travel = spec.travel_mm().is_some() || (self.from.is_some() && self.to.is_some());
+        is_travel.then(|| self.ends(spec)).transpose()
     }
 }
-
-/// The stroke where nobody says it, mm.
-pub(super) const STROKE_MM: (f64, f64) = (0.0, 50.0);
-
-/// How closely a curve is followed unless the user says otherwise, mm; the default of `--tolerance`.
-pub(super) const TOLERANCE_MM: f64 = 1e-6;
 
 /// The stroke, and how closely it is followed.
 #[derive(Debug, clap::Args)]
@@ -178,7 +173,7 @@ pub(super) fn solved<'a>(
             .into_iter()
             .chain(evaluation.note_of_unsolved())
             .collect(),
-        function: None,
+        yoke: None,
         evaluation,
         screen: Screen::default(),
     })
@@ -280,11 +275,11 @@ impl Args {
             return closed_is(status, listed);
         }
         let curve = input.mesh.curve(ends.0, ends.1, self.range.tolerance.mm())?;
-        let function = function::part(&spec, &input, &curve, self.range.stroke.is_travel(&spec), &judged)?;
+        let function = function::part(&spec, &input, &curve, self.range.stroke.travel(&spec)?, &judged)?;
         let status = status.max(function.as_ref().map_or(Status::Pass, |part| function::status(&part.checks)));
         let mut report = solved(&spec, &input, curve, judged)?;
         (report.title, report.screen) = (spec.title.as_deref(), output.screen());
-        report.function = function;
+        report.yoke = function.map(|part| YokeSection::Known(Box::new(part)));
         report.notes.extend(sinks(&input, &report.curve, &report.prediction));
         report.notes.extend(spec.suspicions_in_words());
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {
@@ -310,7 +305,7 @@ impl Args {
     /// What is to be drawn, or ΔCD where that is not there.
     fn chart(&self, report: &MeshReport<'_>) -> Chart {
         let points = &report.curve.points;
-        let of_yoke = report.function.as_ref().and_then(|part| match self.plot_of {
+        let of_yoke = report.function().and_then(|part| match self.plot_of {
             PlotOf::DeltaCd => None,
             PlotOf::Play => Some(part.play_chart(report.title, points)),
             PlotOf::Torque => part.torque_chart(report.title, points),
@@ -420,7 +415,7 @@ struct Listed<'a> {
 
 impl<'a> Listed<'a> {
     fn of(report: &'a MeshReport<'_>) -> Self {
-        Self { mesh: report.mesh, part: report.function.as_ref() }
+        Self { mesh: report.mesh, part: report.function() }
     }
 }
 

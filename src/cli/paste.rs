@@ -11,7 +11,7 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use super::tables::{self, Opened, Opener, ReadArgs, Reopened};
 use super::target::{self, Target, is_dash};
-use super::{batch, confirm, mesh, office, page, signals, spec_files, stream, teeth, terminal};
+use super::{batch, confirm, function, mesh, office, page, signals, spec_files, stream, teeth, terminal};
 use crate::batch::{
     self as batch_room, Batch, Decimals, Layout, Packing, PartSink, Plan, Problem, Request, RowSink, Sink, Sinks,
     TeethJudge,
@@ -19,8 +19,8 @@ use crate::batch::{
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Unjudged;
-use crate::judge::Verdict;
-use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading};
+use crate::mesh::TOLERANCE_MM;
+use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading, YokeSection};
 use crate::spec::Spec;
 use crate::table::{Gatherer, Reading, Table, Teeth, gather};
 
@@ -122,7 +122,6 @@ impl Args {
     /// The spec, and the file that is written, begun.
     fn begin(&self, output: &mut Output) -> Result<(Arc<Spec>, Option<Target>), Failure> {
         let spec = self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?;
-        super::function::leave_open(&spec, output);
         let target = self.output.as_ref().map(|path| {
             target::known_ending(path, path, &ENDINGS)?;
             Target::create(path, &self.inputs(&spec))
@@ -248,7 +247,7 @@ impl Args {
             let title = if is_named { format!("part {}", part.id) } else { self.block_name() };
             let cells = rows_of(&text)?;
             let errors = only_part(opener.open(&path)?.table, &read.spec)?;
-            let report = self.only(&plan, &errors, (&title, part.verdict), &read.spec)?;
+            let report = self.only(&plan, &errors, (&title, part), &read.spec)?;
             self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
         } else {
             let (title, rows) = (read.spec.title.as_deref(), &rows_of(&text)?[..]);
@@ -280,7 +279,7 @@ impl Args {
         &self,
         plan: &Plan,
         errors: &[(DeviationKind, DeviationValue)],
-        (title, verdict): (&'s str, Option<Verdict>),
+        (title, part): (&'s str, &batch_room::Part),
         spec: &Spec,
     ) -> Result<EvaluationReport<'s>, Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
@@ -293,9 +292,13 @@ impl Args {
         let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &of_part.part_deviations()?, &spec.basis()?)?;
         let why = if plan.lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::Lacking };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
-        evaluation.verdict = verdict;
+        if !plan.is_yoke_limited() {
+            evaluation.verdict = part.verdict;
+        }
         let mut report = EvaluationReport::new(Some(title), evaluation, &spec.missing_geometry());
         report.uncertainty = uncertainty;
+        report.yoke =
+            part.yoke.as_deref().zip(plan.yoke.as_ref()).map(|(yoke, judge)| YokeSection::of_part(yoke, judge));
         report.without = if plan.is_partial() { plan.lacking.clone() } else { Vec::new() };
         Ok(report)
     }
@@ -336,7 +339,8 @@ impl Args {
         let mut report = SpacesReport { title: Some(&title), measured: &measured, mesh: None };
         let missing = spec.missing_geometry();
         let rows = report.rows();
-        if spec.limits.is_empty() && !self.mesh {
+        let asks = !(spec.limits.is_empty() && spec.function_limits.is_empty());
+        if !asks && !self.mesh {
             self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
             return Ok(Status::Pass);
         }
@@ -353,8 +357,17 @@ impl Args {
         let input = only.mesh(&all)?;
         let judged = judge.judge(&input, &all)?;
         let covered = judged.strokes.clone();
-        let curve = input.mesh.curve(covered.start, covered.end, mesh::TOLERANCE_MM)?;
+        let yoke = spec.yoke_judge(None, &self.judge.rule(spec))?;
+        // the curve of a yoke is that of its strokes
+        let of_yoke = yoke.as_ref().map(|yoke| yoke.strokes_mm).filter(|(from, to)| input.measures_strokes(*from, *to));
+        let (from, to) = of_yoke.unwrap_or((covered.start, covered.end));
+        let curve = input.mesh.curve(from, to, TOLERANCE_MM)?;
+        let yoke = yoke.map(|yoke| {
+            let part = judge.yoke(&yoke, &judged, (&input, &all), of_yoke.map(|_| &curve));
+            YokeSection::of_part(&part, &yoke)
+        });
         let mut solved = mesh::solved(spec, &input, curve, judged.evaluation)?;
+        solved.yoke = yoke;
         solved.screen = output.screen();
         solved.notes.extend(judge.notes().into_iter().chain(judged.notes));
         if measured.part == Part::Rack {
@@ -363,7 +376,8 @@ impl Args {
                 covered.start, covered.end
             ));
         }
-        let status = Status::of(solved.evaluation.verdict, &solved.evaluation.limits);
+        let checks = solved.yoke.as_ref().map_or(&[][..], YokeSection::checks);
+        let status = Status::of(solved.evaluation.verdict, &solved.evaluation.limits).max(function::status(checks));
         report.mesh = Some(solved);
         self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
         Ok(status)

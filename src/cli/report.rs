@@ -26,11 +26,12 @@ use crate::batch::{
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Unjudged;
 use crate::judge::{LimitTarget, Stack};
+use crate::mesh::TOLERANCE_MM;
 use crate::report::chart::Chart;
 use crate::report::html::{InputFile, Page, Section};
 use crate::report::{
-    Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, grouped, part_block,
-    parts_block,
+    Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection, grouped,
+    part_block, parts_block, yokes_block,
 };
 use crate::spec::Spec;
 use crate::spec::keys;
@@ -190,7 +191,7 @@ impl Args {
             worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
         }
         let (from, to) = self.stroke.ends(spec)?;
-        let curve = match input.mesh.curve(from, to, mesh::TOLERANCE_MM) {
+        let curve = match input.mesh.curve(from, to, TOLERANCE_MM) {
             Ok(curve) => curve,
             Err(error) => {
                 output.diagnostic(&Diagnostic::warning(Code::NoMesh, error.to_string()));
@@ -198,21 +199,21 @@ impl Args {
             }
         };
         let judged = judged(spec, &self.judge)?;
-        let function = function::part(spec, &input, &curve, self.stroke.is_travel(spec), &judged)?;
-        let report = MeshReport { function, ..mesh::solved(spec, &input, curve, judged)? };
+        let function = function::part(spec, &input, &curve, self.stroke.travel(spec)?, &judged)?;
+        let yoke = function.map(|part| YokeSection::Known(Box::new(part)));
+        let report = MeshReport { yoke, ..mesh::solved(spec, &input, curve, judged)? };
         let section = Section::new(HEADING, report.blocks());
         let section = match report.level() {
             Some(level) => Section { blocks: [vec![Block::Note(level)], section.blocks].concat(), ..section },
             None => Section { charts: vec![report.chart()], ..section },
         };
-        let Some(part) = &report.function else { return Ok((section, of_yoke)) };
+        let Some(part) = report.function() else { return Ok((section, of_yoke)) };
         let charts = section.charts.into_iter().chain(part.charts(&report.curve.points)).collect();
         Ok((Section { charts, ..section }, function::status(&part.checks)))
     }
 
     /// The parts of the tables.
     fn of_tables(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
-        function::leave_open(spec, output);
         let waiting = signals::signals(output);
         let stdin = self.stdin(waiting.stop())?;
         if let Some(bytes) = &stdin {
@@ -256,7 +257,8 @@ impl Args {
                 (_, 0) => ("Parts".to_owned(), &parts),
                 (_, worst) => (format!("The worst {worst} parts"), &outcome.worst),
             };
-            let blocks = parts_block(listed, "part").into_iter().chain([report.counts_table()]).chain(unread);
+            let blocks = parts_block(listed, "part").into_iter().chain(yokes_block(listed, "yoke of part"));
+            let blocks = blocks.chain([report.counts_table()]).chain(unread);
             page.sections.push(Section::new(heading, blocks.collect()));
             let level = level.into_iter().map(Block::Note);
             let blocks = level.chain(report.spread()).collect();
@@ -330,7 +332,8 @@ impl Args {
     ) -> Result<Lot, Failure> {
         let request = TeethRequest {
             stroke_mm: self.stroke.ends(spec)?,
-            tolerance_mm: mesh::TOLERANCE_MM,
+            tolerance_mm: TOLERANCE_MM,
+            travel_mm: self.stroke.travel(spec)?,
             rows: self.request(spec),
         };
         let basis = batch::mesh_basis(spec, &request.rows.rule);
@@ -382,6 +385,7 @@ fn problem_text(problem: &crate::batch::Problem) -> String {
 /// What was measured on a part, and how far it is inside its limits.
 fn measured_blocks(part: &Part) -> Vec<Block> {
     let result = parts_block(&[Part { errors: Vec::new(), ..part.clone() }], "part");
+    let result = result.into_iter().chain(yokes_block(std::slice::from_ref(part), "yoke of part"));
     part_block(part).into_iter().chain(result).chain(part.reason.clone().map(Block::Note)).collect()
 }
 

@@ -46,7 +46,7 @@ pub struct Forces {
 }
 
 /// What a yoke does over a stroke.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// First and last stroke, mm.
     pub strokes_mm: (f64, f64),

@@ -102,15 +102,6 @@ pub struct Check {
     pub verdict: Option<Verdict>,
 }
 
-impl Check {
-    /// Limits of which nothing is proven.
-    #[must_use]
-    pub fn all_unproven(limits: &[(Target, Bounds)]) -> Vec<Self> {
-        let open = |&(on, bounds): &(Target, Bounds)| Self { on, bounds, judged: Judged::NotProven, verdict: None };
-        limits.iter().map(open).collect()
-    }
-}
-
 /// How limits are held against what a yoke does.
 #[derive(Debug, Clone, Copy)]
 pub struct Terms {

@@ -1,14 +1,19 @@
 #![doc = include_str!("method.md")]
 //!
-//! Called by the command line for a solved curve ([`Function::of`]) and for a bound of ΔCD ([`SafeSettings`]); solves strokes to
-//! find extremes between the points of a curve, and knows nothing of files or words of a report.
+//! Called for solved curves ([`Function::of`]) and bounds of ΔCD ([`SafeSettings`]), of one part or, by [`YokeJudge`], of many;
+//! solves strokes to find extremes between the points of a curve, and knows nothing of files.
 
 mod along;
+mod common;
+mod judged;
 mod limits;
 mod play;
 mod torque;
+mod words;
 
 pub use along::{Forces, Function, Torque};
+pub use common::{Settings, Shared};
+pub use judged::{FIGURES, Figure, JudgedYoke, YokeJudge};
 pub use limits::{Bounded, Bounds, Check, Judged, Target, Terms, judge};
 pub use play::{SafeSettings, Setting, Window};
 pub use torque::{AtStroke, ForcesAt, lift_off_per_newton};

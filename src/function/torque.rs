@@ -34,7 +34,7 @@ pub struct ForcesAt {
 }
 
 /// A yoke that is set.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SetYoke {
     pub(super) yoke: Yoke,
     /// ΔCD(s_0), mm.

@@ -64,4 +64,10 @@ pub use rates::Rates;
 pub use roll::LARGEST_ROLL_RAD;
 pub use sampler::Sampler;
 pub use summary::Summary;
+
+/// First and last stroke where nobody says them, mm.
+pub const STROKE_MM: (f64, f64) = (0.0, 50.0);
+
+/// How closely a curve is followed unless the user says otherwise, mm.
+pub const TOLERANCE_MM: f64 = 1e-6;
 pub(crate) use summary::largest_swing;

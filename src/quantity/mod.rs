@@ -41,7 +41,7 @@ pub use number::NumberError;
 pub(crate) use number::parse_f64;
 #[cfg(feature = "spec")]
 pub(crate) use number::split_number;
-pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, plain, tidy};
+pub(crate) use plain::{FM_PER_MM, femtometres, of_femtometres, plain, signed, tidy};
 #[cfg(feature = "report")]
 pub(crate) use plain::{padded, plain_padded};
 pub(crate) use rounded::{Degrees, Rounded};

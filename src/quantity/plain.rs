@@ -46,6 +46,20 @@ pub(crate) fn of_femtometres(fm: f64) -> f64 {
     tidy(fm / FM_PER_MM)
 }
 
+/// A signed number with that many decimals, or up to two more where these would show nothing; what is zero even so has no
+/// sign. Too large a number stands in powers of ten.
+pub(crate) fn signed(value: f64, decimals: usize) -> String {
+    const LARGE: f64 = 1e7;
+    const MORE: usize = 2;
+    if value.abs() >= LARGE {
+        return format!("{value:+.2e}");
+    }
+    let texts = (decimals..=decimals + MORE).map(|decimals| format!("{value:+.decimals$}"));
+    let shows = |text: &String| text.bytes().any(|byte| matches!(byte, b'1'..=b'9'));
+    let mut shown = texts.filter(|text| !value.is_finite() || shows(text));
+    shown.next().unwrap_or_else(|| format!("{:.decimals$}", 0.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::evaluation::{assumed, assumptions};
+use super::function::{lot_json, lot_table};
 use super::number::{grouped, millimetres, unsigned};
 use super::parts::judged;
 use super::rows::result_in_words;
@@ -12,6 +13,7 @@ use super::{Block, Report, Table, fact, judged_without, titled};
 use crate::batch::{Capability, Counts, MOST_TESTED, Outcome, Part, Plan, QUANTILES, Quantity};
 use crate::deviation::DeviationKind;
 use crate::evaluation::JudgedBy;
+use crate::function::YokeJudge;
 use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
 use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
 
@@ -32,6 +34,8 @@ pub struct Basis {
     pub without: Vec<DeviationKind>,
     /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
     pub is_all_placed: bool,
+    /// What the yoke is held against, if the spec has one.
+    pub yoke: Option<YokeJudge>,
     /// What verdicts take for granted of what is not known.
     pub assumes: Vec<String>,
 }
@@ -48,6 +52,7 @@ impl Basis {
             unjudged: plan.unjudged.clone(),
             without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
             is_all_placed: plan.is_all_placed,
+            yoke: plan.yoke.clone(),
             assumes: assumptions(&plan.bound_notes(), plan.judges_the_sum(), &plan.unstated()),
         }
     }
@@ -59,11 +64,22 @@ impl Basis {
             let names = names.join(", ");
             return Some(format!("the limit on {names} is not judged: something that the spec asks for is missing"));
         }
-        let has_open = counts.unjudged > 0 && !self.limits.is_empty();
+        let has_open = counts.unjudged > 0 && self.has_limits();
         has_open.then(|| {
             let parts = if counts.unjudged == 1 { "part has" } else { "parts have" };
-            format!("{} {parts} no range to hold against a limit", grouped(counts.unjudged))
+            let what = if self.is_yoke_limited() { "a limit that is open" } else { "no range to hold against a limit" };
+            format!("{} {parts} {what}", grouped(counts.unjudged))
         })
+    }
+
+    /// Whether something is asked of a yoke.
+    fn is_yoke_limited(&self) -> bool {
+        self.yoke.as_ref().is_some_and(|yoke| !yoke.limits.is_empty())
+    }
+
+    /// Whether there is a limit, judged or not.
+    pub(super) fn has_limits(&self) -> bool {
+        !(self.limits.is_empty() && self.unjudged.is_empty()) || self.is_yoke_limited()
     }
 
     /// The model and combination in words.
@@ -217,6 +233,12 @@ impl<'a> BatchReport<'a> {
             .block_if_any()
     }
 
+    /// One position of the plug for all parts, where their settings are known.
+    #[must_use]
+    pub fn plug_table(&self) -> Option<Block> {
+        lot_table(&self.basis.yoke.as_ref()?.yoke, &self.outcome.settings)
+    }
+
     fn worst_table(&self) -> Block {
         let worst = &self.outcome.worst;
         let table =
@@ -230,6 +252,7 @@ impl<'a> BatchReport<'a> {
         let mut blocks = vec![self.statistics_table()];
         blocks.extend(self.capability_table());
         blocks.extend(self.gauge_table());
+        blocks.extend(self.plug_table());
         blocks.extend(self.notes().into_iter().map(Block::Note));
         blocks
     }
@@ -314,7 +337,7 @@ impl<'a> BatchReport<'a> {
                 _ if is_incomplete => "the run is incomplete".to_owned(),
                 (0, _) => "the table has no rows".to_owned(),
                 (_, Some(why)) => why,
-                _ if self.basis.limits.is_empty() => "there is no limit".to_owned(),
+                _ if !self.basis.has_limits() => "there is no limit".to_owned(),
                 _ => "not every row could be judged".to_owned(),
             };
             (None, format!("{why}{rejected}"))
@@ -420,6 +443,9 @@ impl Report for BatchReport<'_> {
             "complete": !interrupted && !is_cut,
             "notes": self.notes(),
         });
+        if let Some(judge) = &self.basis.yoke {
+            json["yoke"] = lot_json(&judge.yoke, &self.outcome.settings);
+        }
         if self.basis.is_all_placed {
             json["judged_by_mesh"] = counts.meshed.into();
         }
@@ -446,6 +472,7 @@ impl Report for BatchReport<'_> {
             blocks.push(self.statistics_table());
             blocks.extend(self.capability_table());
             blocks.extend(self.gauge_table());
+            blocks.extend(self.plug_table());
             blocks.push(self.worst_table());
         }
         blocks.extend(self.notes().into_iter().map(Block::Note));

@@ -454,8 +454,8 @@ impl Report for EvaluationReport<'_> {
             "reached_mm": evaluation.reached,
             "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
-            "verdict": function::overall(evaluation, self.checks()).map(Verdict::name),
-            "reason": function::open(evaluation, self.checks())
+            "verdict": evaluation.verdict_with(self.checks()).map(Verdict::name),
+            "reason": evaluation.open_with(self.checks())
                 .or_else(|| evaluation.limits.iter().find_map(|check| beyond_reach(check, evaluation))),
             "assumes": assumptions_of(evaluation),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),

@@ -8,7 +8,7 @@ use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
 use super::{
-    Block, Column, FunctionPart, Report, Screen, Table, document, fact, function, geometry, noted, sketch, titled,
+    Block, Column, FunctionPart, Report, Screen, Table, YokeSection, document, fact, geometry, noted, sketch, titled,
 };
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
@@ -38,7 +38,7 @@ pub struct MeshReport<'a> {
     /// came of it.
     pub evaluation: Evaluation,
     /// What a yoke does over the stroke, if the spec has one.
-    pub function: Option<FunctionPart>,
+    pub yoke: Option<YokeSection>,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -104,7 +104,13 @@ impl MeshReport<'_> {
 
     /// What came of the limits on what a yoke does.
     fn checks(&self) -> &[Check] {
-        self.function.as_ref().map_or(&[], |part| &part.checks)
+        self.yoke.as_ref().map_or(&[], YokeSection::checks)
+    }
+
+    /// What a yoke does on the curve, where that is known.
+    #[must_use]
+    pub fn function(&self) -> Option<&FunctionPart> {
+        self.yoke.as_ref()?.known()
     }
 
     /// How far the curve's own points can be trusted.
@@ -215,8 +221,8 @@ impl MeshReport<'_> {
             "formula_range_mm": { "lower": lower, "upper": upper },
             "judged_mm": self.evaluation.judged.ok(),
             "judged_by": self.evaluation.judged_by.name(),
-            "verdict": function::overall(&self.evaluation, self.checks()).map(Verdict::name),
-            "reason": function::open(&self.evaluation, self.checks()),
+            "verdict": self.evaluation.verdict_with(self.checks()).map(Verdict::name),
+            "reason": self.evaluation.open_with(self.checks()),
             "assumes": assumptions_of(&self.evaluation),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,
@@ -231,8 +237,8 @@ impl MeshReport<'_> {
             "roll_not_found": trust.roll_not_found,
             "notes": self.notes,
         });
-        if let Some(part) = &self.function {
-            json["yoke"] = part.json();
+        if let Some(yoke) = &self.yoke {
+            json["yoke"] = yoke.json();
         }
         json
     }
@@ -240,14 +246,14 @@ impl MeshReport<'_> {
 
 impl Report for MeshReport<'_> {
     fn json(&self) -> Value {
-        let at = |index: usize| self.function.as_ref().and_then(|part| part.function.along.get(index));
+        let at = |index: usize| self.function().and_then(|part| part.function.along.get(index));
         let points = self.curve.points.iter().enumerate();
         let points = points.map(|(index, point)| mesh_points::json_point(point.stroke_mm, Some(point), at(index)));
         self.json_with(&points.collect(), self.trust())
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        fact::rows(&self.json(), "points", &mesh_points::columns(self.function.is_some()))
+        fact::rows(&self.json(), "points", &mesh_points::columns(self.function().is_some()))
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -262,7 +268,7 @@ impl Report for MeshReport<'_> {
         }
         blocks.push(comparison_table(&summary, &self.prediction));
         blocks.extend(mesh_points::table(&self.listed));
-        blocks.extend(self.function.iter().flat_map(FunctionPart::blocks));
+        blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
         let doubts = self.trust().and(Trust::of(&self.listed)).notes();
         blocks.extend(doubts.iter().map(|doubt| Block::Note(noted(doubt))));

@@ -57,6 +57,8 @@ pub use evaluation::{EvaluationReport, MeshPart, assumptions, bound_note, bound_
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
+#[cfg(feature = "batch")]
+pub use function::yokes_block;
 pub use function::{BoundPart, FunctionPart, YokeSection};
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]

@@ -1,6 +1,6 @@
 //! Numbers as text. Called by all reports: how many digits a column has is decided here.
 
-pub(super) use crate::quantity::{padded, plain, plain_padded, tidy};
+pub(super) use crate::quantity::{padded, plain, plain_padded, signed, tidy};
 
 /// A length in mm for people: signed, to 0.1 µm; a smaller one to 1 nm.
 pub(super) fn millimetres(mm: f64) -> String {
@@ -29,20 +29,6 @@ pub(super) fn percent(share: f64) -> String {
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     let (lower, upper) = (millimetres(lower_mm), millimetres(upper_mm));
     if lower == upper { upper } else { format!("{lower} … {upper}") }
-}
-
-/// A signed number with that many decimals, or up to two more where these would show nothing; what is zero even so has no
-/// sign. Too large a number stands in powers of ten.
-pub(super) fn signed(value: f64, decimals: usize) -> String {
-    const LARGE: f64 = 1e7;
-    const MORE: usize = 2;
-    if value.abs() >= LARGE {
-        return format!("{value:+.2e}");
-    }
-    let texts = (decimals..=decimals + MORE).map(|decimals| format!("{value:+.decimals$}"));
-    let shows = |text: &String| text.bytes().any(|byte| matches!(byte, b'1'..=b'9'));
-    let mut shown = texts.filter(|text| !value.is_finite() || shows(text));
-    shown.next().unwrap_or_else(|| format!("{:.decimals$}", 0.0))
 }
 
 /// The number with that many decimals, the rest cut off.

@@ -3,10 +3,11 @@
 use serde_json::{Value, json};
 
 use super::number::{millimetres, signed};
-use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, fact, titled};
+use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, YokeSection, fact, titled, yokes_block};
 use crate::batch::{Outcome, Part as BatchPart, Problem};
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::law::equation;
+use crate::function::FIGURES;
 use crate::judge::{MeasuredPart, Verdict};
 use crate::quantity::LengthUnit;
 
@@ -35,7 +36,9 @@ const STANDARD: &str = "_standard_uncertainty_mm";
 
 /// Whether a column is a length, and not how certain one is.
 fn is_result(name: &str) -> bool {
-    name.ends_with("_mm") && !["uncertainty", "monte_carlo"].iter().any(|word| name.contains(word))
+    name.ends_with("_mm")
+        && !["uncertainty", "monte_carlo"].iter().any(|word| name.contains(word))
+        && FIGURES.iter().all(|(figure, _)| *figure != name)
 }
 
 impl PartsReport<'_> {
@@ -68,6 +71,10 @@ impl PartsReport<'_> {
         fact["judged_by"] = part.map(|(part, _)| part.judged_by.name()).into();
         let [lower, upper] = JUDGED.map(number);
         fact["judged_mm"] = json!(lower.zip(upper).map(|(lower, upper)| json!({ "lower": lower, "upper": upper })));
+        let yoke = part.and_then(|(part, _)| part.yoke.as_deref()).zip(self.basis.yoke.as_ref());
+        if let Some((yoke, judge)) = yoke {
+            fact["yoke"] = YokeSection::of_part(yoke, judge).json();
+        }
         fact["assumes"] = json!(part.map(|_| &self.basis.assumes));
         let uncertain = self.names().iter().filter_map(|name| name.strip_suffix(STANDARD));
         let results = uncertain.map(|of| {
@@ -108,8 +115,10 @@ impl Report for PartsReport<'_> {
         if rows.len() > 1 {
             blocks.extend(RowsReport { rows: &rows, as_written: false }.blocks());
         }
-        if !(self.basis.limits.is_empty() && self.basis.unjudged.is_empty()) {
-            blocks.push(BatchReport::new(None, self.basis, self.outcome).verdict());
+        let report = BatchReport::new(None, self.basis, self.outcome);
+        blocks.extend(yokes_block(self.parts, "yoke of part").into_iter().chain(report.plug_table()));
+        if self.basis.has_limits() {
+            blocks.push(report.verdict());
         }
         blocks
     }

@@ -6,10 +6,11 @@ use super::keys::{self, Kind};
 use super::limits::read_limit;
 use super::reader::SectionReader;
 use super::resolve::Problems;
-use super::{Located, Spec};
+use super::{Located, MeshInput, Spec};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::function::{Bounds, SetAt, Target, Yoke};
-use crate::mesh::Mesh;
+use crate::function::{Bounds, Function, SetAt, Target, Yoke, YokeJudge};
+use crate::judge::Rule;
+use crate::mesh::{Mesh, STROKE_MM};
 use crate::multibody;
 use crate::quantity::{Angle, Length};
 
@@ -99,6 +100,25 @@ impl Spec {
         self.function_limits.iter().map(|(target, bounds)| (*target, bounds.value)).collect()
     }
 
+    /// What parts are judged by that have this yoke, if the spec has one: over the rack's travel, or over these strokes. By a rule
+    /// that asks for an uncertainty no limit is judged.
+    ///
+    /// # Errors
+    /// Diagnostics as [`yoke`](Self::yoke).
+    pub fn yoke_judge(&self, strokes_mm: Option<(f64, f64)>, rule: &Rule) -> Result<Option<YokeJudge>, Diagnostics> {
+        if !self.has_yoke() {
+            return Ok(None);
+        }
+        let strokes = strokes_mm.or_else(|| self.travel_mm());
+        Ok(Some(YokeJudge {
+            yoke: self.yoke()?,
+            limits: self.function_limits(),
+            strokes_mm: strokes.unwrap_or(STROKE_MM),
+            knows_travel: strokes.is_some(),
+            is_by_value: *rule == Rule::Simple,
+        }))
+    }
+
     /// Values of a yoke or a travel that are each in their domain, but not together.
     pub(super) fn yoke_contradictions(&self) -> Vec<Diagnostic> {
         let at = |message: &str, span: Option<Range<usize>>| {
@@ -139,5 +159,25 @@ impl Spec {
         };
         // the force that the user gives is that at s_0
         Ok(multibody::Yoke { preload_n: yoke.preload_n - yoke.rate_n_per_mm * at_mm, clearance_mm: clearance, ..yoke })
+    }
+}
+
+impl MeshInput {
+    /// Whether every flank that carries over the strokes of a yoke, and where its play is set, was measured, if its part was.
+    #[must_use]
+    pub fn measures(&self, function: &Function) -> bool {
+        let (from, to) = function.strokes_mm;
+        self.measures_strokes(from.min(function.set_at_mm), to.max(function.set_at_mm))
+    }
+
+    /// Whether every flank that carries over some strokes was measured, if its part was.
+    #[must_use]
+    pub fn measures_strokes(&self, from: f64, to: f64) -> bool {
+        if self.rack_rows.is_empty() && self.pinion_rows.is_empty() {
+            return true;
+        }
+        let covers = |strokes: &Range<f64>| strokes.start <= from && to <= strokes.end;
+        let strokes = self.judged_strokes();
+        strokes.is_ok_and(|strokes| self.rack_rows.is_empty() || strokes.iter().any(covers))
     }
 }

@@ -14,6 +14,7 @@ mod dependencies;
 mod domains;
 mod formula_accuracy;
 mod function;
+mod function_parts;
 mod function_simulated;
 mod fuzz_corpus;
 mod goldens;

@@ -8,8 +8,10 @@ use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
+use crate::function::{Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::Basis;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
+use crate::mesh::{Curve, TOLERANCE_MM};
 use crate::spec::{MeasuredTables, MeshInput, SolvedTeeth, Spec};
 use crate::uncertainty::{self, propagate};
 
@@ -39,6 +41,8 @@ pub struct JudgedTeeth {
     pub strokes: Range<f64>,
     /// Its teeth with the errors of the other part, held against the limits of the spec.
     pub evaluation: Evaluation,
+    /// What the spec asks for and nobody knows of the part, without which it is not judged.
+    lacks: Vec<DeviationKind>,
     /// What was not measured though the spec asks for it, and what is taken as exact beside values that are uncertain.
     pub notes: Vec<String>,
 }
@@ -107,23 +111,61 @@ impl TeethJudge {
         let lacks_uncertainty = self.rule.needs_uncertainty() && !spec.teeth_taken_as_exact.is_empty();
         let unmeasured = self.spec.not_in_tables(self.part, tables);
         let mut evaluation = self.evaluated(&spec)?;
-        let why = if !self.lacking.is_empty() || !unmeasured.is_empty() {
-            Some(Unjudged::Lacking)
+        let mut lacks = [&self.lacking[..], &unmeasured].concat();
+        lacks.retain(|_| !self.is_partial);
+        let why = if lacks.is_empty() {
+            (lacks_uncertainty && !self.is_partial).then_some(Unjudged::NoUncertainty)
         } else {
-            lacks_uncertainty.then_some(Unjudged::NoUncertainty)
+            Some(Unjudged::Lacking)
         };
-        if let Some(why) = why.filter(|_| !self.is_partial) {
+        if let Some(why) = why {
             evaluation.leave_open(LimitTarget::CenterDistance, why);
         }
         let ends = strokes.first().zip(strokes.last());
         Ok(JudgedTeeth {
             strokes: ends.map_or(0.0..0.0, |(first, last)| first.start..last.end),
             evaluation,
+            lacks,
             notes: [self.note_of_unmeasured(&unmeasured), self.note_of_certain(&spec), note_of_spaces(tables)]
                 .into_iter()
                 .flatten()
                 .collect(),
         })
+    }
+
+    /// What a yoke does on a part that was judged, with its limits; `curve` is that of the part's own teeth over the same strokes,
+    /// where it is solved already. Errors of the other part that are not on all teeth leave the bound to judge.
+    #[must_use]
+    pub fn yoke(
+        &self,
+        yoke: &YokeJudge,
+        part: &JudgedTeeth,
+        (input, tables): (&MeshInput, &MeasuredTables),
+        curve: Option<&Curve>,
+    ) -> JudgedYoke {
+        if !part.lacks.is_empty() {
+            let keys = part.lacks.iter().map(|kind| kind.key()).collect();
+            return yoke.unknown(yoke.open(&Judged::Lacks(keys)));
+        }
+        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), error.value())).collect();
+        let placed = (!errors.is_empty()).then(|| self.measured_only.with_errors(&errors).mesh_of_all_teeth(tables));
+        let unsolved = || yoke.unknown(yoke.open(&Judged::Unsolved));
+        let (input, curve) = match &placed {
+            None => (input, curve),
+            Some(Ok(Some(placed))) => (placed, None),
+            Some(Ok(None)) => return yoke_by_bound(yoke, part, input),
+            Some(Err(_)) => return unsolved(),
+        };
+        let (from, to) = yoke.strokes_mm;
+        let solved = match curve {
+            Some(curve) => yoke.on(&input.mesh, curve),
+            None => input.mesh.curve(from, to, TOLERANCE_MM).and_then(|curve| yoke.on(&input.mesh, &curve)),
+        };
+        let Ok(Some(function)) = solved else { return unsolved() };
+        let is_measured = input.measures(&function);
+        let known = yoke.known(function, is_measured);
+        // the points are those of the part's own teeth
+        if placed.is_some() { known.in_short() } else { known }
     }
 
     /// What the spec says of the measured part and its table does not tell, and what follows.
@@ -190,6 +232,17 @@ impl TeethJudge {
         decided.map_err(|error| no_result(error.to_string()))?;
         Ok(evaluation)
     }
+}
+
+/// What a yoke does on a part that was judged, where errors of the other part are left to place.
+fn yoke_by_bound(yoke: &YokeJudge, part: &JudgedTeeth, input: &MeshInput) -> JudgedYoke {
+    let (from, to) = yoke.strokes_mm;
+    let checks = if input.measures_strokes(from, to) {
+        yoke.by_bound(input.mesh.pair(), part.evaluation.range_width_mm(), &[])
+    } else {
+        yoke.open(&Judged::NotMeasured)
+    };
+    yoke.unknown(checks)
 }
 
 /// Spaces at the ends that have rows without values: what they touch is not judged.

@@ -11,23 +11,25 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+mod columns;
 mod judge;
 
+use columns::{COLUMNS, Column, QUANTITIES, columns_asked};
 pub use judge::{JudgedTeeth, TeethJudge};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
 use super::outcome::{Outcome, Part, Problem, Quantity, RowPlace, keep_worst};
-use super::output::End;
 use super::request::Request;
 use super::run::{Progress, RunError};
 use super::write;
 use crate::deviation;
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::function::{Check, JudgedYoke, Target, YokeJudge};
 use crate::judge::{LimitTarget, NearestEnd, Verdict};
 use crate::mesh::Summary;
 use crate::parallel;
-use crate::quantity::{Length, tidy};
+use crate::quantity::Length;
 use crate::spec::{MeasuredTables, Spec};
 use crate::table::{Encoding, Gatherer, LineFault, Place, Reading, Table, ToothedPart, Wanted};
 
@@ -38,76 +40,11 @@ pub struct TeethRequest {
     pub stroke_mm: (f64, f64),
     /// How near the curve between its points is, mm.
     pub tolerance_mm: f64,
+    /// First and last stroke of the rack's travel, mm, if they are known.
+    pub travel_mm: Option<(f64, f64)>,
     /// What is written and kept, the rule, and whether parts are judged without what the spec asks for. The formulas'
     /// model, their stack and the simulation of results are not asked for.
     pub rows: Request,
-}
-
-/// A column that is written.
-#[derive(Debug, Clone, Copy)]
-enum Column {
-    /// A text of a part and what it comes to.
-    Text(fn(&ToothedPart, &Solved) -> Option<String>),
-    /// A result, mm.
-    Number(NumberOf),
-    /// An end of what is held against the limit, mm.
-    End(End, NumberOf),
-}
-
-/// A result; `None` if there is none.
-type NumberOf = fn(&Solved) -> Option<f64>;
-
-impl Column {
-    const fn kind(self) -> ColumnKind {
-        match self {
-            Self::Text(_) => ColumnKind::Text,
-            Self::Number(_) | Self::End(..) => ColumnKind::Number,
-        }
-    }
-
-    /// The result without digits that are rounding of the solution; `None` if there is none.
-    fn number(self, solved: &Solved) -> Option<f64> {
-        match self {
-            Self::Number(of) | Self::End(_, of) => of(solved).map(tidy),
-            Self::Text(_) => None,
-        }
-    }
-}
-
-/// The columns that can be written; the first so many are written unless others are asked for.
-const COLUMNS: [(&str, Column); 17] = [
-    ("part_id", Column::Text(|part, _| Some(part.name.clone()))),
-    ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
-    ("min_delta_cd_mm", Column::Number(|solved| Some(solved.summary.min_mm))),
-    ("max_delta_cd_mm", Column::Number(|solved| Some(solved.summary.max_mm))),
-    ("peak_to_peak_mm", Column::Number(|solved| Some(solved.summary.peak_to_peak_mm))),
-    ("tooth_to_tooth_mm", Column::Number(|solved| Some(solved.summary.tooth_to_tooth_mm))),
-    ("lower_mm", Column::End(End::Lower, |solved| Some(solved.judged.evaluation.judged.ok()?.lower.mm()))),
-    ("upper_mm", Column::End(End::Upper, |solved| Some(solved.judged.evaluation.judged.ok()?.upper.mm()))),
-    ("margin_mm", Column::Number(|solved| Some(solved.nearest()?.inside_by.mm()))),
-    ("verdict", Column::Text(|_, solved| Some(solved.judged.evaluation.verdict?.name().to_owned()))),
-    ("reason", Column::Text(|_, solved| solved.reason())),
-    ("from_stroke_mm", Column::Number(|solved| Some(solved.strokes.start))),
-    ("to_stroke_mm", Column::Number(|solved| Some(solved.strokes.end))),
-    ("nearest_limit", Column::Text(|_, solved| solved.nearest().map(|end| format!("center_distance.{}", end.name())))),
-    ("min_stroke_mm", Column::Number(|solved| Some(solved.summary.min_stroke_mm))),
-    ("max_stroke_mm", Column::Number(|solved| Some(solved.summary.max_stroke_mm))),
-    ("transmission_error_mm", Column::Number(|solved| Some(solved.summary.transmission_error_mm))),
-];
-const WRITTEN: usize = 13;
-/// Those of which there are statistics.
-const QUANTITIES: Range<usize> = 1..8;
-
-/// The columns of these names; those that are written unless others are asked for, if none are.
-fn columns_asked(names: Option<&[String]>) -> Result<Vec<(&'static str, Column)>, Diagnostic> {
-    let Some(names) = names else { return Ok(COLUMNS[..WRITTEN].to_vec()) };
-    let column = |name: &String| {
-        COLUMNS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-            Diagnostic::usage(format!("there is no column `{name}` to write"))
-                .help(format!("the results are {}", COLUMNS.map(|(name, _)| name).join(", ")))
-        })
-    };
-    names.iter().map(column).collect()
 }
 
 /// A batch of parts with their teeth. In the counts of its outcome, a row is a part.
@@ -118,6 +55,8 @@ pub struct Teeth<'a> {
     lots: Vec<Lot>,
     request: TeethRequest,
     columns: Vec<(&'static str, Column)>,
+    /// What the yoke is held against, if the spec has one.
+    yoke: Option<YokeJudge>,
     ledger: Ledger<'a>,
     workers: usize,
     /// Parts of which not every stroke that was asked for is covered.
@@ -128,15 +67,16 @@ impl<'a> Teeth<'a> {
     /// Starts a batch; `tables` are those of the part that is the same for all.
     ///
     /// # Errors
-    /// A diagnostic if a column is asked for that there is not.
+    /// Diagnostics if a column is asked for that there is not, or of a yoke of which too little is said.
     pub fn new(
         spec: &'a Spec,
         tables: &'a MeasuredTables,
         request: TeethRequest,
         sinks: Sinks<'a>,
         workers: usize,
-    ) -> Result<Self, Diagnostic> {
-        let columns = columns_asked(request.rows.columns.as_deref())?;
+    ) -> Result<Self, Diagnostics> {
+        let columns = columns_asked(request.rows.columns.as_deref(), spec.has_yoke())?;
+        let yoke = spec.yoke_judge(request.travel_mm, &request.rows.rule)?;
         let limit = spec.limits.iter().find(|(on, _)| *on == LimitTarget::CenterDistance);
         let limit = limit.map(|(_, limit)| &limit.value);
         let kept = if request.rows.statistics { &COLUMNS[QUANTITIES] } else { &[] };
@@ -151,6 +91,7 @@ impl<'a> Teeth<'a> {
             lots: Vec::new(),
             request,
             columns,
+            yoke,
             ledger: Ledger::new(sinks, kept.iter().map(quantity).collect()),
             workers: workers.max(1),
             cut: 0,
@@ -161,9 +102,9 @@ impl<'a> Teeth<'a> {
     ///
     /// # Errors
     /// A diagnostic if a column is asked for that there is not.
-    pub fn columns_written(columns: Option<&[String]>) -> Result<Vec<(String, ColumnKind)>, Diagnostic> {
+    pub fn columns_written(spec: &Spec, columns: Option<&[String]>) -> Result<Vec<(String, ColumnKind)>, Diagnostic> {
         let written = |(name, column): (&str, Column)| (name.to_owned(), column.kind());
-        Ok(columns_asked(columns)?.into_iter().map(written).collect())
+        Ok(columns_asked(columns, spec.has_yoke())?.into_iter().map(written).collect())
     }
 
     /// Reads the parts of one table.
@@ -240,10 +181,10 @@ impl<'a> Teeth<'a> {
             if self.ledger.is_over(self.request.rows.strict) || stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let (tables, request) = (self.tables, &self.request);
+            let (tables, request, yoke) = (self.tables, &self.request, self.yoke.as_ref());
             let solve = |(): &mut (), index: usize| {
                 let is_stopped = stop.load(Ordering::Relaxed);
-                (!is_stopped).then(|| lot.solved(&parts[index], tables, request))
+                (!is_stopped).then(|| lot.solved(&parts[index], tables, request, yoke))
             };
             let solved = parallel::map(self.workers, parts.len(), || (), solve).0;
             for (part, solved) in parts.iter().zip(solved.into_iter().map_while(|solved| solved)) {
@@ -284,11 +225,14 @@ impl<'a> Teeth<'a> {
             Ok(solved) => solved,
             Err(fault) => return self.reject(part, &fault, lot),
         };
-        let verdict = solved.judged.evaluation.verdict;
+        let verdict = solved.verdict();
         self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
         if solved.is_cut {
             self.cut += 1;
+        }
+        if let Some(settings) = solved.yoke.as_ref().and_then(|yoke| yoke.settings_known()) {
+            self.ledger.outcome.settings.add(settings);
         }
         let kept = judged_part(part, &solved, lot);
         if let Some(list) = self.ledger.sinks.parts.as_mut() {
@@ -405,6 +349,8 @@ fn refuse_in_two(lots: &mut [Lot]) {
 struct Solved {
     summary: Summary,
     judged: JudgedTeeth,
+    /// What the yoke does.
+    yoke: Option<Arc<JudgedYoke>>,
     /// From the first to the last stroke that is covered.
     strokes: Range<f64>,
     /// Whether strokes that were asked for are not.
@@ -412,6 +358,25 @@ struct Solved {
 }
 
 impl Solved {
+    /// What came of the limits on the yoke.
+    fn checks(&self) -> &[Check] {
+        self.yoke.as_ref().map_or(&[], |yoke| &yoke.checks)
+    }
+
+    /// The verdict on all limits.
+    fn verdict(&self) -> Option<Verdict> {
+        self.judged.evaluation.verdict_with(self.checks())
+    }
+
+    fn verdict_on(&self, on: Target) -> Option<String> {
+        self.yoke.as_ref()?.verdict_on(on).map(|verdict| verdict.name().to_owned())
+    }
+
+    /// Whether a limit on the yoke is broken, and none on ΔCD.
+    fn fails_by_yoke(&self) -> bool {
+        self.verdict() == Some(Verdict::Fail) && self.judged.evaluation.verdict != Some(Verdict::Fail)
+    }
+
     /// The end of the limit that the part is nearest to.
     fn nearest(&self) -> Option<NearestEnd> {
         let mut checks = self.judged.evaluation.limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
@@ -421,27 +386,33 @@ impl Solved {
     /// Why the part does not pass, or has no verdict.
     fn reason(&self) -> Option<String> {
         let evaluation = &self.judged.evaluation;
+        let of_limit = || Some(format!("ΔCD {}", self.nearest()?));
         let fails = evaluation.verdict == Some(Verdict::Fail);
-        evaluation.open_because().or_else(|| Some(format!("ΔCD {}", self.nearest().filter(|_| fails)?)))
+        let of_errors = if fails { of_limit() } else { evaluation.open_because() };
+        let all: Vec<_> = of_errors.into_iter().chain(self.checks().iter().filter_map(Check::reason)).collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
 }
 
-/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
+/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0. A part that its yoke
+/// alone fails is among the worst, whatever its ΔCD.
 fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
     let evaluation = &solved.judged.evaluation;
     // what is open stands nearest to any limit
     let open = f64::INFINITY;
     let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
-    let nearest = solved.nearest();
+    let nearest = solved.nearest().filter(|_| !solved.fails_by_yoke());
+    let without_limit = if solved.fails_by_yoke() { -open } else { -highest.abs().max(lowest.abs()) };
     Part {
         id: part.name.clone(),
         place: lot.place(part.line, part.record),
-        verdict: evaluation.verdict,
-        margin_mm: nearest.map_or(-highest.abs().max(lowest.abs()), |nearest| nearest.inside_by.mm()),
+        verdict: solved.verdict(),
+        margin_mm: nearest.map_or(without_limit, |nearest| nearest.inside_by.mm()),
         on: nearest.map(|_| LimitTarget::CenterDistance),
         result_mm: (lowest, highest),
         reason: solved.reason(),
         errors: Vec::new(),
+        yoke: solved.yoke.clone(),
         judged_by: evaluation.judged_by,
     }
 }
@@ -452,7 +423,13 @@ impl Lot {
     }
 
     /// Solves one of its parts; `tables` are those of the part that is the same for all.
-    fn solved(&self, part: &ToothedPart, tables: &MeasuredTables, request: &TeethRequest) -> Result<Solved, LineFault> {
+    fn solved(
+        &self,
+        part: &ToothedPart,
+        tables: &MeasuredTables,
+        request: &TeethRequest,
+        yoke: Option<&YokeJudge>,
+    ) -> Result<Solved, LineFault> {
         if let Some(fault) = &part.fault {
             return Err(fault.clone());
         }
@@ -480,6 +457,11 @@ impl Lot {
         let curve = curve.map_err(|error| bad(error.to_string()))?;
         let summary = curve.summary(&input.mesh);
         let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
-        Ok(Solved { summary, judged, is_cut: strokes != (from..to), strokes })
+        let is_cut = strokes != (from..to);
+        let yoke = yoke.map(|yoke| {
+            let is_same = !is_cut && yoke.strokes_mm == (from, to);
+            self.judge.yoke(yoke, &judged, (&input, &tables), is_same.then_some(&curve))
+        });
+        Ok(Solved { summary, judged, yoke: yoke.map(|yoke| Arc::new(yoke.in_short())), is_cut, strokes })
     }
 }

@@ -130,7 +130,6 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let junit = self.begin_report()?;
         let spec = Arc::new(self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?);
-        super::function::leave_open(&spec, output);
         let mut files = self.files.clone();
         if files.is_empty() {
             files.push("-".into());
@@ -298,6 +297,7 @@ impl Args {
             unjudged: Vec::new(),
             without: Vec::new(),
             is_all_placed: false,
+            yoke: None,
             assumes: Vec::new(),
         }
     }
@@ -305,7 +305,7 @@ impl Args {
     /// The columns that are written: those asked for, those of a table for people, or all (`None`).
     fn columns(&self, format: BatchFormat, spec: &Spec) -> Option<Vec<String>> {
         let of_table = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
-        let count = if spec.limits.is_empty() { 3 } else { of_table.len() };
+        let count = if spec.limits.is_empty() && spec.function_limits.is_empty() { 3 } else { of_table.len() };
         let is_table = format == BatchFormat::Table && !self.summary;
         self.columns
             .clone()
@@ -346,7 +346,8 @@ impl Args {
     /// What the user should know before the first row.
     fn remarks(&self, plan: &Plan, output: &mut Output) {
         unjudged(plan, output);
-        if self.only_failures && plan.limits.is_empty() && plan.unjudged.is_empty() {
+        let has_limits = !plan.limits.is_empty() || plan.is_yoke_limited();
+        if self.only_failures && !has_limits && plan.unjudged.is_empty() {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
     }
@@ -437,6 +438,7 @@ pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
         limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
         without: Vec::new(),
         is_all_placed: false,
+        yoke: spec.yoke_judge(None, rule).ok().flatten(),
     }
 }
 

@@ -28,10 +28,15 @@ impl Args {
     ) -> Result<Status, Failure> {
         let rows = self.request((written, format), spec)?;
         let basis = mesh_basis(spec, &rows.rule);
-        let columns = Teeth::columns_written(rows.columns.as_deref())?;
-        let request =
-            TeethRequest { stroke_mm: self.range.stroke.ends(spec)?, tolerance_mm: self.range.tolerance.mm(), rows };
-        if self.only_failures && spec.limit_on(LimitTarget::CenterDistance).is_none() {
+        let columns = Teeth::columns_written(spec, rows.columns.as_deref())?;
+        let request = TeethRequest {
+            stroke_mm: self.range.stroke.ends(spec)?,
+            tolerance_mm: self.range.tolerance.mm(),
+            travel_mm: self.range.stroke.travel(spec)?,
+            rows,
+        };
+        let has_limit = spec.limit_on(LimitTarget::CenterDistance).is_some() || !spec.function_limits.is_empty();
+        if self.only_failures && !has_limit {
             output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, NO_LIMITS));
         }
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;

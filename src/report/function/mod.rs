@@ -1,16 +1,22 @@
 //! What a yoke does, in the reports of the mesh: its play, the setting of its plug, torque and lift-off, and their limits.
 
+mod bound;
+mod charts;
+#[cfg(feature = "batch")]
+mod lot;
+
+pub use bound::BoundPart;
+#[cfg(feature = "batch")]
+pub use lot::yokes_block;
+#[cfg(feature = "batch")]
+pub(super) use lot::{lot_json, lot_table};
+
 use serde_json::{Value, json};
 
-use super::chart::{Axis, Chart, Layer, Scale, Shape, Span};
-use super::evaluation::ON_WORST_TEETH;
 use super::mesh_points::ListedPoint;
 use super::number::{plain, signed, tidy, unsigned};
 use super::{Block, Table};
-use crate::evaluation::{Evaluation, worse};
-use crate::function::{
-    AtStroke, Bounded, Bounds, Check, ForcesAt, Function, Judged, SafeSettings, Setting, Target, Torque, Yoke,
-};
+use crate::function::{AtStroke, Bounds, Check, ForcesAt, Function, Judged, Setting, Torque, Yoke};
 use crate::judge::Verdict;
 use crate::mesh::{Mesh, MeshPoint, Sampler};
 use crate::multibody::Extent;
@@ -50,6 +56,12 @@ impl YokeSection {
         }
     }
 
+    /// What the yoke does on the curve, where that is known.
+    #[must_use]
+    pub fn known(&self) -> Option<&FunctionPart> {
+        if let Self::Known(part) = self { Some(part) } else { None }
+    }
+
     pub(super) fn json(&self) -> Value {
         match self {
             Self::Known(part) => part.json(),
@@ -63,22 +75,6 @@ impl YokeSection {
             Self::Bounded(part) => part.blocks(),
         }
     }
-}
-
-/// The verdict on all limits of an evaluation and of what a yoke does; `None` without any, or if one is open.
-pub(super) fn overall(evaluation: &Evaluation, checks: &[Check]) -> Option<Verdict> {
-    let of_errors = (!evaluation.limits.is_empty()).then_some(evaluation.verdict);
-    of_errors.into_iter().chain(checks.iter().map(|check| check.verdict)).reduce(worse).flatten()
-}
-
-/// Why that is open; `None` where it is a pass or a fail.
-pub(super) fn open(evaluation: &Evaluation, checks: &[Check]) -> Option<String> {
-    if matches!(overall(evaluation, checks), Some(Verdict::Pass | Verdict::Fail)) {
-        return None;
-    }
-    let of_yoke = checks.iter().filter_map(open_because);
-    let reasons: Vec<_> = evaluation.open_because().into_iter().chain(of_yoke).collect();
-    (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
 /// The columns of a list of strokes that a yoke adds.
@@ -128,14 +124,9 @@ fn torque_json(torque: &Torque) -> Value {
     json
 }
 
-/// The angle of a play.
-fn degrees(yoke: &Yoke, play_mm: f64) -> Option<f64> {
-    yoke.thread_pitch_mm.map(|pitch| tidy(360.0 * play_mm / pitch))
-}
-
 /// A play, with its angle if the thread is known.
 fn play_in_words(yoke: &Yoke, mm: f64) -> String {
-    let degrees = degrees(yoke, mm).map(|degrees| format!(", {degrees:.1}°")).unwrap_or_default();
+    let degrees = yoke.degrees(mm).map(|degrees| format!(", {degrees:.1}°")).unwrap_or_default();
     format!("{} mm{degrees}", unsigned_play(mm))
 }
 
@@ -152,7 +143,7 @@ fn settings_in_words(yoke: &Yoke, setting: Option<Setting>, none: &str) -> Strin
 
 fn setting_json(yoke: &Yoke, setting: Setting) -> Value {
     let [from, to, middle] = [Some(setting.from_mm), setting.to_mm, setting.middle_mm().map(tidy)];
-    let degrees = |mm: Option<f64>| mm.and_then(|mm| degrees(yoke, mm));
+    let degrees = |mm: Option<f64>| mm.and_then(|mm| yoke.degrees(mm));
     json!({
         "from_mm": from, "to_mm": to, "recommended_mm": middle,
         "from_deg": degrees(from), "to_deg": degrees(to), "recommended_deg": degrees(middle),
@@ -187,7 +178,7 @@ impl FunctionPart {
             "stroke_mm": { "from": function.strokes_mm.0, "to": function.strokes_mm.1 },
             "set_at_mm": function.set_at_mm,
             "set_play_mm": function.play_mm.map(tidy),
-            "set_play_deg": function.play_mm.and_then(|play| degrees(&self.yoke, play)),
+            "set_play_deg": function.play_mm.and_then(|play| self.yoke.degrees(play)),
             "is_recommended": self.yoke.play_mm.is_none() && function.play_mm.is_some(),
             "variation_mm": tidy(function.variation_mm()),
             "smallest_play_mm": smallest.map(tidy),
@@ -208,7 +199,7 @@ impl FunctionPart {
         let mut blocks = vec![self.play_table()];
         blocks.extend(self.torque_table());
         blocks.extend(self.notes().into_iter().map(Block::Remark));
-        blocks.extend(self.checks.iter().map(|check| Block::Verdict(check.verdict, sentence(check, &self.scope()))));
+        blocks.extend(self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(&self.scope()))));
         blocks
     }
 
@@ -338,69 +329,6 @@ impl FunctionPart {
         let (from, to) = self.function.strokes_mm;
         format!("over the travel {} … {} mm", Rounded(from), Rounded(to))
     }
-
-    /// Both pictures, as far as there is something to show.
-    #[must_use]
-    pub fn charts(&self, points: &[MeshPoint]) -> Vec<Chart> {
-        std::iter::once(self.play_chart(None, points)).chain(self.torque_chart(None, points)).collect()
-    }
-
-    /// What the assembler sets: the play along the stroke between its limits, and what the settings make of it.
-    #[must_use]
-    pub fn play_chart(&self, title: Option<&str>, points: &[MeshPoint]) -> Chart {
-        let function = &self.function;
-        let lowest = self.window.map(|bounds| bounds.window().lower_mm);
-        // without a setting, the play that just touches its lower limit
-        let at_limit = lowest.unwrap_or(0.0) + (function.highest.delta_cd_mm - function.at_mm());
-        let (label, set) = match function.play_mm {
-            Some(play) => (if self.yoke.play_mm.is_some() { "play as set" } else { "play as recommended" }, play),
-            None => ("play with its smallest at the limit", at_limit),
-        };
-        let play = |set: f64, point: &MeshPoint| set - (point.delta_cd_mm - function.at_mm());
-        let band = function.setting.and_then(|setting| {
-            let to = setting.to_mm?;
-            let span = |point: &MeshPoint| Span {
-                x: point.stroke_mm,
-                low: play(setting.from_mm, point),
-                high: play(to, point),
-            };
-            Some(points.iter().map(span).collect())
-        });
-        let ends = self.window.map(|bounds| lowest.into_iter().chain(bounds.upper).collect());
-        let layers = vec![
-            Layer::new("settings that keep the window", Shape::Band(band.unwrap_or_default())),
-            Layer::new("limits", Shape::Limits(ends.unwrap_or_default())),
-            Layer::new(label, Shape::Line(points.iter().map(|point| (point.stroke_mm, play(set, point))).collect())),
-        ];
-        let chart = Chart::along_the_stroke(title.unwrap_or("play of the yoke"), layers);
-        Chart { y: Axis { label: "play of the yoke [mm]".to_owned(), scale: Scale::Airy }, ..chart }
-    }
-
-    /// The free torque of the pinion with its terms; `None` if it is not known.
-    #[must_use]
-    pub fn torque_chart(&self, title: Option<&str>, points: &[MeshPoint]) -> Option<Chart> {
-        self.function.forces.as_ref()?;
-        let line = |of: fn(&ForcesAt) -> f64| {
-            let at = points.iter().zip(&self.function.along);
-            Shape::Line(at.filter_map(|(point, at)| Some((point.stroke_mm, of(&at.forces?)))).collect())
-        };
-        let limits = self.checks.iter().filter(|check| check.on == Target::PinionTorque);
-        let limits = limits.flat_map(|check| check.bounds.lower.into_iter().chain(check.bounds.upper)).collect();
-        let mut layers = vec![
-            Layer::new("limits", Shape::Limits(limits)),
-            Layer::new("stroke rising", line(|at| at.rising_n_m)),
-            Layer::new("stroke falling", line(|at| at.falling_n_m)),
-            Layer::new("lifting the yoke, rising", line(|at| at.lifting_n_m)),
-        ];
-        if self.yoke.yoke_friction.is_some() {
-            layers.push(Layer::new("friction of the yoke", line(|at| at.yoke_friction_n_m)));
-        }
-        if self.yoke.tooth_friction.is_some() {
-            layers.push(Layer::new("friction at the teeth", line(|at| at.tooth_friction_n_m)));
-        }
-        let chart = Chart::along_the_stroke(title.unwrap_or("free torque of the pinion"), layers);
-        Some(Chart { y: Axis { label: "torque at the pinion [N m]".to_owned(), scale: Scale::Airy }, ..chart })
-    }
 }
 
 fn unsigned_play(mm: f64) -> String {
@@ -408,66 +336,8 @@ fn unsigned_play(mm: f64) -> String {
     text.trim_start_matches('+').to_owned()
 }
 
-fn value_in_words(on: Target, value: f64) -> String {
-    let decimals = if on == Target::LiftOffForce { 1 } else { 4 };
-    signed(tidy(value), decimals).trim_start_matches('+').to_owned()
-}
-
-fn bounds_in_words(bounds: &Bounds, unit: &str) -> String {
-    match (bounds.lower, bounds.upper) {
-        (Some(lower), Some(upper)) => format!("{lower} … {upper} {unit}"),
-        (None, Some(upper)) => format!("at most {upper} {unit}"),
-        (Some(lower), None) => format!("at least {lower} {unit}"),
-        (None, None) => "none".to_owned(),
-    }
-}
-
 /// What verdicts are about where the teeth are not known.
 const WHEREVER: &str = "wherever on the teeth the errors are";
-
-/// What came of a limit.
-fn sentence(check: &Check, scope: &str) -> String {
-    let (what, unit) = (check.on.words(), check.on.unit());
-    let limit = bounds_in_words(&check.bounds, unit);
-    match &check.judged {
-        Judged::Values(values) => {
-            let [smallest, largest] = values.map(|value| value_in_words(check.on, value));
-            let shown = if smallest == largest { largest } else { format!("{smallest} … {largest}") };
-            match check.verdict {
-                Some(Verdict::Pass) => format!("{what}: {shown} {unit} is within the limit ({limit}; {scope})"),
-                _ if scope == WHEREVER => {
-                    format!(
-                        "{what}: {shown} {unit} leaves the limit ({limit}; with the errors where a search put them)"
-                    )
-                }
-                _ => format!("{what}: {shown} {unit} leaves the limit ({limit}; {scope})"),
-            }
-        }
-        Judged::NoSetting => format!("{what}: no position of the plug keeps {limit}, for ΔCD varies by more ({scope})"),
-        Judged::SomeSetting => format!("{what}: a position of the plug keeps {limit} ({scope})"),
-        _ => open_because(check).unwrap_or_default(),
-    }
-}
-
-/// Why a limit is open; `None` of one that is met or broken.
-fn open_because(check: &Check) -> Option<String> {
-    let what = check.on.words();
-    match &check.judged {
-        Judged::Lacks(keys) => Some(format!("{what}: not judged without {}", keys.join(", "))),
-        Judged::NoUncertainty => {
-            Some(format!("{what}: not judged, for the rule asks for an uncertainty, of which nothing is known"))
-        }
-        Judged::NotMeasured => {
-            Some(format!("{what}: not judged, for flanks that carry on the travel were not measured"))
-        }
-        Judged::Unsolved => Some(format!("{what}: not judged, for some strokes are not solved")),
-        Judged::Rolls => Some(format!("{what}: not judged for a rack that may roll")),
-        Judged::NotProven => Some(format!(
-            "{what}: not proven: the bound of ΔCD is too wide for a pass, and no placement that was found fails"
-        )),
-        Judged::Values(_) | Judged::NoSetting | Judged::SomeSetting => None,
-    }
-}
 
 pub(super) fn check_json(check: &Check) -> Value {
     let Bounds { lower, upper } = check.bounds;
@@ -480,116 +350,6 @@ pub(super) fn check_json(check: &Check) -> Value {
         "smallest": values.map(|values| values[0]),
         "largest": values.map(|values| values[1]),
         "verdict": check.verdict.map(Verdict::name),
-        "reason": open_because(check),
+        "reason": check.open_because(),
     })
-}
-
-/// What is known of a yoke where a bound of ΔCD is, and not the teeth.
-#[derive(Debug)]
-pub struct BoundPart {
-    yoke: Yoke,
-    window: Option<Bounds>,
-    bound: Option<Bound>,
-    error_free: Option<Function>,
-    /// One per limit.
-    pub checks: Vec<Check>,
-}
-
-/// What follows from the bound.
-#[derive(Debug)]
-struct Bound {
-    safe: SafeSettings,
-    settings: Option<Setting>,
-    lift_off_n: Option<f64>,
-    /// Largest variation of ΔCD, and fluctuation of the torque, on the placements that a search found.
-    reached: Option<(f64, Option<f64>)>,
-}
-
-impl BoundPart {
-    /// Of a bound, and of the pair without errors.
-    #[must_use]
-    pub fn new(
-        yoke: Yoke,
-        window: Option<Bounds>,
-        bounded: Option<&Bounded<'_>>,
-        error_free: Option<Function>,
-        checks: Vec<Check>,
-    ) -> Self {
-        let bound = bounded.map(|bounded| {
-            let largest = |of: fn(&Function) -> Option<f64>| bounded.reached.iter().filter_map(of).reduce(f64::max);
-            let fluctuation = |function: &Function| {
-                let forces = function.forces.as_ref()?;
-                Some(forces.rising.fluctuation_n_m().max(forces.falling.fluctuation_n_m()))
-            };
-            Bound {
-                safe: bounded.safe,
-                settings: bounded.settings(&yoke),
-                lift_off_n: bounded.yoke_n(&yoke).map(|force| force[0] * bounded.lift_off),
-                reached: largest(|function| Some(function.variation_mm())).map(|most| (most, largest(fluctuation))),
-            }
-        });
-        Self { yoke, window, bound, error_free, checks }
-    }
-
-    fn json(&self) -> Value {
-        let bound = self.bound.as_ref();
-        let of_window = bound.filter(|_| self.window.is_some());
-        let setting = |setting: Option<Setting>| setting.map(|setting| setting_json(&self.yoke, setting));
-        let torque = self.error_free.as_ref().and_then(|function| function.forces.as_ref());
-        json!({
-            "judged_by": "bound",
-            "variation_at_most_mm": bound.map(|bound| tidy(bound.safe.width_mm)),
-            "setting_exists": of_window.map(|bound| bound.safe.is_there_one),
-            "safe_setting": of_window.and_then(|bound| setting(bound.settings)),
-            "safe_setting_at_stroke": of_window.and_then(|bound| setting(bound.safe.at_stroke)),
-            "safe_setting_at_tightest": of_window.and_then(|bound| setting(bound.safe.at_tightest)),
-            "lift_off_force_n": bound.and_then(|bound| bound.lift_off_n).map(tidy),
-            "error_free_torque_n_m": torque.map(|forces| json!({
-                "rising": torque_json(&forces.rising),
-                "falling": torque_json(&forces.falling),
-            })),
-            "reached": bound.and_then(|bound| bound.reached).map(|(variation, fluctuation)| json!({
-                "variation_mm": tidy(variation),
-                "torque_fluctuation_n_m": fluctuation.map(tidy),
-            })),
-            "limits": self.checks.iter().map(check_json).collect::<Vec<_>>(),
-        })
-    }
-
-    fn blocks(&self) -> Vec<Block> {
-        let mm = |mm: f64| format!("{} mm", unsigned(tidy(mm)));
-        let torque = |n_m: f64| format!("{} N m", value_in_words(Target::PinionTorque, n_m));
-        let (bound, window) = (self.bound.as_ref(), self.window.as_ref());
-        let safe = |setting: Option<Setting>| settings_in_words(&self.yoke, setting, "none is proven");
-        let reached = bound.and_then(|bound| bound.reached);
-        let error_free = self.error_free.as_ref().and_then(|function| function.forces.as_ref());
-        let rows = [
-            bound.map(|bound| ("variation of ΔCD, at most", mm(bound.safe.width_mm), WHEREVER)),
-            reached.map(|(variation, _)| ("variation of ΔCD, reached", mm(variation), ON_WORST_TEETH)),
-            bound.zip(window).map(|(bound, _)| {
-                let exists = if bound.safe.is_there_one { "yes" } else { "not proven" };
-                ("a setting that keeps the window exists", exists.to_owned(), WHEREVER)
-            }),
-            bound
-                .zip(window)
-                .map(|(bound, _)| ("safe at any stroke", safe(bound.safe.at_stroke), "without knowing the curve")),
-            bound
-                .zip(window)
-                .map(|(bound, _)| ("safe at the tightest", safe(bound.safe.at_tightest), "without knowing the curve")),
-            error_free.map(|forces| ("free pinion torque, mean", torque(forces.rising.extent.mean), "without errors")),
-            reached
-                .and_then(|reached| reached.1)
-                .map(|most| ("its fluctuation, reached", torque(most), ON_WORST_TEETH)),
-            bound.and_then(|bound| bound.lift_off_n).map(|force| {
-                ("lift-off force, at least", format!("{} N", value_in_words(Target::LiftOffForce, force)), WHEREVER)
-            }),
-        ];
-        let table = Table::of(rows.into_iter().flatten())
-            .text("yoke", |(name, ..)| *name)
-            .number("value", |(_, value, _)| value.clone())
-            .text("assumes", |(.., assumes)| *assumes)
-            .block_if_any();
-        let verdicts = self.checks.iter().map(|check| Block::Verdict(check.verdict, sentence(check, WHEREVER)));
-        table.into_iter().chain(verdicts).collect()
-    }
 }
