@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::super::evaluation::ON_WORST_TEETH;
 use super::super::number::{tidy, unsigned};
 use super::super::{Block, Table};
-use super::{WHEREVER, check_json, setting_json, settings_in_words, torque_json};
+use super::{WHEREVER, check_json, scope_of_bound, setting_json, settings_in_words, torque_json};
 use crate::function::{Bounded, Bounds, Check, Function, SafeSettings, Setting, Target, Yoke};
 
 /// What is known of a yoke where a bound of ΔCD is, and not the teeth.
@@ -113,7 +113,8 @@ impl BoundPart {
             .number("value", |(_, value, _)| value.clone())
             .text("assumes", |(.., assumes)| *assumes)
             .block_if_any();
-        let verdicts = self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(WHEREVER)));
+        let verdicts =
+            self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(scope_of_bound(check))));
         table.into_iter().chain(verdicts).collect()
     }
 }

@@ -199,7 +199,8 @@ impl FunctionPart {
         let mut blocks = vec![self.play_table()];
         blocks.extend(self.torque_table());
         blocks.extend(self.notes().into_iter().map(Block::Remark));
-        blocks.extend(self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(&self.scope()))));
+        blocks
+            .extend(self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(&self.scope(check)))));
         blocks
     }
 
@@ -322,9 +323,9 @@ impl FunctionPart {
     }
 
     /// What the verdicts are about.
-    fn scope(&self) -> String {
+    fn scope(&self, check: &Check) -> String {
         if !self.is_known {
-            return WHEREVER.to_owned();
+            return scope_of_bound(check).to_owned();
         }
         let (from, to) = self.function.strokes_mm;
         format!("over the travel {} … {} mm", Rounded(from), Rounded(to))
@@ -338,6 +339,11 @@ fn unsigned_play(mm: f64) -> String {
 
 /// What verdicts are about where the teeth are not known.
 const WHEREVER: &str = "wherever on the teeth the errors are";
+
+/// What the verdict on a limit is about there: the bound proves a pass, and a placement a fail.
+fn scope_of_bound(check: &Check) -> &'static str {
+    if check.verdict == Some(Verdict::Fail) { "with the errors where a search put them" } else { WHEREVER }
+}
 
 pub(super) fn check_json(check: &Check) -> Value {
     let Bounds { lower, upper } = check.bounds;
