@@ -66,6 +66,8 @@ pub struct RackFlanks {
     /// looks at few.
     of_tooth: BTreeMap<i64, Vec<usize>>,
     of_many: Vec<usize>,
+    /// The sum of the pitch deviations of single steps up to a tooth, mm, where it changes.
+    pitch_sums: BTreeMap<i64, f64>,
     measured: BTreeMap<i64, RackTooth>,
     form: RackForm,
     /// Normal thickness to displacement of each flank along X, 1/(2 cos β_r).
@@ -82,6 +84,7 @@ impl RackFlanks {
             deviations: Vec::new(),
             of_tooth: BTreeMap::new(),
             of_many: Vec::new(),
+            pitch_sums: BTreeMap::new(),
             measured: BTreeMap::new(),
             form: RackForm::default(),
             thickness_to_x: 0.5 / trig::cos(helix_angle_rad),
@@ -114,11 +117,17 @@ impl RackFlanks {
         flanks.deviations = deviations.to_vec();
         for (number, RackDeviation { teeth, kind }) in deviations.iter().enumerate() {
             match (teeth.first(), kind) {
-                (Some(tooth), kind) if teeth.last() == Some(tooth) && !matches!(kind, RackDeviationKind::Pitch(_)) => {
-                    flanks.of_tooth.entry(tooth).or_default().push(number);
-                }
+                (Some(tooth), kind) if teeth.last() == Some(tooth) => match kind {
+                    RackDeviationKind::Pitch(step) => *flanks.pitch_sums.entry(tooth).or_default() += step,
+                    _ => flanks.of_tooth.entry(tooth).or_default().push(number),
+                },
                 _ => flanks.of_many.push(number),
             }
+        }
+        let mut sum = 0.0;
+        for step in flanks.pitch_sums.values_mut() {
+            sum += *step;
+            *step = sum;
         }
         Ok(flanks)
     }
@@ -128,8 +137,8 @@ impl RackFlanks {
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
     pub fn with_deviations(self, pair: &Pair, more: &[RackDeviation]) -> Result<Self, DeviationError> {
-        let Self { deviations, of_tooth, of_many, .. } = Self::new(pair, &[&self.deviations, more].concat())?;
-        Ok(Self { deviations, of_tooth, of_many, ..self })
+        let Self { deviations, of_tooth, of_many, pitch_sums, .. } = Self::new(pair, &[&self.deviations, more].concat())?;
+        Ok(Self { deviations, of_tooth, of_many, pitch_sums, ..self })
     }
 
     /// The same rack with measured displacements of single teeth added to those that it has, as
@@ -178,7 +187,7 @@ impl RackFlanks {
         &self.form
     }
 
-    /// The deviations that may be of a tooth, in their order.
+    /// The deviations that may be of a tooth, in their order, without the pitches of single steps.
     fn near(&self, tooth: i64) -> impl Iterator<Item = &RackDeviation> {
         let mut own = self.of_tooth.get(&tooth).map_or(&[][..], Vec::as_slice).iter().peekable();
         let mut many = self.of_many.iter().peekable();
@@ -194,6 +203,10 @@ impl RackFlanks {
     #[must_use]
     pub fn tooth(&self, index: i64) -> RackTooth {
         let mut tooth = self.measured.get(&index).copied().unwrap_or_default();
+        if let Some((_, sum)) = self.pitch_sums.range(..=index).next_back() {
+            tooth.left.along_x_mm += sum;
+            tooth.right.along_x_mm += sum;
+        }
         for deviation in self.near(index) {
             let RackTooth { left, right } = &mut tooth;
             if let RackDeviationKind::Pitch(value) = deviation.kind {
@@ -270,7 +283,7 @@ mod tests {
         assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", -0.5)]), 0.5);
     }
 
-    /// What is on one tooth and what is on many is summed in the order in which it is given.
+    /// Single steps of pitch are summed first, then what is on one tooth and what is on many in the order in which it is given.
     #[test]
     fn deviations_of_a_tooth_add_up_in_their_order() {
         let pair = Pair::new(&crate::gear::example(12, 0.0, 0.0)).unwrap();
@@ -278,11 +291,25 @@ mod tests {
             teeth: teeth.parse().expect("a range"),
             kind: RackDeviationKind::Shift(value),
         };
-        let pitch = RackDeviation { kind: RackDeviationKind::Pitch(0.07), ..shift("2", 0.0) };
-        let all = [shift("2", 0.1), shift("all", 0.2), pitch, shift("2", 0.3), shift("1..", -0.6), shift("3", 1e-17)];
+        let pitch = |teeth, value| RackDeviation { kind: RackDeviationKind::Pitch(value), ..shift(teeth, 0.0) };
+        let all = [
+            shift("2", 0.1),
+            shift("all", 0.2),
+            pitch("4", -0.03),
+            pitch("2", 0.07),
+            shift("2", 0.3),
+            shift("1..", -0.6),
+            shift("3", 1e-17),
+        ];
         let flanks = RackFlanks::new(&pair, &all).unwrap();
-        for (tooth, sum) in [(0, 0.2), (1, 0.2 - 0.6), (2, 0.1 + 0.2 + 0.07 + 0.3 - 0.6), (3, 0.2 + 0.07 - 0.6 + 1e-17)]
-        {
+        let sums = [
+            (0, 0.2),
+            (1, 0.2 - 0.6),
+            (2, 0.07 + 0.1 + 0.2 + 0.3 - 0.6),
+            (3, 0.07 + 0.2 - 0.6 + 1e-17),
+            (90, (0.07 - 0.03) + 0.2 - 0.6),
+        ];
+        for (tooth, sum) in sums {
             assert_eq!(flanks.tooth(tooth).left.along_x_mm, sum, "{tooth}");
         }
     }

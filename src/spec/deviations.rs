@@ -59,6 +59,9 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<PinionDeviat
     })
 }
 
+/// The most tables of `[[….deviation]]`: each is a tooth that the mesh solves.
+const MOST_DEVIATIONS: usize = 1000;
+
 /// Reads each table of `[[….deviation]]`; one that holds nothing but teeth is a mistake.
 fn each_table<T>(
     reader: &mut SectionReader<'_>,
@@ -71,6 +74,13 @@ fn each_table<T>(
         DeValue::Array(entries) => entries.iter().collect(),
         _ => vec![value],
     };
+    if let Some(beyond) = entries.get(MOST_DEVIATIONS) {
+        let message = format!("{} of `{}` are more than {MOST_DEVIATIONS}", entries.len(), section.name);
+        let diagnostic = Diagnostic::error(Code::BadErrorEntry, message)
+            .help("values of many teeth stand in a table: `measured = \"FILE\"`");
+        reader.report(diagnostic, beyond.span());
+        return found;
+    }
     for entry in entries {
         let DeValue::Table(table) = entry.get_ref() else {
             let message =
