@@ -137,7 +137,8 @@ impl RackFlanks {
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
     pub fn with_deviations(self, pair: &Pair, more: &[RackDeviation]) -> Result<Self, DeviationError> {
-        let Self { deviations, of_tooth, of_many, pitch_sums, .. } = Self::new(pair, &[&self.deviations, more].concat())?;
+        let Self { deviations, of_tooth, of_many, pitch_sums, .. } =
+            Self::new(pair, &[&self.deviations, more].concat())?;
         Ok(Self { deviations, of_tooth, of_many, pitch_sums, ..self })
     }
 

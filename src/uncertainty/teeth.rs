@@ -46,6 +46,9 @@ pub fn teeth_sensitivities(
     tolerance_mm: f64,
     varied: &[VariedTeeth],
 ) -> Result<Vec<TeethSensitivity>, MeshError> {
+    if varied.is_empty() {
+        return Ok(Vec::new());
+    }
     let around = AROUND * mesh.pair().rack().pitch_mm;
     let windows = [at.lower, at.upper].map(|extreme| extreme.stroke_mm - around..extreme.stroke_mm + around);
     let ends = |mesh: &Mesh| -> Result<Range, MeshError> {
@@ -157,11 +160,12 @@ impl Peak {
 /// Peaks are looked for so many times less closely than extremes.
 const OF_PEAKS: f64 = 100.0;
 
-/// Strokes in pieces of a pitch.
+/// Strokes in pieces of a pitch; where the last one begins is rounded, and may lie behind the end otherwise.
 fn pieces(range: &Strokes<f64>, pitch: f64) -> impl Iterator<Item = Strokes<f64>> {
     let (start, end) = (range.start, range.end);
     let count = ((end - start) / pitch).ceil().max(1.0) as u64;
-    (0..count).map(move |index| start + index as f64 * pitch..(start + (index + 1) as f64 * pitch).min(end))
+    let at = move |index| if index < count { (start + index as f64 * pitch).min(end) } else { end };
+    (0..count).map(move |index| at(index)..at(index + 1))
 }
 
 /// Whether all teeth of each part that can carry at these strokes deviate alike.
@@ -194,4 +198,21 @@ fn changes_mm(mesh: &Mesh, stroke_mm: f64, varied: &[VariedTeeth]) -> Result<Vec
         Ok(slope * value.standard)
     };
     varied.iter().map(change).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_cover_strokes_and_none_is_reversed() {
+        let pitch = std::f64::consts::PI * 1.5 / (10.0 * std::f64::consts::PI / 180.0).cos();
+        for contact in 1..60 {
+            let range = (1.0 - f64::from(contact)) * pitch..(5.0 + f64::from(contact)) * pitch;
+            let pieces: Vec<_> = pieces(&range, pitch).collect();
+            assert!(pieces.iter().all(|piece| piece.start <= piece.end), "{contact}");
+            assert_eq!((pieces[0].start, pieces.last().unwrap().end), (range.start, range.end));
+            assert!(pieces.windows(2).all(|two| two[0].end == two[1].start), "{contact}");
+        }
+    }
 }
