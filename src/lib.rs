@@ -121,6 +121,8 @@ pub mod budget;
 pub mod chance;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "spec")]
+pub mod design;
 pub mod deviation;
 pub mod diagnostic;
 pub mod evaluation;

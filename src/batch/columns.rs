@@ -20,12 +20,17 @@ pub enum ColumnKind {
 
 /// What stands in one row and column of the results.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum ResultCell<'a> {
+#[non_exhaustive]
+pub enum ResultCell<'a> {
+    /// There is no result.
     Nothing,
+    /// A length.
     Length(Length),
     /// What lies on no grid: an uncertainty in mm, a probability.
     Number(f64),
+    /// Whether something holds.
     Flag(bool),
+    /// Text in UTF-8, whatever a file has there.
     Text(Cow<'a, [u8]>),
 }
 
@@ -91,7 +96,7 @@ impl ResultColumns {
     }
 
     /// Appends rows of the same columns, or of any if there are none yet.
-    pub(super) fn append(&mut self, more: Self) {
+    pub fn append(&mut self, more: Self) {
         if self.rows == 0 {
             *self = more;
             return;

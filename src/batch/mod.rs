@@ -12,7 +12,7 @@
 //! | `number`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
 //! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
-//! | `columns`, `parquet` | results in columns, and those as Parquet |
+//! | `columns`, `cells`, `parquet` | results in columns, rows that are no parts, and columns as Parquet |
 //! | `in_memory` | columns that a program has, in place of files |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
 //! | `outcome`, `statistics`, `capability` | counts, problems, the worst parts, statistics in one pass |
@@ -50,6 +50,7 @@
 //! ```
 
 mod capability;
+mod cells;
 mod columns;
 mod evaluate;
 mod in_memory;
@@ -73,7 +74,8 @@ mod uncertain;
 mod write;
 
 pub use capability::Capability;
-pub use columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
+pub use cells::CellRows;
+pub use columns::{ColumnKind, ResultCell, ResultColumn, ResultColumns, ResultValues};
 pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use ledger::{ColumnSink, RowSink, Sink, Sinks};

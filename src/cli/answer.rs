@@ -12,7 +12,7 @@ use super::teeth::with_known_teeth;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::spec::Spec;
 
-/// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo` or `budget`, with its options behind. Once
+/// Asks a command about a spec: `eval`, `mesh`, `simulate`, `monte-carlo`, `budget` or `sweep`, with its options behind. Once
 /// `stop` is set, a long run ends with what it has so far; no signal is taken over.
 ///
 /// # Errors
@@ -28,7 +28,7 @@ use crate::spec::Spec;
 /// # Ok::<(), rackmesh::diagnostic::Diagnostics>(())
 /// ```
 pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<AtomicBool>) -> Result<Answer, Diagnostics> {
-    const KNOWN: [&str; 5] = ["eval", "mesh", "simulate", "monte-carlo", "budget"];
+    const KNOWN: [&str; 6] = ["eval", "mesh", "simulate", "monte-carlo", "budget", "sweep"];
     if !KNOWN.contains(&command) {
         return Err(Diagnostic::usage(format!(
             "`{command}` is no command with an answer: these are {}",

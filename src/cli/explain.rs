@@ -85,7 +85,7 @@ fn keys(topic: &str) -> Option<String> {
         topic == KEYS || key.path.strip_prefix(topic).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
     let mut rows = String::new();
-    for KeyEntry { path, holds, doc } in spec::keys().into_iter().filter(is_within) {
+    for KeyEntry { path, holds, doc, .. } in spec::keys().into_iter().filter(is_within) {
         // writing to a string cannot fail
         let _ = writeln!(rows, "| {path} | {holds} | {} |", doc.replace('|', "\\|"));
     }

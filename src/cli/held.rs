@@ -5,7 +5,9 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::Value;
 
+use crate::batch::{ColumnKind, ResultColumns};
 use crate::diagnostic::Diagnostic;
+use crate::spec::Spec;
 
 /// A spec that a program holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,6 +16,15 @@ pub struct HeldSpec {
     pub name: String,
     /// Its text.
     pub text: String,
+}
+
+/// Results in columns.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ColumnTable {
+    /// The names of the columns, and what they hold.
+    pub columns: Vec<(String, ColumnKind)>,
+    /// Their values.
+    pub results: ResultColumns,
 }
 
 /// What a command says of a spec.
@@ -25,6 +36,8 @@ pub struct Answer {
     pub markdown: String,
     /// A picture of the result in SVG: what `--plot` draws, if there are two values to draw between.
     pub svg: Option<String>,
+    /// The rows of a result that is a table.
+    pub table: Option<ColumnTable>,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
     /// Remarks on the result.
@@ -33,10 +46,25 @@ pub struct Answer {
     pub status: u8,
 }
 
+/// What is wanted of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Facts {
+    /// All facts, the text for people and the picture.
+    #[default]
+    WithText,
+    /// All facts.
+    All,
+    /// Those that are compared from design to design.
+    Brief,
+}
+
 /// What a command is asked, and what it said so far.
 #[derive(Debug, Default)]
 pub(super) struct Held {
     pub(super) spec: Option<HeldSpec>,
+    /// In its place, a spec that is read already.
+    pub(super) read: Option<Spec>,
+    pub(super) facts: Facts,
     /// Ends the run early.
     pub(super) stop: Arc<AtomicBool>,
     pub(super) answer: Answer,

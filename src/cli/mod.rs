@@ -29,12 +29,15 @@ mod picture;
 mod read;
 mod report;
 mod reproduce;
+mod rows;
+mod rows_format;
 mod schema;
 mod set;
 mod signals;
 mod simulate;
 mod spec_files;
 mod stream;
+mod sweep;
 mod tables;
 mod target;
 mod teeth;
@@ -48,7 +51,7 @@ use std::process::ExitCode;
 use clap::{ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
 pub use answer::{answer, judged_spec};
-pub use held::{Answer, HeldSpec};
+pub use held::{Answer, ColumnTable, HeldSpec};
 use output::{Failure, Output, Status, print_usage};
 
 const EXAMPLES: &str = "Examples:
@@ -118,6 +121,7 @@ const GROUPS: &[Group] = &[
         heading: "Set tolerances",
         subcommands: &[subcommand!("calc", calc), subcommand!("class", class), subcommand!("budget", budget)],
     },
+    Group { heading: "Vary the design", subcommands: &[subcommand!("sweep", sweep)] },
     Group {
         heading: "Start, and set up",
         subcommands: &[

@@ -7,9 +7,10 @@ use std::sync::atomic::AtomicBool;
 
 use anstream::AutoStream;
 use clap::ColorChoice;
+use serde_json::Value;
 use terminal_size::{Height, Width, terminal_size_of};
 
-use super::held::{Answer, Held, HeldSpec};
+use super::held::{Answer, ColumnTable, Facts, Held, HeldSpec};
 use super::line;
 use super::target::named;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, harmless, harmless_lines, render, wrap};
@@ -17,6 +18,7 @@ use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
 use crate::report::{self, Format, Report, Screen, WithReading};
+use crate::spec::Spec;
 use crate::table::Reading;
 
 /// What messages call standard output.
@@ -165,7 +167,15 @@ impl Output {
 
     /// Keeps what is said of a spec, and prints nothing.
     pub(super) fn held(spec: HeldSpec, stop: Arc<AtomicBool>) -> Self {
-        let held = Held { spec: Some(spec), stop, ..Held::default() };
+        Self::holding(Held { spec: Some(spec), stop, ..Held::default() })
+    }
+
+    /// Keeps the facts about a spec that is read already.
+    pub(super) fn of_facts(spec: Spec, facts: Facts, stop: Arc<AtomicBool>) -> Self {
+        Self::holding(Held { read: Some(spec), facts, stop, ..Held::default() })
+    }
+
+    fn holding(held: Held) -> Self {
         Self {
             stdout: io::stdout(),
             stderr: io::stderr(),
@@ -190,14 +200,27 @@ impl Output {
 
     /// Takes the picture of a result, where a program holds it.
     pub(super) fn picture(&mut self, chart: impl FnOnce() -> Chart) {
-        if let Some(Held { answer, .. }) = &mut self.held {
+        if let Some(Held { answer, facts: Facts::WithText, .. }) = &mut self.held {
             answer.svg = chart().svg();
+        }
+    }
+
+    /// Takes the facts and the rows of a result that is a table, where a program holds it.
+    pub(super) fn facts(&mut self, facts: Value, table: impl FnOnce() -> ColumnTable) {
+        if let Some(Held { answer, .. }) = &mut self.held {
+            answer.json = report::document(facts);
+            answer.table = Some(table());
         }
     }
 
     /// The spec that a program holds, in place of a file.
     pub(super) fn held_spec(&mut self) -> Option<HeldSpec> {
         self.held.as_mut()?.spec.take()
+    }
+
+    /// The spec that a program has read, in place of a file.
+    pub(super) fn read_spec(&mut self) -> Option<Spec> {
+        self.held.as_mut()?.read.take()
     }
 
     /// Says whether results come with every remark.
@@ -228,9 +251,12 @@ impl Output {
         let whole = WithReading { report, readings: &readings, notes: &[] };
         let is_whole = !readings.is_empty() && (format == Format::Json || self.held.is_some());
         let report: &dyn Report = if is_whole { &whole } else { report };
-        if let Some(Held { answer, .. }) = &mut self.held {
-            answer.json = report::document(report.json());
-            answer.markdown = report::write(report, Format::Markdown, self.screen)?;
+        if let Some(Held { answer, facts, .. }) = &mut self.held {
+            let is_brief = *facts == Facts::Brief;
+            answer.json = report::document(if is_brief { report.brief() } else { report.json() });
+            if *facts == Facts::WithText {
+                answer.markdown = report::write(report, Format::Markdown, self.screen)?;
+            }
             return Ok(());
         }
         let text = report::write(report, format, self.screen)?;

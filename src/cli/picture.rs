@@ -17,6 +17,11 @@ pub(super) struct PlotArgs {
 }
 
 impl PlotArgs {
+    /// The file that is asked for.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.plot.as_deref()
+    }
+
     /// The picture that is asked for, in a run that reads `inputs`.
     pub(super) fn picture(&self, inputs: &[PathBuf]) -> Result<Option<Picture>, Failure> {
         self.plot.as_deref().map(|path| Picture::begin(path, inputs)).transpose()

@@ -27,6 +27,9 @@ pub(super) struct SetArgs {
 impl SetArgs {
     /// Reads and parses the spec at `path`; `-` is standard input.
     pub(super) fn read_spec(&self, path: &Path, output: &mut Output) -> Result<Spec, Failure> {
+        if let Some(spec) = output.read_spec() {
+            return Ok(spec);
+        }
         if let Some(HeldSpec { name, text }) = output.held_spec() {
             return self.parse(&name, &text, output);
         }
@@ -57,6 +60,11 @@ impl SetArgs {
         let spec = Spec::parse_with(name, text, &self.set)?;
         spec.suspicions().iter().for_each(|found| output.diagnostic(found));
         Ok(spec)
+    }
+
+    /// What is set.
+    pub(super) fn settings(&self) -> &[String] {
+        &self.set
     }
 
     /// Whether nothing is set.
@@ -100,6 +108,6 @@ pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> c
 }
 
 /// What a setting may begin with.
-fn keys() -> Vec<PossibleValue> {
+pub(super) fn keys() -> Vec<PossibleValue> {
     spec::keys().into_iter().map(|key| PossibleValue::new(key.path).help(key.doc)).collect()
 }

@@ -57,6 +57,17 @@ impl EvaluationReport<'_> {
         self.yoke.as_ref().map_or(&[], YokeSection::checks)
     }
 
+    /// The verdict on all limits.
+    fn verdict(&self) -> Option<&'static str> {
+        self.evaluation.verdict_with(self.checks()).map(Verdict::name)
+    }
+
+    /// Why it is open, or what errors do not reach.
+    fn reason(&self) -> Option<String> {
+        let beyond = || self.evaluation.limits.iter().find_map(|check| beyond_reach(check, &self.evaluation));
+        self.evaluation.open_with(self.checks()).or_else(beyond)
+    }
+
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
         self.classes.iter().find(|class| class.kind == kind)
     }
@@ -454,9 +465,8 @@ impl Report for EvaluationReport<'_> {
             "reached_mm": evaluation.reached,
             "rule": evaluation.rule.to_string(),
             "limits": evaluation.limits.iter().map(|check| limit_fact(check, evaluation)).collect::<Vec<_>>(),
-            "verdict": evaluation.verdict_with(self.checks()).map(Verdict::name),
-            "reason": evaluation.open_with(self.checks())
-                .or_else(|| evaluation.limits.iter().find_map(|check| beyond_reach(check, evaluation))),
+            "verdict": self.verdict(),
+            "reason": self.reason(),
             "assumes": assumptions_of(evaluation),
             "uncertainty": self.uncertainty.as_ref().map(UncertaintyPart::json),
             "mesh": self.mesh.as_ref().map(|MeshPart { stroke_mm: (from, to), summary, notes }| json!({
@@ -473,6 +483,20 @@ impl Report for EvaluationReport<'_> {
             json["yoke"] = yoke.json();
         }
         json
+    }
+
+    fn brief(&self) -> Value {
+        let Evaluation { model, contributions, combined, judged, reached, .. } = &self.evaluation;
+        let each = |c: &Contribution| json!({ "error": c.kind.key(), "delta_cd_mm": c.delta_cd(*model) });
+        json!({
+            "contributions": contributions.iter().map(each).collect::<Vec<_>>(),
+            "combined": { "range_mm": combined.range.ok(), "rss_mm": combined.rss.ok() },
+            "judged_mm": judged.ok(),
+            "reached_mm": reached,
+            "verdict": self.verdict(),
+            "reason": self.reason(),
+            "yoke": self.yoke.as_ref().map(YokeSection::json),
+        })
     }
 
     /// One row per error, then one per combination, then one per limit, then one per uncertainty.

@@ -32,6 +32,22 @@ pub(super) fn rows(result: &Value, records: &str, names: &str) -> Vec<Vec<String
     std::iter::once(header).chain(records.map(row)).collect()
 }
 
+/// What stands at a place of a result, such as `contributions/rack_pitch/delta_cd_mm`: an element of a list is called by the
+/// first text in it.
+#[cfg(feature = "cli")]
+pub(crate) fn at<'v>(result: &'v Value, place: &str) -> Option<&'v Value> {
+    place.split('/').try_fold(result, |value, name| match value {
+        Value::Array(elements) => elements.iter().find(|element| element_name(element) == Some(name)),
+        value => value.get(name),
+    })
+}
+
+/// What an element of a list is called: the first text in it.
+#[cfg(feature = "cli")]
+pub(crate) fn element_name(element: &Value) -> Option<&str> {
+    element.as_object()?.values().find_map(Value::as_str)
+}
+
 /// A value as the text of a cell: nothing where it is null.
 fn cell(value: &Value) -> String {
     match value {

@@ -252,6 +252,10 @@ impl Report for MeshReport<'_> {
         self.json_with(&points.collect(), self.trust())
     }
 
+    fn brief(&self) -> Value {
+        self.json_with(&Value::Null, self.trust())
+    }
+
     fn rows(&self) -> Vec<Vec<String>> {
         fact::rows(&self.json(), "points", &mesh_points::columns(self.function().is_some()))
     }

@@ -40,6 +40,8 @@ mod reproduction;
 mod rows;
 mod simulation;
 mod sketch;
+#[cfg(feature = "cli")]
+pub mod sweep;
 mod table;
 mod uncertainty;
 pub mod xlsx;
@@ -57,6 +59,8 @@ pub use evaluation::{EvaluationReport, MeshPart, assumptions, bound_note, bound_
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
+#[cfg(feature = "cli")]
+pub(crate) use fact::{at, element_name};
 #[cfg(feature = "batch")]
 pub use function::yokes_block;
 pub use function::{BoundPart, FunctionPart, YokeSection};
@@ -147,6 +151,11 @@ impl Screen {
 pub trait Report {
     /// The whole result as JSON.
     fn json(&self) -> Value;
+
+    /// What is compared from design to design, at the same places.
+    fn brief(&self) -> Value {
+        self.json()
+    }
 
     /// The result as rows; the first is the header.
     fn rows(&self) -> Vec<Vec<String>>;

@@ -2,10 +2,23 @@
 
 use super::number::signed;
 
-/// Draws `points` (in the order of x) in `width` by `height` characters, with the range of y at the left
-/// and that of x below. `None` if there is no room or no curve.
+/// Columns left of the dots.
+const AXIS: usize = 10;
+
+/// Draws ΔCD along the stroke in `width` by `height` characters, with the range of y at the left and that of x below. `None`
+/// if there is no room or no curve.
 pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Option<String> {
-    const AXIS: usize = 10;
+    let (first, last) = (points.first()?, points.last()?);
+    labelled(points, [width, height], "ΔCD [mm]", [format!("{:.1}", first.0), format!("{:.1} mm", last.0)])
+}
+
+/// The same of `points` in the order of x, with what y is called and what stands below the ends of x.
+pub(super) fn labelled(
+    points: &[(f64, f64)],
+    [width, height]: [usize; 2],
+    label: &str,
+    [from, to]: [String; 2],
+) -> Option<String> {
     let (first, last) = (points.first()?, points.last()?);
     let columns = width.checked_sub(AXIS + 1).filter(|columns| *columns >= 10)?;
     let (low, high) =
@@ -50,9 +63,8 @@ pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Opti
         out.extend(line.iter().map(|bits| char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ')));
         out.push('\n');
     }
-    let (from, to) = (format!("{:.1}", first.0), format!("{:.1} mm", last.0));
-    let gap = columns.saturating_sub(from.len() + to.len());
-    out.push_str(&format!("{:AXIS$} {from}{:gap$}{to}", "ΔCD [mm]", ""));
+    let gap = columns.saturating_sub(from.chars().count() + to.chars().count());
+    out.push_str(&format!("{label:AXIS$} {from}{:gap$}{to}", ""));
     Some(out)
 }
 

@@ -14,6 +14,8 @@ pub struct KeyEntry {
     pub path: String,
     /// What it holds, in words.
     pub holds: String,
+    /// Whether that is a whole number.
+    pub is_whole: bool,
     /// What it means.
     pub doc: &'static str,
 }
@@ -32,7 +34,8 @@ pub fn keys() -> Vec<KeyEntry> {
 fn add(section: &Section, path: &str, entries: &mut Vec<KeyEntry>) {
     for key in section.keys {
         let path = if path.is_empty() { key.name().to_owned() } else { format!("{path}.{}", key.name()) };
-        entries.push(KeyEntry { path: path.clone(), holds: in_words(key.kind), doc: key.doc });
+        let is_whole = matches!(key.kind, Kind::Count(_));
+        entries.push(KeyEntry { path: path.clone(), holds: in_words(key.kind), is_whole, doc: key.doc });
         if let Kind::Table(section) | Kind::Whole(section) | Kind::Tables(section) = key.kind {
             add(section, &path, entries);
         }

@@ -37,6 +37,7 @@ mod readme;
 mod set;
 mod spec;
 mod stability;
+mod sweep;
 mod tables;
 mod teeth;
 mod through;

@@ -35,7 +35,7 @@ const fn file(
     Written { command, id, line, spec, file, in_folder: false }
 }
 
-const WRITTEN: [Written; 13] = [
+const WRITTEN: [Written; 15] = [
     file("batch", "output", "batch SPEC TABLE --partial -o OUT", "steering", "out.csv"),
     file("batch", "rejects", "batch SPEC TABLE --partial --rejects OUT", "steering", "out.csv"),
     file("batch", "junit", "batch SPEC TABLE --partial --junit OUT", "steering", "out.xml"),
@@ -46,6 +46,8 @@ const WRITTEN: [Written; 13] = [
     file("budget", "plot", "budget SPEC --plot OUT", "budget", "out.svg"),
     file("monte-carlo", "plot", "monte-carlo SPEC --racks 3 --plot OUT", "scatter", "out.svg"),
     file("monte-carlo", "study", "monte-carlo SPEC --racks 3 --study OUT", "scatter", "out.json"),
+    file("sweep", "output", "sweep SPEC --over errors.rack_pitch=1..3:1um -o OUT", "mesh-errors", "out.csv"),
+    file("sweep", "plot", "sweep SPEC --over errors.rack_pitch=1..3:1um --plot OUT", "mesh-errors", "out.svg"),
     file("init", "file", "init OUT --force", "mesh", "out.toml"),
     Written { in_folder: true, ..file("man", "dir", "man --dir OUT", "mesh", "rackmesh-batch.1") },
     // drawn after a quarter of a minute: that it is written by the same means is all that is tried
@@ -335,6 +337,7 @@ fn a_signal_is_obeyed_wherever_the_time_goes() {
         "monte-carlo examples/scatter.toml --racks 1000000 --study study.json",
         "monte-carlo examples/scatter.toml --racks 100 --to 100000",
         "eval measured.toml",
+        "sweep examples/mesh.toml --over=simulation.preload=1..900:1 --of simulate -o rows.csv --plot run.svg",
         "eval examples/uncertain.toml --monte-carlo 100000000",
         "measure examples/mesh.toml --last 5000000 --format csv",
         "report measured.toml -o page.html",
@@ -391,6 +394,8 @@ fn what_an_interrupted_run_has_made_is_kept() {
         WRITTEN.iter().find(|written| (written.command, written.id) == (command, id)).expect("it is tried")
     };
     kept(of("plot", "simulate"), "simulate examples/mesh.toml --step 0.0001 --plot", |made| made.ends_with("</svg>\n"));
+    let line = "sweep examples/mesh-errors.toml --over errors.rack_pitch=1..100000:0.5um --of mesh -o";
+    kept(of("output", "sweep"), line, |made| made.starts_with("errors.rack_pitch_um,mean_mm,") && made.ends_with('\n'));
     let is_study = |made: &str| serde_json::from_str::<serde_json::Value>(made).is_ok();
     kept(of("study", "monte-carlo"), "monte-carlo examples/scatter.toml --racks 1000000 --study", is_study);
 }

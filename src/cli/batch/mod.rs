@@ -1,7 +1,6 @@
 //! `rackmesh batch`: tables of measured parts, through the formulas; with `--teeth` through the exact mesh.
 
 mod bar;
-mod format;
 mod notes;
 mod targets;
 mod teeth;
@@ -12,13 +11,13 @@ use std::sync::Arc;
 
 use bar::Bar;
 use clap::builder::PossibleValue;
-use format::BatchFormat;
 pub(super) use notes::{notes, without_names};
 use targets::Targets;
 pub(super) use targets::report_of_usage;
 
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
+use super::rows_format::{RowsArgs, RowsFormat};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
 use super::tables::{self, Files, Opener, ReadArgs};
@@ -49,12 +48,8 @@ pub(super) struct Args {
     spec: PathBuf,
     /// Tables: text, gzip, zstd, .xlsx, .dfq, Parquet; `-` or none reads standard input.
     files: Vec<PathBuf>,
-    /// The file to write; the ending of its name tells the format.
-    #[arg(long, short, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Output format.
-    #[arg(long, short, value_enum)]
-    format: Option<BatchFormat>,
+    #[command(flatten)]
+    rows: RowsArgs,
     /// Decimals of the lengths in the result.
     #[arg(long, value_name = "N|full")]
     decimals: Option<Decimals>,
@@ -136,7 +131,7 @@ impl Args {
         }
         spec_files::refuse_shared_input(&self.spec, &files)?;
         let screen = output.screen();
-        let (format, rows_format, summary_format) = self.formats(screen)?;
+        let (format, rows_format, summary_format) = self.rows.formats(self.summary, screen)?;
         let read: Vec<PathBuf> = self.reading.layout_file().into_iter().chain(&files).cloned().collect();
         let inputs = spec_files::inputs(&spec, &self.spec, &read);
         let mut begun = self.begin(junit, &inputs, &spec, (format, screen))?;
@@ -162,7 +157,7 @@ impl Args {
         }
         let Some(first) = &found.first else { return Ok(Status::Undecided) };
         let mut request = self.request((format, rows_format), &first.spec)?;
-        if format == BatchFormat::Office && self.columns.is_none() && self.is_workbook() {
+        if format == RowsFormat::Office && self.columns.is_none() && self.is_workbook() {
             request.copied = originals(&first.table);
             begun.with_copied(request.copied.len());
         }
@@ -243,7 +238,7 @@ impl Args {
             Format::Csv => false,
             Format::Table | Format::Markdown => !output.is_quiet(),
         };
-        let holds_notes = self.summary && self.output.is_none() && shows_notes;
+        let holds_notes = self.summary && self.rows.output.is_none() && shows_notes;
         if holds_notes {
             let _ = tables::say_readings(&outcome.readings, output);
         } else {
@@ -303,16 +298,16 @@ impl Args {
     }
 
     /// The columns that are written: those asked for, those of a table for people, or all (`None`).
-    fn columns(&self, format: BatchFormat, spec: &Spec) -> Option<Vec<String>> {
+    fn columns(&self, format: RowsFormat, spec: &Spec) -> Option<Vec<String>> {
         let of_table = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
         let count = if spec.limits.is_empty() && spec.function_limits.is_empty() { 3 } else { of_table.len() };
-        let is_table = format == BatchFormat::Table && !self.summary;
+        let is_table = format == RowsFormat::Table && !self.summary;
         self.columns
             .clone()
             .or_else(|| is_table.then(|| of_table[..count].iter().copied().map(str::to_owned).collect()))
     }
 
-    fn request(&self, (written, format): (BatchFormat, RowFormat), spec: &Spec) -> Result<Request, Failure> {
+    fn request(&self, (written, format): (RowsFormat, RowFormat), spec: &Spec) -> Result<Request, Failure> {
         self.refuse_repeated_columns()?;
         Ok(Request {
             model: self.judge.model,
@@ -340,7 +335,7 @@ impl Args {
 
     /// Whether rows go to a workbook, which has the columns of the first table, too.
     fn is_workbook(&self) -> bool {
-        self.output.as_deref().is_some_and(|path| target::ending(path) == "xlsx")
+        self.rows.output.as_deref().is_some_and(|path| target::ending(path) == "xlsx")
     }
 
     /// What the user should know before the first row.

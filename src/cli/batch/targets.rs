@@ -4,39 +4,28 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Args;
-use super::format::BatchFormat;
-use crate::batch::{ColumnKind, Outcome, Packing, ParquetRows, PartSink, RowFormat, RowSink, Sink, Sinks};
-use crate::cli::office::{FormedRows, is_office};
+use crate::batch::{ColumnKind, Outcome, Packing, PartSink, RowFormat, Sink, Sinks};
 use crate::cli::output::{Failure, Output};
+use crate::cli::rows::RowsFile;
+use crate::cli::rows_format::RowsFormat;
 use crate::cli::signals::Interruption;
 use crate::cli::target::{self, Target, UnlessComplete, named, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::{self, Basis, Junit, Screen};
 use crate::spec::Spec;
 
-/// Rows that are not written to their file as they come.
-enum Kept {
-    /// Of a Parquet file, which has an end of its own.
-    Parquet(Box<ParquetRows>),
-    /// Of a workbook, a Q-DAS file, a table for people or an array of JSON.
-    Formed(Box<FormedRows<Box<dyn Write + Send>>>),
-}
-
 /// Files that are written.
 #[derive(Default)]
 pub(super) struct Targets {
-    file: Option<Target>,
-    kept: Option<Kept>,
+    rows: Option<RowsFile>,
     rejects: Option<Target>,
     pub(super) summary: Option<Target>,
     junit: Option<Target>,
     /// The test cases of the JUnit report.
     cases: Option<Junit<File>>,
-    packing: Packing,
     rejects_packing: Packing,
 }
 
@@ -47,25 +36,17 @@ impl Targets {
         format: RowFormat,
         columns: impl FnOnce() -> Vec<(String, ColumnKind)>,
     ) -> Result<Sinks<'_>, Failure> {
-        if let (Some(file), RowFormat::Columns) = (&mut self.file, format) {
-            self.kept = Some(Kept::Parquet(Box::new(ParquetRows::new(file.take_writer(), &columns())?)));
-        }
-        let (packing, rejects_packing) = (self.packing, self.rejects_packing);
-        let file = self.file.as_mut().map(|writer| RowSink::Text(Sink { writer, packing }));
+        let packing = self.rejects_packing;
         Ok(Sinks {
-            rows: match &mut self.kept {
-                Some(Kept::Parquet(rows)) => Some(RowSink::Columns(rows.as_mut())),
-                Some(Kept::Formed(writer)) => Some(RowSink::Text(Sink { writer, packing })),
-                None => file,
-            },
-            rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing: rejects_packing }),
+            rows: self.rows.as_mut().map(|rows| rows.sink(format, columns)).transpose()?,
+            rejects: self.rejects.as_mut().map(|writer| Sink { writer, packing }),
             parts: self.cases.as_mut().map(|cases| cases as &mut dyn PartSink),
         })
     }
 
     /// Says that so many columns behind the first one are those of the table.
     pub(super) fn with_copied(&mut self, count: usize) {
-        if let Some(Kept::Formed(rows)) = &mut self.kept {
+        if let Some(rows) = &mut self.rows {
             rows.with_copied(count);
         }
     }
@@ -91,18 +72,9 @@ impl Targets {
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<bool, Failure> {
-        let mut is_written = true;
-        match self.kept.take() {
-            Some(Kept::Parquet(rows)) => rows.finish()?,
-            Some(Kept::Formed(rows)) => is_written = rows.finish(notes, interruption.stop())?,
-            None => {}
-        }
-        if let Some(file) = self.file.take_if(|_| !is_written) {
-            file.discard(output);
-        }
-        for target in [self.file.take(), self.rejects.take()].into_iter().flatten() {
-            target.end(is_complete, output)?;
-        }
+        let rows = self.rows.take();
+        let is_written = rows.map_or(Ok(true), |rows| rows.finish(is_complete, notes, interruption, output))?;
+        self.rejects.take().map_or(Ok(()), |rejects| rejects.end(is_complete, output))?;
         Ok(is_written)
     }
 }
@@ -141,47 +113,27 @@ impl Args {
         junit: Option<Target>,
         inputs: &[PathBuf],
         spec: &Spec,
-        (format, screen): (BatchFormat, Screen),
+        (format, screen): (RowsFormat, Screen),
     ) -> Result<Targets, Failure> {
         let written: Vec<&Path> =
-            [&self.output, &self.rejects, &self.junit].into_iter().flatten().map(PathBuf::as_path).collect();
+            [&self.rows.output, &self.rejects, &self.junit].into_iter().flatten().map(PathBuf::as_path).collect();
         target::refuse_same(&written)?;
         for path in &written {
             target::refuse_inputs(path, inputs)?;
         }
         self.rejects.as_deref().map_or(Ok(()), refuse_other_place)?;
-        let packing =
-            |path: &Option<PathBuf>| path.as_deref().map_or(Packing::None, |path| Packing::of_name(&shown(path)).0);
-        let path = self.output.as_deref().unwrap_or(Path::new("-"));
+        let packing = self.rejects.as_deref().map_or(Packing::None, |path| Packing::of_name(&shown(path)).0);
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;
-        let is_written = !self.summary || self.output.is_some();
-        let file = is_written.then(|| Target::create(path, inputs)).transpose()?;
-        let (mut file, summary) = if self.summary { (None, file) } else { (file, None) };
-        let kept = match &mut file {
-            Some(file) => {
-                let title = spec.title.as_deref().unwrap_or("rackmesh");
-                let formed = match format {
-                    _ if is_office(&shown(path)) => {
-                        Some(FormedRows::new(&shown(path), file.take_writer(), (title, &spec.limits()))?)
-                    }
-                    BatchFormat::Table => {
-                        let screen = if self.output.is_some() { screen.of_file() } else { screen };
-                        Some(FormedRows::table(file.take_writer(), screen, self.decimals.is_some()))
-                    }
-                    BatchFormat::Json => Some(FormedRows::array(file.take_writer())),
-                    _ => None,
-                };
-                formed.map(|rows| Kept::Formed(Box::new(rows)))
-            }
-            None => None,
-        };
+        let path = self.rows.output.as_deref();
+        let summary = path.filter(|_| self.summary).map(|path| Target::create(path, inputs)).transpose()?;
+        let called = (spec.title.as_deref().unwrap_or("rackmesh"), &spec.limits());
+        let shown_as = (format, screen, self.decimals.is_some());
+        let rows = (!self.summary).then(|| RowsFile::begin(path, inputs, called, shown_as)).transpose()?;
         let name = self.junit.as_deref().map(shown).unwrap_or_default();
         let cases = junit.as_ref().map(|_| tempfile::tempfile()).transpose();
         Ok(Targets {
-            kept,
-            packing: packing(&self.output),
-            rejects_packing: packing(&self.rejects),
-            file,
+            rows,
+            rejects_packing: packing,
             rejects,
             summary,
             junit,

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::bar::Bar;
-use super::format::BatchFormat;
 use super::targets::Targets;
 use super::{Args, Ending, NO_LIMITS, mesh_basis};
 use crate::batch::{RowFormat, Teeth, TeethRequest};
 use crate::cli::output::{Failure, Output, Status};
+use crate::cli::rows_format::RowsFormat;
 use crate::cli::signals::Interruption;
 use crate::cli::{spec_files, tables};
 use crate::diagnostic::{Code, Diagnostic};
@@ -22,7 +22,7 @@ impl Args {
         &self,
         spec: &Arc<Spec>,
         (found, mut targets): (&mut tables::Files<'_>, Targets),
-        (written, format, summary_format): (BatchFormat, RowFormat, Format),
+        (written, format, summary_format): (RowsFormat, RowFormat, Format),
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<Status, Failure> {

@@ -1,7 +1,7 @@
 //! What a picture shows, and how it is drawn.
 
 use super::Plane;
-use super::paint::{BAND, GRID, LIMIT, Paint, SOFT, text};
+use super::paint::{BAND, GRID, INK, LIMIT, Paint, SOFT, text};
 
 /// Something that is shown.
 #[derive(Debug, Clone)]
@@ -27,6 +27,8 @@ pub enum Shape {
     Band(Vec<Span>),
     /// Rectangles.
     Bars(Vec<Bar>),
+    /// Rectangles side by side, from pale for a share of 0 to strong for one of 1, with their texts in the middle.
+    Map(Vec<(Bar, f64)>),
     /// Limits on y.
     Limits(Vec<f64>),
     /// Limits on x.
@@ -95,6 +97,9 @@ impl Shape {
             Self::Line(points) | Self::Dots(points) | Self::Track(points) | Self::Trail(points) => points.clone(),
             Self::Band(spans) => spans.iter().flat_map(|span| [(span.x, span.low), (span.x, span.high)]).collect(),
             Self::Bars(bars) => bars.iter().flat_map(|bar| [(bar.left, bar.low), (bar.right, bar.high)]).collect(),
+            Self::Map(cells) => {
+                cells.iter().flat_map(|(bar, _)| [(bar.left, bar.low), (bar.right, bar.high)]).collect()
+            }
             Self::Limits(limits) => limits.iter().map(|limit| (f64::NAN, *limit)).collect(),
             Self::LimitsOnX(limits) => limits.iter().map(|limit| (*limit, f64::NAN)).collect(),
             Self::Marks(marks) => marks.iter().map(|mark| (mark.x, mark.y)).collect(),
@@ -103,7 +108,7 @@ impl Shape {
 
     /// Whether it has a colour of its own among the curves.
     pub(super) const fn is_series(&self) -> bool {
-        matches!(self, Self::Line(_) | Self::Dots(_) | Self::Track(_) | Self::Bars(_))
+        matches!(self, Self::Line(_) | Self::Dots(_) | Self::Track(_) | Self::Bars(_) | Self::Map(_))
     }
 
     /// The shape on its axes.
@@ -120,6 +125,7 @@ impl Shape {
                 path(&plane.places(&upper.chain(lower).collect::<Vec<_>>()), "Z")
             }
             Self::Bars(bars) => bars.iter().filter_map(|bar| plane.bar(bar)).collect(),
+            Self::Map(cells) => cells.iter().filter_map(|(bar, share)| plane.cell(bar, *share)).collect(),
             Self::Limits(limits) => {
                 limits.iter().filter_map(|limit| y.at(*limit)).map(|at| line([x.from, at], [x.to, at])).collect()
             }
@@ -135,7 +141,7 @@ impl Shape {
     pub(super) fn sample(&self, series: Paint, x: f64, y: f64) -> String {
         let middle = [(x + 11.0, y)];
         let content = match self {
-            Self::Band(_) | Self::Bars(_) => rectangle([x, y - 6.0], [x + 22.0, y + 6.0]),
+            Self::Band(_) | Self::Bars(_) | Self::Map(_) => rectangle([x, y - 6.0], [x + 22.0, y + 6.0]),
             Self::Dots(_) | Self::Marks(_) => dots(&middle),
             Self::Track(_) => line([x, y], [x + 22.0, y]) + &dots(&middle),
             _ => line([x, y], [x + 22.0, y]),
@@ -147,7 +153,7 @@ impl Shape {
         match self {
             Self::Line(_) | Self::Track(_) => series.stroke("stroke-width=\"2\" stroke-linejoin=\"round\"", content),
             Self::Trail(_) => GRID.stroke("stroke-width=\"8\"", content),
-            Self::Dots(_) | Self::Bars(_) => series.fill("", content),
+            Self::Dots(_) | Self::Bars(_) | Self::Map(_) => series.fill("", content),
             Self::Band(_) => BAND.fill("fill-opacity=\".2\" stroke=\"currentColor\" stroke-opacity=\".7\"", content),
             Self::Limits(_) | Self::LimitsOnX(_) => {
                 LIMIT.stroke("stroke-width=\"2\" stroke-dasharray=\"7 4\"", content)
@@ -171,6 +177,20 @@ impl Plane<'_> {
         let words = if bar.text.is_empty() { String::new() } else { SOFT.fill("", &words) };
         // neighbours have a line of paper between them
         Some(rectangle([left + 0.5, top], [(right - 0.5).max(left + 1.0), bottom]) + &words)
+    }
+
+    fn cell(&self, bar: &Bar, share: f64) -> Option<String> {
+        let [left, right] = [self.x.at(bar.left)?, self.x.at(bar.right)?];
+        let [bottom, top] = [self.y.at(bar.low)?, self.y.at(bar.high)?];
+        // the strongest is still pale enough to be written on
+        let opacity = 0.05 + 0.6 * share;
+        let cell = rectangle([left, top], [right, bottom]).replacen(
+            "<rect",
+            &format!("<rect fill-opacity=\"{opacity:.3}\""),
+            1,
+        );
+        let words = text(0.5 * (left + right), 0.5 * (top + bottom) + 5.0, "middle", &bar.text);
+        Some(if bar.text.is_empty() { cell } else { cell + &INK.fill("", &words) })
     }
 
     fn marks(&self, marks: &[Mark]) -> String {

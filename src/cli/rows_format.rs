@@ -1,16 +1,18 @@
-//! What the rows or the summary of a batch are written as: by the option, or by the name of the output.
+//! What rows, or the summary of a batch, are written as: by the option, or by the name of the output. Shared by the
+//! subcommands that write a table.
+
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::Args;
+use super::output::Failure;
+use super::target::{self, shown};
 use crate::batch::{Packing, RowFormat};
-use crate::cli::output::Failure;
-use crate::cli::target::{self, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::{Format, Screen};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum BatchFormat {
+pub(super) enum RowsFormat {
     /// Comma-separated values with a header.
     Csv,
     /// Tab-separated values with a header.
@@ -30,7 +32,7 @@ pub(super) enum BatchFormat {
     Office,
 }
 
-impl BatchFormat {
+impl RowsFormat {
     /// The format that the ending of a name tells.
     fn of_ending(ending: &str) -> Option<Self> {
         Some(match ending {
@@ -52,49 +54,61 @@ impl BatchFormat {
     }
 }
 
-impl Args {
-    /// What is written, and by that the format of the rows that the run makes, and of a summary.
-    pub(super) fn formats(&self, screen: Screen) -> Result<(BatchFormat, RowFormat, Format), Failure> {
-        let (format, safe_csv) = (self.format(screen)?, screen.safe_csv);
+/// Where rows go.
+#[derive(Debug, clap::Args)]
+pub(super) struct RowsArgs {
+    /// The file to write; the ending of its name tells the format.
+    #[arg(long, short, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+    /// Output format.
+    #[arg(long, short, value_enum)]
+    format: Option<RowsFormat>,
+}
+
+impl RowsArgs {
+    /// What is written, and by that the format of the rows that the run makes, and of a summary; `summary` says whether that
+    /// is written in place of rows.
+    pub(super) fn formats(&self, summary: bool, screen: Screen) -> Result<(RowsFormat, RowFormat, Format), Failure> {
+        let (format, safe_csv) = (self.format(summary, screen)?, screen.safe_csv);
         let refused = |what: &str, help: &str| {
             let message = format!("{what} cannot be written as {}", format.name());
             Err(Diagnostic::usage(message).help(help).into())
         };
         let rows = match format {
-            BatchFormat::Csv if safe_csv => RowFormat::SafeCsv,
-            BatchFormat::Tsv if safe_csv => RowFormat::SafeTsv,
-            BatchFormat::Csv | BatchFormat::Office | BatchFormat::Table => RowFormat::Csv,
-            BatchFormat::Tsv => RowFormat::Tsv,
-            BatchFormat::Jsonl | BatchFormat::Json => RowFormat::JsonLines,
-            BatchFormat::Parquet => RowFormat::Columns,
-            _ if self.summary => RowFormat::Csv,
-            BatchFormat::Markdown => {
+            RowsFormat::Csv if safe_csv => RowFormat::SafeCsv,
+            RowsFormat::Tsv if safe_csv => RowFormat::SafeTsv,
+            RowsFormat::Csv | RowsFormat::Office | RowsFormat::Table => RowFormat::Csv,
+            RowsFormat::Tsv => RowFormat::Tsv,
+            RowsFormat::Jsonl | RowsFormat::Json => RowFormat::JsonLines,
+            RowsFormat::Parquet => RowFormat::Columns,
+            _ if summary => RowFormat::Csv,
+            RowsFormat::Markdown => {
                 return refused("rows", "write table, csv, tsv, json, jsonl or parquet; or ask for the --summary");
             }
         };
         let summary = match format {
-            BatchFormat::Table => Format::Table,
-            BatchFormat::Csv => Format::Csv,
-            BatchFormat::Json => Format::Json,
-            BatchFormat::Markdown => Format::Markdown,
-            _ if self.summary => return refused("a summary", "write table, markdown, json or csv"),
+            RowsFormat::Table => Format::Table,
+            RowsFormat::Csv => Format::Csv,
+            RowsFormat::Json => Format::Json,
+            RowsFormat::Markdown => Format::Markdown,
+            _ if summary => return refused("a summary", "write table, markdown, json or csv"),
             _ => Format::Table,
         };
         Ok((format, rows, summary))
     }
 
     /// The format: that of the option, of the output's name, or the usual one.
-    fn format(&self, screen: Screen) -> Result<BatchFormat, Failure> {
+    fn format(&self, summary: bool, screen: Screen) -> Result<RowsFormat, Failure> {
         let Some(format) = self.format else {
             let is_shown = self.output.is_none() && screen.width.is_some();
-            let usual = if self.summary || is_shown { BatchFormat::Table } else { BatchFormat::Csv };
-            return Ok(self.known_ending()?.and_then(BatchFormat::of_ending).unwrap_or(usual));
+            let usual = if summary || is_shown { RowsFormat::Table } else { RowsFormat::Csv };
+            return Ok(self.known_ending(summary)?.and_then(RowsFormat::of_ending).unwrap_or(usual));
         };
         let Some(path) = &self.output else { return Ok(format) };
         let name = &shown(path);
-        match BatchFormat::of_ending(&target::ending(Packing::of_name(name).1)) {
+        match RowsFormat::of_ending(&target::ending(Packing::of_name(name).1)) {
             // .txt is any text
-            Some(named) if named != format && named != BatchFormat::Table => {
+            Some(named) if named != format && named != RowsFormat::Table => {
                 let message = format!("--format {} does not fit the name {name}", format.name());
                 Err(Diagnostic::usage(message).help("leave out --format, or end the name otherwise").into())
             }
@@ -103,12 +117,12 @@ impl Args {
     }
 
     /// The ending of the output's name, which tells the format.
-    fn known_ending(&self) -> Result<Option<&'static str>, Diagnostic> {
+    fn known_ending(&self, summary: bool) -> Result<Option<&'static str>, Diagnostic> {
         const ROWS: [&str; 9] = ["csv", "tsv", "jsonl", "ndjson", "json", "txt", "parquet", "xlsx", "dfq"];
         let Some(path) = &self.output else { return Ok(None) };
         let name = &shown(path);
         let ending = match Packing::of_name(name) {
-            _ if self.summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
+            _ if summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
             (Packing::None, _) => target::known_ending(path, path, &ROWS),
             // text alone is packed
             (_, unpacked) => target::known_ending(path, unpacked, &ROWS[..4]),

@@ -1,0 +1,81 @@
+//! What a command says of a design: the spec with the design's keys set, asked as if it stood in a file.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::ArgMatches;
+
+use super::Of;
+use crate::cli::held::{Answer, Facts};
+use crate::cli::output::{Failure, Output, Status};
+use crate::cli::{called, command, tables};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
+use crate::spec::Spec;
+
+/// A command about a spec.
+pub(super) struct Question<'a> {
+    matches: ArgMatches,
+    source: Arc<Source>,
+    /// What is set in every design.
+    settings: &'a [String],
+    stop: Arc<AtomicBool>,
+}
+
+impl<'a> Question<'a> {
+    /// The command with these options behind it, about the spec at `path`.
+    pub(super) fn new(
+        of: Of,
+        options: &[String],
+        (path, spec): (&Path, &Spec),
+        settings: &'a [String],
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Self, Failure> {
+        let name = of.name();
+        let words = ["rackmesh".as_ref(), name.as_ref()].into_iter();
+        let flag = (of == Of::Class).then(|| "--spec".as_ref());
+        let words = words.chain(flag).chain([path.as_os_str()]).chain(options.iter().map(AsRef::as_ref));
+        let matches = command().try_get_matches_from(words).map_err(Failure::Usage)?;
+        let own = matches.subcommand().map(|(_, own)| own);
+        let is_given = |id: &str| {
+            own.is_some_and(|own| own.try_contains_id(id).unwrap_or(false) && own.value_source(id).is_some())
+        };
+        if let Some(id) = ["plot", "set"].into_iter().find(|id| is_given(id)) {
+            let message = format!("--{id} behind `--` is that of each design");
+            return Err(Diagnostic::usage(message).help(format!("write --{id} before the `--`")).into());
+        }
+        Ok(Self { matches, source: Arc::clone(&spec.source), settings, stop: Arc::clone(stop) })
+    }
+
+    fn spec(&self, design: &[String]) -> Result<Spec, Diagnostics> {
+        Spec::parse_with(&self.source.name, &self.source.text, &[self.settings, design].concat())
+    }
+
+    /// Refuses keys that no spec has, whatever their value.
+    pub(super) fn refuse_unknown_keys(&self, design: &[String]) -> Result<(), Diagnostics> {
+        let Err(Diagnostics(problems)) = self.spec(design) else { return Ok(()) };
+        let unknown: Vec<_> =
+            problems.into_iter().filter(|problem| matches!(problem.code, Code::UnknownKey | Code::Usage)).collect();
+        if unknown.is_empty() { Ok(()) } else { Err(Diagnostics(unknown)) }
+    }
+
+    /// What the command says of a design, or why it says nothing; `None` once the run is to stop.
+    pub(super) fn answer(&self, design: &[String], facts: Facts) -> Option<Result<Answer, String>> {
+        let answer = self.spec(design).map_err(|problems| problems.0).and_then(|spec| {
+            let mut output = Output::of_facts(spec, facts, Arc::clone(&self.stop));
+            let status =
+                called(&self.matches, &mut output).unwrap_or(Ok(Status::Undecided)).map_err(tables::diagnostics)?;
+            let status = output.ended(status).code();
+            Ok(Answer { status, ..output.into_answer() })
+        });
+        // what was begun before is not to its end
+        let is_whole = !self.stop.load(Ordering::Relaxed);
+        is_whole.then(|| answer.map_err(|problems| in_words(&problems)))
+    }
+}
+
+/// Problems in a line.
+fn in_words(problems: &[Diagnostic]) -> String {
+    let sentences: Vec<_> = problems.iter().map(|problem| problem.sentence().replace('\n', " ")).collect();
+    sentences.join("; ")
+}

@@ -1,0 +1,369 @@
+//! Designs: keys of a spec, each with the values that it is tried at, and every design that follows: all combinations, or a
+//! Latin hypercube. Called by `sweep`; knows no spec and no result. Values are texts as they would stand in the spec.
+
+use thiserror::Error;
+
+use crate::chance::Random;
+use crate::quantity::{parse_f64, plain, split_number};
+
+/// Why keys and values make no designs.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct DesignError(String);
+
+/// A key with the values that it is tried at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The key, such as `pair.normal_pressure_angle`.
+    pub key: String,
+    /// What stands behind its numbers, empty if nothing does.
+    pub unit: String,
+    values: Values,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Values {
+    /// As they are written, and as numbers if all are.
+    List(Vec<String>, Option<Vec<f64>>),
+    /// From one number to another, so far apart if that is said.
+    Range { from: f64, to: f64, step: Option<f64> },
+}
+
+/// Designs at most that a grid may have.
+const MOST: usize = 1_000_000_000;
+
+impl Axis {
+    /// Reads `KEY=VALUES`: a list with commas between (`pinion.teeth=6,7,8`), or a range with its step
+    /// (`pair.normal_pressure_angle=18..25:0.5`, `errors.rack_pitch=0..30:5 um`). A whole number has a step of 1.
+    ///
+    /// # Errors
+    /// [`DesignError`] if there is no key or no value, a range runs backwards, or its numbers have different units.
+    pub fn parse(text: &str, is_whole: impl Fn(&str) -> bool) -> Result<Self, DesignError> {
+        let (key, values) = text.split_once('=').map_or((text, ""), |(key, values)| (key.trim(), values.trim()));
+        let refused = |why: &str| DesignError(format!("`{text}`: {why}"));
+        if key.is_empty() || values.is_empty() {
+            return Err(refused(
+                "write KEY=VALUES, such as pinion.teeth=6,7,8 or pair.normal_pressure_angle=18..25:0.5",
+            ));
+        }
+        let key = key.to_owned();
+        if let Some((from, to, step)) = range(values) {
+            let measures: Vec<_> = [Some(from), Some(to), step].into_iter().flatten().collect();
+            let unit =
+                shared_unit(&measures).ok_or_else(|| refused("the numbers of a range have one unit"))?.to_owned();
+            let step = step.map(|step| step.0).or_else(|| is_whole(&key).then_some(1.0));
+            if from.0 > to.0 || step.is_some_and(|step| step <= 0.0) {
+                return Err(refused("a range runs upwards, with a step above 0"));
+            }
+            return Ok(Self { key, unit, values: Values::Range { from: from.0, to: to.0, step } });
+        }
+        let list: Vec<String> = split(values).into_iter().map(|value| value.trim().to_owned()).collect();
+        if list.iter().any(String::is_empty) {
+            return Err(refused("a value between two commas is missing"));
+        }
+        let numbers: Option<Vec<Measure<'_>>> = list.iter().map(|value| number(value)).collect();
+        let Some(numbers) = numbers.and_then(|numbers| Some((shared_unit(&numbers)?, numbers))) else {
+            return Ok(Self { key, unit: String::new(), values: Values::List(list, None) });
+        };
+        let (unit, numbers) = (numbers.0.to_owned(), numbers.1);
+        // a number without a unit has that of the others
+        let text = |(text, (_, own)): (&String, &Measure<'_>)| {
+            if own.is_empty() && !unit.is_empty() { format!("{text} {unit}") } else { text.clone() }
+        };
+        let texts = list.iter().zip(&numbers).map(text).collect();
+        let values = Values::List(texts, Some(numbers.iter().map(|(number, _)| *number).collect()));
+        Ok(Self { key, unit, values })
+    }
+
+    /// Whether its values are numbers in one unit.
+    #[must_use]
+    pub const fn is_numeric(&self) -> bool {
+        matches!(self.values, Values::Range { .. } | Values::List(_, Some(_)))
+    }
+
+    /// The ends of a range, and whether any number between them may be tried.
+    #[must_use]
+    pub const fn ends(&self) -> Option<(f64, f64)> {
+        if let Values::Range { from, to, .. } = self.values { Some((from, to)) } else { None }
+    }
+
+    /// The same range in so many steps, if it has none.
+    #[must_use]
+    pub fn in_steps(mut self, count: u32) -> Self {
+        if let Values::Range { from, to, step: step @ None } = &mut self.values {
+            *step = Some((*to - *from) / f64::from(count)).filter(|step| *step > 0.0);
+        }
+        self
+    }
+
+    /// How many values it has; `None` of a range without a step.
+    #[must_use]
+    pub fn count(&self) -> Option<usize> {
+        match &self.values {
+            Values::List(list, _) => Some(list.len()),
+            // a step that ends beside the last value by rounding reaches it; a range of too many is refused by its grid
+            Values::Range { from, to, step } => (*step).map(|step| ((to - from) / step + 1e-9) as usize + 1),
+        }
+    }
+
+    /// A number of it as it would stand in the spec.
+    #[must_use]
+    pub fn text(&self, number: f64) -> String {
+        let number = plain(number);
+        if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
+    }
+
+    /// The value with that index.
+    fn value(&self, index: usize) -> Trial {
+        match &self.values {
+            Values::List(list, numbers) => {
+                Trial { text: list[index].clone(), number: numbers.as_ref().map(|numbers| numbers[index]) }
+            }
+            Values::Range { from, step, .. } => self.trial(rounded(from + step.unwrap_or_default() * index as f64, 15)),
+        }
+    }
+
+    /// A number of it that is tried, with twelve digits.
+    #[must_use]
+    pub fn at(&self, number: f64) -> Trial {
+        self.trial(rounded(number, 12))
+    }
+
+    fn trial(&self, number: f64) -> Trial {
+        Trial { text: self.text(number), number: Some(number) }
+    }
+
+    /// The value at a share from 0 to below 1 of the range, or of the list.
+    fn at_share(&self, share: f64) -> Trial {
+        match (self.count(), &self.values) {
+            (None, Values::Range { from, to, .. }) => self.trial(rounded(from + share * (to - from), 9)),
+            (count, _) => self.value((share * count.unwrap_or(1) as f64) as usize),
+        }
+    }
+}
+
+/// A value that is tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// As it would stand in the spec.
+    pub text: String,
+    /// The number in the unit of its axis, if it is one.
+    pub number: Option<f64>,
+}
+
+/// A number with so many digits.
+fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
+}
+
+/// A number and its unit.
+fn number(text: &str) -> Option<(f64, &str)> {
+    let (written, unit) = split_number(text);
+    parse_f64(written).ok().map(|number| (number, unit))
+}
+
+type Measure<'a> = (f64, &'a str);
+
+/// The unit of numbers of which some may have none; `None` if they have several.
+fn shared_unit<'a>(measures: &[Measure<'a>]) -> Option<&'a str> {
+    let mut units = measures.iter().map(|measure| measure.1).filter(|unit| !unit.is_empty());
+    let unit = units.next().unwrap_or_default();
+    units.all(|other| other == unit).then_some(unit)
+}
+
+/// The ends and the step of a range.
+fn range(text: &str) -> Option<(Measure<'_>, Measure<'_>, Option<Measure<'_>>)> {
+    let (from, rest) = text.split_once("..")?;
+    let (to, step) = rest.split_once(':').map_or((rest, None), |(to, step)| (to, Some(step)));
+    let step = step.map(number);
+    Some((number(from)?, number(to)?, if let Some(step) = step { Some(step?) } else { None }))
+}
+
+/// Splits at the commas that stand neither in brackets nor in quotes.
+fn split(text: &str) -> Vec<&str> {
+    let (mut depth, mut quoted) = (0_i32, None);
+    let is_between = |c: char| {
+        match (quoted, c) {
+            (Some(quote), _) if quote == c => quoted = None,
+            (None, '"' | '\'') => quoted = Some(c),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            _ => {}
+        }
+        c == ',' && depth == 0 && quoted.is_none()
+    };
+    text.split(is_between).collect()
+}
+
+/// Every design.
+#[derive(Debug, Clone)]
+pub struct Designs {
+    axes: Vec<Axis>,
+    count: usize,
+    /// Of a Latin hypercube, the share of each axis at each design.
+    shares: Option<Vec<Vec<f64>>>,
+}
+
+impl Designs {
+    /// All combinations, those of the last key next to each other.
+    ///
+    /// # Errors
+    /// [`DesignError`] of a range without a step, and of more designs than 10⁹.
+    pub fn grid(axes: Vec<Axis>) -> Result<Self, DesignError> {
+        let mut count: usize = 1;
+        for axis in &axes {
+            let values = axis.count().ok_or_else(|| {
+                let key = &axis.key;
+                DesignError(format!(
+                    "`{key}` has a range without a step: write one, such as 18..25:0.5, or --samples N"
+                ))
+            })?;
+            count = count.checked_mul(values).filter(|count| *count <= MOST).ok_or_else(|| {
+                DesignError("these are more than 1,000,000,000 designs: take wider steps, or --samples N".to_owned())
+            })?;
+        }
+        Ok(Self { axes, count, shares: None })
+    }
+
+    /// One key at these numbers.
+    #[must_use]
+    pub fn of_numbers(axis: Axis, numbers: Vec<f64>) -> Self {
+        let texts = numbers.iter().map(|number| axis.text(*number)).collect();
+        let count = numbers.len();
+        Self { axes: vec![Axis { values: Values::List(texts, Some(numbers)), ..axis }], count, shares: None }
+    }
+
+    /// So many designs of which each key takes every of as many equal parts of its range once, at random places within them
+    /// and in random order (McKay, Beckman and Conover 1979). The same seed gives the same designs.
+    #[must_use]
+    pub fn latin_hypercube(axes: Vec<Axis>, count: u32, seed: u64) -> Self {
+        let shares = |axis: u64| {
+            let mut random = Random::of_block(seed, axis);
+            let mut parts: Vec<f64> =
+                (0..count).map(|part| (f64::from(part) + random.uniform()) / f64::from(count)).collect();
+            for last in (1..parts.len()).rev() {
+                parts.swap(last, (random.uniform() * (last + 1) as f64) as usize);
+            }
+            parts
+        };
+        let shares = (0..axes.len() as u64).map(shares).collect();
+        Self { axes, count: count as usize, shares: Some(shares) }
+    }
+
+    /// The keys.
+    #[must_use]
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether they are all combinations.
+    #[must_use]
+    pub const fn is_grid(&self) -> bool {
+        self.shares.is_none()
+    }
+
+    /// The value of each key in the design with that number.
+    #[must_use]
+    pub fn values(&self, mut number: usize) -> Vec<Trial> {
+        if let Some(shares) = &self.shares {
+            return self.axes.iter().zip(shares).map(|(axis, shares)| axis.at_share(shares[number])).collect();
+        }
+        let mut values: Vec<_> = self
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let count = axis.count().unwrap_or(1);
+                let value = axis.value(number % count);
+                number /= count;
+                value
+            })
+            .collect();
+        values.reverse();
+        values
+    }
+
+    /// The design with these values, as `--set` takes it.
+    #[must_use]
+    pub fn settings(&self, values: &[Trial]) -> Vec<String> {
+        self.axes.iter().zip(values).map(|(axis, value)| format!("{}={}", axis.key, value.text)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn axis(text: &str) -> Axis {
+        Axis::parse(text, |key| key == "pinion.teeth").unwrap()
+    }
+
+    fn texts(designs: &Designs) -> Vec<String> {
+        (0..designs.count()).map(|number| designs.settings(&designs.values(number)).join(" ")).collect()
+    }
+
+    #[test]
+    fn a_grid_is_every_combination() {
+        let designs = Designs::grid(vec![axis("a.b=18..19:0.5"), axis("pinion.teeth=6..7")]).unwrap();
+        let expected = ["18 6", "18 7", "18.5 6", "18.5 7", "19 6", "19 7"];
+        let expected =
+            expected.map(|pair| pair.split_once(' ').map(|(a, z)| format!("a.b={a} pinion.teeth={z}")).unwrap());
+        assert_eq!(texts(&designs), expected);
+    }
+
+    #[test]
+    fn values_are_those_that_are_written() {
+        let values = |text: &str| texts(&Designs::grid(vec![axis(text)]).unwrap()).join("; ").replace("k=", "");
+        for (text, expected) in [
+            ("k=0..0.3:0.1", "0; 0.1; 0.2; 0.3"),
+            ("k=-2..2:2 um", "-2 um; 0 um; 2 um"),
+            ("k=0um..10um:4um", "0 um; 4 um; 8 um"),
+            ("k=6,7.50,1e-3 mm", "6 mm; 7.50 mm; 1e-3 mm"),
+            ("k=6.0,7", "6.0; 7"),
+            ("k=\"a,b\",{ value = 1, u = 2 }", "\"a,b\"; { value = 1, u = 2 }"),
+            ("k=8..=12", "8..=12"),
+        ] {
+            assert_eq!(values(text), expected, "{text}");
+        }
+        assert_eq!((axis("k=1 um,2 um").unit, axis("k=1 um,2 mm").is_numeric()), ("um".to_owned(), false));
+        for text in ["k", "=1", "k=", "k=1,,2", "k=5..1:1", "k=1..5:0", "k=1mm..5um:1"] {
+            assert!(Axis::parse(text, |_| false).is_err(), "{text}");
+        }
+        let endless = Designs::grid(vec![axis("k=1..2")]);
+        assert!(endless.unwrap_err().to_string().contains("without a step"));
+        assert!(Designs::grid(vec![axis("k=0..1:1e-9"), axis("l=0..1:1e-9")]).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn each_part_of_each_key_is_sampled_once(count in 1_u32..200, seed: u64) {
+            let axes = vec![axis("a=2..4"), axis("b=x,y,z"), axis("pinion.teeth=1..7")];
+            let designs = Designs::latin_hypercube(axes, count, seed);
+            let mut parts = Vec::new();
+            let mut counts = [0_u32; 7];
+            for number in 0..designs.count() {
+                let values = designs.values(number);
+                let share = (values[0].number.unwrap() - 2.0) / 2.0;
+                // a value is rounded to nine digits
+                prop_assert!((0.0..=1.0).contains(&share));
+                parts.push(share);
+                counts[values[2].number.unwrap() as usize - 1] += 1;
+            }
+            parts.sort_by(f64::total_cmp);
+            for (part, share) in parts.iter().enumerate() {
+                let at = share * f64::from(count) - part as f64;
+                prop_assert!((-1e-6..=1.0 + 1e-6).contains(&at), "{part}: {share}");
+            }
+            let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+            prop_assert!(most - least <= 2, "{counts:?}");
+        }
+    }
+}
