@@ -433,7 +433,7 @@ fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
     })
 }
 
-/// The columns of CSV, of an error, a combination, a limit or an uncertainty.
+/// The columns of CSV, of an error, a combination, a limit, an assumption or an uncertainty.
 const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm delta_cd_exact_mm delta_cd_paper_mm \
                        model formula share lower_mm=range_mm/lower upper_mm=range_mm/upper \
                        limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
@@ -499,7 +499,7 @@ impl Report for EvaluationReport<'_> {
         })
     }
 
-    /// One row per error, then one per combination, then one per limit, then one per uncertainty.
+    /// One row per error, then one per combination, then one per limit, per assumption of a pass and per uncertainty.
     fn rows(&self) -> Vec<Vec<String>> {
         let evaluation = &self.evaluation;
         let ends = |kind, name, range: Value| {
@@ -528,6 +528,7 @@ impl Report for EvaluationReport<'_> {
         }));
         let of_yoke = self.checks().iter().map(|check| json!({ "limit": function::check_json(check) }));
         records.extend(of_yoke.map(|row| record("limit", row["limit"]["on"].clone(), row)));
+        records.extend(assumptions_of(evaluation).into_iter().map(|assumed| record("assumes", assumed, json!({}))));
         let mut names = COLUMNS.to_owned();
         if !self.without.is_empty() {
             names = format!("{names} {WITHOUT}");

@@ -19,7 +19,7 @@ pub(super) const COLUMNS: &str =
 /// What a list of points amounts to as far as it can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Trust {
-    /// Strokes that did not converge.
+    /// Strokes that did not converge, those solved to [`SOLVED_MM`](crate::mesh::SOLVED_MM) apart.
     pub unconverged: usize,
     /// Of those, the ones of which only the rack's roll is in doubt.
     pub roll_not_found: usize,
@@ -80,7 +80,7 @@ impl Trust {
     pub(super) fn of_point(point: Result<&MeshPoint, &MeshError>) -> Self {
         match point {
             Ok(point) => Self {
-                unconverged: usize::from(!point.converged()),
+                unconverged: usize::from(!point.converged() && !point.is_solved()),
                 roll_not_found: usize::from(point.ending == Ending::RollNotFound),
                 largest_residual_mm: point.residual_mm.abs(),
                 ..Self::default()
@@ -227,9 +227,11 @@ mod tests {
             (Ending::IterationLimit, 1, 0),
             (Ending::RollNotFound, 1, 1),
         ] {
-            point.ending = ending;
+            (point.ending, point.residual_mm) = (ending, 2e-9);
             let trust = Trust::of(&[(0.0, Ok(point))]).and(Trust::of(&[(0.0, Ok(point))]));
             assert_eq!((trust.unconverged, trust.roll_not_found), (2 * unconverged, 2 * roll_not_found));
         }
+        (point.ending, point.residual_mm) = (Ending::BracketExhausted, 9e-10);
+        assert_eq!(Trust::of(&[(0.0, Ok(point))]).unconverged, 0);
     }
 }

@@ -517,7 +517,7 @@ fn extreme_pairs_have_an_answer_or_an_error() {
     const TEETH: [u32; 7] = [1, 2, 5, 17, 60, 1000, 10_000];
     const FACE: [f64; 5] = [1e-3, 0.5, 10.0, 300.0, 1e5];
     let (mut solved, mut tried, mut unsettled) = (0, 0, 0);
-    for seed in cases(60) {
+    for seed in cases(30) {
         let mut random = Random(seed);
         let pick = |random: &mut Random, values: &[f64]| values[random.int(0, values.len() as i64 - 1) as usize];
         let alpha = pick(&mut random, &ALPHA).to_radians();
@@ -565,7 +565,7 @@ fn extreme_pairs_have_an_answer_or_an_error() {
         }
     }
     println!("{solved} of {tried} positions solved, {unsettled} without balance");
-    assert!(solved * 2 > tried && solved > 150 && unsettled * 8 < solved, "{solved} of {tried}, {unsettled}");
+    assert!(solved * 2 > tried && solved > 75 && unsettled * 8 < solved, "{solved} of {tried}, {unsettled}");
 }
 
 /// Where a flank pair reaches the end of its contact the curve goes on: the line of contact meets the tip edge there,

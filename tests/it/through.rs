@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use rackmesh::diagnostic::is_steering;
 
@@ -17,7 +18,9 @@ struct Inputs(PathBuf);
 
 impl Inputs {
     fn new() -> Self {
-        let folder = std::env::temp_dir().join(format!("rackmesh-through-{}", std::process::id()));
+        static MADE: AtomicU32 = AtomicU32::new(0);
+        let one = MADE.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("rackmesh-through-{}-{one}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let inputs = Self(folder);
         let toml = STEERING.chars().map(|c| format!("\\u{:04x}", u32::from(c))).collect::<Vec<_>>().concat();

@@ -53,7 +53,9 @@ pub(super) struct Args {
     /// Decimals of the lengths in the result.
     #[arg(long, value_name = "N|full")]
     decimals: Option<Decimals>,
-    /// The columns to write: results, or columns of the table.
+    /// The columns to write, by name.
+    ///
+    /// They are results, or columns of the table.
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     columns: Option<Vec<String>>,
     /// Print counts, statistics, Ppk and the worst parts instead of rows.

@@ -67,7 +67,9 @@ pub(super) struct Args {
     until: Option<Until>,
     #[command(flatten)]
     rows: RowsArgs,
-    /// The results to write, by name or by their place in the command's JSON; the first is drawn.
+    /// The columns to write, by name.
+    ///
+    /// They are results, also by their place in the command's JSON; the first is drawn.
     #[arg(long, value_delimiter = ',', value_name = "NAME,…")]
     columns: Option<Vec<String>>,
     #[command(flatten)]

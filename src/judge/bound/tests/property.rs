@@ -14,7 +14,7 @@ const WITH_FORM: f64 = 0.1;
 /// What the mesh may leave a bound by, mm.
 const TOLERANCE_MM: f64 = 1e-9;
 /// Pairs of the default run, and of the long one.
-const PAIRS: usize = 700;
+const PAIRS: usize = 300;
 const LONG: usize = 100_000;
 /// One pair in so many has a rack that may roll.
 const ROLLING: u64 = 40;

@@ -7,7 +7,7 @@ use crate::judge::reached::reached;
 use crate::parallel;
 
 /// Pairs tried. Reached is what comes within 5 % of the error's upper end, and of what undercut lifts, or 0.1 µm.
-const PAIRS: usize = 600;
+const PAIRS: usize = 240;
 
 struct Tried {
     text: String,

@@ -14,7 +14,7 @@ use crate::parallel;
 use crate::spec::Spec;
 
 /// Specs of the default run, and of the long one.
-const SPECS: usize = 200;
+const SPECS: usize = 100;
 const LONG: usize = 5_000;
 /// What the mesh may leave a limit by, mm.
 const TOLERANCE_MM: f64 = 1e-9;
