@@ -36,10 +36,32 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
         ))
         .into());
     }
-    let arguments = ["rackmesh", command, &spec.name].into_iter().chain(options.iter().copied());
+    answer_about(command, options, vec![(spec, Vec::new())], stop)
+}
+
+/// Compares specs, each with its settings (`errors.rack_pitch=12um`): what `compare` says of them, with its options behind.
+///
+/// # Errors
+/// What the command would say in place of a result.
+pub fn compare(
+    options: &[&str],
+    specs: Vec<(HeldSpec, Vec<String>)>,
+    stop: &Arc<AtomicBool>,
+) -> Result<Answer, Diagnostics> {
+    answer_about("compare", options, specs, stop)
+}
+
+fn answer_about(
+    command: &str,
+    options: &[&str],
+    specs: Vec<(HeldSpec, Vec<String>)>,
+    stop: &Arc<AtomicBool>,
+) -> Result<Answer, Diagnostics> {
+    let names = specs.iter().map(|(spec, _)| spec.name.as_str());
+    let arguments = ["rackmesh", command].into_iter().chain(names).chain(options.iter().copied());
     let matches = super::command().try_get_matches_from(arguments.map(OsString::from));
     let matches = matches.map_err(|error| Diagnostic::usage(error.to_string()))?;
-    let mut output = Output::held(spec, Arc::clone(stop));
+    let mut output = Output::held(specs, Arc::clone(stop));
     let Some(called) = super::called(&matches, &mut output) else {
         return Err(Diagnostic::usage("there is no such command").into());
     };
@@ -54,7 +76,7 @@ pub fn answer(command: &str, options: &[&str], spec: HeldSpec, stop: &Arc<Atomic
 /// What is wrong with the spec, its settings, or the tables that it names.
 pub fn judged_spec(spec: &HeldSpec, settings: &[String]) -> Result<Spec, Diagnostics> {
     let read = Spec::parse_with(&spec.name, &spec.text, settings)?;
-    let mut output = Output::held(spec.clone(), Arc::default());
+    let mut output = Output::held([(spec.clone(), Vec::new())], Arc::default());
     with_known_teeth(read, spec.name.as_ref(), &mut output).map_err(diagnostics)
 }
 

@@ -1,5 +1,6 @@
 //! What a program holds in place of files and a terminal: the spec that is asked about, and the answer.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -61,7 +62,8 @@ pub(super) enum Facts {
 /// What a command is asked, and what it said so far.
 #[derive(Debug, Default)]
 pub(super) struct Held {
-    pub(super) spec: Option<HeldSpec>,
+    /// Specs, each with its own settings.
+    pub(super) specs: VecDeque<(HeldSpec, Vec<String>)>,
     /// In its place, a spec that is read already.
     pub(super) read: Option<Spec>,
     pub(super) facts: Facts,

@@ -8,6 +8,7 @@ mod batch;
 mod budget;
 mod calc;
 mod class;
+mod compare;
 mod completions;
 mod confirm;
 mod decision;
@@ -26,9 +27,11 @@ mod output;
 mod page;
 mod paste;
 mod picture;
+mod question;
 mod read;
 mod report;
 mod reproduce;
+mod results;
 mod rows;
 mod rows_format;
 mod schema;
@@ -50,7 +53,7 @@ use std::process::ExitCode;
 
 use clap::{ArgAction, ArgMatches, Args as _, ColorChoice, Command, FromArgMatches as _};
 
-pub use answer::{answer, judged_spec};
+pub use answer::{answer, compare, judged_spec};
 pub use held::{Answer, ColumnTable, HeldSpec};
 use output::{Failure, Output, Status, print_usage};
 
@@ -121,7 +124,7 @@ const GROUPS: &[Group] = &[
         heading: "Set tolerances",
         subcommands: &[subcommand!("calc", calc), subcommand!("class", class), subcommand!("budget", budget)],
     },
-    Group { heading: "Vary the design", subcommands: &[subcommand!("sweep", sweep)] },
+    Group { heading: "Vary the design", subcommands: &[subcommand!("sweep", sweep), subcommand!("compare", compare)] },
     Group {
         heading: "Start, and set up",
         subcommands: &[

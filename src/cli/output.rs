@@ -49,6 +49,12 @@ impl Status {
         }
     }
 
+    /// How a command ended that had this exit status.
+    pub(super) fn of_code(code: u8) -> Self {
+        let known = [Self::Pass, Self::Fail, Self::Undecided, Self::Indeterminate];
+        known.into_iter().find(|status| status.code() == code).unwrap_or(Self::Interrupted(code))
+    }
+
     /// The exit status.
     pub(super) fn code(self) -> u8 {
         match self {
@@ -165,9 +171,9 @@ impl Output {
         }
     }
 
-    /// Keeps what is said of a spec, and prints nothing.
-    pub(super) fn held(spec: HeldSpec, stop: Arc<AtomicBool>) -> Self {
-        Self::holding(Held { spec: Some(spec), stop, ..Held::default() })
+    /// Keeps what is said of specs, and prints nothing.
+    pub(super) fn held(specs: impl IntoIterator<Item = (HeldSpec, Vec<String>)>, stop: Arc<AtomicBool>) -> Self {
+        Self::holding(Held { specs: specs.into_iter().collect(), stop, ..Held::default() })
     }
 
     /// Keeps the facts about a spec that is read already.
@@ -213,9 +219,9 @@ impl Output {
         }
     }
 
-    /// The spec that a program holds, in place of a file.
-    pub(super) fn held_spec(&mut self) -> Option<HeldSpec> {
-        self.held.as_mut()?.spec.take()
+    /// The next spec that a program holds, in place of a file, with its own settings.
+    pub(super) fn held_spec(&mut self) -> Option<(HeldSpec, Vec<String>)> {
+        self.held.as_mut()?.specs.pop_front()
     }
 
     /// The spec that a program has read, in place of a file.

@@ -30,8 +30,8 @@ impl SetArgs {
         if let Some(spec) = output.read_spec() {
             return Ok(spec);
         }
-        if let Some(HeldSpec { name, text }) = output.held_spec() {
-            return self.parse(&name, &text, output);
+        if let Some((HeldSpec { name, text }, own)) = output.held_spec() {
+            return Self { set: [own, self.set.clone()].concat() }.parse(&name, &text, output);
         }
         let mut bytes = Vec::new();
         let name = &stream::name(path);
@@ -60,11 +60,6 @@ impl SetArgs {
         let spec = Spec::parse_with(name, text, &self.set)?;
         spec.suspicions().iter().for_each(|found| output.diagnostic(found));
         Ok(spec)
-    }
-
-    /// What is set.
-    pub(super) fn settings(&self) -> &[String] {
-        &self.set
     }
 
     /// Whether nothing is set.

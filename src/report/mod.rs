@@ -18,6 +18,8 @@ pub mod chart;
 #[cfg(feature = "batch")]
 mod ci;
 mod class;
+#[cfg(feature = "cli")]
+pub mod compare;
 mod evaluation;
 mod fact;
 pub mod function;

@@ -18,20 +18,22 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<
         .collect()
 }
 
+/// What stands behind the sign of a limit that is the same either way.
+pub(super) fn magnitude(text: &str) -> Option<&str> {
+    ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign)).map(str::trim)
+}
+
 /// Reads one entry of `[limits]`: `"±0.05"`, or a table with `lower`, `upper` or both.
 pub(super) fn read_limit(reader: &mut SectionReader<'_>, name: &'static str) -> Option<Located<Limit>> {
     let value = reader.table.get(name)?;
     let help = "write \"±0.05\", or { lower = -0.05, upper = 0.05 }";
     let limit = match value.get_ref() {
-        DeValue::String(text) => {
-            let magnitude = ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign));
-            match magnitude.map(str::parse::<Length>) {
-                None => Err(format!("`{name}` is \"{text}\", which is not a limit")),
-                Some(Ok(magnitude)) if !magnitude.is_negative() => Ok(Limit::symmetric(magnitude)),
-                Some(Ok(_)) => Err(format!("`{name}` has two signs")),
-                Some(Err(error)) => Err(format!("`{name}`: {error}")),
-            }
-        }
+        DeValue::String(text) => match magnitude(text).map(str::parse::<Length>) {
+            None => Err(format!("`{name}` is \"{text}\", which is not a limit")),
+            Some(Ok(magnitude)) if !magnitude.is_negative() => Ok(Limit::symmetric(magnitude)),
+            Some(Ok(_)) => Err(format!("`{name}` has two signs")),
+            Some(Err(error)) => Err(format!("`{name}`: {error}")),
+        },
         DeValue::Table(ends) => {
             reader.knows_keys(name, ends, &["lower", "upper"].into_iter(), help)?;
             let mut end = |name: &str| match ends.get(name) {

@@ -35,6 +35,7 @@ mod template;
 mod uncertainty;
 mod value;
 mod vary;
+mod written;
 mod yoke;
 
 pub use basis::GEOMETRY_KEYS;
@@ -96,6 +97,8 @@ pub(crate) fn said_of<K: Copy + PartialEq, T>(entries: &[(K, T)], of: K) -> Opti
 pub struct Spec {
     /// The text.
     pub source: Arc<Source>,
+    /// What is set in place of what the text says.
+    pub settings: Vec<String>,
     /// `title`.
     pub title: Option<String>,
     /// The keys that hold one value each, but for those of `[table]`.
@@ -172,17 +175,12 @@ impl Spec {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         refuse_size(name, text.as_bytes())?;
         let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
-        let settings = set::settings(settings, text.len());
-        let (table, errors) = DeTable::parse_recoverable(text);
-        if let Some(error) = errors.first() {
-            return Err(syntax_error(&source, error).into());
-        }
-        let mut table = table.into_inner();
         let mut diagnostics = Found::default();
-        diagnostics.extend(set::set_all(&mut table, &settings, &source));
-        let is_called_batch = table::renamed(&mut table, &source, &mut diagnostics);
+        let read = set::settings(settings, text.len());
+        let (table, is_called_batch) = top(text, &read, &source, &mut diagnostics)?;
         let mut spec = Self::read(&table, &source, &mut diagnostics);
         spec.table.is_called_batch = is_called_batch;
+        spec.settings = settings.to_vec();
         pair::complete(&mut spec.values, &source, &mut diagnostics);
         if diagnostics.is_empty() {
             diagnostics.extend(spec.scale_to_reference_circle().err().into_iter().flat_map(|problems| problems.0));
@@ -273,6 +271,23 @@ impl SectionReader<'_> {
             self.inner(section, table, read);
         }
     }
+}
+
+/// The table of a spec's text with its settings, and whether `[table]` has its old name.
+fn top<'t>(
+    text: &'t str,
+    settings: &'t [set::Setting<'_>],
+    source: &Arc<Source>,
+    found: &mut Found,
+) -> Result<(DeTable<'t>, bool), Diagnostics> {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    if let Some(error) = errors.first() {
+        return Err(syntax_error(source, error).into());
+    }
+    let mut table = table.into_inner();
+    found.extend(set::set_all(&mut table, settings, source));
+    let is_called_batch = table::renamed(&mut table, source, found);
+    Ok((table, is_called_batch))
 }
 
 /// The most bytes of a spec: far beyond any that a person writes.

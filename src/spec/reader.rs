@@ -325,7 +325,7 @@ impl<'a> SectionReader<'a> {
 }
 
 /// A number with one of a unit's symbols.
-fn in_unit(text: &str, unit: MeasureUnit) -> Result<f64, String> {
+pub(super) fn in_unit(text: &str, unit: MeasureUnit) -> Result<f64, String> {
     let (written, symbol) = split_number(text);
     let number = parse_f64(written).map_err(|error| format!("`{text}` is not a number: {error}"))?;
     if symbol.is_empty() || symbol == unit.symbol {
@@ -340,7 +340,7 @@ fn in_unit(text: &str, unit: MeasureUnit) -> Result<f64, String> {
 
 /// The text of a decimal number as it stands in the file, so that no digit is lost on the way; TOML groups digits by
 /// underscores.
-fn decimal_text(value: &DeValue<'_>) -> Option<String> {
+pub(super) fn decimal_text(value: &DeValue<'_>) -> Option<String> {
     match value {
         DeValue::Float(float) => Some(float.as_str().replace('_', "")),
         DeValue::Integer(integer) if integer.radix() == 10 => Some(integer.as_str().replace('_', "")),

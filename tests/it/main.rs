@@ -9,6 +9,7 @@ mod batch_exact;
 mod batch_parquet;
 mod command_line;
 mod common;
+mod compare;
 mod decimal_exactness;
 mod dependencies;
 mod domains;

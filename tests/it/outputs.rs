@@ -35,7 +35,7 @@ const fn file(
     Written { command, id, line, spec, file, in_folder: false }
 }
 
-const WRITTEN: [Written; 15] = [
+const WRITTEN: [Written; 16] = [
     file("batch", "output", "batch SPEC TABLE --partial -o OUT", "steering", "out.csv"),
     file("batch", "rejects", "batch SPEC TABLE --partial --rejects OUT", "steering", "out.csv"),
     file("batch", "junit", "batch SPEC TABLE --partial --junit OUT", "steering", "out.xml"),
@@ -48,6 +48,7 @@ const WRITTEN: [Written; 15] = [
     file("monte-carlo", "study", "monte-carlo SPEC --racks 3 --study OUT", "scatter", "out.json"),
     file("sweep", "output", "sweep SPEC --over errors.rack_pitch=1..3:1um -o OUT", "mesh-errors", "out.csv"),
     file("sweep", "plot", "sweep SPEC --over errors.rack_pitch=1..3:1um --plot OUT", "mesh-errors", "out.svg"),
+    file("compare", "plot", "compare SPEC SPEC --plot OUT", "mesh-errors", "out.svg"),
     file("init", "file", "init OUT --force", "mesh", "out.toml"),
     Written { in_folder: true, ..file("man", "dir", "man --dir OUT", "mesh", "rackmesh-batch.1") },
     // drawn after a quarter of a minute: that it is written by the same means is all that is tried
@@ -55,7 +56,7 @@ const WRITTEN: [Written; 15] = [
 ];
 
 /// Those that are read.
-const READ: [&str; 6] = ["spec", "files", "file", "layout", "merge", "obtained"];
+const READ: [&str; 7] = ["spec", "specs", "files", "file", "layout", "merge", "obtained"];
 
 const OLD: &str = "<testsuites> of an older run\n";
 

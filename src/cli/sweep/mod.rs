@@ -1,7 +1,5 @@
 //! `rackmesh sweep`: one command for every design, a row each.
 
-mod columns;
-mod question;
 mod until;
 
 use std::path::PathBuf;
@@ -9,13 +7,13 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use clap::ValueEnum as _;
-
 use super::bar::Bar;
 use super::completions::Suggested;
 use super::held::{Answer, ColumnTable, Facts};
 use super::output::{Failure, Output, Status};
 use super::picture::{Picture, PlotArgs, draw};
+use super::question::{Of, Question};
+use super::results::{self, Column};
 use super::rows::RowsFile;
 use super::rows_format::{RowsArgs, RowsFormat};
 use super::set::{SetArgs, keys};
@@ -30,8 +28,6 @@ use crate::parallel;
 use crate::report::grouped;
 use crate::report::sweep::SweptResult;
 use crate::spec::Spec;
-use columns::Column;
-use question::Question;
 use until::Until;
 
 pub(super) const ABOUT: &str = "Try values of keys: what a command says of every design";
@@ -82,23 +78,6 @@ pub(super) struct Args {
     /// Options of the command.
     #[arg(last = true, value_name = "OPTIONS")]
     options: Vec<String>,
-}
-
-/// The command that is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-enum Of {
-    #[default]
-    Eval,
-    Mesh,
-    Simulate,
-    Class,
-    Budget,
-}
-
-impl Of {
-    fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
 }
 
 /// A design that was tried.
@@ -166,8 +145,8 @@ struct Begun {
 }
 
 /// Designs, and what is asked of each.
-struct Sweep<'a> {
-    question: Question<'a>,
+struct Sweep {
+    question: Question,
     designs: Designs,
     columns: Vec<Column>,
     drawn: Option<Column>,
@@ -178,7 +157,7 @@ struct Sweep<'a> {
     chunk: usize,
 }
 
-impl Sweep<'_> {
+impl Sweep {
     fn columns_written(&self) -> Vec<(String, ColumnKind)> {
         let key = |axis: &Axis| {
             let name = if axis.unit.is_empty() { axis.key.clone() } else { format!("{}_{}", axis.key, axis.unit) };
@@ -257,8 +236,7 @@ impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
         let interruption = signals::interrupted(output);
-        let settings = self.set.settings();
-        let question = Question::new(self.of, &self.options, (&self.spec, &spec), settings, interruption.stop())?;
+        let question = Question::new(self.of, &self.options, (&self.spec, &spec), interruption.stop())?;
         let designs = self.designs()?;
         for axis in 0..designs.axes().len() {
             question.refuse_unknown_keys(&designs.settings(&designs.values(0))[axis..=axis])?;
@@ -294,7 +272,7 @@ impl Args {
     /// Writes the row of every design, and what is drawn of them.
     fn rows(
         &self,
-        sweep: &Sweep<'_>,
+        sweep: &Sweep,
         mut begun: Begun,
         interruption: &Interruption,
         output: &mut Output,
@@ -327,7 +305,7 @@ impl Args {
     }
 
     /// Draws the result that is drawn of the designs.
-    fn draw(&self, sweep: &Sweep<'_>, begun: Begun, tally: &Tally, output: &mut Output) -> Result<(), Failure> {
+    fn draw(&self, sweep: &Sweep, begun: Begun, tally: &Tally, output: &mut Output) -> Result<(), Failure> {
         let column = sweep.drawn.as_ref();
         let (designs, values) = (&sweep.designs, &tally.values);
         let swept = column.map(|column| SweptResult { designs, name: &column.name, values });
@@ -370,12 +348,7 @@ impl Args {
     }
 
     /// The sweep, with the columns of the first design that has an answer; `None` once the run is to stop.
-    fn sweep<'a>(
-        &self,
-        question: Question<'a>,
-        designs: Designs,
-        format: RowsFormat,
-    ) -> Result<Option<Sweep<'a>>, Failure> {
+    fn sweep(&self, question: Question, designs: Designs, format: RowsFormat) -> Result<Option<Sweep>, Failure> {
         /// Designs that are tried for a first answer.
         const MOST_TRIED: usize = 4096;
         /// What a thread takes at once takes so long, about, s.
@@ -395,10 +368,10 @@ impl Args {
         let asked = self.columns.as_deref();
         // without an answer there is nothing to check names by
         let known = asked.filter(|_| !first.is_null());
-        let columns = columns::written(self.of, known, format == RowsFormat::Table, &first)?;
+        let columns = results::written(self.of, known, format == RowsFormat::Table, &first)?;
         let drawn = match &self.until {
-            Some(until) if !first.is_null() => Some(columns::named(self.of, &until.name, &first)?),
-            _ => columns::drawn(self.of, asked, &columns).cloned(),
+            Some(until) if !first.is_null() => Some(results::named(self.of, &until.name, &first)?),
+            _ => results::drawn(self.of, asked, &columns).cloned(),
         };
         let threads = self.threads.map_or_else(parallel::cores, usize::from);
         let chunk = (AT_ONCE / seconds.max(1e-9)).clamp(1.0, MOST_AT_ONCE) as usize;
@@ -410,7 +383,7 @@ impl Args {
     /// Finds where a result is reached that is to be, and leaves these designs; `None` once the run is to stop.
     fn reached(
         &self,
-        sweep: &mut Sweep<'_>,
+        sweep: &mut Sweep,
         interruption: &Interruption,
         output: &mut Output,
     ) -> Result<Option<Status>, Failure> {

@@ -4,31 +4,46 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::ArgMatches;
+use clap::{ArgMatches, ValueEnum as _};
 
-use super::Of;
-use crate::cli::held::{Answer, Facts};
-use crate::cli::output::{Failure, Output, Status};
-use crate::cli::{called, command, tables};
+use super::held::{Answer, Facts};
+use super::output::{Failure, Output, Status};
+use super::{called, command, tables};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::spec::Spec;
 
+/// The command that is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub(super) enum Of {
+    #[default]
+    Eval,
+    Mesh,
+    Simulate,
+    Class,
+    Budget,
+}
+
+impl Of {
+    pub(super) fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+}
+
 /// A command about a spec.
-pub(super) struct Question<'a> {
+pub(super) struct Question {
     matches: ArgMatches,
     source: Arc<Source>,
     /// What is set in every design.
-    settings: &'a [String],
+    settings: Vec<String>,
     stop: Arc<AtomicBool>,
 }
 
-impl<'a> Question<'a> {
+impl Question {
     /// The command with these options behind it, about the spec at `path`.
     pub(super) fn new(
         of: Of,
         options: &[String],
         (path, spec): (&Path, &Spec),
-        settings: &'a [String],
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let name = of.name();
@@ -44,11 +59,11 @@ impl<'a> Question<'a> {
             let message = format!("--{id} behind `--` is that of each design");
             return Err(Diagnostic::usage(message).help(format!("write --{id} before the `--`")).into());
         }
-        Ok(Self { matches, source: Arc::clone(&spec.source), settings, stop: Arc::clone(stop) })
+        Ok(Self { matches, source: Arc::clone(&spec.source), settings: spec.settings.clone(), stop: Arc::clone(stop) })
     }
 
     fn spec(&self, design: &[String]) -> Result<Spec, Diagnostics> {
-        Spec::parse_with(&self.source.name, &self.source.text, &[self.settings, design].concat())
+        Spec::parse_with(&self.source.name, &self.source.text, &[&self.settings, design].concat())
     }
 
     /// Refuses keys that no spec has, whatever their value.

@@ -1,8 +1,8 @@
-//! What a sweep writes of each design: names, where they stand in the answer of the command, and cells.
+//! The results of a command that are compared from design to design: names, where they stand in its answer, and cells.
 
 use serde_json::Value;
 
-use super::Of;
+use super::question::Of;
 use crate::batch::{ColumnKind, ResultCell};
 use crate::diagnostic::Diagnostic;
 use crate::report::{at, element_name};
@@ -18,13 +18,15 @@ pub(super) struct Column {
     pub(super) is_elsewhere: bool,
 }
 
-/// What a yoke does, where there is one.
+/// What a yoke does, where there is one: of known teeth, and at most wherever errors are.
 const YOKE: &str = "smallest_play_mm=yoke/smallest_play_mm largest_play_mm=yoke/largest_play_mm \
     setting_from_mm=yoke/setting/from_mm setting_to_mm=yoke/setting/to_mm setting_from_deg=yoke/setting/from_deg \
     setting_to_deg=yoke/setting/to_deg torque_rising_mean_n_m=yoke/torque_n_m/rising/mean \
     torque_rising_largest_n_m=yoke/torque_n_m/rising/largest torque_rising_fluctuation_n_m=yoke/torque_n_m/rising/fluctuation \
     torque_falling_mean_n_m=yoke/torque_n_m/falling/mean torque_falling_largest_n_m=yoke/torque_n_m/falling/largest \
-    torque_falling_fluctuation_n_m=yoke/torque_n_m/falling/fluctuation lift_off_force_n=yoke/lift_off_force_n ";
+    torque_falling_fluctuation_n_m=yoke/torque_n_m/falling/fluctuation variation_at_most_mm=yoke/variation_at_most_mm \
+    safe_setting_from_mm=yoke/safe_setting/from_mm safe_setting_to_mm=yoke/safe_setting/to_mm \
+    torque_fluctuation_reached_n_m=yoke/reached/torque_fluctuation_n_m lift_off_force_n=yoke/lift_off_force_n ";
 
 /// Behind all results.
 const VERDICT: &str = "lower_mm=judged_mm/lower upper_mm=judged_mm/upper verdict reason";
@@ -96,15 +98,19 @@ fn kind(name: &str, value: Option<&Value>) -> ColumnKind {
 }
 
 /// Every result that a command has, by a first answer: those of a yoke only where there is one.
-fn all(of: Of, answer: &Value) -> Vec<Column> {
-    let has_yoke = answer.get("yoke").is_some_and(|yoke| !yoke.is_null());
+pub(super) fn all(of: Of, answer: &Value) -> Vec<Column> {
+    // what a yoke has none of stands there as null, and what is not known of any of its kind does not
+    let is_of_yoke = |place: &str| {
+        let of_yoke = place.strip_prefix("yoke/").and_then(|place| place.split('/').next());
+        of_yoke.is_none_or(|name| answer.get("yoke").is_some_and(|yoke| yoke.get(name).is_some()))
+    };
     let column = |name: String, place: String| {
         let kind = kind(&name, at(answer, &place));
         Column { name, place, kind, is_elsewhere: false }
     };
     let declared = of.declared();
     let named = declared.split_whitespace().map(|name| name.split_once('=').unwrap_or((name, name)));
-    let named = named.filter(|(_, place)| has_yoke || !place.starts_with("yoke/"));
+    let named = named.filter(|(_, place)| is_of_yoke(place));
     named
         .flat_map(|(name, place)| {
             let Some((list, _)) = place.split_once("/*") else {
@@ -177,14 +183,19 @@ pub(super) fn drawn<'c>(of: Of, asked: Option<&[String]>, columns: &'c [Column])
 }
 
 impl Column {
+    /// What stands in an answer, if anything does.
+    pub(super) fn value<'v>(&self, answer: &'v Value) -> Option<&'v Value> {
+        at(answer, &self.place)
+    }
+
     /// The number in an answer, if there is one.
     pub(super) fn number(&self, answer: &Value) -> Option<f64> {
-        at(answer, &self.place)?.as_f64()
+        self.value(answer)?.as_f64()
     }
 
     /// The cell of a design with this answer; what is of another kind than the column is none.
     pub(super) fn cell(&self, answer: &Value) -> ResultCell<'static> {
-        match (self.kind, at(answer, &self.place)) {
+        match (self.kind, self.value(answer)) {
             (ColumnKind::Number, Some(value)) => value.as_f64().map_or(ResultCell::Nothing, ResultCell::Number),
             (ColumnKind::Flag, Some(Value::Bool(flag))) => ResultCell::Flag(*flag),
             (ColumnKind::Text, Some(Value::String(text))) => ResultCell::Text(text.clone().into_bytes().into()),

@@ -1,0 +1,147 @@
+//! `rackmesh compare`: specs side by side, what differs in them and what that does.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::held::{Answer, Facts};
+use super::output::{Failure, Output, Status};
+use super::picture::{PlotArgs, draw};
+use super::question::{Of, Question};
+use super::results;
+use super::set::SetArgs;
+use super::signals;
+use super::spec_files::files_read;
+use super::target::is_dash;
+use crate::deviation::key_in_words;
+use crate::diagnostic::Diagnostic;
+use crate::judge::{Limit, LimitTarget};
+use crate::quantity::Length;
+use crate::report::Format;
+use crate::report::compare::{CompareReport, ComparedSpec};
+use crate::spec::Spec;
+
+pub(super) const ABOUT: &str = "Compare specs: what differs, and what that does to ΔCD and the verdict";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  rackmesh compare old.toml new.toml
+  rackmesh compare old.toml new.toml --plot curves.svg
+  rackmesh compare a.toml b.toml c.toml --format json -- --stack rss
+
+Values are compared in one unit: 0.01 mm is 10 um. Options of `eval` stand behind `--`.
+
+Exit status: that of the worst spec: 0 inside limits or none given, 3 indeterminate, 2 could not judge, 1 outside;
+129, 130 or 143 interrupted.")]
+pub(super) struct Args {
+    /// The gear specs (TOML), two or more; `-` reads standard input.
+    #[arg(required = true, num_args = 2.., value_name = "SPEC")]
+    specs: Vec<PathBuf>,
+    /// First stroke of the curves. Default: that of each spec.
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
+    from: Option<Length>,
+    /// Last stroke.
+    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
+    to: Option<Length>,
+    #[command(flatten)]
+    plot: PlotArgs,
+    #[command(flatten)]
+    set: SetArgs,
+    /// Output format.
+    #[arg(long, short, value_enum, default_value_t)]
+    format: Format,
+    /// Options of `eval`.
+    #[arg(last = true, value_name = "OPTIONS")]
+    options: Vec<String>,
+}
+
+impl Args {
+    pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        if self.specs.iter().filter(|path| is_dash(path)).count() > 1 {
+            return Err(Diagnostic::usage("two specs cannot both come from standard input").into());
+        }
+        let specs = self.specs.iter().map(|path| self.set.read_spec(path, output)).collect::<Result<Vec<_>, _>>()?;
+        let inputs: Vec<_> = specs.iter().zip(&self.specs).flat_map(|(spec, path)| files_read(spec, path)).collect();
+        let picture = self.plot.picture(&inputs)?;
+        let interruption = signals::interrupted(output);
+        let ended = || interruption.status().unwrap_or(Status::Undecided);
+        let (mut status, mut compared) = (Status::Pass, Vec::new());
+        for (path, spec) in self.specs.iter().zip(&specs) {
+            let ask = |of, options: &[String], facts| {
+                let question = Question::new(of, options, (path, spec), interruption.stop())?;
+                Ok::<_, Failure>(question.answer(&[], facts))
+            };
+            let Some(eval) = ask(Of::Eval, &self.options, Facts::Brief)? else { return Ok(ended()) };
+            let missing: Vec<_> = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect();
+            let mesh = match missing.is_empty() {
+                true => ask(Of::Mesh, &self.stroke(), Facts::All)?,
+                false => Some(Err(format!("it needs {}", missing.join(", ")))),
+            };
+            let Some(mesh) = mesh else { return Ok(ended()) };
+            eval.iter().flat_map(|answer| &answer.warnings).for_each(|warning| output.diagnostic(warning));
+            let of_spec = Self::compared(path, spec, eval, mesh)?;
+            status = status.max(Status::of_code(of_spec.exit_status));
+            compared.push(of_spec);
+        }
+        let report = CompareReport(&compared);
+        draw(picture, || report.chart(), true, output)?;
+        output.report(&report, self.format)?;
+        Ok(status)
+    }
+
+    /// The stroke as `mesh` takes it.
+    fn stroke(&self) -> Vec<String> {
+        let ends = [("from", self.from), ("to", self.to)].into_iter();
+        ends.filter_map(|(name, end)| Some(format!("--{name}={}", end?))).collect()
+    }
+
+    /// A spec with what its commands say.
+    fn compared(
+        path: &Path,
+        spec: &Spec,
+        eval: Result<Answer, String>,
+        mesh: Result<Answer, String>,
+    ) -> Result<ComparedSpec, Failure> {
+        let keys = spec.written(path)?;
+        let limit = spec.limit_on(LimitTarget::CenterDistance).copied();
+        let exit_status = eval.as_ref().map_or(Status::Undecided.code(), |answer| answer.status);
+        let mut notes = Vec::new();
+        let mut known = |what: &str, answer: Result<Answer, String>| {
+            answer.map(|answer| answer.json).unwrap_or_else(|why| {
+                notes.push(format!("no {what}: {why}"));
+                Value::Null
+            })
+        };
+        let (eval, mesh) = (known("result", eval), known("mesh", mesh));
+        let number = |point: &Value, name: &str| point.get(name).and_then(Value::as_f64);
+        let points = mesh.get("points").and_then(Value::as_array).into_iter().flatten();
+        let limits = ["/limits", "/yoke/limits"].map(|place| eval.pointer(place).and_then(Value::as_array));
+        let failed = limits.into_iter().flatten().flatten().filter(|limit| limit["verdict"] == "fail");
+        Ok(ComparedSpec {
+            name: spec.source.name.clone(),
+            title: spec.title.clone(),
+            keys,
+            curve: points.filter_map(|point| number(point, "stroke_mm").zip(number(point, "delta_cd_mm"))).collect(),
+            limits: limit.into_iter().flat_map(Limit::ends).map(Length::mm).collect(),
+            outside: failed.filter_map(|limit| Some(key_in_words(limit["on"].as_str()?))).collect(),
+            results: results_of(&eval, &mesh),
+            exit_status,
+            notes,
+        })
+    }
+}
+
+/// The results of both commands, those of the mesh called so, and the verdict last.
+fn results_of(eval: &Value, mesh: &Value) -> Vec<(String, Value)> {
+    let of = |of: Of, answer: &Value| -> Vec<_> {
+        let columns = results::all(of, answer).into_iter();
+        columns.map(|column| (column.name.clone(), column.value(answer).cloned().unwrap_or_default())).collect()
+    };
+    let is_last = |(name, _): &(String, Value)| matches!(name.as_str(), "lower_mm" | "upper_mm" | "verdict" | "reason");
+    let (last, mut all): (Vec<_>, Vec<_>) = of(Of::Eval, eval).into_iter().partition(is_last);
+    // behind these the mesh has what `eval` has, too
+    let of_mesh = of(Of::Mesh, mesh).into_iter().take_while(|(name, _)| name != "nominal_center_distance_mm");
+    all.extend(of_mesh.map(|(name, value)| (format!("mesh_{name}"), value)));
+    all.extend(last);
+    all
+}

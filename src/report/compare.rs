@@ -1,0 +1,241 @@
+//! Specs side by side: what differs in them, and what that does to the results. Called by `compare`.
+
+use serde_json::{Value, json};
+
+use super::chart::{Chart, Layer, Shape};
+use super::number::{ends, millimetres, tidy};
+use super::rows::result_in_words;
+use super::{Block, Report, Table, fact};
+use crate::judge::Verdict;
+
+/// A spec that is compared.
+#[derive(Debug, Default)]
+pub struct ComparedSpec {
+    /// What it is called.
+    pub name: String,
+    /// Its title.
+    pub title: Option<String>,
+    /// Its keys with their values, each in one unit.
+    pub keys: Vec<(String, String)>,
+    /// Its results.
+    pub results: Vec<(String, Value)>,
+    /// Stroke and ΔCD of its mesh, mm; empty without one.
+    pub curve: Vec<(f64, f64)>,
+    /// Its limits of ΔCD, mm.
+    pub limits: Vec<f64>,
+    /// What is outside its limits.
+    pub outside: Vec<String>,
+    /// The exit status by itself.
+    pub exit_status: u8,
+    /// Why it has no results, or no mesh.
+    pub notes: Vec<String>,
+}
+
+/// Specs, compared.
+#[derive(Debug)]
+pub struct CompareReport<'a>(pub &'a [ComparedSpec]);
+
+/// What each spec has under a name, `None` where that is nothing.
+type Line<'a, T> = (&'a str, Vec<Option<&'a T>>);
+
+/// The names that any list has, each where the lists have it, with what stands under it in each.
+fn merged<'a, T>(lists: &[&'a [(String, T)]]) -> Vec<Line<'a, T>> {
+    let mut names: Vec<&str> = Vec::new();
+    for list in lists {
+        let mut after = 0;
+        for (name, _) in *list {
+            match names.iter().position(|known| known == name) {
+                Some(at) => after = at + 1,
+                None => {
+                    names.insert(after, name);
+                    after += 1;
+                }
+            }
+        }
+    }
+    let under = |name: &str| {
+        lists.iter().map(|list| list.iter().find(|(own, _)| own == name).map(|(_, value)| value)).collect()
+    };
+    names.into_iter().map(|name| (name, under(name))).collect()
+}
+
+/// The result less that of the first spec.
+fn change(values: &[Option<&Value>], index: usize) -> Option<f64> {
+    let number = |index: usize| values.get(index).copied().flatten().and_then(Value::as_f64);
+    Some(tidy(number(index)? - number(0)?))
+}
+
+/// A result's name and unit.
+fn heading(name: &str) -> String {
+    const UNITS: [(&str, &str); 4] = [("_mm", "mm"), ("_deg", "°"), ("_n_m", "N m"), ("_n", "N")];
+    let of = if name.starts_with("delta_cd_") { "ΔCD of " } else { "" };
+    let unit = UNITS.into_iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
+    unit.map_or_else(|| result_in_words(name), |(name, unit)| format!("{of}{} [{unit}]", result_in_words(name)))
+}
+
+/// A number of a result for people: a length to 0.1 µm, any other with four decimals at most.
+fn number_text(name: &str, number: f64) -> String {
+    if name.ends_with("_mm") {
+        return millimetres(tidy(number));
+    }
+    let short = format!("{number:.4}");
+    short.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+impl<'a> CompareReport<'a> {
+    /// The keys that are not the same in all specs; titles and what pages say of a part are left out.
+    fn differences(&self) -> Vec<Line<'a, String>> {
+        let keys: Vec<_> = self.0.iter().map(|spec| spec.keys.as_slice()).collect();
+        let mut differences = merged(&keys);
+        differences.retain(|(key, values)| {
+            *key != "title" && !key.starts_with("report.") && values.iter().any(|value| *value != values[0])
+        });
+        differences
+    }
+
+    /// The results that any spec has.
+    fn results(&self) -> Vec<Line<'a, Value>> {
+        let results: Vec<_> = self.0.iter().map(|spec| spec.results.as_slice()).collect();
+        let mut results = merged(&results);
+        results.retain(|(_, values)| values.iter().flatten().any(|value| !value.is_null()));
+        results
+    }
+
+    /// What a spec is called in a heading: the name of its file, unless another has that, too.
+    fn short_name(&self, spec: &'a ComparedSpec) -> &'a str {
+        let file = |spec: &'a ComparedSpec| spec.name.rsplit(['/', '\\']).next().unwrap_or(&spec.name);
+        let same = self.0.iter().filter(|other| file(other) == file(spec)).count();
+        if same > 1 { &spec.name } else { file(spec) }
+    }
+
+    /// A table with a column for each spec.
+    fn table<T>(
+        &self,
+        heading: &str,
+        lines: &[Line<'a, T>],
+        text: impl Fn(&Line<'a, T>, usize) -> String,
+    ) -> super::table::Rows<usize> {
+        let name =
+            |line: &usize| if heading == "result" { self::heading(lines[*line].0) } else { lines[*line].0.to_owned() };
+        let table = Table::of(0..lines.len()).text(heading, name);
+        self.0
+            .iter()
+            .enumerate()
+            .fold(table, |table, (index, spec)| table.number(self.short_name(spec), |line| text(&lines[*line], index)))
+    }
+
+    /// The curves of the meshes, and all limits.
+    #[must_use]
+    pub fn chart(&self) -> Chart {
+        let mut limits: Vec<f64> = self.0.iter().flat_map(|spec| &spec.limits).copied().collect();
+        limits.sort_by(f64::total_cmp);
+        limits.dedup();
+        let curves = self.0.iter().filter(|spec| !spec.curve.is_empty());
+        let curves = curves.map(|spec| Layer::new(self.short_name(spec), Shape::Line(spec.curve.clone())));
+        let names: Vec<_> = self.0.iter().map(|spec| self.short_name(spec)).collect();
+        let title = format!("ΔCD along the stroke: {}", names.join(", "));
+        let layers = [Layer::new("limits", Shape::Limits(limits))].into_iter().chain(curves);
+        Chart::along_the_stroke(&title, layers.collect())
+    }
+
+    /// What came of a spec, in a sentence.
+    fn verdict(&self, spec: &'a ComparedSpec) -> Block {
+        let result = |name: &str| spec.results.iter().find(|(own, _)| own == name).map(|(_, value)| value);
+        let verdict = result("verdict").and_then(Value::as_str);
+        let verdict = [Verdict::Pass, Verdict::Fail, Verdict::Indeterminate]
+            .into_iter()
+            .find(|known| verdict == Some(known.name()));
+        let end = |name: &str| result(name).and_then(Value::as_f64);
+        let judged = end("lower_mm")
+            .zip(end("upper_mm"))
+            .map(|(lower, upper)| format!("ΔCD {} mm", ends(tidy(lower), tidy(upper))));
+        let outside = (!spec.outside.is_empty()).then(|| format!("outside the limits of {}", spec.outside.join(", ")));
+        let reason = result("reason").and_then(Value::as_str).map(str::to_owned);
+        let said: Vec<_> = judged.into_iter().chain(outside).chain(reason).collect();
+        let said = if said.is_empty() { "no limit is given".to_owned() } else { said.join("; ") };
+        Block::Verdict(verdict, format!("{}: {said}", self.short_name(spec)))
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.0
+            .iter()
+            .flat_map(|spec| spec.notes.iter().map(|note| format!("{}: {note}", self.short_name(spec))))
+            .collect()
+    }
+}
+
+impl Report for CompareReport<'_> {
+    fn json(&self) -> Value {
+        let specs = self.0.iter().map(|spec| {
+            json!({ "name": spec.name, "title": spec.title, "outside": spec.outside, "exit_status": spec.exit_status, "notes": spec.notes })
+        });
+        let differences = self.differences().into_iter().map(|(key, values)| json!({ "key": key, "values": values }));
+        let results = self.results().into_iter().map(|(name, values)| {
+            let changes: Vec<_> = (0..values.len()).map(|index| change(&values, index)).collect();
+            json!({ "name": name, "values": values, "changes": changes })
+        });
+        json!({
+            "specs": specs.collect::<Vec<_>>(),
+            "differences": differences.collect::<Vec<_>>(),
+            "results": results.collect::<Vec<_>>(),
+        })
+    }
+
+    /// A row for each difference and each result, with a column for each spec.
+    fn rows(&self) -> Vec<Vec<String>> {
+        let own = |values: Vec<Value>| self.0.iter().map(|spec| spec.name.clone()).zip(values);
+        let record = |of: &str, name: &str, values: Vec<Value>| {
+            let mut record = json!({ "of": of, "name": name });
+            for (index, (_, value)) in own(values).enumerate() {
+                record[index.to_string()] = value;
+            }
+            record
+        };
+        let differences = self.differences().into_iter();
+        let differences = differences
+            .map(|(key, values)| record("difference", key, values.into_iter().map(|value| json!(value)).collect()));
+        let results = self.results().into_iter();
+        let results = results
+            .map(|(name, values)| record("result", name, values.into_iter().map(|value| json!(value)).collect()));
+        let records = json!({ "records": differences.chain(results).collect::<Vec<_>>() });
+        let columns: Vec<_> = (0..self.0.len()).map(|index| index.to_string()).collect();
+        let mut rows = fact::rows(&records, "records", &format!("of name {}", columns.join(" ")));
+        if let Some(header) = rows.first_mut() {
+            header.truncate(2);
+            header.extend(self.0.iter().map(|spec| spec.name.clone()));
+        }
+        rows
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let differences = self.differences();
+        let results: Vec<_> = self
+            .results()
+            .into_iter()
+            .filter(|(name, _)| !matches!(*name, "reason" | "lower_mm" | "upper_mm"))
+            .collect();
+        let value = |(_, values): &Line<'_, String>, index: usize| values[index].map_or("-", String::as_str).to_owned();
+        let result = |(name, values): &Line<'_, Value>, index: usize| match values[index] {
+            Some(Value::String(text)) => text.clone(),
+            Some(value) => value.as_f64().map_or_else(|| "-".to_owned(), |number| number_text(name, number)),
+            None => "-".to_owned(),
+        };
+        let mut table = self.table("result", &results, result);
+        if self.0.len() == 2 {
+            let text = |line: &usize| {
+                let (name, values) = &results[*line];
+                change(values, 1).map_or_else(String::new, |change| match number_text(name, change) {
+                    unsigned if change > 0.0 && !unsigned.starts_with('+') => format!("+{unsigned}"),
+                    text => text,
+                })
+            };
+            table = table.number("change", text);
+        }
+        let differing = self.table("key", &differences, value).block_if_any();
+        let same = || Block::Note("The specs say the same.".to_owned());
+        let mut blocks = vec![differing.unwrap_or_else(same), table.block()];
+        blocks.extend(self.notes().into_iter().map(Block::Remark));
+        blocks.extend(self.0.iter().map(|spec| self.verdict(spec)));
+        blocks
+    }
+}
