@@ -148,5 +148,6 @@ pub mod statistics;
     allow(dead_code, unused_imports, reason = "some of it is asked for by batches and the command line only")
 )]
 pub mod table;
+pub mod trace;
 pub mod trig;
 pub mod uncertainty;

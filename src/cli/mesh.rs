@@ -7,7 +7,9 @@ use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::spec_files::files_read;
+use super::tables::ReadArgs;
 use super::teeth::{judged, placed};
+use super::trace::TraceArgs;
 use super::{function, signals};
 use crate::deviation::plausible::{DoubtedColumn, Reach};
 use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDeviationKind, RackSpaceRow, RowValue};
@@ -28,6 +30,7 @@ pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the st
 #[command(after_help = "Examples:
   rackmesh mesh examples/mesh.toml                      summary and a sketch of the curve
   rackmesh mesh examples/mesh.toml --plot curve.svg
+  rackmesh mesh examples/master.toml --measured examples/trace.csv --plot curve.svg
   rackmesh mesh examples/mesh.toml --from 0 --to 50 --step 0.1 --format csv
 
 Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve,
@@ -45,6 +48,8 @@ pub(super) struct Args {
     points: Option<u32>,
     #[command(flatten)]
     plot: PlotArgs,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// What --plot draws: ΔCD, or of a [yoke] its play or the pinion's torque.
     #[arg(long, value_enum, default_value_t, value_name = "WHAT", hide_possible_values = true)]
     plot_of: PlotOf,
@@ -53,6 +58,8 @@ pub(super) struct Args {
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
     format: Format,
+    #[command(flatten)]
+    read: ReadArgs,
 }
 
 /// What is drawn along the stroke.
@@ -78,7 +85,11 @@ pub(super) struct Stroke {
 impl Stroke {
     /// From the first to the last, mm.
     pub(super) fn ends(&self, spec: &Spec) -> Result<(f64, f64), Failure> {
-        let travel = spec.travel_mm().unwrap_or(STROKE_MM);
+        self.ends_or(spec.travel_mm().unwrap_or(STROKE_MM))
+    }
+
+    /// From the first to the last, mm; each of these where the option does not say it.
+    pub(super) fn ends_or(&self, travel: (f64, f64)) -> Result<(f64, f64), Failure> {
         let (from, to) = (self.from.map_or(travel.0, Length::mm), self.to.map_or(travel.1, Length::mm));
         if from > to {
             let message = format!("--from {from} lies beyond --to {to}");
@@ -174,6 +185,7 @@ pub(super) fn solved<'a>(
             .chain(evaluation.note_of_unsolved())
             .collect(),
         yoke: None,
+        measured: None,
         evaluation,
         screen: Screen::default(),
     })
@@ -260,13 +272,14 @@ const MOST_LISTED: u64 = 1000;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        let ends = self.range.stroke.ends(&spec)?;
+        let trace = self.trace.read(&spec, &self.read, output)?;
+        let ends = TraceArgs::ends(&self.range.stroke, &spec, trace.as_ref())?;
         let strokes = self.strokes(ends)?;
-        let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
+        let picture = self.plot.picture(&self.trace.inputs(files_read(&spec, &self.spec)))?;
         let (spec, input) = placed(spec, &self.spec, output)?;
         let judged = judged(&spec, &JudgeArgs::of_spec())?;
         let status = Status::of(judged.verdict, &judged.limits);
-        if let (Format::Csv, None, false) = (self.format, &picture, spec.has_yoke()) {
+        if let (Format::Csv, None, false, None) = (self.format, &picture, spec.has_yoke(), &trace) {
             // nothing is asked that needs the curve as a whole
             let listed = match &strokes {
                 Some(strokes) => list_csv(strokes, &Listed { mesh: &input.mesh, part: None }, output),
@@ -280,6 +293,9 @@ impl Args {
         let mut report = solved(&spec, &input, curve, judged)?;
         (report.title, report.screen) = (spec.title.as_deref(), output.screen());
         report.yoke = function.map(|part| YokeSection::Known(Box::new(part)));
+        if let Some(trace) = trace {
+            report.measured = Some(self.trace.part(trace, &spec, &input, ends)?);
+        }
         report.notes.extend(sinks(&input, &report.curve, &report.prediction));
         report.notes.extend(spec.suspicions_in_words());
         if let (Some(strokes), Format::Table | Format::Markdown) = (&strokes, self.format) {

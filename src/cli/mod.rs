@@ -45,6 +45,7 @@ mod tables;
 mod target;
 mod teeth;
 mod terminal;
+mod trace;
 mod written;
 
 use std::ffi::OsString;

@@ -8,7 +8,8 @@ use super::mesh_points::{self, ListedPoint, Trust};
 use super::number::{plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
 use super::{
-    Block, Column, FunctionPart, Report, Screen, Table, YokeSection, document, fact, geometry, noted, sketch, titled,
+    Block, Column, FunctionPart, Report, Screen, Table, TracePart, YokeSection, document, fact, geometry, noted,
+    sketch, titled,
 };
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
@@ -39,6 +40,8 @@ pub struct MeshReport<'a> {
     pub evaluation: Evaluation,
     /// What a yoke does over the stroke, if the spec has one.
     pub yoke: Option<YokeSection>,
+    /// A measured curve, if there is one.
+    pub measured: Option<TracePart>,
     /// Remarks on where the deviations come from and why mesh and formulas differ.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -61,6 +64,9 @@ impl MeshReport<'_> {
     /// The picture of the curve, with what it is held against.
     #[must_use]
     pub fn chart(&self) -> Chart {
+        if let Some(measured) = &self.measured {
+            return measured.chart(self.title.unwrap_or("ΔCD along the stroke"));
+        }
         let marks = self.curve.kinks.iter().filter_map(|kink| {
             let (before, after) = (kink.before, kink.after);
             let text = match (before.0.rack_tooth != after.0.rack_tooth, before.1.rack_tooth != after.1.rack_tooth) {
@@ -240,6 +246,9 @@ impl MeshReport<'_> {
         if let Some(yoke) = &self.yoke {
             json["yoke"] = yoke.json();
         }
+        if let Some(measured) = &self.measured {
+            json["measured"] = measured.json();
+        }
         json
     }
 }
@@ -257,6 +266,9 @@ impl Report for MeshReport<'_> {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
+        if let Some(measured) = &self.measured {
+            return measured.rows();
+        }
         fact::rows(&self.json(), "points", &mesh_points::columns(self.function().is_some()))
     }
 
@@ -271,6 +283,7 @@ impl Report for MeshReport<'_> {
             blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
         }
         blocks.push(comparison_table(&summary, &self.prediction));
+        blocks.extend(self.measured.iter().flat_map(TracePart::blocks));
         blocks.extend(mesh_points::table(&self.listed));
         blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));

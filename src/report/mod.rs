@@ -45,6 +45,7 @@ mod sketch;
 #[cfg(feature = "cli")]
 pub mod sweep;
 mod table;
+mod trace;
 mod uncertainty;
 pub mod xlsx;
 
@@ -84,6 +85,7 @@ pub use simulation::SimulationReport;
 #[cfg(feature = "cli")]
 pub(crate) use table::table_text;
 pub use table::{Align, Block, Column, Table, noted};
+pub use trace::TracePart;
 pub use uncertainty::UncertaintyPart;
 
 use serde_json::Value;

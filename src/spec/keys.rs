@@ -64,6 +64,8 @@ pub(crate) enum Kind {
     Extent(Countable),
     /// One of these words.
     Word(&'static [&'static str]),
+    /// True or false.
+    Flag,
     /// The name of an accuracy standard and its edition.
     Standard,
     /// Which diameter stands for a rack: `"pinion"`, `"developed"`, or a length.
@@ -252,6 +254,10 @@ const fn word(words: &'static [&'static str]) -> Key<&'static str> {
     Key::new(Kind::Word(words))
 }
 
+const fn flag() -> Key<bool> {
+    Key::new(Kind::Flag)
+}
+
 const fn teeth() -> Key<ToothRange> {
     Key::new(Kind::Teeth)
 }
@@ -376,6 +382,8 @@ section! {
         PINION_TOOTH_THICKNESS_DEVIATION: Length = "tooth_thickness_deviation",
             length(Domain::any("tooth thickness deviation of the pinion", "E_s")),
             "Deviation of the transverse tooth thickness at the reference circle from nominal. Default 0.";
+        PINION_MASTER: bool = "master", flag(),
+            "The pinion is a master: what a measured curve shows is the rack's. Default false.";
         PINION_MEASURED: String = "measured", file(), "Table of measured teeth: radial, left and right pitch, lead.";
         PINION_MEASURED_AT: Length = "measured_at", length(domain::MEASUREMENT_CIRCLE),
             "Diameter of the circle on which the arcs of `measured` and of [[pinion.deviation]] are. Default: the reference circle.";
@@ -596,6 +604,15 @@ pub(crate) const TABLE_TOOTH: Section = section(
     ],
 );
 
+pub(crate) const TABLE_TRACE: Section = section(
+    "table.columns.(stroke or ΔCD)",
+    "A column of a measured curve.",
+    &[
+        COLUMN_NAME.any,
+        key("unit", Kind::ColumnUnit { of_lead: false }, "Unit of its numbers, if its heading says none."),
+    ],
+);
+
 pub(crate) const TABLE_STATUS: Section = section(
     "table.columns.status",
     "The decision of a measuring program: a part whose text is neither accepted nor rejected has no verdict.",
@@ -642,6 +659,8 @@ pub(crate) const TABLE_COLUMNS: Section = section(
         key("left_pitch", Kind::Table(&TABLE_TOOTH), "The single pitch deviation of a tooth's left flank."),
         key("right_pitch", Kind::Table(&TABLE_TOOTH), "The single pitch deviation of a tooth's right flank."),
         key("lead", Kind::Table(&TABLE_TOOTH), "The helix angle deviation of a space or tooth."),
+        key("stroke", Kind::Table(&TABLE_TRACE), "Of a measured curve: the stroke."),
+        key("delta_cd", Kind::Table(&TABLE_TRACE), "Of a measured curve: ΔCD."),
     ],
 );
 

@@ -128,6 +128,10 @@ impl<'a> SectionReader<'a> {
                 Value::Count(self.number_in(&domain, "", number, span.clone())? as u32)
             }
             Kind::Word(words) => Value::Word(self.word_value(name, written, words)?),
+            Kind::Flag => match written.get_ref() {
+                DeValue::Boolean(flag) => Value::Flag(*flag),
+                _ => return self.wrong_type(name, written, "true or false"),
+            },
             Kind::Standard => Value::Standard(self.parsed(name, written, Code::UnknownStandard)?),
             Kind::Rule => Value::Rule(self.rule_value(name, written)?),
             Kind::RackDiameter => Value::RackDiameter(self.rack_diameter(name, written)?),

@@ -55,6 +55,7 @@ fn in_words(kind: Kind) -> String {
         Kind::Measure(domain, unit) if unit.symbol.is_empty() => return within("a number", &domain, ""),
         Kind::Measure(domain, unit) => return within(&format!("a number, {}", unit.symbol), &domain, unit.after),
         Kind::Word(words) => return one_of(words),
+        Kind::Flag => "true or false",
         Kind::Extent(counted) => return one_of(&Extent::names(counted)),
         Kind::Error(_) => "a deviation, or a table; a tolerance as { value = { lower, upper } }",
         Kind::Limit => "\"±0.05\", or { lower, upper }",

@@ -100,6 +100,7 @@ impl Schema {
             Kind::Error(kind) => self.error(kind),
             Kind::Extent(counted) => self.extent(counted),
             Kind::Word(words) => json!({ "enum": words }),
+            Kind::Flag => json!({ "type": "boolean" }),
             Kind::Tolerance(kind) => self.tolerance(kind),
             Kind::Standard => any_of([json!({ "enum": Standard::ALL.map(Standard::id) }), text()]),
             Kind::RackDiameter => any_of([json!({ "enum": ["pinion", "developed"] }), above_zero(), self.length()]),

@@ -92,11 +92,14 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
             let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
             details.extend(text.map(|text| (key, text.to_owned())));
         }
-        of_teeth.extend(Field::ALL.into_iter().filter(|field| field.is_of_space_or_tooth()).filter_map(|field| {
-            reader
-                .table(field.key(), &keys::TABLE_TOOTH, |reader| tooth_column(reader, field))
-                .map(|column| column.value)
-        }));
+        of_teeth.extend(
+            Field::ALL.into_iter().filter(|field| field.is_of_space_or_tooth() || field.is_of_trace()).filter_map(
+                |field| {
+                    let section = if field.is_of_trace() { &keys::TABLE_TRACE } else { &keys::TABLE_TOOTH };
+                    reader.table(field.key(), section, |reader| tooth_column(reader, field)).map(|column| column.value)
+                },
+            ),
+        );
         of_each(|kind| column(reader, kind, &mut declared))
     });
     let columns = columns.map(|columns| columns.value).unwrap_or_default();
@@ -120,6 +123,7 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
     let mut layout = Layout {
         parts: parts.flatten(),
         teeth,
+        trace: false,
         index: None,
         separator: separator(reader),
         starts: starts(reader),
@@ -168,7 +172,7 @@ fn part_names(reader: &mut SectionReader<'_>) -> Option<PartNames> {
 fn tooth_column(reader: &mut SectionReader<'_>, field: Field) -> DeclaredColumn {
     let name = reader.get(keys::COLUMN_NAME).map(|name| name.value);
     let is_deviation = reader.get(keys::COLUMN_KIND).is_some_and(|kind| kind.value == "deviation");
-    let unit = reader.column_unit("unit", true).map(|unit| unit.value);
+    let unit = reader.column_unit("unit", !field.is_of_trace()).map(|unit| unit.value);
     DeclaredColumn { is_deviation, ..DeclaredColumn::new(field, name, unit, Vec::new()) }
 }
 

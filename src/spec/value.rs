@@ -43,6 +43,7 @@ values! {
     Number(f64), "A number in the key's unit.";
     Count(u32), "A whole number.";
     Word(&'static str), "One of the key's words.";
+    Flag(bool), "True or false.";
     Standard(Standard), "An accuracy standard.";
     RackDiameter(RackDiameter), "Which diameter stands for a rack.";
     Rule(Rule), "A decision rule.";

@@ -54,11 +54,13 @@ pub(crate) enum Form {
     Teeth,
     /// The columns of a table with a row per characteristic.
     Characteristics,
+    /// The points of a measured curve.
+    Trace,
 }
 
 /// What a heading means in tables of each form.
-static DICTIONARY: LazyLock<HashMap<String, [Option<Meaning>; 3]>> = LazyLock::new(|| {
-    let mut found: HashMap<String, [Option<Meaning>; 3]> = HashMap::new();
+static DICTIONARY: LazyLock<HashMap<String, [Option<Meaning>; 4]>> = LazyLock::new(|| {
+    let mut found: HashMap<String, [Option<Meaning>; 4]> = HashMap::new();
     let mut add = |form: Form, name: String, meaning| found.entry(name).or_default()[form as usize] = Some(meaning);
     for (written, headings) in rows() {
         let Some((form, role, is_deviation)) = role_of(written) else { continue };
@@ -80,6 +82,7 @@ fn keys() -> impl Iterator<Item = ((Form, String), Meaning)> {
         let (form, role) = match field {
             Field::PartId => (Form::Parts, Role::PartId),
             Field::Error(_) => (Form::Parts, Role::Value(field)),
+            _ if field.is_of_trace() => (Form::Trace, Role::Value(field)),
             _ if field.is_index() => (Form::Teeth, Role::Index(field)),
             _ => (Form::Teeth, Role::Value(field)),
         };
@@ -105,6 +108,7 @@ fn role_of(written: &str) -> Option<(Form, Role, bool)> {
     Some(match field {
         Field::PartId => (Form::Parts, Role::PartId, false),
         Field::Error(_) => (Form::Parts, Role::Value(field), is_deviation),
+        _ if field.is_of_trace() => (Form::Trace, Role::Value(field), false),
         _ if field.is_index() => (Form::Teeth, Role::Index(field), false),
         _ => (Form::Teeth, Role::Value(field), is_deviation || field.is_deviation()),
     })
@@ -122,12 +126,13 @@ pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
     let known = [Some(&normal), apart.as_ref()].map(|name| DICTIONARY.get(name?));
     let of = |form: Form| known.iter().flatten().find_map(|meanings| meanings[form as usize]);
     let of_parts = || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
-    of(form).or_else(of_parts)
+    // a point of a curve has no error of a part beside it
+    of(form).or_else(|| of_parts().filter(|_| form != Form::Trace))
 }
 
 /// The headings that have a role, as they are compared.
 pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
-    let has = move |meanings: &[Option<Meaning>; 3]| meanings.iter().flatten().any(|meaning| meaning.role == role);
+    let has = move |meanings: &[Option<Meaning>; 4]| meanings.iter().flatten().any(|meaning| meaning.role == role);
     DICTIONARY.iter().filter(move |(_, meanings)| has(meanings)).map(|(heading, _)| heading.as_str())
 }
 

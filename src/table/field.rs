@@ -25,6 +25,10 @@ pub enum Field {
     RightPitch,
     /// Helix angle deviation of a space or tooth.
     Lead,
+    /// Stroke at a point of a measured curve.
+    Stroke,
+    /// ΔCD at that point.
+    DeltaCd,
 }
 
 impl Field {
@@ -42,11 +46,13 @@ impl Field {
             Self::LeftPitch => "left_pitch",
             Self::RightPitch => "right_pitch",
             Self::Lead => "lead",
+            Self::Stroke => "stroke",
+            Self::DeltaCd => "delta_cd",
         }
     }
 
     /// Every field that can be asked for.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::PartId,
         Self::Error(DeviationKind::RackOverRoller),
         Self::Error(DeviationKind::RackPitch),
@@ -62,6 +68,8 @@ impl Field {
         Self::LeftPitch,
         Self::RightPitch,
         Self::Lead,
+        Self::Stroke,
+        Self::DeltaCd,
     ];
 
     /// Whether the column holds whole numbers or names rather than measured values.
@@ -83,6 +91,11 @@ impl Field {
         matches!(self, Self::OverPin | Self::Position | Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
     }
 
+    /// Whether it is of a point of a measured curve.
+    pub(crate) const fn is_of_trace(self) -> bool {
+        matches!(self, Self::Stroke | Self::DeltaCd)
+    }
+
     /// Whether its values are deviations, whatever it is called.
     pub(crate) const fn is_deviation(self) -> bool {
         matches!(self, Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
@@ -101,7 +114,7 @@ impl Field {
             Self::OverPin => Some(DeviationKind::RackOverRoller),
             Self::Lead => Some(DeviationKind::RackLead),
             Self::Radial => Some(DeviationKind::PinionRadial),
-            Self::PartId | Self::Space | Self::Position | Self::Tooth | Self::LeftPitch | Self::RightPitch => None,
+            _ => None,
         }
     }
 }

@@ -112,6 +112,8 @@ pub struct Layout {
     pub parts: Option<Parts>,
     /// Whether each row or column is known to be a space or tooth, and no part.
     pub teeth: bool,
+    /// Whether each row is a point of a measured curve.
+    pub trace: bool,
     /// What separates cells of a text, if the contract says so.
     pub separator: Option<u8>,
     /// In which column of characters each cell of a text of fixed width starts; none if the contract does not say so.
@@ -198,7 +200,11 @@ impl DeclaredColumn {
 impl Layout {
     /// What headings are looked up for where none is known.
     pub(crate) const fn form(&self) -> Form {
-        if self.teeth { Form::Teeth } else { Form::Parts }
+        match (self.trace, self.teeth) {
+            (true, _) => Form::Trace,
+            (false, true) => Form::Teeth,
+            (false, false) => Form::Parts,
+        }
     }
 
     /// The same where the format says which column names the part.
@@ -209,10 +215,11 @@ impl Layout {
     /// The role that the contract gives to a heading, which is its whole text or that without the unit.
     pub(crate) fn declared(&self, title: &str, name: &str, form: Form) -> Option<Role> {
         let is_called = |declared: &str| is_same(declared, title) || is_same(declared, name);
-        if matches!(&self.part_id, Some(PartNames::Column(declared)) if is_called(declared)) {
+        let is_trace = form == Form::Trace;
+        if matches!(&self.part_id, Some(PartNames::Column(declared)) if !is_trace && is_called(declared)) {
             return Some(Role::PartId);
         }
-        if self.status.as_ref().is_some_and(|status| is_called(&status.name)) {
+        if !is_trace && self.status.as_ref().is_some_and(|status| is_called(&status.name)) {
             return Some(Role::Status);
         }
         if form == Form::Teeth
@@ -223,7 +230,8 @@ impl Layout {
         if form == Form::Characteristics {
             return self.of_characteristics.iter().find(|(_, name)| is_called(name)).map(|(of, _)| Role::Of(*of));
         }
-        self.columns.iter().find_map(|column| {
+        let mut of_form = self.columns.iter().filter(|column| column.field.is_of_trace() == is_trace);
+        of_form.find_map(|column| {
             let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.field));
             let beside = || column.beside.iter().find(|(_, name)| is_called(name));
             own.or_else(|| beside().map(|(beside, _)| Role::Beside(column.field, *beside)))

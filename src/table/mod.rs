@@ -23,7 +23,7 @@
 //! | `number`, `column`, `companions` | what a cell means |
 //! | `rows`, `pieces`, `block` | rows to columns |
 //! | `reading` | how it was read, for the result |
-//! | `teeth` | rows that are spaces of a rack or teeth of a pinion |
+//! | `teeth`, `trace` | rows that are spaces of a rack, teeth of a pinion, or points of a measured curve |
 //!
 //! # The rule
 //! Every cell that is not blank has one owner: a role, or a rule that a person wrote. If one has none, there is no table, and
@@ -69,6 +69,7 @@ mod split;
 mod stored;
 mod teeth;
 mod text;
+mod trace;
 mod typed;
 mod want;
 pub mod workbook;
@@ -87,6 +88,7 @@ pub use propose::{Guesses, table_in_sentences};
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};
+pub use trace::Trace;
 pub use want::{GivenColumn, Want};
 
 pub(crate) use column::{Column, Nominal, in_words};
@@ -188,6 +190,7 @@ fn column_reading_of(column: &Column) -> ColumnReading {
     let is_angle = column.field.is_angle();
     let holds = match (column.nominal, column.holds) {
         (Nominal::None, Some(ValueKind::Deviation)) => "deviation",
+        (Nominal::None, None) if column.field.is_of_trace() => "measured",
         (Nominal::None, None) if column.kind.is_some() || !column.is_of_space() => "deviation",
         _ => "measured",
     };

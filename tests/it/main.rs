@@ -42,5 +42,6 @@ mod sweep;
 mod tables;
 mod teeth;
 mod through;
+mod trace;
 mod unknowns;
 mod verdicts;

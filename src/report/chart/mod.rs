@@ -32,12 +32,14 @@ pub struct Chart {
     pub width: f64,
     /// Height in these.
     pub height: f64,
+    /// Another picture below this one.
+    pub below: Option<Box<Self>>,
 }
 
 impl Default for Chart {
     fn default() -> Self {
         let (x, y) = (Axis::default(), Axis::default());
-        Self { title: String::new(), x, y, layers: Vec::new(), width: 800.0, height: 400.0 }
+        Self { title: String::new(), x, y, layers: Vec::new(), width: 800.0, height: 400.0, below: None }
     }
 }
 
@@ -86,7 +88,18 @@ impl Chart {
         self.drawing("", "")
     }
 
+    /// This picture, and the one below it.
     fn drawing(&self, namespace: &str, style: &str) -> Option<String> {
+        let Some(below) = &self.below else { return self.single(namespace, style) };
+        let (width, height) = (self.width.max(below.width), self.height + below.height);
+        let lower = below.single("", "")?.replacen("<svg ", &format!("<svg y=\"{}\" ", self.height), 1);
+        Some(format!(
+            "<svg {namespace}class=\"chart\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n{}{lower}</svg>\n",
+            self.single("", style)?
+        ))
+    }
+
+    fn single(&self, namespace: &str, style: &str) -> Option<String> {
         let Self { width, height, .. } = self;
         let legend = self.legend();
         let top = MARGIN + LINE + legend.height + LINE;

@@ -63,7 +63,7 @@ pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout, form: Form) -> i
 /// Whether a record is a line of headings: two or more of its cells have a role in one form of tables.
 pub(crate) fn is_one(record: &Record, layout: &Layout) -> bool {
     let is_of = |form: Form| roles(record, layout, form).take(2).count() == 2;
-    [Form::Parts, Form::Teeth, Form::Characteristics].into_iter().any(is_of)
+    [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].into_iter().any(is_of)
 }
 
 /// How many headings of a record have a role, if it is a line of headings: one of them is of a value, and nothing is a number; of
@@ -78,7 +78,7 @@ pub(crate) fn score(record: &Record, layout: &Layout, form: Form) -> Option<usiz
     let is_one = match form {
         Form::Characteristics => has_of(Beside::Name) && (has_of(Beside::Measured) || has_of(Beside::Deviation)),
         Form::Teeth if !layout.teeth && !has(&|role| matches!(role, Role::Index(_))) => false,
-        Form::Parts | Form::Teeth => has(&|role| matches!(role, Role::Value(_))),
+        Form::Parts | Form::Teeth | Form::Trace => has(&|role| matches!(role, Role::Value(_))),
     };
     is_one.then_some(found.len())
 }
@@ -134,8 +134,15 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
             found.headings.push(named);
         }
     }
-    let is_of_form = |role: Role| {
-        (form == Form::Characteristics) == matches!(role, Role::Of(_)) || matches!(role, Role::PartId | Role::Status)
+    let is_of_form = |role: Role| match role {
+        Role::Value(field) | Role::Beside(field, _) if field.is_of_trace() || form == Form::Trace => {
+            field.is_of_trace() && form == Form::Trace
+        }
+        _ if form == Form::Trace => false,
+        role => {
+            (form == Form::Characteristics) == matches!(role, Role::Of(_))
+                || matches!(role, Role::PartId | Role::Status)
+        }
     };
     let promised = layout.promised().filter(|(role, _)| is_of_form(*role));
     for (role, name) in promised.filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {

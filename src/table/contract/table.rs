@@ -95,6 +95,7 @@ pub(crate) fn score(records: &[Record], layout: &Layout) -> usize {
 /// Where parts stand, what the headings are looked up for, and how many roles they have.
 fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usize)> {
     let forms = [
+        (Parts::Rows, Form::Trace),
         (Parts::Rows, Form::Teeth),
         (Parts::Rows, Form::Parts),
         (Parts::Characteristics, Form::Characteristics),
@@ -102,6 +103,9 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
         (Parts::Columns, Form::Parts),
     ];
     let is_possible = |(parts, form): &(Parts, Form)| {
+        if layout.trace || *form == Form::Trace {
+            return layout.trace && *form == Form::Trace;
+        }
         layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
     };
     let mut found = forms.into_iter().filter(is_possible).filter_map(|(parts, form)| {
@@ -227,6 +231,7 @@ fn closed(
         unit_counted: match form {
             Form::Teeth if is_rack(&columns, contract.index()) => "space",
             Form::Teeth => "tooth",
+            Form::Trace => "point",
             Form::Parts | Form::Characteristics => "part",
         },
         columns: column_readings(&contract, &titles, &columns),
@@ -289,10 +294,15 @@ fn likely_heading(records: &[Record], layout: &Layout) -> usize {
 
 /// That no heading is of a value.
 fn no_values(matched: &Matched) -> Open {
-    if matched.form != Form::Teeth {
+    if matches!(matched.form, Form::Parts | Form::Characteristics) {
         return Open::NoValues { titles: matched.titles.clone() };
     }
     let titles: Vec<_> = matched.titles.iter().map(|title| format!("`{}`", shown(title))).collect();
+    if matched.form == Form::Trace {
+        let what = format!("no column is known as the stroke or ΔCD of a measured curve: {}", titles.join(", "));
+        let help = "call them stroke and delta_cd, or say which they are: [table.columns] stroke = { name = \"…\", unit = \"mm\" }";
+        return Open::Wrong { what, help: help.to_owned() };
+    }
     let what = format!("no column is known as that of a rack's spaces or a pinion's teeth: {}", titles.join(", "));
     let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
                 tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
@@ -394,11 +404,11 @@ fn table(
     columns: Vec<Column>,
     want: &Want,
 ) -> Table {
-    let is_teeth = reading.unit_counted != "part";
+    let is_teeth = matches!(reading.unit_counted, "space" | "tooth");
     let index_field = contract.index();
     let (id, index) =
         (contract.place(|role| role == Role::PartId), contract.place(|role| matches!(role, Role::Index(_))));
-    let may_repeat = contract.layout.repeats == Repeats::All || is_teeth;
+    let may_repeat = contract.layout.repeats == Repeats::All || reading.unit_counted != "part";
     let setup = Setup {
         columns: columns.clone(),
         titles: titles.clone(),

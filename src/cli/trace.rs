@@ -1,0 +1,87 @@
+//! `mesh --measured`: a measured curve is read as every table is, and laid on the computed one.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::mesh::Stroke;
+use super::output::{Failure, Output};
+use super::spec_files::refuse_shared_input;
+use super::tables::{self, Opener, ReadArgs};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::formula::Model;
+use crate::report::TracePart;
+use crate::spec::{MeshInput, Spec, keys};
+use crate::table::{Layout, Trace};
+use crate::trace::{Overlay, TraceError};
+
+#[derive(Debug, Default, clap::Args)]
+#[command(next_help_heading = "A measured curve")]
+pub(super) struct TraceArgs {
+    /// Lay a measured curve on the computed one: a table of stroke and ΔCD.
+    #[arg(long, value_name = "TABLE", conflicts_with_all = ["step", "points"])]
+    measured: Option<PathBuf>,
+    /// Take the measured curve where it is: fit no offset and no stroke shift.
+    #[arg(long, requires = "measured")]
+    no_fit: bool,
+}
+
+impl TraceArgs {
+    /// The measured curve, if one is given.
+    pub(super) fn read(&self, spec: &Spec, how: &ReadArgs, output: &mut Output) -> Result<Option<Trace>, Failure> {
+        let Some(path) = &self.measured else { return Ok(None) };
+        let spec_path = PathBuf::from(&spec.source.name);
+        refuse_shared_input(&spec_path, std::slice::from_ref(path))?;
+        let mut spec = how.laid_out(spec.clone())?;
+        spec.table.layout = Arc::new(Layout { trace: true, ..Layout::clone(&spec.table.layout) });
+        let stop = Arc::default();
+        let opened = Opener::new(how, &Arc::new(spec), Model::Exact, &stop).open(path)?;
+        let trace = Trace::of_table(opened.table)?;
+        if output.keep_reading(&trace.reading) {
+            tables::say(std::slice::from_ref(&trace.reading), &opened.notes, output);
+        }
+        Ok(Some(trace))
+    }
+
+    /// The strokes: those that the options say, or the measured ones, or those of a spec.
+    pub(super) fn ends(stroke: &Stroke, spec: &Spec, trace: Option<&Trace>) -> Result<(f64, f64), Failure> {
+        let points = trace.and_then(|trace| Some((trace.points.first()?.stroke_mm, trace.points.last()?.stroke_mm)));
+        points.map_or_else(|| stroke.ends(spec), |points| stroke.ends_or(points))
+    }
+
+    /// The files that are read, with that of the measured curve.
+    pub(super) fn inputs(&self, files: Vec<PathBuf>) -> Vec<PathBuf> {
+        files.into_iter().chain(self.measured.iter().flat_map(|path| tables::files_read(path))).collect()
+    }
+
+    /// A measured curve on that of a mesh, over the strokes from one to another.
+    pub(super) fn part(
+        &self,
+        trace: Trace,
+        spec: &Spec,
+        input: &MeshInput,
+        (from, to): (f64, f64),
+    ) -> Result<TracePart, Failure> {
+        let Trace { name, mut points, without_value, .. } = trace;
+        let all = points.len();
+        points.retain(|point| (from..=to).contains(&point.stroke_mm));
+        let overlay = Overlay::of(&input.mesh, &points, !self.no_fit).map_err(|error| match error {
+            TraceError::Mesh(error) => Diagnostic::from(error),
+            other => Diagnostic::error(Code::BadTable, format!("{name}: {other}")),
+        })?;
+        let is_master = spec.get(keys::PINION_MASTER).unwrap_or_default();
+        let mut notes = Vec::new();
+        let mut note = |count: u64, what: &str| {
+            if count > 0 {
+                notes.push(format!("{count} of the rows of {name} {what}"));
+            }
+        };
+        note(without_value, "have no value, and are left out");
+        note((all - points.len()) as u64, "are at strokes outside --from and --to, and are left out");
+        if is_master && !(input.pinion_deviations.is_empty() && input.pinion_rows.is_empty()) {
+            notes.push(
+                "the pinion is a master, and the spec has errors of its teeth: they are computed, too".to_owned(),
+            );
+        }
+        Ok(TracePart { file: name, overlay, is_master, teeth: input.mesh.pair().pinion().teeth, notes })
+    }
+}

@@ -1,0 +1,93 @@
+//! A measured curve on the computed one: where it lies, how both vary, and what is refused.
+
+use std::sync::Arc;
+
+use rackmesh::cli::{HeldSpec, answer};
+use serde_json::Value;
+
+const SPEC: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[rack]\nface_width = 19.7\naddendum = 1.70\n\
+                    [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n";
+const ERRORS: &str =
+    "[[rack.deviation]]\nteeth = 4\nthickness = \"20 um\"\n[[rack.deviation]]\nteeth = 6\nright = \"-12 um\"\n";
+
+fn ask(spec: &str, options: &[&str]) -> Result<Value, String> {
+    let spec = HeldSpec { name: "spec.toml".to_owned(), text: spec.to_owned() };
+    answer("mesh", options, spec, &Arc::default()).map(|answer| answer.json).map_err(|problem| problem.to_string())
+}
+
+/// ΔCD of a spec at irregular strokes.
+fn computed(spec: &str, strokes: &[f64]) -> Vec<f64> {
+    let spec = rackmesh::spec::Spec::parse("spec.toml", spec).unwrap();
+    let mesh = spec.mesh(&rackmesh::spec::MeasuredTables::default()).unwrap().mesh;
+    mesh.sample(strokes).into_iter().map(|point| point.unwrap().delta_cd_mm).collect()
+}
+
+fn strokes() -> Vec<f64> {
+    (0..500).map(|at| 2.0 + 0.2 * f64::from(at) + 0.01 * f64::from(at % 7)).collect()
+}
+
+fn table(folder: &tempfile::TempDir, text: &str) -> String {
+    let path = folder.path().join("trace.csv");
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+fn number(value: &Value, place: &str) -> f64 {
+    value.pointer(place).and_then(Value::as_f64).unwrap_or_else(|| panic!("{place}: {value}"))
+}
+
+/// The offset and the stroke shift that a curve was moved by are found, and without a fit it stays where it is.
+#[test]
+fn a_moved_curve_is_laid_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = SPEC.to_owned() + ERRORS;
+    let strokes = strokes();
+    let moved: Vec<f64> = strokes.iter().map(|stroke| stroke + 0.73).collect();
+    let rows: Vec<String> = strokes
+        .iter()
+        .zip(computed(&spec, &moved))
+        .map(|(stroke, mm)| format!("{stroke:.2};{:.3}", 1000.0 * (mm + 0.0123)))
+        .collect();
+    let path = table(&folder, &format!("Hub [mm];ΔCD [µm]\n{}\n", rows.join("\n")));
+    let all = ask(&spec, &["--measured", &path]).unwrap();
+    assert!((number(&all, "/measured/offset/value_mm") - 0.0123).abs() < 1e-6);
+    assert!((number(&all, "/measured/stroke_shift/value_mm") - 0.73).abs() < 1e-4);
+    assert!(number(&all, "/measured/rms_difference_mm") < 1e-6);
+    let both = ["measured", "computed"].map(|curve| number(&all, &format!("/measured/{curve}/tooth_to_tooth_mm")));
+    assert!((both[0] - both[1]).abs() < 2e-6 && both[0] > 0.02, "{both:?}");
+    assert_eq!(all["measured"]["measured"]["orders"].as_array().unwrap().len(), 24);
+    assert_eq!(all["measured"]["points"].as_array().unwrap().len(), 500);
+    let unfitted = ask(&spec, &["--measured", &path, "--no-fit"]).unwrap();
+    assert_eq!(unfitted["measured"]["offset"], Value::Null);
+    assert!(number(&unfitted, "/measured/rms_difference_mm") > 0.01);
+}
+
+/// A column without an owner, a row that is no point, a table without ΔCD; values that are missing are left out.
+#[test]
+fn a_trace_is_read_by_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |text: &str, options: &[&str]| {
+        let path = table(&folder, text);
+        ask(SPEC, &[&["--measured", &path], options].concat())
+    };
+    let rows = "0;0,001;20,1\n1;0,002;20,2\n2;0,001;20,1\n3;n.a.;20,1\n";
+    let refused = of(&format!("stroke [mm];delta_cd [mm];Temp\n{rows}"), &[]).unwrap_err();
+    assert!(refused.contains("Temp"), "{refused}");
+    let read = of(&format!("stroke [mm];delta_cd [mm];Temp\n{rows}"), &["--ignore", "Temp"]).unwrap();
+    assert_eq!(read["measured"]["points"].as_array().unwrap().len(), 3);
+    assert!(read["measured"]["notes"][0].as_str().unwrap().starts_with("1 of the rows"), "{read}");
+    for (text, said) in [
+        ("stroke [mm],Weg2\n0,1\n1,2\n2,3\n", "delta_cd"),
+        ("stroke [mm],delta_cd [mm]\n0,0.1\n1,x\n2,0.1\n", "line 3"),
+        ("stroke [mm],delta_cd\n0,0.1\n0,0.2\n", "two points"),
+        ("stroke,ΔCD\n0,0.1\n1,0.2\n", "unit"),
+    ] {
+        let refused = of(text, &["--ignore", "Weg2"]).unwrap_err();
+        assert!(refused.contains(said), "{said}: {refused}");
+    }
+    let named = SPEC.to_owned()
+        + "[table.columns]\nstroke = { name = \"X\", unit = \"mm\" }\ndelta_cd = { name = \"Y\", unit = \"um\" }\n";
+    let path = table(&folder, "X,Y\n0,1\n1,2.5\n2,1\n3,1\n");
+    let read = ask(&named, &["--measured", &path]).unwrap();
+    assert_eq!(read["measured"]["points"][1]["measured_mm"], 0.0025);
+}
