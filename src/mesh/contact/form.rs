@@ -46,6 +46,10 @@ impl Form {
     pub(in crate::mesh) fn most_added(&self) -> f64 {
         (-self.pinion.profile_slope_mm).max(0.0) * self.per_normal.max(self.per_normal_on_tip)
     }
+
+    fn has_relief(&self) -> bool {
+        self.rack.tip_relief_mm > 0.0
+    }
 }
 
 /// How [`Form`] changes with the rack's roll.
@@ -198,25 +202,31 @@ struct Peak {
 }
 
 impl FlankContact {
-    /// What the surfaces ask for.
+    /// What the surfaces ask for; without relief the relieved one is the flank.
     fn surfaces(&self, form: &Form, at: &Place) -> [Polynomial; 3] {
-        let across = at.across * (1.0 / self.across.half_width);
+        let plain = self.surface(form, at, Surface::Flank);
+        let relieved = if form.has_relief() { self.surface(form, at, Surface::Relieved) } else { plain };
+        [plain, relieved, self.surface(form, at, Surface::Tip)]
+    }
+
+    /// What one of them asks for.
+    fn surface(&self, form: &Form, at: &Place, surface: Surface) -> Polynomial {
         let axial = at.w * (1.0 / self.half_face);
         let profile = (at.roll - Polynomial::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
         let pinion = axial * axial * form.pinion.crowning_mm + profile * form.pinion.profile_slope_mm;
-        let back = pinion + across * across * form.rack.crowning_mm;
-        let flank = |back: Polynomial| at.flank - at.per_normal * back;
-        let plain = flank(back);
-        let relieved = if form.rack.tip_relief_mm > 0.0 {
+        if surface == Surface::Tip {
+            return at.tip - at.per_normal_on_tip * pinion;
+        }
+        let across = at.across * (1.0 / self.across.half_width);
+        let mut back = pinion + across * across * form.rack.crowning_mm;
+        if surface == Surface::Relieved {
             // how high in the rack the flank's plane is where the point is, above where the relief starts
             let deep = at.sin * (at.flank + Polynomial::from(form.depth)) - at.shift;
             let high = Polynomial::from(form.tip - form.rack.tip_relief_start_mm) - at.cos * (at.tip - at.flank)
                 + deep * form.fall;
-            flank(back + high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm)))
-        } else {
-            plain
-        };
-        [plain, relieved, at.tip - at.per_normal_on_tip * pinion]
+            back = back + high * (form.rack.tip_relief_mm / (form.tip - form.rack.tip_relief_start_mm));
+        }
+        at.flank - at.per_normal * back
     }
 
     /// What the planes of flank and tip ask for along a generator, and its way across the rack.
@@ -271,7 +281,8 @@ impl FlankContact {
         };
         consider(lo.w, PeakHeldBy::Low);
         consider(hi.w, PeakHeldBy::High);
-        for (index, surface) in surfaces.iter().enumerate() {
+        let is_another = |surface: Surface| surface != Surface::Relieved || form.has_relief();
+        for (index, surface) in surfaces.iter().enumerate().filter(|&(index, _)| is_another(SURFACES[index])) {
             consider(-surface.b / (2.0 * surface.a), PeakHeldBy::Top);
             for (before, crossed) in surfaces[..index].iter().enumerate() {
                 for w in (*crossed - *surface).roots() {
@@ -286,14 +297,17 @@ impl FlankContact {
 
     /// How the largest demand on a generator changes where its place does, and its ends as told.
     fn rate(&self, form: &Form, peak: &Peak, place: &Place, ends: [f64; 2]) -> f64 {
-        let rates = self.surfaces(form, place).map(|surface| surface.b);
+        let rate = |index: usize| self.surface(form, place, SURFACES[index]).b;
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);
         let [lo, hi] = ends;
         match peak.held {
-            PeakHeldBy::Level | PeakHeldBy::Top => rates[peak.least],
-            PeakHeldBy::Low => rates[peak.least] + along(peak.least) * lo,
-            PeakHeldBy::High => rates[peak.least] + along(peak.least) * hi,
-            PeakHeldBy::Crossing(i, j) => rates[i] + along(i) * (rates[i] - rates[j]) / (along(j) - along(i)),
+            PeakHeldBy::Level | PeakHeldBy::Top => rate(peak.least),
+            PeakHeldBy::Low => rate(peak.least) + along(peak.least) * lo,
+            PeakHeldBy::High => rate(peak.least) + along(peak.least) * hi,
+            PeakHeldBy::Crossing(i, j) => {
+                let [one, other] = [i, j].map(rate);
+                one + along(i) * (one - other) / (along(j) - along(i))
+            }
         }
     }
 
