@@ -102,7 +102,7 @@ fn racks(c: &mut Criterion) {
             let stop = AtomicBool::new(false);
             let range = RackRange { first_rack: 0, racks: RACKS };
             let settings = RackSettings { seed: 1, range, from_mm: 0.0, to_mm: 50.0, threads };
-            let racks = Racks { base: &base, scatter: &scatter, limit: None };
+            let racks = Racks { base: &base, scatter: &scatter, limit: None, yoke: None };
             group.bench_function(format!("{name}, {cores}"), |b| {
                 let each = |_, _: &[_]| Ok::<_, RacksError>(());
                 b.iter(|| black_box(&racks).study(&settings, &stop, each).1.expect("a result"));

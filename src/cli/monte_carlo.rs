@@ -14,11 +14,15 @@ use super::target::{Target, is_dash};
 use super::teeth::{WorstTeeth, mesh_of};
 use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
-use crate::chance::racks::{RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, StudyError};
+use crate::chance::racks::{
+    RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, RacksYoke, StudyError,
+};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::function::{self, Check, YokeJudge};
 use crate::judge::{LimitTarget, Rule, Verdict};
-use crate::report::{Format, RACK_COLUMNS, RacksReport, grouped, rack_lines, read_study, study_json};
-use crate::spec::{Spec, keys};
+use crate::mesh::TOLERANCE_MM;
+use crate::report::{Format, RacksReport, grouped, rack_columns, rack_lines, read_study, study_json};
+use crate::spec::{MeshInput, Spec, keys};
 
 pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact mesh";
 
@@ -78,7 +82,6 @@ const LARGEST_STUDY: u64 = 64 << 20;
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let spec = self.set.read_spec(&self.spec, output)?;
-        super::function::leave_open(&spec, output);
         let (scatter, classes) = spec.scatter()?;
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
@@ -93,9 +96,15 @@ impl Args {
         {
             worst.place(&mut input, limit)?;
         }
-        let racks = Racks { base: &input.mesh, scatter: &scatter, limit };
+        let strokes = self.stroke.ends(&spec)?;
+        let judge = spec.yoke_judge(self.stroke.travel(&spec)?, &spec.or_zero(keys::DECISION_RULE))?;
+        let (yoke, mut unjudged) = match &judge {
+            Some(judge) => with_yoke(judge, &input, strokes)?,
+            None => (None, Vec::new()),
+        };
+        let racks = Racks { base: &input.mesh, scatter: &scatter, limit, yoke };
         let (study, ended) = if self.merge.is_empty() {
-            self.drawn(&racks, self.stroke.ends(&spec)?, &signals::interrupted(output), output)
+            self.drawn(&racks, strokes, &signals::interrupted(output), output)
         } else {
             (self.merged(&racks, signals::signals(output).stop())?, Ok(()))
         };
@@ -110,7 +119,8 @@ impl Args {
             kept.write_all(study_json(&study).map_err(std::io::Error::from)?.as_bytes())?;
             kept.end(ended_early.is_none(), output)?;
         }
-        let unjudged = unjudged(&spec);
+        unjudged.extend(not_judged(&spec));
+        unjudged.extend(partly_judged(&summary, study.racks()));
         let is_judged = unjudged.is_empty();
         summary.verdict = summary.verdict.filter(|verdict| *verdict == Verdict::Fail || is_judged);
         let report = RacksReport {
@@ -119,6 +129,7 @@ impl Args {
             classes: &classes,
             study: &study,
             summary: &summary,
+            yoke: judge.as_ref(),
             notes: mesh::notes(&input).into_iter().chain(middles).collect(),
             unjudged,
         };
@@ -168,7 +179,7 @@ impl Args {
         let drawn = racks.study(&settings, interruption.stop(), |first_rack, results| {
             if self.lists_racks() {
                 if done == 0 {
-                    output.text(RACK_COLUMNS)?;
+                    output.text(&rack_columns(racks.yoke.is_some()))?;
                 }
                 output.text(&rack_lines(first_rack, results))?;
             }
@@ -220,8 +231,28 @@ fn kept_study(path: &Path, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure
     read_study(&text).map_err(|error| unreadable(error.to_string()))
 }
 
+/// The yoke that racks are held against, and those of its limits that none of them is judged by.
+fn with_yoke<'a>(
+    judge: &'a YokeJudge,
+    input: &MeshInput,
+    (from, to): (f64, f64),
+) -> Result<(Option<RacksYoke<'a>>, Vec<String>), Failure> {
+    let curve = input.mesh.curve(from, to, TOLERANCE_MM)?;
+    let Some(function) = judge.on(&input.mesh, &curve)? else { return Ok((None, Vec::new())) };
+    let is_measured = input.measures(&function);
+    let open = judge.judge(&function, is_measured).iter().filter_map(Check::open_because).collect();
+    Ok((Some(RacksYoke { judge, is_measured }), open))
+}
+
+/// Limits on a yoke that some racks are not judged by.
+fn partly_judged(summary: &RacksSummary, racks: u64) -> Vec<String> {
+    let judged = summary.yoke.iter().flat_map(|yoke| function::Target::ALL.into_iter().zip(yoke.judged));
+    let some = judged.filter(|(_, judged)| (1..racks).contains(judged));
+    some.map(|(on, judged)| format!("{}: {judged} of {racks} racks are judged", on.words())).collect()
+}
+
 /// What of the spec is not held against random racks, so that none of them passes.
-fn unjudged(spec: &Spec) -> Vec<String> {
+fn not_judged(spec: &Spec) -> Vec<String> {
     let limits = spec.limits();
     let rule = spec.or_zero(keys::DECISION_RULE);
     let of_errors: Vec<_> =
@@ -250,7 +281,7 @@ impl From<RacksError> for Failure {
         match error {
             RacksError::Mesh { .. } => diagnostic(Code::NoMesh)
                 .help("the deviations drawn are too large for these teeth: check the units in [scatter]"),
-            RacksError::NotSolved { .. } => diagnostic(Code::NoMesh).help(
+            RacksError::NotSolved { .. } | RacksError::Unresolved { .. } => diagnostic(Code::NoMesh).help(
                 "`rackmesh mesh` shows why; check the tip diameter and the addendum, or study a shorter stroke with --from and --to",
             ),
             RacksError::Count { .. } | RacksError::Stroke { .. } => diagnostic(Code::Usage),

@@ -67,6 +67,12 @@ impl Settings {
 }
 
 impl Shared {
+    /// As those of one part.
+    #[must_use]
+    pub fn as_setting(&self) -> Setting {
+        Setting { from_mm: self.from_mm, to_mm: self.to_mm }
+    }
+
     /// The middle, farthest from both ends; the smallest if nothing limits the largest.
     #[must_use]
     pub fn middle_mm(&self) -> f64 {
@@ -105,7 +111,6 @@ pub(crate) fn most_shared(starts: &[At], ends: &[At]) -> Option<Shared> {
 }
 
 /// From the first to the last place that so many intervals cover at least, mm; `None` if none does.
-#[cfg_attr(not(test), expect(dead_code))]
 pub(crate) fn shared_by(starts: &[At], ends: &[At], least: u64) -> Option<(f64, Option<f64>)> {
     let enough: Vec<_> = covered(starts, ends).into_iter().filter(|(.., count)| *count >= least.into()).collect();
     let (first, last) = (enough.first()?, enough.last()?);

@@ -13,6 +13,7 @@ mod words;
 
 pub use along::{Forces, Function, Torque};
 pub use common::{Settings, Shared};
+pub(crate) use common::{most_shared, shared_by};
 pub use judged::{FIGURES, Figure, JudgedYoke, YokeJudge};
 pub use limits::{Bounded, Bounds, Check, Judged, Target, Terms, judge};
 pub use play::{SafeSettings, Setting, Window};

@@ -76,7 +76,7 @@ pub use parts::{part_block, parts_block};
 pub use paste::{PartsReport, SpacesReport};
 #[cfg(feature = "table")]
 pub use qdas::QdasRows;
-pub use racks::{RACK_COLUMNS, RacksReport, StudyFileError, rack_lines, read_study, study_json};
+pub use racks::{RacksReport, StudyFileError, rack_columns, rack_lines, read_study, study_json};
 #[cfg(feature = "table")]
 pub use reading::{WithReading, reading_blocks, reading_form, remarks, said};
 pub use reproduction::Reproduction;

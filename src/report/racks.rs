@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
+use super::function::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
 use super::number::{millimetres, percent, plain, tidy};
 use super::{Block, Report, Table, fact, titled};
 use crate::chance::racks::{
@@ -14,8 +15,10 @@ use crate::chance::racks::{
     STEPS_PER_PITCH, Scatter, StudyError,
 };
 use crate::deviation::{DeviationKind, key_in_words};
+use crate::function::YokeJudge;
 use crate::judge::class::ErrorClass;
 use crate::judge::{Limit, Verdict};
+use crate::mesh::TOLERANCE_MM;
 use crate::quantity::Length;
 use crate::uncertainty::{Distribution, Uncertainty};
 
@@ -32,6 +35,8 @@ pub struct RacksReport<'a> {
     pub study: &'a RacksStudy,
     /// What they came to.
     pub summary: &'a RacksSummary,
+    /// The yoke and its limits, if there is one.
+    pub yoke: Option<&'a YokeJudge>,
     /// Remarks.
     pub notes: Vec<String>,
     /// What of the spec is not held against the racks, so that none of them passes.
@@ -98,6 +103,11 @@ impl RacksReport<'_> {
             .block()
     }
 
+    fn yoke(&self) -> Option<RacksYokePart<'_>> {
+        let yoke = self.summary.yoke.as_ref()?;
+        Some(RacksYokePart { judge: self.yoke?, racks: self.summary, yoke })
+    }
+
     /// What is counted of the racks, in the order of the reports.
     fn quantities(&self) -> [(&'static str, &RackStatistics); 4] {
         let RacksSummary { mean, peak_to_peak, smallest, largest, .. } = self.summary;
@@ -147,8 +157,12 @@ impl RacksReport<'_> {
     fn all_notes(&self) -> Vec<String> {
         let (of, asked) = (self.study.study_of(), self.study.asked());
         let from = if asked.first_rack == 0 { String::new() } else { format!(" from number {}", asked.first_rack) };
+        let followed = match self.yoke {
+            Some(_) => format!("resolved to {} mm", plain(TOLERANCE_MM)),
+            None => format!("{STEPS_PER_PITCH:.0} strokes per pitch"),
+        };
         let mut notes = vec![format!(
-            "{} racks{from} by the exact mesh, stroke {} … {} mm, {STEPS_PER_PITCH:.0} strokes per pitch, seed {}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
+            "{} racks{from} by the exact mesh, stroke {} … {} mm, {followed}, seed {}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
             self.study.racks(),
             plain(of.from_mm),
             plain(of.to_mm),
@@ -215,15 +229,20 @@ fn listed(ranges: &[RackRange]) -> String {
 }
 
 /// The columns of a list of racks.
-pub const RACK_COLUMNS: &str = "rack,mean_mm,peak_to_peak_mm,min_mm,max_mm\n";
+#[must_use]
+pub fn rack_columns(has_yoke: bool) -> String {
+    format!("rack,mean_mm,peak_to_peak_mm,min_mm,max_mm{}\n", if has_yoke { RACK_YOKE_COLUMNS } else { "" })
+}
 
 /// The lines of a list of racks, from number `first_rack` on.
 #[must_use]
 pub fn rack_lines(first_rack: u64, results: &[RackResult]) -> String {
     let mut lines = String::new();
     for (rack, result) in (first_rack..).zip(results) {
-        let RackResult { mean_mm, min_mm, max_mm } = *result;
-        let values = [mean_mm, result.peak_to_peak_mm(), min_mm, max_mm].map(|value| plain(tidy(value)));
+        let RackResult { mean_mm, min_mm, max_mm, yoke } = result;
+        let values = [*mean_mm, result.peak_to_peak_mm(), *min_mm, *max_mm].map(Some).into_iter();
+        let values = values.chain(yoke.iter().flat_map(rack_values));
+        let values: Vec<_> = values.map(|value| value.map_or_else(String::new, |value| plain(tidy(value)))).collect();
         lines.push_str(&format!("{rack},{}\n", values.join(",")));
     }
     lines
@@ -286,6 +305,7 @@ pub enum StudyFileError {
 impl Report for RacksReport<'_> {
     fn json(&self) -> Value {
         let RacksSummary { inside, verdict, missing, .. } = self.summary;
+        let yoke = self.yoke();
         let of = self.study.study_of();
         let scatter = self.spreads().map(|(of, drawn)| {
             let is_normal = drawn.distribution == Distribution::Normal;
@@ -317,13 +337,14 @@ impl Report for RacksReport<'_> {
             "scatter": scatter.collect::<Vec<_>>(),
             "delta_cd": delta_cd.collect::<Map<_, _>>(),
             "inside_limits": inside,
+            "yoke": yoke.map(|yoke| yoke.json()),
             "verdict": verdict.map(Verdict::name),
             "reason": self.reason(),
             "notes": self.all_notes(),
         })
     }
 
-    /// Moments and quantiles: results of racks are not kept, [`RACK_COLUMNS`] are written while they are there.
+    /// Moments and quantiles: results of racks are not kept, [`rack_columns`] are written while they are there.
     fn rows(&self) -> Vec<Vec<String>> {
         let records = self.quantities().into_iter().flat_map(|(name, of)| {
             let moments = [("mean", Some(of.mean_mm)), ("standard_deviation", of.standard_deviation_mm)];
@@ -336,8 +357,11 @@ impl Report for RacksReport<'_> {
             });
             moments.into_iter().chain(quantiles)
         });
-        let records = json!({ "records": records.collect::<Vec<_>>() });
-        fact::rows(&records, "records", "delta_cd statistic value_mm lower_mm upper_mm")
+        let yoke = self.yoke();
+        let records: Vec<_> = records.chain(yoke.iter().flat_map(RacksYokePart::records)).collect();
+        let of_yoke = if yoke.is_some() { " value_n_m lower_n_m upper_n_m value_n lower_n upper_n" } else { "" };
+        let columns = format!("delta_cd statistic value_mm lower_mm upper_mm{of_yoke}");
+        fact::rows(&json!({ "records": records }), "records", &columns)
     }
 
     fn blocks(&self) -> Vec<Block> {
@@ -345,6 +369,8 @@ impl Report for RacksReport<'_> {
         blocks.push(self.scatter_table());
         blocks.push(self.quantile_table());
         blocks.extend(self.histograms());
+        let yoke = self.yoke();
+        blocks.extend(yoke.iter().flat_map(RacksYokePart::blocks));
         blocks.extend(self.all_notes().into_iter().map(Block::Remark));
         let inside = self.summary.inside.map(|Inside { racks, share, lower, upper }| {
             format!(
@@ -355,10 +381,13 @@ impl Report for RacksReport<'_> {
                 100.0 * upper
             )
         });
+        let verdict = self.summary.on_delta_cd();
+        let verdict = verdict.filter(|verdict| *verdict == Verdict::Fail || self.unjudged.is_empty());
         let said: Vec<_> = inside.into_iter().chain(self.reason()).collect();
         if !said.is_empty() {
-            blocks.push(Block::Verdict(self.summary.verdict, said.join("; ")));
+            blocks.push(Block::Verdict(verdict, said.join("; ")));
         }
+        blocks.extend(yoke.iter().flat_map(|yoke| yoke.verdicts(self.study.racks())));
         blocks
     }
 }

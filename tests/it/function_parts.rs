@@ -194,3 +194,116 @@ fn whole_parts_are_judged_as_eval_judges_them() {
     assert_eq!((verdicts(0), verdicts(1)), ([pass(), None, pass()], [None, None, pass()]));
     assert!(rows[0]["verdict"].is_null() && rows[1]["verdict"].is_null());
 }
+
+/// Racks drawn at random: the best plug, shares and distributions are those of their list, ranges merge to one run, and each
+/// limit is judged of every rack.
+#[test]
+fn random_racks_say_what_their_yoke_does() {
+    let folder = Folder::new("random-yokes");
+    let scatter = "[scatter]\nrack_over_roller = \"30 um\"\n";
+    let spec = write(&folder, "spec.toml", &format!("{PAIR}{LIMITS}{scatter}"));
+    let racks = |more: &[&str]| run(&[&["monte-carlo", &spec], more].concat(), "");
+    let one = racks(&["--racks", "40", "-f", "json"]);
+    assert_eq!(one.code, Some(1), "{}", one.stderr);
+    let files = [("0", "13"), ("13", "27")].map(|(first, count)| {
+        let file = folder.path(&format!("{first}.json"));
+        racks(&["--first-rack", first, "--racks", count, "--study", &file, "-j", "1"]);
+        file
+    });
+    let merged = racks(&["--merge", &files[1], &files[0], "-f", "json"]);
+    assert_eq!((merged.code, &merged.stdout), (one.code, &one.stdout), "{}", merged.stderr);
+    let other = racks(&["--merge", &files[0], "--set", "yoke.rate=101 N/mm"]);
+    assert!(other.code == Some(2) && other.stderr.contains("fingerprint"), "{}", other.stderr);
+    let json = one.json();
+    let yoke = &json["yoke"];
+
+    let csv = racks(&["--racks", "40", "-f", "csv"]).stdout;
+    let rows: Vec<Vec<Option<f64>>> =
+        csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().ok()).collect()).collect();
+    let column = |name: &str| csv.lines().next().unwrap().split(',').position(|title| title == name).expect(name);
+    let of = |name: &str| rows.iter().map(|row| row[column(name)]).collect::<Vec<_>>();
+    let (from, to) = (of("setting_from_mm"), of("setting_to_mm"));
+    let without = from.iter().filter(|from| from.is_none()).count();
+    assert_eq!((&yoke["racks"], &yoke["without_setting"]["racks"]), (&40.into(), &without.into()));
+    assert!(without > 0 && without < 30, "{without}");
+    // a setting is there where the variation fits the window
+    for (variation, from) in of("peak_to_peak_mm").iter().zip(&from) {
+        assert_eq!(from.is_some(), variation.unwrap() <= 0.09);
+    }
+    let suited = |at: f64| {
+        let suits =
+            |(from, to): (&Option<f64>, &Option<f64>)| from.zip(*to).is_some_and(|(from, to)| from <= at && at <= to);
+        from.iter().zip(&to).filter(|ends| suits(*ends)).count()
+    };
+    let most = from.iter().flatten().map(|from| suited(*from)).max().unwrap();
+    let shared = &yoke["shared_setting"];
+    assert_eq!(shared["suits"]["racks"], most);
+    for end in ["from_mm", "to_mm", "recommended_mm"] {
+        assert_eq!(suited(number(&shared[end])), most, "{end}");
+    }
+    assert!((number(&shared["from_deg"]) - 240.0 * number(&shared["from_mm"])).abs() < 1e-9);
+    let [share, lower, upper] = ["share", "lower", "upper"].map(|name| number(&shared["suits"][name]));
+    assert!((share - most as f64 / 40.0).abs() < 1e-15 && lower < share && share <= upper, "{lower} {share} {upper}");
+    // so few racks do not tell where the best one is
+    assert!(shared["confidence_interval"].is_null());
+    for (name, values) in
+        [("torque_fluctuation", of("torque_fluctuation_n_m")), ("lift_off_force", of("lift_off_force_n"))]
+    {
+        let unit = if name == "lift_off_force" { "n" } else { "n_m" };
+        let mean = values.iter().flatten().sum::<f64>() / 40.0;
+        assert!((number(&yoke[name][format!("mean_{unit}")]) / mean - 1.0).abs() < 1e-9, "{name}");
+        let mut sorted: Vec<_> = values.into_iter().flatten().collect();
+        sorted.sort_by(f64::total_cmp);
+        let median = &yoke[name]["quantiles"][3];
+        assert!((number(&median[format!("value_{unit}")]) / sorted[19] - 1.0).abs() < 1e-9, "{name} {median}");
+    }
+    let kept = |on: &str| {
+        let limits = yoke["limits"].as_array().unwrap();
+        limits.iter().find(|limit| limit["on"] == on).expect(on)["inside_limit"]["racks"].as_u64().unwrap()
+    };
+    assert_eq!(kept("yoke_play"), 40 - without as u64);
+    assert_eq!(
+        kept("torque_fluctuation"),
+        of("torque_fluctuation_n_m").iter().flatten().filter(|n_m| **n_m <= 0.5).count() as u64
+    );
+    assert_eq!(
+        kept("lift_off_force"),
+        of("lift_off_force_n").iter().flatten().filter(|n| **n >= 1000.0).count() as u64
+    );
+
+    // a limit that lacks a key is open, and names it
+    let open = racks(&["--racks", "3", "-f", "json", "--set", "limits.pinion_torque={ upper = \"9 N m\" }"]);
+    assert!(open.json()["notes"].to_string().contains("yoke.bearing_torque"), "{}", open.stdout);
+    // many racks tell where the best setting is
+    let many = racks(&["--racks", "600", "-f", "json", "--to", "26"]).json();
+    let shared = &many["yoke"]["shared_setting"];
+    let interval = &shared["confidence_interval"];
+    assert!(number(&interval["from_mm"]) <= number(&shared["from_mm"]), "{shared}");
+    assert!(number(&interval["to_mm"]) >= number(&shared["to_mm"]), "{shared}");
+}
+
+/// Each random rack is solved by its curve, also about a stroke to set at beyond the travel; without a yoke the same racks come.
+#[test]
+fn random_racks_are_the_same_racks_with_a_yoke() {
+    let scatter = "[scatter]\nrack_pitch = \"5 um\"\npinion_runout = \"8 um\"\n";
+    let bare = PAIR.split("[yoke]").next().unwrap();
+    let listed = |spec: &str| {
+        let ended = run(&["monte-carlo", "-", "--racks", "6", "-f", "csv"], spec);
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        ended.stdout.lines().skip(1).map(row).collect::<Vec<Vec<f64>>>()
+    };
+    let (with, without) = (listed(&format!("{PAIR}{scatter}")), listed(&format!("{bare}{scatter}")));
+    assert_eq!((with.len(), without.len()), (6, 6));
+    for (with, without) in with.iter().zip(&without) {
+        for (found, expected) in with[1..5].iter().zip(&without[1..5]) {
+            assert!((found - expected).abs() < 4e-4, "{with:?} {without:?}");
+        }
+        // equal steps meet no more than what the curve has
+        assert!(with[2] >= without[2] - 1e-9, "{with:?} {without:?}");
+    }
+    let far = run(
+        &["monte-carlo", "-", "--racks", "6"],
+        &format!("{}{LIMITS}{scatter}", PAIR.replace("set_at = 30", "set_at = -150")),
+    );
+    assert!(far.stdout.contains("setting that suits the most racks"), "{} {}", far.stdout, far.stderr);
+}

@@ -166,6 +166,11 @@ impl Counts {
         None
     }
 
+    /// A place of each bin, fm, and how many are in it.
+    pub(super) fn places(&self, of: impl Fn(Span) -> i64) -> Vec<(i64, u64)> {
+        self.bins.iter().map(|(bin, count)| (of(self.span(*bin)), *count)).collect()
+    }
+
     /// So many bins of the same width from the smallest to the largest value.
     pub(super) fn histogram(&self, bins: u32) -> Vec<Bin> {
         if self.racks == 0 {

@@ -10,7 +10,8 @@
 //! # How a curve is followed
 //! At equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying flanks is
 //! constant, and what changes the set takes a few hundredths of a pitch; so extremes are met unless a set carries
-//! for less than one step. The tests hold means and extremes against the adaptive curve.
+//! for less than one step. The tests hold means and extremes against the adaptive curve. Where the spec has a yoke every
+//! rack is solved by the adaptive curve itself: a torque is largest at a kink.
 //!
 //! Rack number i is drawn from a generator of its own: the result depends neither on the number of threads nor on the
 //! range of racks that it is solved with.
@@ -20,12 +21,14 @@ mod quantiles;
 mod range;
 mod study;
 mod summary;
+mod yoke;
 
 pub use counts::{Bin, MOST_BINS};
 pub use quantiles::{CONFIDENCE, Quantile, share};
 pub use range::{RackRange, StudyError};
 pub use study::{RacksStudy, StudyOf};
-pub use summary::{Inside, RackStatistics, RacksSummary};
+pub use summary::{Inside, RackStatistics, RacksSummary, SharedPlug, YokeSummary};
+pub use yoke::{RackYoke, RacksYoke};
 
 use std::collections::BTreeMap;
 use std::f64::consts::{SQRT_2, TAU};
@@ -35,9 +38,10 @@ use thiserror::Error;
 
 use super::random::{Random, Ziggurat};
 use crate::deviation::{DeviationError, PinionFlank, PinionTooth, RackFlank, RackTooth};
+use crate::function::SetAt;
 use crate::judge::Limit;
 use crate::judge::bound::pinion_lead_angle_rad;
-use crate::mesh::{Mesh, MeshError, Sampler};
+use crate::mesh::{Mesh, MeshError, MeshPoint, Sampler, TOLERANCE_MM};
 use crate::uncertainty::{Distribution, Uncertainty};
 use crate::{parallel, trig};
 
@@ -103,6 +107,8 @@ pub struct RackResult {
     pub min_mm: f64,
     /// Largest, mm.
     pub max_mm: f64,
+    /// What a yoke does, if there is one.
+    pub yoke: Option<RackYoke>,
 }
 
 impl RackResult {
@@ -152,6 +158,12 @@ pub enum RacksError {
         /// The stroke.
         stroke_mm: f64,
     },
+    /// A drawn rack whose curve is not resolved.
+    #[error("rack {rack}: the curve of its mesh is not resolved, which a yoke needs")]
+    Unresolved {
+        /// Which one, from 0.
+        rack: u64,
+    },
     /// A drawn deviation that cannot be applied.
     #[error("rack {rack}: {error}")]
     Deviation {
@@ -174,6 +186,8 @@ pub struct Racks<'a> {
     pub scatter: &'a Scatter,
     /// The limit on ΔCD, if there is one.
     pub limit: Option<&'a Limit>,
+    /// The yoke, if there is one.
+    pub yoke: Option<RacksYoke<'a>>,
 }
 
 impl Racks<'_> {
@@ -196,59 +210,58 @@ impl Racks<'_> {
         mut each: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
     ) -> (RacksStudy, Result<(), E>) {
         let of = self.study_of(settings);
-        let mut study = RacksStudy::new(of.clone(), settings.range, self.limit.is_some());
-        let ended = simulate_racks(self.base, self.scatter, settings, stop, |first_rack, results| {
+        let mut study = RacksStudy::new(of.clone(), settings.range, self.limit.is_some(), self.yoke.is_some());
+        let ended = self.simulate(settings, stop, |first_rack, results| {
             let block = RacksStudy::of(of.clone(), first_rack, results, self.limit).map_err(RacksError::from)?;
             study.merge(&block).map_err(RacksError::from)?;
             each(first_rack, results)
         });
         (study, ended)
     }
-}
 
-/// Draws and solves racks: `base` with its own deviations, and those of `scatter` added. `take` has the results block by
-/// block and in order, with the number of the first rack; memory is bounded however many there are. Once `stop` is set,
-/// of the first racks only.
-///
-/// # Errors
-/// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
-/// rack. The first one of `take`.
-pub fn simulate_racks<E: From<RacksError>>(
-    base: &Mesh,
-    scatter: &Scatter,
-    settings: &RackSettings,
-    stop: &AtomicBool,
-    mut take: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
-) -> Result<(), E> {
-    if scatter.is_empty() {
-        return Err(RacksError::NothingScatters.into());
+    /// Draws and solves racks: the base with its own deviations, and those of the scatter added. `take` has the results block by
+    /// block and in order, with the number of the first rack; memory is bounded however many there are. Once `stop` is set,
+    /// of the first racks only.
+    ///
+    /// # Errors
+    /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
+    /// rack. The first one of `take`.
+    pub fn simulate<E: From<RacksError>>(
+        &self,
+        settings: &RackSettings,
+        stop: &AtomicBool,
+        mut take: impl FnMut(u64, &[RackResult]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        if self.scatter.is_empty() {
+            return Err(RacksError::NothingScatters.into());
+        }
+        let RackRange { first_rack, racks } = settings.range;
+        if racks == 0 || first_rack.checked_add(racks).is_none() {
+            return Err(RacksError::Count { first_rack, racks }.into());
+        }
+        let draw = Draw::new(self, settings)?;
+        let of_block = |block: u64| {
+            let skipped = block * BLOCK;
+            RackRange { first_rack: first_rack + skipped, racks: BLOCK.min(racks - skipped) }
+        };
+        let ended = parallel::in_order(
+            settings.threads.unwrap_or_else(parallel::cores),
+            racks.div_ceil(BLOCK),
+            |block| draw.block(of_block(block), stop),
+            |Block { range, results, error }| {
+                if !results.is_empty() {
+                    take(range.first_rack, &results).map_err(Some)?;
+                }
+                match error {
+                    Some(error) => Err(Some(error.into())),
+                    None if (results.len() as u64) < range.racks => Err(None),
+                    None => Ok(()),
+                }
+            },
+        );
+        // a run that is stopped ends without an error
+        ended.or_else(|error| error.map_or(Ok(()), Err))
     }
-    let RackRange { first_rack, racks } = settings.range;
-    if racks == 0 || first_rack.checked_add(racks).is_none() {
-        return Err(RacksError::Count { first_rack, racks }.into());
-    }
-    let draw = Draw::new(base, scatter, settings)?;
-    let of_block = |block: u64| {
-        let skipped = block * BLOCK;
-        RackRange { first_rack: first_rack + skipped, racks: BLOCK.min(racks - skipped) }
-    };
-    let ended = parallel::in_order(
-        settings.threads.unwrap_or_else(parallel::cores),
-        racks.div_ceil(BLOCK),
-        |block| draw.block(of_block(block), stop),
-        |Block { range, results, error }| {
-            if !results.is_empty() {
-                take(range.first_rack, &results).map_err(Some)?;
-            }
-            match error {
-                Some(error) => Err(Some(error.into())),
-                None if (results.len() as u64) < range.racks => Err(None),
-                None => Ok(()),
-            }
-        },
-    );
-    // a run that is stopped ends without an error
-    ended.or_else(|error| error.map_or(Ok(()), Err))
 }
 
 /// What became of successive racks.
@@ -267,10 +280,10 @@ fn place_of(pitch: &Uncertainty) -> Uncertainty {
 
 /// What every rack is drawn from, and the strokes at which it is solved.
 struct Draw<'a> {
-    base: &'a Mesh,
-    scatter: &'a Scatter,
+    racks: &'a Racks<'a>,
     seed: u64,
     from: f64,
+    to: f64,
     step: f64,
     steps: u32,
     /// The rack's teeth that deviate.
@@ -279,22 +292,28 @@ struct Draw<'a> {
 }
 
 impl<'a> Draw<'a> {
-    fn new(base: &'a Mesh, scatter: &'a Scatter, settings: &RackSettings) -> Result<Self, RacksError> {
+    fn new(racks: &'a Racks<'a>, settings: &RackSettings) -> Result<Self, RacksError> {
         let RackSettings { seed, from_mm, to_mm, .. } = *settings;
-        let pitch = base.pair().rack().pitch_mm;
-        let steps = ((to_mm - from_mm) / pitch * STEPS_PER_PITCH).ceil();
-        if !(to_mm > from_mm && steps <= MOST_STROKES && from_mm.abs() <= 1e9) {
+        let pitch = racks.base.pair().rack().pitch_mm;
+        let steps = |from: f64, to: f64| ((to - from) / pitch * STEPS_PER_PITCH).ceil();
+        // the teeth that carry where the plug is set deviate, too
+        let (first, last) = match racks.yoke.map(|yoke| yoke.judge.yoke.set_at) {
+            Some(SetAt::Stroke(at)) => (from_mm.min(at), to_mm.max(at)),
+            _ => (from_mm, to_mm),
+        };
+        if !(to_mm > from_mm && steps(first, last) <= MOST_STROKES && first.abs() <= 1e9) {
             return Err(RacksError::Stroke { from_mm, to_mm });
         }
-        let steps = steps.max(1.0);
-        let teeth = (from_mm / pitch).floor() as i64 - MARGIN..=(to_mm / pitch).ceil() as i64 + MARGIN;
+        let steps = steps(from_mm, to_mm).max(1.0);
+        let teeth = (first / pitch).floor() as i64 - MARGIN..=(last / pitch).ceil() as i64 + MARGIN;
         let (step, steps) = ((to_mm - from_mm) / steps, steps as u32);
-        Ok(Self { base, scatter, seed, from: from_mm, step, steps, teeth, ziggurat: Ziggurat::new() })
+        Ok(Self { racks, seed, from: from_mm, to: to_mm, step, steps, teeth, ziggurat: Ziggurat::new() })
     }
 
     fn mesh(&self, random: &mut Random) -> Result<Result<Mesh, MeshError>, DeviationError> {
-        let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.scatter;
-        let pair = self.base.pair();
+        let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.racks.scatter;
+        let base = self.racks.base;
+        let pair = base.pair();
         let half_to_x = 0.5 / trig::cos(pair.rack().helix_angle_rad);
         let mut draw =
             |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| random.spread(spread, &self.ziggurat));
@@ -306,9 +325,9 @@ impl<'a> Draw<'a> {
             let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
             drawn.insert(tooth, RackTooth { left: flank(place - thickness), right: flank(place + thickness) });
         }
-        let rack = self.base.rack().clone().with_measured(&drawn)?;
-        let mut pinion = self.base.pinion().clone();
-        let Scatter { pinion_pitch, pinion_thickness, pinion_lead, .. } = self.scatter;
+        let rack = base.rack().clone().with_measured(&drawn)?;
+        let mut pinion = base.pinion().clone();
+        let Scatter { pinion_pitch, pinion_thickness, pinion_lead, pinion_runout, .. } = self.racks.scatter;
         if pinion_pitch.is_some() || pinion_thickness.is_some() || pinion_lead.is_some() {
             let place = pinion_pitch.as_ref().map(place_of);
             let teeth: Vec<_> = (0..pair.pinion().teeth)
@@ -321,7 +340,7 @@ impl<'a> Draw<'a> {
                 .collect();
             pinion = pinion.with_measured(&teeth)?;
         }
-        if let Some(runout) = self.scatter.pinion_runout {
+        if let Some(runout) = *pinion_runout {
             let (along, across) = if runout.distribution == Distribution::Normal {
                 (0.5 * random.spread(&runout, &self.ziggurat), 0.5 * random.spread(&runout, &self.ziggurat))
             } else {
@@ -331,7 +350,7 @@ impl<'a> Draw<'a> {
             };
             pinion = pinion.with_offset((along, across))?;
         }
-        Ok(Mesh::new(*pair, rack, pinion, self.base.support()))
+        Ok(Mesh::new(*pair, rack, pinion, base.support()))
     }
 
     fn block(&self, range: RackRange, stop: &AtomicBool) -> Block {
@@ -352,6 +371,9 @@ impl<'a> Draw<'a> {
         let mut random = Random::of_block(self.seed, rack);
         let unmeshed = |error| RacksError::Mesh { rack, error };
         let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?.map_err(unmeshed)?;
+        if let Some(yoke) = self.racks.yoke {
+            return self.with_yoke(rack, &mesh, yoke);
+        }
         let mut sampler = Sampler::new(&mesh);
         let (mut sum, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
         for i in 0..=self.steps {
@@ -364,7 +386,28 @@ impl<'a> Draw<'a> {
             sum += if i == 0 || i == self.steps { 0.5 * delta_cd } else { delta_cd };
             (min, max) = (min.min(delta_cd), max.max(delta_cd));
         }
-        Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max })
+        Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max, yoke: None })
+    }
+
+    /// A rack by its curve, with what the yoke does on it.
+    fn with_yoke(&self, rack: u64, mesh: &Mesh, yoke: RacksYoke<'_>) -> Result<RackResult, RacksError> {
+        let unmeshed = |error| RacksError::Mesh { rack, error };
+        let curve = mesh.curve(self.from, self.to, TOLERANCE_MM).map_err(unmeshed)?;
+        let function = yoke.judge.on(mesh, &curve).map_err(unmeshed)?.filter(|function| function.is_solved);
+        let Some(function) = function else {
+            let unsolved = curve.points.iter().find(|point| !point.is_solved()).map(|point| point.stroke_mm);
+            return Err(match unsolved {
+                Some(stroke_mm) => RacksError::NotSolved { rack, stroke_mm },
+                None => RacksError::Unresolved { rack },
+            });
+        };
+        let area = |ends: &[MeshPoint]| {
+            0.5 * (ends[0].delta_cd_mm + ends[1].delta_cd_mm) * (ends[1].stroke_mm - ends[0].stroke_mm)
+        };
+        let mean_mm = curve.points.windows(2).map(area).sum::<f64>() / (self.to - self.from);
+        let (min_mm, max_mm) = (function.lowest.delta_cd_mm, function.highest.delta_cd_mm);
+        let yoke = RackYoke::from(&yoke.judge.known(function, yoke.is_measured));
+        Ok(RackResult { mean_mm, min_mm, max_mm, yoke: Some(yoke) })
     }
 }
 
@@ -393,6 +436,10 @@ mod tests {
         Mesh::nominal(pair).unwrap()
     }
 
+    fn of<'a>(base: &'a Mesh, scatter: &'a Scatter) -> Racks<'a> {
+        Racks { base, scatter, limit: None, yoke: None }
+    }
+
     fn settings(racks: u64) -> RackSettings {
         RackSettings { seed: 1, range: RackRange { first_rack: 0, racks }, from_mm: 0.0, to_mm: 50.0, threads: None }
     }
@@ -411,7 +458,8 @@ mod tests {
     fn equal_steps_meet_the_extremes_and_the_mean_of_the_adaptive_curve() {
         let base = base();
         let (scatter, settings) = (all(), settings(12));
-        let draw = Draw::new(&base, &scatter, &settings).unwrap();
+        let racks = of(&base, &scatter);
+        let draw = Draw::new(&racks, &settings).unwrap();
         for rack in 0..settings.range.racks {
             let mesh = draw.mesh(&mut Random::of_block(1, rack)).unwrap().unwrap();
             let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
@@ -428,7 +476,8 @@ mod tests {
     fn values_are_spread_as_asked_for() {
         let base = base();
         let scatter = all();
-        let draw = Draw::new(&base, &scatter, &settings(1)).unwrap();
+        let racks = of(&base, &scatter);
+        let draw = Draw::new(&racks, &settings(1)).unwrap();
         let mut random = Random::of_block(3, 0);
         // E x⁴ / (E x²)²
         let shapes = [
@@ -478,7 +527,8 @@ mod tests {
         let base = Mesh::nominal(Pair::new(&data).unwrap()).unwrap();
         let settings = settings(1);
         let drawn = |scatter: Scatter, seed| {
-            let draw = Draw::new(&base, &scatter, &settings).unwrap();
+            let racks = of(&base, &scatter);
+            let draw = Draw::new(&racks, &settings).unwrap();
             let mesh = draw.mesh(&mut Random::of_block(seed, 0)).unwrap().unwrap();
             let rack: Vec<RackTooth> = draw.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
             let pinion = mesh.pinion().teeth().to_vec();
@@ -558,7 +608,7 @@ mod tests {
         settings: &RackSettings,
     ) -> Result<Vec<RackResult>, RacksError> {
         let mut all = Vec::new();
-        simulate_racks(base, scatter, settings, stop, |first_rack, results| {
+        of(base, scatter).simulate(settings, stop, |first_rack, results| {
             assert_eq!(first_rack, settings.range.first_rack + all.len() as u64);
             all.extend_from_slice(results);
             Ok::<_, RacksError>(())

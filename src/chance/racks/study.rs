@@ -5,6 +5,7 @@ use std::fmt::{self, Write as _};
 
 use super::counts::Counts;
 use super::range::{RackRange, StudyError};
+use super::yoke::YokeStudy;
 use super::{RackResult, RackSettings, Racks};
 use crate::judge::Limit;
 use crate::quantity::{Length, tidy};
@@ -32,10 +33,13 @@ pub struct StudyOf {
 impl StudyOf {
     pub(super) fn new(racks: &Racks<'_>, settings: &RackSettings) -> Self {
         let RackSettings { seed, from_mm, to_mm, .. } = *settings;
-        let Racks { base, scatter, limit } = racks;
+        let Racks { base, scatter, limit, yoke } = racks;
         let mut print = Fingerprint::default();
         // it takes all text
         let _ = write!(print, "{base:?} {scatter:?} {limit:?}");
+        if let Some(yoke) = yoke {
+            let _ = write!(print, " {yoke:?}");
+        }
         let version = env!("CARGO_PKG_VERSION").to_owned();
         Self { version, fingerprint: format!("{:032x}", print.0), seed, from_mm, to_mm }
     }
@@ -73,8 +77,9 @@ impl fmt::Write for Fingerprint {
     }
 }
 
-/// A study of racks with limits counts those inside.
-const COUNTED_WITHOUT_LIMITS: &str = "it counts the racks inside limits that are not those of its racks, or does not";
+/// A study of racks with limits counts those inside, one of racks with a yoke what that does.
+const COUNTED_OTHERS: &str =
+    "it counts the racks inside limits, or their yokes, that are not those of its racks, or does not";
 
 /// How ΔCD of many racks is distributed, and which racks these are.
 ///
@@ -96,11 +101,14 @@ pub struct RacksStudy {
     pub(super) peak_to_peak: Counts,
     pub(super) smallest: Counts,
     pub(super) largest: Counts,
+    /// `None` without a yoke.
+    #[cfg_attr(feature = "report", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub(super) yoke: Option<YokeStudy>,
 }
 
 impl RacksStudy {
     /// A study without racks, of those `asked` for.
-    pub(super) fn new(of: StudyOf, asked: RackRange, has_limit: bool) -> Self {
+    pub(super) fn new(of: StudyOf, asked: RackRange, has_limit: bool, has_yoke: bool) -> Self {
         Self {
             of,
             asked,
@@ -110,6 +118,7 @@ impl RacksStudy {
             peak_to_peak: Counts::default(),
             smallest: Counts::default(),
             largest: Counts::default(),
+            yoke: has_yoke.then(YokeStudy::default),
         }
     }
 
@@ -127,12 +136,13 @@ impl RacksStudy {
     /// [`StudyError`] if a ΔCD is no length, or if sums are too large.
     pub fn of(of: StudyOf, first_rack: u64, results: &[RackResult], limit: Option<&Limit>) -> Result<Self, StudyError> {
         let range = RackRange { first_rack, racks: results.len() as u64 };
-        let mut study = Self::new(of, range, limit.is_some());
+        let mut study = Self::new(of, range, limit.is_some(), results.iter().any(|result| result.yoke.is_some()));
         study.ranges.extend((range.racks > 0).then_some(range));
         for result in results {
-            let RackResult { mean_mm, min_mm, max_mm } = *result;
+            let RackResult { mean_mm, min_mm, max_mm, yoke } = *result;
             let lengths_mm = [mean_mm, result.peak_to_peak_mm(), min_mm, max_mm];
             study.counts_mut().into_iter().zip(lengths_mm).try_for_each(|(counts, length)| counts.count(length))?;
+            study.yoke.iter_mut().zip(yoke).try_for_each(|(study, yoke)| study.count(&yoke))?;
         }
         study.inside = limit.map(|limit| results.iter().filter(|result| result.is_inside(limit)).count() as u64);
         Ok(study)
@@ -146,19 +156,22 @@ impl RacksStudy {
     /// this one is as it was.
     pub fn merge(&mut self, other: &Self) -> Result<(), StudyError> {
         self.of.refuse_other(&other.of)?;
-        if self.inside.is_some() != other.inside.is_some() {
-            return Err(StudyError::Damaged { what: COUNTED_WITHOUT_LIMITS });
+        if !self.counts_as(other.inside.is_some(), other.yoke.is_some()) {
+            return Err(StudyError::Damaged { what: COUNTED_OTHERS });
         }
         let both = self.ranges.iter().flat_map(|mine| other.ranges.iter().map(|theirs| common(*mine, *theirs)));
         if let Some(both) = both.into_iter().flatten().next() {
             return Err(StudyError::Overlap { both });
         }
-        if !self.counts().into_iter().zip(other.counts()).all(|(mine, theirs)| mine.takes(theirs)) {
+        let takes = self.counts().into_iter().zip(other.counts()).all(|(mine, theirs)| mine.takes(theirs));
+        let mut yokes = self.yoke.iter().zip(&other.yoke);
+        if !takes || yokes.any(|(mine, theirs)| !mine.takes(theirs)) {
             return Err(StudyError::TooMany);
         }
         for (mine, theirs) in self.counts_mut().into_iter().zip(other.counts()) {
             mine.merge(theirs);
         }
+        self.yoke.iter_mut().zip(&other.yoke).for_each(|(mine, theirs)| mine.merge(theirs));
         self.inside = self.inside.zip(other.inside).map(|(mine, theirs)| mine + theirs);
         self.ranges = joined(self.ranges.iter().chain(&other.ranges).copied().collect());
         let (mine, theirs) = (self.asked, other.asked);
@@ -187,10 +200,15 @@ impl RacksStudy {
         let StudyOf { seed, from_mm, to_mm, .. } = self.of;
         let settings = RackSettings { seed, range: self.asked, from_mm, to_mm, threads: None };
         StudyOf::new(racks, &settings).refuse_other(&self.of)?;
-        if self.inside.is_some() != racks.limit.is_some() {
-            return Err(StudyError::Damaged { what: COUNTED_WITHOUT_LIMITS });
+        if !self.counts_as(racks.limit.is_some(), racks.yoke.is_some()) {
+            return Err(StudyError::Damaged { what: COUNTED_OTHERS });
         }
         Ok(())
+    }
+
+    /// Whether it counts what racks with or without a limit and a yoke have.
+    fn counts_as(&self, has_limit: bool, has_yoke: bool) -> bool {
+        (self.inside.is_some(), self.yoke.is_some()) == (has_limit, has_yoke)
     }
 
     /// What its racks are of.
@@ -239,7 +257,10 @@ impl RacksStudy {
             return damaged("it has racks that were not asked for");
         }
         let racks: u64 = self.ranges.iter().map(|range| range.racks).sum();
-        if all.iter().any(|counts| counts.racks() != racks) || self.inside.is_some_and(|inside| inside > racks) {
+        if all.iter().any(|counts| counts.racks() != racks)
+            || self.inside.is_some_and(|inside| inside > racks)
+            || self.yoke.as_ref().is_some_and(|yoke| !yoke.is_sound(racks))
+        {
             return damaged("its ranges and its counts have different numbers of racks");
         }
         Ok(())
@@ -297,9 +318,10 @@ pub(super) mod text {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::RacksSummary;
     use super::super::counts::MOST_BINS;
+    use super::super::{RackYoke, RacksSummary};
     use super::*;
+    use crate::function::Setting;
     use crate::judge::Verdict;
     use crate::trig;
 
@@ -311,7 +333,14 @@ mod tests {
     /// Lengths that no two racks share, spread over a twentieth of a millimetre.
     fn result(rack: u64) -> RackResult {
         let place = 0.02 * trig::sin((rack as f64) * 0.618_033_9);
-        RackResult { mean_mm: place, min_mm: place - 0.01, max_mm: 1.3 * place + 0.015 }
+        let setting = Setting { from_mm: 0.03 + place, to_mm: (rack % 3 > 0).then_some(0.06 + 0.7 * place) };
+        let yoke = RackYoke {
+            settings: (rack % 5 > 0).then(|| (rack % 7 > 0).then_some(setting)),
+            fluctuation_n_m: Some(0.5 + place),
+            lift_off_n: Some(2000.0 + 1000.0 * place),
+            verdicts: [None; 4],
+        };
+        RackResult { mean_mm: place, min_mm: place - 0.01, max_mm: 1.3 * place + 0.015, yoke: Some(yoke) }
     }
 
     fn limit() -> Limit {
@@ -389,7 +418,7 @@ mod tests {
     /// More results than there are bins, each of its own length: what is held is that of so many bins.
     #[test]
     fn memory_does_not_grow_with_the_racks() {
-        let mut study = RacksStudy::new(study_of(1), RackRange { first_rack: 0, racks: 300_000 }, true);
+        let mut study = RacksStudy::new(study_of(1), RackRange { first_rack: 0, racks: 300_000 }, true, true);
         for first in (0..300_000).step_by(20_000) {
             study.merge(&range(first, first + 20_000)).unwrap();
             for counts in [&study.mean, &study.peak_to_peak, &study.smallest, &study.largest] {

@@ -4,9 +4,11 @@ use super::counts::{Bin, Counts};
 use super::quantiles::quantiles;
 use super::range::RackRange;
 use super::study::RacksStudy;
-use super::{Quantile, share};
+use super::yoke::{N, YokeStudy};
+use super::{CONFIDENCE, Quantile, share};
+use crate::function::{Setting, Shared, Target};
 use crate::judge::Verdict;
-use crate::quantity::of_femtometres;
+use crate::quantity::{of_femtometres, tidy};
 
 /// The shares whose quantiles are computed.
 const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
@@ -26,11 +28,47 @@ pub struct RacksSummary {
     pub largest: RackStatistics,
     /// The racks that stay within the limits along the whole stroke; `None` without limits.
     pub inside: Option<Inside>,
-    /// Fail if any rack leaves the limits, `None` without limits, and where racks are missing and none of the others
-    /// fails.
+    /// What a yoke does on the racks, if there is one.
+    pub yoke: Option<YokeSummary>,
+    /// Fail if any rack leaves the limits, `None` without limits, and where racks are missing or some are not judged and none
+    /// of the others fails.
     pub verdict: Option<Verdict>,
     /// The racks that were asked for and are not there.
     pub missing: Vec<RackRange>,
+}
+
+/// What a yoke does, over all racks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct YokeSummary {
+    /// Racks of which it is known which settings keep the window.
+    pub racks: u64,
+    /// Those of them that no setting suits; `None` if there are none.
+    pub without: Option<Inside>,
+    /// The settings that suit the most.
+    pub shared: Option<SharedPlug>,
+    /// Of the fluctuation of the pinion's torque, in N m where its fields say mm.
+    pub fluctuation: Option<RackStatistics>,
+    /// Of the least lift-off force, in N where its fields say mm.
+    pub lift_off: Option<RackStatistics>,
+    /// Racks that were judged by each limit, in the order of [`Target::ALL`].
+    pub judged: [u64; Target::ALL.len()],
+    /// The racks that keep each limit, of those; `None` if none was judged by it.
+    pub limits: [Option<Inside>; Target::ALL.len()],
+}
+
+/// One plug for all racks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SharedPlug {
+    /// The settings that suit the most racks.
+    pub setting: Shared,
+    /// These racks. The interval is that of a setting at this place, whatever racks it was found by.
+    pub suits: Inside,
+    /// Where the setting that suits the most of all such racks is, with 95 % confidence; `None` if so few racks do not tell.
+    ///
+    /// With F_a, F_b the shares of racks whose settings start below, and end below, a place, it suits the share F_a − F_b. Both
+    /// are known to ε = √(ln(4/0.05) / 2n) everywhere (Dvoretzky, Kiefer and Wolfowitz, with Massart's constant), so that the
+    /// best place suits a share of these racks that is at most 4 ε below the largest one.
+    pub confidence: Option<Setting>,
 }
 
 /// How one quantity is distributed over the racks.
@@ -73,14 +111,15 @@ impl RacksSummary {
             return None;
         }
         let missing = study.missing();
-        let inside = study.inside.map(|inside| {
-            let (share, lower, upper) = share(inside, racks);
-            Inside { racks: inside, share, lower, upper }
-        });
-        let verdict = match inside {
-            Some(inside) if inside.racks < racks => Some(Verdict::Fail),
-            Some(_) if missing.is_empty() => Some(Verdict::Pass),
-            _ => None,
+        let inside = study.inside.map(|inside| Inside::of(inside, racks));
+        let yokes = study.yoke.iter().flat_map(YokeStudy::judged).map(|(kept, broken)| (kept, kept + broken));
+        let judged: Vec<_> = study.inside.map(|inside| (inside, racks)).into_iter().chain(yokes).collect();
+        let verdict = if judged.iter().any(|(kept, of)| kept < of) {
+            Some(Verdict::Fail)
+        } else if !judged.is_empty() && judged.iter().all(|(kept, _)| *kept == racks) && missing.is_empty() {
+            Some(Verdict::Pass)
+        } else {
+            None
         };
         Some(Self {
             mean: RackStatistics::of(&study.mean),
@@ -88,13 +127,67 @@ impl RacksSummary {
             smallest: RackStatistics::of(&study.smallest),
             largest: RackStatistics::of(&study.largest),
             inside,
+            yoke: study.yoke.as_ref().map(YokeSummary::of),
             verdict,
             missing,
         })
     }
+
+    /// The verdict on ΔCD alone.
+    #[must_use]
+    pub fn on_delta_cd(&self) -> Option<Verdict> {
+        let is_inside = self.inside?.share >= 1.0;
+        if is_inside { self.missing.is_empty().then_some(Verdict::Pass) } else { Some(Verdict::Fail) }
+    }
+}
+
+impl Inside {
+    fn of(racks: u64, all: u64) -> Self {
+        let (share, lower, upper) = share(racks, all);
+        Self { racks, share, lower, upper }
+    }
+}
+
+impl YokeSummary {
+    fn of(study: &YokeStudy) -> Self {
+        let known = study.known();
+        let any = |counts: &Counts| (counts.racks() > 0).then(|| RackStatistics::of(counts));
+        Self {
+            racks: known,
+            without: (known > 0).then(|| Inside::of(study.without, known)),
+            shared: study.shared().map(|setting| SharedPlug::of(study, setting)),
+            fluctuation: any(&study.fluctuation),
+            lift_off: any(&study.lift_off).map(|of| of.times(N)),
+            judged: study.by_limit().map(|(kept, broken)| kept + broken),
+            limits: study.by_limit().map(|(kept, broken)| (kept + broken > 0).then(|| Inside::of(kept, kept + broken))),
+        }
+    }
+}
+
+impl SharedPlug {
+    fn of(study: &YokeStudy, setting: Shared) -> Self {
+        let known = study.known() as f64;
+        let known_to = ((4.0 / (1.0 - CONFIDENCE)).ln() / (2.0 * known)).sqrt();
+        let least = (setting.parts as f64 - 4.0 * known_to * known).ceil();
+        let confidence = if least >= 1.0 { study.shared_by(least as u64) } else { None };
+        Self { setting, suits: Inside::of(setting.parts, study.known()), confidence }
+    }
 }
 
 impl RackStatistics {
+    /// In another unit.
+    fn times(mut self, factor: f64) -> Self {
+        let quantiles = self.quantiles.iter_mut().flat_map(|of| {
+            let ends = of.lower_mm.iter_mut().chain(&mut of.upper_mm);
+            std::iter::once(&mut of.value_mm).chain(ends)
+        });
+        let bins = self.histogram.iter_mut().flat_map(|bin| [&mut bin.from_mm, &mut bin.to_mm]);
+        let moments = [&mut self.mean_mm, &mut self.quantile_error_mm];
+        let all = moments.into_iter().chain(&mut self.standard_deviation_mm).chain(quantiles).chain(bins);
+        all.for_each(|value| *value = tidy(*value * factor));
+        self
+    }
+
     fn of(counts: &Counts) -> Self {
         let moments = counts.moments();
         Self {

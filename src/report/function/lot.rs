@@ -6,7 +6,7 @@ use super::super::number::{grouped, unsigned};
 use super::super::{Block, Column, Table};
 use super::{BoundPart, FunctionPart, YokeSection, setting_json, settings_in_words, unsigned_play};
 use crate::batch::Part;
-use crate::function::{Function, JudgedYoke, Setting, Settings, Shared, Target, Torque, Yoke, YokeJudge};
+use crate::function::{Function, JudgedYoke, Settings, Target, Torque, Yoke, YokeJudge};
 use crate::judge::Verdict;
 use crate::quantity::tidy;
 
@@ -23,11 +23,6 @@ impl YokeSection {
     }
 }
 
-/// The settings as one.
-pub(in crate::report) fn as_setting(shared: &Shared) -> Setting {
-    Setting { from_mm: shared.from_mm, to_mm: shared.to_mm }
-}
-
 fn share(count: u64, of: u64) -> f64 {
     count as f64 / of.max(1) as f64
 }
@@ -35,7 +30,7 @@ fn share(count: u64, of: u64) -> f64 {
 /// The position of the plug that the most parts share, for programs.
 pub(in crate::report) fn lot_json(yoke: &Yoke, settings: &Settings) -> Value {
     let shared = settings.shared().map(|shared| {
-        let mut json = setting_json(yoke, as_setting(&shared));
+        let mut json = setting_json(yoke, shared.as_setting());
         json["parts"] = shared.parts.into();
         json["share"] = share(shared.parts, settings.parts).into();
         json
@@ -49,7 +44,7 @@ pub(in crate::report) fn lot_table(yoke: &Yoke, settings: &Settings) -> Option<B
         return None;
     }
     let (setting, suited) = match settings.shared() {
-        Some(shared) => (settings_in_words(yoke, Some(as_setting(&shared)), ""), shared.parts),
+        Some(shared) => (settings_in_words(yoke, Some(shared.as_setting()), ""), shared.parts),
         None => ("none".to_owned(), 0),
     };
     let rows = [

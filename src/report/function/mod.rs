@@ -4,12 +4,14 @@ mod bound;
 mod charts;
 #[cfg(feature = "batch")]
 mod lot;
+mod racks;
 
 pub use bound::BoundPart;
 #[cfg(feature = "batch")]
 pub use lot::yokes_block;
 #[cfg(feature = "batch")]
 pub(super) use lot::{lot_json, lot_table};
+pub(super) use racks::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
 
 use serde_json::{Value, json};
 
