@@ -16,8 +16,8 @@ use crate::formula::Model;
 use crate::report;
 use crate::spec::Spec;
 use crate::table::{
-    ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, PartNames, Parts, Pattern, Proposal,
-    Reading, Source, Table, Want,
+    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, PartNames, Parts, Pattern,
+    Proposal, Reading, Separator, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -29,10 +29,10 @@ pub(super) struct ReadArgs {
     #[arg(long, value_enum, value_name = "MARK")]
     decimal: Option<DecimalMark>,
     /// The separator: a character or `tab`.
-    #[arg(long, value_parser = separator, value_name = "CHAR")]
+    #[arg(long, value_parser = Separator::byte_of, value_name = "CHAR")]
     separator: Option<u8>,
     /// The encoding of a text, such as utf-16le.
-    #[arg(long, value_parser = encoding, value_name = "NAME")]
+    #[arg(long, value_parser = Encoding::named, value_name = "NAME")]
     encoding: Option<Encoding>,
     /// Leave out columns and lines of this name, `*` for any characters.
     #[arg(long, value_name = "PATTERN")]
@@ -60,25 +60,7 @@ pub(super) struct ReadArgs {
     sheet: Option<String>,
     /// The cells of the sheet that are the table.
     #[arg(long, value_name = "A1:F200")]
-    range: Option<String>,
-}
-
-fn separator(text: &str) -> Result<u8, String> {
-    match text.as_bytes() {
-        _ if text == "tab" || text == "\\t" => Ok(b'\t'),
-        [byte]
-            if byte.is_ascii()
-                && !byte.is_ascii_alphanumeric()
-                && !matches!(byte, b'"' | b'\n' | b'\r' | b'.' | b'-') =>
-        {
-            Ok(*byte)
-        }
-        _ => Err("write one character such as ; or the word tab".to_owned()),
-    }
-}
-
-fn encoding(text: &str) -> Result<Encoding, String> {
-    Encoding::of_name(text).ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252 or shift_jis".to_owned())
+    range: Option<CellRange>,
 }
 
 /// A person's word that a column has a role.
@@ -131,19 +113,6 @@ pub(super) struct Files<'a> {
 }
 
 impl ReadArgs {
-    /// What the spec and the user say of a table.
-    fn want(&self, spec: &Spec) -> Result<Want, Failure> {
-        let mut want = spec.want();
-        want.layout = Arc::new(self.added_to(&want.layout));
-        (want.encoding, want.sheet) = (self.encoding, self.sheet.clone());
-        if let Some(range) = &self.range {
-            want.range = range.parse().map_err(|problem| Diagnostic::usage(format!("--range: {problem}")))?;
-        }
-        Ok(want)
-    }
-}
-
-impl ReadArgs {
     /// The spec with the layout that stands in a file of its own.
     pub(super) fn laid_out(&self, spec: Spec) -> Result<Spec, Failure> {
         let Some(path) = &self.layout else { return Ok(spec) };
@@ -162,6 +131,9 @@ impl ReadArgs {
         let ignored = self.ignore.iter().map(|pattern| Pattern::of_heading(pattern));
         let lines = self.ignore_lines.iter().map(|line| LineRule { pattern: Pattern::of_line(line), at_most: 0 });
         let mut all = Layout {
+            encoding: self.encoding.or(layout.encoding),
+            sheet: self.sheet.clone().or_else(|| layout.sheet.clone()),
+            range: self.range.unwrap_or(layout.range),
             parts: self.parts.or(layout.parts),
             separator: self.separator.or(layout.separator),
             decimal: self.decimal.or(layout.decimal),
@@ -185,8 +157,10 @@ impl<'a> Opener<'a> {
         Self { how, spec, model, stop, stdin: None, teeth: None }
     }
 
-    fn want(&self, spec: &Spec) -> Result<Want, Failure> {
-        Ok(Want { teeth: self.teeth, ..self.how.want(spec)? })
+    /// What the spec and the user say of a table.
+    fn want(&self, spec: &Spec) -> Want {
+        let layout = Arc::new(self.how.added_to(&spec.table.layout));
+        Want { teeth: self.teeth, layout, ..spec.want() }
     }
 
     /// A file as a table.
@@ -201,7 +175,7 @@ impl<'a> Opener<'a> {
                 let sources = (self.source(&definitions)?, self.source(&values)?);
                 Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1))?
             }
-            None => Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec)?)?,
+            None => Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec))?,
         })
     }
 
@@ -210,7 +184,7 @@ impl<'a> Opener<'a> {
         let opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
         let container = opener.container(path)?;
         let (spec, _) = opener.completed(&container)?;
-        Ok(container.proposal(&stream::name(path), &opener.want(&spec)?)?)
+        Ok(container.proposal(&stream::name(path), &opener.want(&spec))?)
     }
 
     /// What would close the table of a file. The file is looked at again by what is proposed, until that adds nothing: all of it in
@@ -279,13 +253,13 @@ impl<'a> Opener<'a> {
     /// What stands in a block of text.
     pub(super) fn block(&self, bytes: Vec<u8>) -> Result<Opened, Failure> {
         const NAME: &str = "<block>";
-        self.table(Container::open(NAME, Source::bytes(bytes), &self.want(&self.spec)?)?, NAME)
+        self.table(Container::open(NAME, Source::bytes(bytes), &self.want(&self.spec))?, NAME)
     }
 
     /// The table of a file that was recognised.
     fn table(&self, container: Container, name: &str) -> Result<Opened, Failure> {
         let (spec, notes) = self.completed(&container)?;
-        let want = self.want(&spec)?;
+        let want = self.want(&spec);
         let table = container.table(name, &want)?;
         Ok(Opened { table, spec, notes })
     }
@@ -381,8 +355,8 @@ pub(super) fn files_read(path: &Path) -> Vec<PathBuf> {
 pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let told = say_readings(readings, output);
     let mut remarks = report::remarks(&told, notes);
-    report::add_new(&mut remarks, readings.iter().flat_map(|reading| reading.notes.iter().cloned()));
     let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
+    report::add_new(&mut remarks, warnings.iter().cloned());
     for remark in remarks {
         let text = report::noted(&remark);
         if warnings.contains(&remark) { output.message(&text) } else { output.remark(&text) }

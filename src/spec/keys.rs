@@ -680,6 +680,10 @@ section! {
             "What stands before decimals. Default: the only mark by which every number can be read.";
         TABLE_SEPARATOR: String = "separator", text(),
             "What separates cells: a character, or tab. Default: the only one under which the headings are known.";
+        TABLE_ENCODING: String = "encoding", text(),
+            "The encoding of a text, such as windows-1252. Default: told by its bytes.";
+        TABLE_SHEET: String = "sheet", text(), "The sheet of a workbook. Default: the only one with cells.";
+        TABLE_RANGE: String = "range", text(), "The cells of a sheet that are the table, such as B4:F200. Default: all.";
         "ignore", of(Kind::Texts),
             "Headings of columns that are not used: `*` stands for any characters, and case counts.";
         "ignore_lines", of(Kind::LineRules),

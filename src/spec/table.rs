@@ -1,5 +1,6 @@
 //! `[table]`: the contract of tables with values of parts. Fills what `[batch]` does, and the layout that the reader obeys.
 
+use std::fmt;
 use std::sync::Arc;
 
 use toml::Spanned;
@@ -8,14 +9,15 @@ use toml::de::{DeTable, DeValue};
 use super::batch::{BatchColumn, TableSection, nominal};
 use super::errors::{has_circle, of_each, read_extent_value};
 use super::found::Found;
-use super::keys::{self, BESIDE, Section};
+use super::keys::{self, BESIDE, Key, Section};
 use super::reader::SectionReader;
 use super::{Located, Spec, syntax_error};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{Unit, shown};
 use crate::table::{
-    DecimalMark, DeclaredColumn, Field, Layout, LineRule, PartNames, Parts, Pattern, Repeats, StatusColumn,
+    DecimalMark, DeclaredColumn, Encoding, Field, Layout, LineRule, PartNames, Parts, Pattern, Repeats, Separator,
+    StatusColumn,
 };
 
 /// Calls `[batch]`, its old name, `[table]`; says whether that was so.
@@ -124,12 +126,15 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         parts: parts.flatten(),
         teeth,
         trace: false,
+        encoding: parsed(reader, keys::TABLE_ENCODING, Encoding::named),
+        sheet: reader.get(keys::TABLE_SHEET).map(|sheet| sheet.value),
+        range: parsed(reader, keys::TABLE_RANGE, str::parse).unwrap_or_default(),
         index: None,
-        separator: separator(reader),
+        separator: parsed(reader, keys::TABLE_SEPARATOR, Separator::byte_of),
         starts: starts(reader),
         decimal,
         headings: Vec::new(),
-        units: units(reader),
+        units: parsed(reader, keys::TABLE_UNITS, line_of_units),
         part_id,
         columns: declared.into_iter().chain(of_teeth).collect(),
         status,
@@ -196,15 +201,24 @@ fn status_column(reader: &mut SectionReader<'_>) -> Option<StatusColumn> {
     status
 }
 
+/// What a text says; a problem if it says nothing.
+fn parsed<T, E: fmt::Display>(
+    reader: &mut SectionReader<'_>,
+    key: Key<String>,
+    read: impl Fn(&str) -> Result<T, E>,
+) -> Option<T> {
+    let written = reader.get(key)?;
+    let problem = match read(&written.value) {
+        Ok(value) => return Some(value),
+        Err(problem) => format!("`{}`: {problem}", key.any.name()),
+    };
+    reader.refuse(Diagnostic::error(Code::WrongType, problem), written.span)
+}
+
 /// The number of the line of units: `"line 8"`.
-fn units(reader: &mut SectionReader<'_>) -> Option<u64> {
-    let written = reader.get(keys::TABLE_UNITS)?;
-    let number = written.value.strip_prefix("line ").and_then(|number| number.trim().parse().ok());
-    if number.is_none() {
-        let message = "`units` must name a line, such as \"line 8\"";
-        reader.report(Diagnostic::error(Code::WrongType, message), written.span);
-    }
-    number
+fn line_of_units(text: &str) -> Result<u64, &'static str> {
+    let number = text.strip_prefix("line ").and_then(|number| number.trim().parse().ok());
+    number.ok_or("write the number of a line, such as \"line 8\"")
 }
 
 /// Where cells of a text of fixed width start, each behind the one before it.
@@ -222,21 +236,6 @@ fn starts(reader: &mut SectionReader<'_>) -> Vec<usize> {
     }
     reader.wrong_type::<()>(NAME, value, needed);
     Vec::new()
-}
-
-fn separator(reader: &mut SectionReader<'_>) -> Option<u8> {
-    let written = reader.get(keys::TABLE_SEPARATOR)?;
-    match written.value.as_bytes() {
-        b"tab" => Some(b'\t'),
-        [byte] if byte.is_ascii() && !byte.is_ascii_alphanumeric() && !matches!(byte, b'"' | b'.' | b'-') => {
-            Some(*byte)
-        }
-        _ => {
-            let problem =
-                Diagnostic::error(Code::WrongType, "`separator` must be one character such as \";\", or \"tab\"");
-            reader.refuse(problem, written.span)
-        }
-    }
 }
 
 /// The patterns for lines.

@@ -151,6 +151,7 @@ impl Chunker {
                     break;
                 }
                 (_, b'\r') => Overlong::AfterReturn,
+                (Overlong::FieldStart, b' ') => Overlong::FieldStart,
                 _ if byte == self.separator => Overlong::FieldStart,
                 _ => Overlong::Unquoted,
             };

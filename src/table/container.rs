@@ -87,13 +87,13 @@ impl Container {
                         .help("give it the ending of what it is")
                         .into());
                 }
-                if want.sheet.is_some() || want.range != super::workbook::CellRange::default() {
-                    let message = format!("--sheet and --range are for Excel workbooks, and {name} is none");
+                if want.layout.sheet.is_some() || want.layout.range != super::workbook::CellRange::default() {
+                    let message = format!("a sheet and a range are of Excel workbooks, and {name} is none");
                     return Err(Diagnostic::error(Code::Usage, message)
                         .help("save it as .xlsx, or leave them out")
                         .into());
                 }
-                let mut text = Text::open(name, peeked.bytes, want.encoding)?;
+                let mut text = Text::open(name, peeked.bytes, want.layout.encoding)?;
                 if text.is_qdas()? {
                     let text = text.whole(LARGEST_FILE)?;
                     return Ok(Self::Qdas(Box::new(read_all(vec![(name.to_owned(), text)])?)));

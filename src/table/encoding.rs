@@ -20,9 +20,12 @@ impl Encoding {
     pub(crate) const PLAIN: Self = Self { code: UTF_8 };
 
     /// The encoding of that name: `utf-8`, `utf-16le`, `windows-1252`, `latin1`, `shift_jis`, and what browsers know.
-    #[must_use]
-    pub fn of_name(name: &str) -> Option<Self> {
-        Code::for_label(name.trim().as_bytes()).map(|code| Self { code })
+    ///
+    /// # Errors
+    /// If it is that of none.
+    pub fn named(name: &str) -> Result<Self, String> {
+        let code = Code::for_label(name.trim().as_bytes()).map(|code| Self { code });
+        code.ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252, shift_jis or gb18030".to_owned())
     }
 
     /// Whether the text is recoded to UTF-8 as it is read.
@@ -243,7 +246,7 @@ mod tests {
     #[test]
     fn a_reader_with_little_room_gets_everything() {
         let bytes: Vec<u8> = "部品 µm".encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let (mut read, _) = recoded(Box::new(io::Cursor::new(bytes)), Encoding::of_name("utf-16le")).unwrap();
+        let (mut read, _) = recoded(Box::new(io::Cursor::new(bytes)), Encoding::named("utf-16le").ok()).unwrap();
         let mut all = Vec::new();
         let mut byte = [0];
         while read.read(&mut byte).unwrap() == 1 {

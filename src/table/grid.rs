@@ -29,6 +29,24 @@ impl Separator {
         }
     }
 
+    /// The byte that a text names: itself, or `tab`.
+    ///
+    /// # Errors
+    /// If a number or a text may have it.
+    pub fn byte_of(text: &str) -> Result<u8, String> {
+        match text.as_bytes() {
+            b"tab" | b"\\t" => Ok(b'\t'),
+            [byte]
+                if byte.is_ascii()
+                    && !byte.is_ascii_alphanumeric()
+                    && !matches!(byte, b'"' | b'\n' | b'\r' | b'.' | b'-') =>
+            {
+                Ok(*byte)
+            }
+            _ => Err("write one character such as ; or the word tab".to_owned()),
+        }
+    }
+
     /// In words.
     #[must_use]
     pub fn name(self) -> String {

@@ -4,10 +4,12 @@
 use std::str::FromStr;
 
 use super::dictionary::{Form, Heading, Role};
+use super::encoding::Encoding;
 use super::field::{Beside, Field};
 use super::grid::unit_of;
 use super::number::DecimalMark;
 use super::pattern::Pattern;
+use super::workbook::CellRange;
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 
@@ -114,6 +116,12 @@ pub struct Layout {
     pub teeth: bool,
     /// Whether each row is a point of a measured curve.
     pub trace: bool,
+    /// The encoding of a text, if the contract says so.
+    pub encoding: Option<Encoding>,
+    /// The sheet of a workbook, if the contract says so.
+    pub sheet: Option<String>,
+    /// The cells of a sheet that are the table.
+    pub range: CellRange,
     /// What separates cells of a text, if the contract says so.
     pub separator: Option<u8>,
     /// In which column of characters each cell of a text of fixed width starts; none if the contract does not say so.
@@ -292,6 +300,13 @@ impl Layout {
             }
             None => self.columns.push(DeclaredColumn::new(kind, Some(option.name.clone()), option.unit, Vec::new())),
         }
+    }
+
+    /// The last place, from 1, of a column that a rule leaves out by it; 0 if none does.
+    pub(crate) fn last_place(&self) -> usize {
+        const MOST: usize = 16_384;
+        let places = self.ignore.iter().filter_map(|rule| rule.text().strip_prefix("column ")?.parse().ok());
+        places.filter(|place| *place <= MOST).max().unwrap_or(0)
     }
 
     /// The rule that leaves out a column: an exact one, or else a pattern.

@@ -90,6 +90,7 @@ pub use stored::Stored;
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, TeethTable, of_one_part};
 pub use trace::Trace;
 pub use want::{GivenColumn, Want};
+pub use workbook::CellRange;
 
 pub(crate) use column::{Column, Nominal, in_words};
 pub(crate) use encoding::text as cell_text;

@@ -254,7 +254,7 @@ impl Pcdmis<'_> {
         let is_known = |word: &&str| PCDMIS_COLUMNS.contains(word) || PCDMIS_ROLES.iter().any(|(name, _)| name == word);
         for (place, word) in words.iter().enumerate().filter(|(_, word)| !is_known(word)) {
             let first = vec![format!("line {number}")];
-            let open = Open::Column { place: place + 1, title: (*word).to_owned(), first };
+            let open = Open::Column { place: place + 1, title: (*word).to_owned(), first, may_decide: false };
             if !self.report.open.contains(&open) {
                 self.report.open.push(open);
             }

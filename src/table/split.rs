@@ -1,9 +1,9 @@
 //! Where records and fields end: the grammar of separated values.
 //!
 //! A field that starts with a quote ends at the next single quote (two stand for one); what follows it up to
-//! the separator belongs to the field as it is. Quotes elsewhere are plain characters. A record ends at a
-//! line feed, a carriage return, or both. Lines without a character are no records. These are the rules of
-//! the `csv` crate, which the tests hold this against.
+//! the separator belongs to the field as it is. Blanks before that quote are none of the field. Quotes elsewhere are plain
+//! characters. A record ends at a line feed, a carriage return, or both. Lines without a character are no records. But for the
+//! blanks, these are the rules of the `csv` crate, which the tests hold this against.
 
 use std::borrow::Cow;
 
@@ -76,6 +76,7 @@ pub(crate) fn next_record(
     let start = at;
     let mut inner_lines = 0;
     loop {
+        at = at_quote(bytes, at).unwrap_or(at);
         let field = at;
         let quoted = bytes.get(at) == Some(&b'"');
         let mut open = false;
@@ -105,6 +106,12 @@ pub(crate) fn next_record(
         let lines = lines_before + inner_lines + u64::from(length.is_some());
         return Some(Record { start, next, lines_before, lines, open, closed });
     }
+}
+
+/// The place of a quote that stands behind blanks.
+pub(crate) fn at_quote(bytes: &[u8], at: usize) -> Option<usize> {
+    let blanks = bytes[at..].iter().take_while(|byte| **byte == b' ').count();
+    (blanks > 0 && bytes.get(at + blanks) == Some(&b'"')).then_some(at + blanks)
 }
 
 /// The place behind the quote that closes a field whose inside starts at `at`; `None` if there is none.
@@ -187,6 +194,13 @@ mod tests {
         ] {
             assert_eq!(records(text.as_bytes()).0, by_csv(text.as_bytes()), "{text:?}");
         }
+    }
+
+    #[test]
+    fn blanks_before_a_quote_are_none_of_the_field() {
+        let fields = |text: &str| records(text.as_bytes()).0;
+        assert_eq!(fields("R1, \"25,0\",  \"4\"\"\n\"\n \"a\"\n"), by_csv(b"R1,\"25,0\",\"4\"\"\n\"\n\"a\"\n"));
+        assert_eq!(fields(" a, b\"c\" ,"), by_csv(b" a, b\"c\" ,"));
     }
 
     #[test]

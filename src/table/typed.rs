@@ -13,7 +13,7 @@ use crate::table::pieces::Place;
 use crate::table::rows::stored_record;
 use crate::table::stored::Stored;
 use crate::table::want::Want;
-use crate::table::workbook::{Shown, Workbook};
+use crate::table::workbook::{Shown, Style, Workbook};
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
@@ -23,8 +23,8 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     let layout = &want.contract();
     let all = book.sheets();
     let mut filled = Vec::new();
-    for name in book.candidates(want.sheet.as_deref())? {
-        if !book.head(&name, want.range, 1)?.is_empty() {
+    for name in book.candidates(layout.sheet.as_deref())? {
+        if !book.head(&name, layout.range, 1)?.is_empty() {
             filled.push(name);
         }
     }
@@ -36,8 +36,8 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
             return Err(Unclosed::Open(Box::new(Proposal::of(&book.called(""), layout, open))));
         }
     };
-    let mut head = book.head(&sheet, want.range, HEAD)?;
-    let records = book.records(&sheet, want.range);
+    let mut head = book.head(&sheet, layout.range, HEAD)?;
+    let records = book.records(&sheet, layout.range);
     let (count, above) = (head.len(), with_headings(layout));
     if let Some(heading) = above {
         head.insert(0, heading);
@@ -66,11 +66,12 @@ fn shown_otherwise(name: &str, shown: &Shown, table: &Table) -> Option<Diagnosti
     let mut columns = table.columns.iter().filter(|column| !in_rows || column.place == shown.column);
     let text = &shown.style.text;
     let is_other = |unit: &str| !text.is_empty() && text.trim() != unit;
-    let column = columns.find(|column| shown.style.is_struck_through || is_other(column.unit.symbol()))?;
-    let how = if shown.style.is_struck_through {
-        "struck through".to_owned()
-    } else {
-        format!("shown with `{}`", crate::quantity::shown(text))
+    let Style { is_struck_through, hides, .. } = shown.style;
+    let column = columns.find(|column| is_struck_through || hides || is_other(column.unit.symbol()))?;
+    let how = match (is_struck_through, hides) {
+        (true, _) => "struck through".to_owned(),
+        (_, true) => "not shown".to_owned(),
+        _ => format!("shown with `{}`", crate::quantity::shown(text)),
     };
     let message = format!("{name}, row {}: a cell of `{}` is {how} by its format", shown.row, column.title);
     let help = "show its numbers plainly, or leave the row out of the table";
@@ -91,7 +92,8 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
             unread.push((rule, place, column.name.clone()));
         } else {
             let (Unread::Type(why) | Unread::Packing(why)) = why;
-            of.open.push(Open::Column { place, title: column.name.clone(), first: vec![format!("it is {why}")] });
+            let (title, first) = (column.name.clone(), vec![format!("it is {why}")]);
+            of.open.push(Open::Column { place, title, first, may_decide: false });
         }
     }
     let of_fields = file.has_units_of_fields().then(|| "units of fields in the schema".to_owned());

@@ -3,10 +3,8 @@
 
 use std::sync::Arc;
 
-use super::encoding::Encoding;
 use super::field::ValueKind;
 use super::layout::Layout;
-use super::workbook::CellRange;
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Diagnostics, harmless};
 use crate::quantity::{Length, Unit};
@@ -43,12 +41,6 @@ pub struct Want {
     pub pinion_teeth: Option<i64>,
     /// The nominal measure over the pin, if the spec tells it.
     pub over_pin: Option<Length>,
-    /// The encoding, if it is given.
-    pub encoding: Option<Encoding>,
-    /// The sheet of a workbook, if it is given.
-    pub sheet: Option<String>,
-    /// The cells of a sheet.
-    pub range: CellRange,
     /// Whether each row is a tooth or a space; found from the headings unless given.
     pub teeth: Option<bool>,
     /// The contract by which a table is read.

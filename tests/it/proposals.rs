@@ -92,6 +92,27 @@ fn everyday() -> Vec<Export> {
         ),
         export("units row", 3, "Teil;Rollenmaß;Teilungsabweichung Zahnstange\n;mm;µm\nP1;25,011;3,1\nP2;25,004;-2,2\n"),
         export(
+            "units row of foreign columns",
+            5,
+            "Teil;Rollenmaß;Teilungsabweichung Zahnstange;Temp;Kraft\n;mm;µm;°C;N\nP1;25,011;3,1;20;5\nP2;25,004;-2,2;21;5\n",
+        ),
+        export(
+            "units row of a guess",
+            4,
+            "Teil;Rollenmaß;CHR_017;Temp\n;mm;µm;°C\nP1;25,011;3,1;20\nP2;25,004;-2,2;21\n",
+        ),
+        export(
+            "a column at the end without a heading",
+            4,
+            "Teil;Rollenmaß [mm];Teilungsabweichung Zahnstange [µm];;\nP1;25,011;3,1;;x\nP2;25,004;-2,2;;\n",
+        ),
+        export(
+            "parts in lines above",
+            3,
+            "Teil: P1\nRollenmaß [mm];Teilungsabweichung Zahnstange [µm]\n25,011;3,1\nTeil: P2\n\
+             Rollenmaß [mm];Teilungsabweichung Zahnstange [µm]\n25,004;3,1\n",
+        ),
+        export(
             "headings on each page",
             4,
             &format!("Seite 1 von 2\n{NAMES}\nP1;25,011;3,1\nSeite 2 von 2\n{NAMES}\nP2;25,004;-2,2\n"),
@@ -200,6 +221,48 @@ fn yes_writes_what_is_exact_and_a_word_accepts_a_guess() {
         code == 2 && said.contains("new column \"Spindel\"") && said.contains("column \"CHR_017\" is gone"),
         "{said}"
     );
+}
+
+/// Few texts may be decisions, also where all are the same: they wait for a person.
+#[test]
+fn what_may_decide_waits_for_a_person() {
+    for texts in [["i.O.", "i.O."], ["ok", "Ausschuss"], ["i.O.", "n.i.O."]] {
+        let folder = Folder::new("decides");
+        let table = format!("{NAMES};Bewertung\nP1;25,011;3,1;{}\nP2;25,004;-2,2;{}\n", texts[0], texts[1]);
+        let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
+        assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 2, "{texts:?}");
+        assert_eq!(status(&["batch", &spec, &file]).0, 2, "{texts:?}");
+    }
+    let folder = Folder::new("decided");
+    let table = format!("{NAMES};Maschine\nP1;25,011;3,1;M3\nP2;25,004;-2,2;M3\n");
+    let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
+    let (code, said) = status(&["read", &file, &spec, "--write", "--yes", "--accept", "ignore=Maschine"]);
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(status(&["batch", &spec, &file]).0, 0);
+}
+
+/// What was said of a workbook or a text on the command line stands in the contract, too.
+#[test]
+fn where_the_table_stands_is_written() {
+    let folder = Folder::new("where");
+    let (spec, file) = (folder.file("rack.toml", SPEC), folder.0.join("lot.xlsx").display().to_string());
+    let mut book = rust_xlsxwriter::Workbook::new();
+    book.add_worksheet().set_name("Deckblatt").unwrap().write_string(0, 0, "Auftrag 7").unwrap();
+    let sheet = book.add_worksheet().set_name("Lot").unwrap();
+    sheet.write_string(0, 0, "Lot 7").unwrap();
+    for (column, (name, value)) in (1..).zip([("Rollenmaß [mm]", 25.011), ("Teilungsabweichung Zahnstange [µm]", 3.1)])
+    {
+        sheet.write_string(2, column, name).unwrap().write_number(3, column, value).unwrap();
+    }
+    book.save(&file).unwrap();
+    let (code, said) = status(&["batch", &spec, &file]);
+    assert!(code == 2 && said.contains("# sheet = \"Deckblatt\"   # or \"Lot\": say which"), "{said}");
+    let told = ["--sheet", "Lot", "--range", "B3:C9"];
+    let (code, said) = status(&[&["read", &file, &spec, "--write", "--yes"][..], &told].concat());
+    let written = std::fs::read_to_string(&spec).unwrap();
+    assert!(code == 0 && written.contains("sheet = \"Lot\"\nrange = \"B3:C9\"\n"), "{said}{written}");
+    assert_eq!(status(&["batch", &spec, &file]).0, 0);
+    assert_eq!(status(&["read", "--check", &file, &spec]).0, 0);
 }
 
 /// The roles that the dictionary finds of characteristics, spaces and teeth are written, too.

@@ -39,6 +39,14 @@ struct Case {
     /// Notes on cells, by their place: `B2`.
     #[serde(default)]
     notes: BTreeMap<String, String>,
+    /// Ranges that are merged; one with `!` in front keeps the values below it.
+    #[serde(default)]
+    merged: Vec<String>,
+    /// What numbers are shown with.
+    number_format: Option<String>,
+    /// What a sheet says beside its cells: `header`, `prompt`, `box`.
+    #[serde(default)]
+    beside: BTreeMap<String, String>,
     command: String,
     spec: Option<String>,
     #[serde(default)]
@@ -108,11 +116,12 @@ fn workbook(path: &Path, cells: &[Vec<toml::Value>], case: &Case) {
     let mut book = rust_xlsxwriter::Workbook::new();
     let sheet = book.add_worksheet();
     write_sheet(sheet, cells);
+    dress(sheet, cells, case);
     for row in &case.hidden_rows {
         sheet.set_row_hidden(row - 1).unwrap();
     }
     for (cell, note) in &case.notes {
-        let (column, row) = (u16::from(cell.as_bytes()[0] - b'A'), cell[1..].parse::<u32>().unwrap() - 1);
+        let (column, row) = place(cell);
         sheet.insert_note(row, column, &rust_xlsxwriter::Note::new(note)).unwrap();
     }
     for (name, cells) in &case.sheets {
@@ -121,22 +130,56 @@ fn workbook(path: &Path, cells: &[Vec<toml::Value>], case: &Case) {
     book.save(path).unwrap();
 }
 
+/// Column and row of `B3`, from 0.
+fn place(cell: &str) -> (u16, u32) {
+    (u16::from(cell.as_bytes()[0] - b'A'), cell[1..].parse::<u32>().unwrap() - 1)
+}
+
+/// What a sheet has besides its cells.
+fn dress(sheet: &mut rust_xlsxwriter::Worksheet, cells: &[Vec<toml::Value>], case: &Case) {
+    for range in &case.merged {
+        let (from, to) = range.trim_start_matches('!').split_once(':').unwrap();
+        let ((first, top), (last, bottom)) = (place(from), place(to));
+        sheet.merge_range(top, first, bottom, last, "", &rust_xlsxwriter::Format::new()).unwrap();
+        for row in top..=bottom {
+            let is_kept = row == top || range.starts_with('!');
+            let own: Vec<toml::Value> = cells[row as usize].iter().skip(first as usize).take(1).cloned().collect();
+            write_cells(sheet, row, first, if is_kept { &own } else { &[] });
+        }
+    }
+    if let Some(format) = &case.number_format {
+        sheet.set_cell_format(1, 1, &rust_xlsxwriter::Format::new().set_num_format(format)).unwrap();
+    }
+    if let Some(header) = case.beside.get("header") {
+        sheet.set_header(header);
+    }
+    if let Some(prompt) = case.beside.get("prompt") {
+        let validation = rust_xlsxwriter::DataValidation::new().set_input_message(prompt).unwrap();
+        sheet.add_data_validation(1, 1, 1, 1, &validation).unwrap();
+    }
+    if let Some(text) = case.beside.get("box") {
+        sheet.insert_shape(4, 4, &rust_xlsxwriter::Shape::textbox().set_text(text)).unwrap();
+    }
+}
+
 fn write_sheet(sheet: &mut rust_xlsxwriter::Worksheet, cells: &[Vec<toml::Value>]) {
     for (row, cells) in (0..).zip(cells) {
-        for (column, cell) in (0..).zip(cells) {
-            match cell {
-                toml::Value::Integer(_) | toml::Value::Float(_) => {
-                    sheet.write_number(row, column, number(cell)).unwrap()
-                }
-                toml::Value::String(text) if text.starts_with('#') && text.ends_with(['!', 'A']) => {
-                    let formula = rust_xlsxwriter::Formula::new("=1/0").set_result(text);
-                    sheet.write_formula(row, column, formula).unwrap()
-                }
-                toml::Value::String(text) if text.is_empty() => sheet,
-                toml::Value::String(text) => sheet.write_string(row, column, text).unwrap(),
-                other => sheet.write_string(row, column, other.to_string()).unwrap(),
-            };
-        }
+        write_cells(sheet, row, 0, cells);
+    }
+}
+
+fn write_cells(sheet: &mut rust_xlsxwriter::Worksheet, row: u32, first: u16, cells: &[toml::Value]) {
+    for (column, cell) in (first..).zip(cells) {
+        match cell {
+            toml::Value::Integer(_) | toml::Value::Float(_) => sheet.write_number(row, column, number(cell)).unwrap(),
+            toml::Value::String(text) if text.starts_with('#') && text.ends_with(['!', 'A']) => {
+                let formula = rust_xlsxwriter::Formula::new("=1/0").set_result(text);
+                sheet.write_formula(row, column, formula).unwrap()
+            }
+            toml::Value::String(text) if text.is_empty() => sheet,
+            toml::Value::String(text) => sheet.write_string(row, column, text).unwrap(),
+            other => sheet.write_string(row, column, other.to_string()).unwrap(),
+        };
     }
 }
 

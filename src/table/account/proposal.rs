@@ -11,7 +11,7 @@ use crate::table::Table;
 use crate::table::block::{Block, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
-use crate::table::dictionary::{Form, Heading, lookup};
+use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::Layout;
 use crate::table::pattern::escaped_heading;
 use crate::table::propose::Guesses;
@@ -149,6 +149,9 @@ impl Proposal {
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
         proposal.rules.list.extend(rules::pinned(&found, layout));
         proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
+        if !owners.contains(&Some(Owner::Role(Role::PartId))) && layout.part_id.is_none() {
+            rules::name_by_line(&mut proposal.rules.list);
+        }
         rules::settle(&mut proposal.rules.list);
         proposal
     }

@@ -19,6 +19,8 @@ impl Proposal {
     #[must_use]
     pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
+        // a contract of no lines closes nothing
+        let block = block.filter(|block| block.lines().count() > 1);
         let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
         let count = self.open.len() + self.more + self.rejected_lines().count();
         let mut list: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).take(SHOWN).collect();

@@ -138,6 +138,9 @@ impl Column {
         let end = text.rfind(|c: char| c.is_numeric() || c == '.' || c == ',').map_or(0, |at| at + 1);
         let end = (end..=text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
         let (number, behind) = (&text[..end], text[end..].trim());
+        if number.ends_with(char::from(self.mark.byte())) {
+            return bad("ends in its decimal mark: digits may be missing".to_owned());
+        }
         if number.contains(|c: char| {
             c.is_alphabetic() && !matches!(c, 'e' | 'E') || matches!(c, '±' | '/' | '(' | '<' | '>' | '~' | '=' | '*')
         }) {

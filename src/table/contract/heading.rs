@@ -97,7 +97,8 @@ pub(crate) fn find(records: &[Record], layout: &Layout, form: Form) -> Option<(u
 
 /// Gives each column of a heading its owner. `below` are rows, to show what is not owned.
 pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form: Form) -> Matched {
-    let titles: Vec<String> = heading.filled().iter().map(|cell| cell.text().into_owned()).collect();
+    let mut titles: Vec<String> = heading.cells.iter().map(|cell| cell.text().into_owned()).collect();
+    titles.resize(titles.len().max(layout.last_place()), String::new());
     let width = below.iter().map(|record| record.filled().len()).chain([titles.len()]).max().unwrap_or(0);
     let mut found = Matched { heading: line_of(heading), line: heading.line, form, ..Matched::default() };
     let mut roles: Vec<(Role, String)> = Vec::new();
@@ -116,17 +117,14 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
             }
             roles.push((role, title.clone()));
         }
-        let first = || {
-            let cells = below.iter().map(|record| record.cell(place).text().into_owned());
-            cells.filter(|text| !text.is_empty()).take(3).collect::<Vec<_>>()
-        };
+        let is_blank = || below.iter().all(|record| record.cell(place).is_empty());
         match &owner {
             // beyond the heading, a cell rejects its row
-            Ok(Some(Owner::Nameless)) if place < titles.len() && !first().is_empty() => {
-                found.open.push(Open::Column { place, title: title.clone(), first: first() });
+            Ok(Some(Owner::Nameless)) if place < titles.len() && !is_blank() => {
+                found.open.push(Open::column(place, &title, below));
             }
             Ok(Some(_)) => {}
-            Ok(None) => found.open.push(Open::Column { place, title: title.clone(), first: first() }),
+            Ok(None) => found.open.push(Open::column(place, &title, below)),
             Err(open) => found.open.push(open.clone()),
         }
         if place < titles.len() {
@@ -134,6 +132,7 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
             found.headings.push(named);
         }
     }
+    found.open.extend(ignored_names(&found.owners, &titles, layout, form));
     let is_of_form = |role: Role| match role {
         Role::Value(field) | Role::Beside(field, _) if field.is_of_trace() || form == Form::Trace => {
             field.is_of_trace() && form == Form::Trace
@@ -150,6 +149,19 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
     }
     found.titles = titles;
     found
+}
+
+/// That a rule leaves out the only column with the names of the parts.
+fn ignored_names(owners: &[Option<Owner>], titles: &[String], layout: &Layout, form: Form) -> Option<Open> {
+    let is_name =
+        |title: &str| lookup(form, &Heading::of(title).name).is_some_and(|meaning| meaning.role == Role::PartId);
+    let is_named = owners.contains(&Some(Owner::Role(Role::PartId))) || layout.part_id.is_some();
+    let mut columns = owners.iter().zip(titles).filter(|_| !is_named);
+    let (_, title) = columns.find(|(owner, title)| matches!(owner, Some(Owner::Rule(_))) && is_name(title))?;
+    let what = format!("`{}` names the parts, and a rule leaves it out", shown(title));
+    Some(Open::Wrong {
+        what, help: "take it out of `ignore`, or say what names the parts: part_id = \"…\"".to_owned()
+    })
 }
 
 /// The owner of a column; nobody if neither a role nor a rule has it.

@@ -15,7 +15,7 @@ mod whole;
 
 pub(crate) use columns::plausible_units;
 pub(crate) use heading::{Matched, key, owner};
-pub(crate) use open::Open;
+pub(crate) use open::{Open, may_decide};
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
 pub(crate) use whole::with_headings;

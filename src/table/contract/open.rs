@@ -1,13 +1,18 @@
 //! What of a table has no owner.
 
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
 use crate::quantity::shown;
 use crate::table::block::Odd;
+use crate::table::cell::{Cell, Record};
+use crate::table::number::is_missing;
 
 /// Something that a role or a rule has to own before a table is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Open {
-    /// A column without a role or a rule.
-    Column { place: usize, title: String, first: Vec<String> },
+    /// A column without a role or a rule; its few texts may be decisions.
+    Column { place: usize, title: String, first: Vec<String>, may_decide: bool },
     /// A characteristic without a role or a rule, with its first value.
     Characteristic { title: String, first: Vec<String> },
     /// A line that is no part.
@@ -37,12 +42,19 @@ pub(crate) enum Open {
 }
 
 impl Open {
+    /// A column, above the rows of a table.
+    pub(crate) fn column(place: usize, title: &str, below: &[Record]) -> Self {
+        let cells = || below.iter().map(|record| record.cell(place)).filter(|cell| !cell.is_empty());
+        let first = cells().take(3).map(|cell| cell.text().into_owned()).collect();
+        Self::Column { place, title: title.to_owned(), first, may_decide: may_decide(cells().map(Cell::text)) }
+    }
+
     /// What is not owned, in a line.
     pub(crate) fn in_words(&self) -> String {
         let listed =
             |texts: &[String]| texts.iter().map(|text| format!("`{}`", shown(text))).collect::<Vec<_>>().join(", ");
         match self {
-            Self::Column { place, title, first } if title.is_empty() => {
+            Self::Column { place, title, first, .. } if title.is_empty() => {
                 format!("column {} has no heading: {}", place + 1, first.join(", "))
             }
             Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
@@ -68,4 +80,18 @@ impl Open {
             Self::Wrong { what, .. } => what.clone(),
         }
     }
+}
+
+/// Whether some texts may be decisions: there are few, and none is a number or a date. What they say does not matter.
+pub(crate) fn may_decide<'t>(texts: impl Iterator<Item = Cow<'t, str>>) -> bool {
+    const MOST: usize = 4;
+    let mut found = BTreeSet::new();
+    for text in texts.filter(|text| !is_missing(text)) {
+        let is_number = text.chars().all(|c| c.is_ascii_digit() || c.is_whitespace() || ".,:/+-".contains(c));
+        found.insert(text);
+        if is_number || found.len() > MOST {
+            return false;
+        }
+    }
+    !found.is_empty()
 }

@@ -6,22 +6,23 @@ use std::sync::Arc;
 use super::Contract;
 use super::characteristics::{self, Turned};
 use super::columns::columns;
-use super::heading::{Matched, find, key, matched, roles};
+use super::heading::{Matched, find, key, matched, owner, roles};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
 use super::whole::{last_of_each, named, own_headings};
+use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
 use crate::table::Table;
 use crate::table::account::{Proposal, Unclosed};
 use crate::table::block::Odd;
-use crate::table::cell::Record;
+use crate::table::cell::{Cell, Record};
 use crate::table::column::{Column, Nominal, UnitFrom, is_rack};
 use crate::table::companions::Companions;
-use crate::table::dictionary::{Form, Role};
+use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::encoding::Encoding;
 use crate::table::field::Beside;
-use crate::table::grid::{only_units, unit_of};
+use crate::table::grid::{is_unit, only_units, unit_of};
 use crate::table::layout::{Layout, OwnRule, Parts, Repeats};
 use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
@@ -171,7 +172,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     let rows = turned.as_deref().unwrap_or(records);
     let at = find(rows, layout, form).map(|(at, _)| at);
     let (heading, is_known) = (at.unwrap_or_else(|| likely_heading(rows, layout)), at.is_some());
-    let units = line_of_units(rows, heading, layout, &mut open);
+    let units = line_of_units(rows, heading, (layout, form), &mut open);
     let first = units.map_or(heading + 1, |at| (at + 1).max(heading + 1));
     let before = || rows.iter().enumerate().take(first).filter(|(at, _)| *at != heading && Some(*at) != units);
     if !is_turned {
@@ -183,7 +184,9 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     let mut matched = matched(&rows.get(heading).cloned().unwrap_or_default(), &below, layout, form);
     let want = &*of_pinion(&matched, want);
     if !is_known {
-        matched.open.insert(0, no_values(&matched));
+        let is_bare = is_bare(rows, layout);
+        matched.open.retain(|open| !(is_bare && matches!(open, Open::Column { .. })));
+        matched.open.insert(0, if is_bare { no_headings(want) } else { no_values(&matched) });
     }
     matched.open.splice(0..0, open);
     let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);
@@ -262,17 +265,43 @@ fn by_characteristic(
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
 }
 
-/// The place of the line of units: the one that the contract names, or that below the headings, if it has nothing but units.
-fn line_of_units(rows: &[Record], heading: usize, layout: &Layout, open: &mut Vec<Open>) -> Option<usize> {
-    let units = match layout.units {
-        Some(line) => rows.iter().position(|record| record.line == line),
-        None => Some(heading + 1).filter(|at| rows.get(*at).is_some_and(|units| only_units(&units.cells).is_some())),
-    };
+/// The place of the line of units: the one that the contract names, or that below the headings, if it has units.
+fn line_of_units(
+    rows: &[Record],
+    heading: usize,
+    (layout, form): (&Layout, Form),
+    open: &mut Vec<Open>,
+) -> Option<usize> {
+    let has_units = |units: &Record| are_units(units, &rows[heading], layout, form);
+    let units = layout.units.map_or_else(
+        || Some(heading + 1).filter(|at| rows.get(*at).is_some_and(has_units)),
+        |line| rows.iter().position(|record| record.line == line),
+    );
     if let Some(line) = layout.units.filter(|_| units.is_none()) {
         let what = format!("there is no line {line}, which is to have the units");
         open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
     }
     units
+}
+
+/// Whether a line has nothing but units; below columns that are not read these may be of anything, such as `°C`, and then a unit of a
+/// length or an angle stands below another column.
+fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> bool {
+    let mut is_told = false;
+    let mut is_one = |(place, cell): (usize, &Cell)| {
+        let title = headings.cell(place).text();
+        // a heading may be merged over both lines
+        let is_unit = is_unit(&cell.text()) || cell.text() == title;
+        match owner(&title, &Heading::of(&title).name, place, layout, form) {
+            Ok(Some(Owner::Rule(_))) => return true,
+            Ok(None) => is_told |= is_unit,
+            Ok(Some(Owner::Role(Role::Value(_)))) if is_unit => is_told = true,
+            _ => return is_unit,
+        }
+        true
+    };
+    let mut filled = units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_missing());
+    only_units(&units.cells).is_some() || units.numbers() == 0 && filled.all(&mut is_one) && is_told
 }
 
 /// What is wanted of a table: of a pinion's teeth, with the pinion's face width.
@@ -290,6 +319,24 @@ fn likely_heading(records: &[Record], layout: &Layout) -> usize {
     let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
     let likely = uncovered().find(|(_, record)| is_likely(record)).or_else(|| uncovered().next());
     likely.map_or(0, |(at, _)| at)
+}
+
+/// Whether each line of some records that could have headings has numbers.
+fn is_bare(records: &[Record], layout: &Layout) -> bool {
+    let uncovered = records.iter().filter(|record| layout.covering(record).is_none() && record.filled().len() > 1);
+    layout.headings.is_empty() && uncovered.clone().next().is_some() && uncovered.clone().all(|row| row.numbers() > 0)
+}
+
+/// That values stand there without headings, with the option that gives them.
+fn no_headings(want: &Want) -> Open {
+    let unit = |kind: &DeviationKind| {
+        let is_size = want.given(*kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
+        format!("{}[{}]", kind.key(), if is_size { "mm" } else { "um" })
+    };
+    let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
+    let headings = std::iter::once("part_id".to_owned()).chain(kinds.iter().map(unit)).collect::<Vec<_>>();
+    let what = "values stand there without headings".to_owned();
+    Open::Wrong { what, help: format!("give a heading to each column, such as --as '{}'", headings.join(",")) }
 }
 
 /// That no heading is of a value.
@@ -315,12 +362,16 @@ fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
     is_open.then(|| Open::Line { line: record.line, text: line_of(record) })
 }
 
-/// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it.
+/// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it; a column without
+/// an owner keeps it.
 fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
-    for (place, cell) in units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_empty()) {
+    let is_heading = |place: usize, cell: &Cell| matched.titles.get(place).is_some_and(|title| cell.text() == **title);
+    let cells = units.cells.iter().enumerate().filter(|(place, cell)| !cell.is_empty() && !is_heading(*place, cell));
+    for (place, cell) in cells.collect::<Vec<_>>() {
         match matched.owners.get(place) {
             Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
             Some(Some(Owner::Role(Role::Value(_)))) => {}
+            Some(None) => _ = matched.headings[place].unit.get_or_insert_with(|| cell.text().into_owned()),
             Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status | Role::Index(_)))) => {
                 left_out.add(left_out.beside, units.line, place, &cell.text());
             }
@@ -348,9 +399,7 @@ fn open_to_others(matched: &mut Matched, columns: &[Column], below: &[Record], l
                 && cells().all(|cell| matches!(column.value(cell, Companions::default()), Ok(Some(_))))
         };
         if columns.iter().any(is_again) {
-            let first = cells().take(3).map(|cell| cell.text().into_owned()).collect();
-            let title = matched.titles[place].clone();
-            matched.open.push(Open::Column { place, title, first });
+            matched.open.push(Open::column(place, &matched.titles[place], below));
         }
     }
 }

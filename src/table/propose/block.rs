@@ -30,8 +30,8 @@ impl Rules {
         }
         let quote_all = |patterns: &[Pattern]| patterns.iter().map(|rule| quoted(rule.text())).collect();
         let texts = |list: &'static str| {
-            move |rule: &Rule, _| match rule {
-                Rule::Entry(own, text) if *own == list => vec![quoted(text)],
+            move |rule: &Rule, guesses| match rule {
+                Rule::Entry(own, text) if *own == list && guesses == Guesses::Filled => vec![quoted(text)],
                 _ => Vec::new(),
             }
         };

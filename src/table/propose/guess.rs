@@ -42,6 +42,8 @@ struct Candidate<'c> {
     place: usize,
     title: &'c str,
     name: String,
+    /// The unit of its heading, or of the line below.
+    unit: Option<String>,
     cells: Vec<&'c Cell>,
 }
 
@@ -66,9 +68,10 @@ impl Candidate<'_> {
 /// The guesses for the columns of a table, one a column.
 pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
     let of_open = matched.open.iter().filter_map(|open| match open {
-        Open::Column { place, title, .. } if !title.is_empty() => {
+        Open::Column { place, title, .. } if !title.is_empty() && matched.titles.get(*place) == Some(title) => {
             let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
-            Some(Candidate { place: *place, title, name: Heading::of(title).name, cells })
+            let Heading { name, unit } = matched.headings[*place].clone();
+            Some(Candidate { place: *place, title, name, unit, cells })
         }
         _ => None,
     });
@@ -138,9 +141,9 @@ fn values(
     let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
     let (mut guesses, mut taken) = (Vec::new(), Vec::new());
     let units = |column: &Candidate<'_>, kind: DeviationKind| {
-        let is_other = |unit: String| unit_of(&unit, Field::Error(kind).is_angle()).is_none();
+        let is_other = |unit: &String| unit_of(unit, Field::Error(kind).is_angle()).is_none();
         let found = plausible_units(kind, column.title, column.place, rows, want);
-        if Heading::of(column.title).unit.is_some_and(is_other) { Vec::new() } else { found }
+        if column.unit.as_ref().is_some_and(is_other) { Vec::new() } else { found }
     };
     loop {
         let is_left = |kind: &DeviationKind| !is_found(*kind) && !taken.contains(kind);
@@ -162,7 +165,7 @@ fn values(
         let column = left.remove(at);
         missing.retain(|other| *other != kind);
         taken.push(kind);
-        let unit = Heading::of(column.title).unit.or_else(|| match units(&column, kind)[..] {
+        let unit = column.unit.clone().or_else(|| match units(&column, kind)[..] {
             [unit] => Some(unit.to_owned()),
             _ => None,
         });

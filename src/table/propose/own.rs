@@ -12,6 +12,10 @@ pub(super) fn keys(layout: &Layout) -> Vec<String> {
         b'\t' => "separator = \"tab\"".to_owned(),
         byte => format!("separator = {}", quoted(&char::from(byte).to_string())),
     });
+    let encoding = layout.encoding.map(|encoding| format!("encoding = {}", quoted(encoding.name())));
+    let sheet = layout.sheet.as_deref().map(|sheet| format!("sheet = {}", quoted(sheet)));
+    let range = Some(layout.range.to_string()).filter(|range| !range.is_empty());
+    let range = range.map(|range| format!("range = {}", quoted(&range)));
     let starts = (!layout.starts.is_empty()).then(|| format!("starts = {:?}", layout.starts));
     let decimal = layout.decimal.map(|mark| format!("decimal = \"{}\"", mark.word()));
     let units = layout.units.map(|line| format!("units = \"line {line}\""));
@@ -21,7 +25,7 @@ pub(super) fn keys(layout: &Layout) -> Vec<String> {
         Repeats::Last => Some("repeats = \"last\"".to_owned()),
     };
     let others = layout.ignores_others.then(|| "others = \"ignore\"".to_owned());
-    [parts, separator, starts, decimal, units, repeats, others].into_iter().flatten().collect()
+    [encoding, sheet, range, parts, separator, starts, decimal, units, repeats, others].into_iter().flatten().collect()
 }
 
 /// What the contract says of columns, each with its key.

@@ -1,5 +1,6 @@
 //! The rules that a proposal would add to a contract, each exact, a guess, or a choice that is left to a person.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -7,8 +8,8 @@ use super::lines::{Shapes, common, generalised};
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use crate::table::block::Odd;
-use crate::table::contract::{Open, Owner, key};
-use crate::table::dictionary::{Heading, Role};
+use crate::table::contract::{Open, Owner, key, may_decide};
+use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::Layout;
 use crate::table::pattern::{escaped, escaped_heading};
@@ -72,11 +73,17 @@ impl Rule {
 /// The rules that would own what has no owner.
 pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
     let name = |title: &str| quoted(&Heading::of(title).name);
+    let unless_it_decides = |rule: Rule, may_decide: bool| {
+        vec![if may_decide { rule.guess("its few texts may be decisions: then it is `status`") } else { rule.exact() }]
+    };
     match open {
-        Open::Column { place, title, .. } if title.is_empty() => {
-            vec![ignore(&format!("column {}", place + 1)).exact()]
+        Open::Column { place, title, may_decide, .. } if title.is_empty() => {
+            unless_it_decides(ignore(&format!("column {}", place + 1)), *may_decide)
         }
-        Open::Column { title, .. } | Open::Characteristic { title, .. } => vec![ignore(title).exact()],
+        Open::Column { title, may_decide, .. } => unless_it_decides(ignore(title), *may_decide),
+        Open::Characteristic { title, first } => {
+            unless_it_decides(ignore(title), may_decide(first.iter().map(Cow::from)))
+        }
         Open::Line { text, .. } => vec![line(text, 0)],
         Open::Row(odd) => of_odd(odd, &Shapes::default()).into_iter().collect(),
         Open::Comment { text, .. } => {
@@ -95,6 +102,11 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         }
         Open::Mark { .. } => {
             vec![Rule::Key("decimal", "\"comma\"".to_owned()).choice("or \"point\": say which")]
+        }
+        Open::Sheets { names } => {
+            let others: Vec<_> = names.iter().skip(1).map(|name| quoted(name)).collect();
+            let sheet = names.first().map_or_else(String::new, |name| quoted(name));
+            vec![Rule::Key("sheet", sheet).choice(format!("or {}: say which", others.join(" or ")))]
         }
         Open::Separator { names } => {
             vec![Rule::Key("separator", "\";\"".to_owned()).choice(format!("say which: {}", names.join(" or ")))]
@@ -194,12 +206,34 @@ pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
     owners.iter().enumerate().filter_map(column).chain(of).collect()
 }
 
+/// Lines such as `Teil: P1`, which would be left out, name the parts below them, where nothing else does.
+pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
+    let pattern = |suggestion: &Suggestion| {
+        let Rule::Lines { exact, .. } = &suggestion.rule else { return None };
+        let text = exact.first()?;
+        let (label, rest) = text.split_once([':', ';'])?;
+        let name = rest.trim_start_matches([':', ';', ' ']);
+        let is_known = lookup(Form::Parts, label.trim())?.role == Role::PartId;
+        let is_alone = is_known && !name.is_empty() && !name.contains([':', ';', '*', '#']);
+        is_alone.then(|| format!("{}*", &text[..text.len() - name.len()]))
+    };
+    let Some(line) = rules.iter().find_map(pattern) else { return };
+    let names = |other: &Suggestion| matches!(&other.rule, Rule::Column { key, .. } if key == "part_id");
+    rules.retain(|other| pattern(other).as_ref() != Some(&line) && !names(other));
+    let entry = format!("{{ line = {} }}", quoted(&line));
+    rules.push(Rule::Column { key: "part_id".to_owned(), entry }.guess("it names the parts below it"));
+}
+
 /// Takes a person's word that a guess is right. Whether there was one.
 pub(crate) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
-    let name = quoted(&Heading::of(column).name);
+    let (name, whole) = (quoted(&Heading::of(column).name), escaped_heading(column));
     let mut found = false;
     for Suggestion { rule, certainty } in rules {
-        let is_it = matches!(rule, Rule::Column { key: own, entry } if own == key && entry.contains(&name));
+        let is_it = match rule {
+            Rule::Column { key: own, entry } => own == key && entry.contains(&name),
+            Rule::Entry(own, text) => *own == key && *text == whole,
+            _ => false,
+        };
         if is_it && !matches!(certainty, Certainty::Choice(_)) {
             (found, *certainty) = (true, Certainty::Exact);
         }

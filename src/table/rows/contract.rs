@@ -120,7 +120,11 @@ impl Rows {
             block.tally(rule).add(record.line, place, &ledger.read(place).text());
         }
         let surplus = ledger.close().err().map(|unowned| {
-            format!("`{}` stands in column {}, which has no heading", shown(&unowned.cell.text()), unowned.place + 1)
+            let (text, place) = (unowned.cell.text(), unowned.place + 1);
+            format!(
+                "`{}` stands in column {place}, which has no heading: ignore = [\"column {place}\"] leaves it out",
+                shown(&text)
+            )
         });
         let wrong = swallowed(record, self.setup.separator)
             .map(|line| format!("a cell holds a line break and then `{line}`: a quote may be missing"))

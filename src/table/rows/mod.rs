@@ -17,7 +17,7 @@ use super::chunk::{ChunkContent, LONGEST_RECORD};
 use super::column::{Column, PlainNumbers, Problem};
 use super::contract::Contract;
 use super::encoding::text;
-use super::split::{Field, next_record};
+use super::split::{Field, at_quote, next_record};
 use crate::deviation::{DeviationValue, DeviationValues};
 use crate::quantity::{Decimal, shown};
 
@@ -224,6 +224,9 @@ impl Rows {
                     at += 1;
                 }
                 let text = &bytes[start..at];
+                if !quoted && at_quote(bytes, start).is_some() {
+                    return None;
+                }
                 match field {
                     PlainField::LeftOut(rule) => {
                         let span = Span { start: span_end(start), end: span_end(at) };

@@ -40,7 +40,8 @@ fn encodings() {
         (PARTS.map(str::to_owned).to_vec(), Some("Shift_JIS"))
     );
     // where detection is wrong
-    let told = Want { encoding: Encoding::of_name("utf-16le"), ..want() };
+    let told = Layout { encoding: Encoding::named("utf-16le").ok(), ..Layout::default() };
+    let told = Want { layout: told.into(), ..want() };
     assert_eq!(read_file("lot.csv", &utf16(TABLE, u16::to_le_bytes), &told).unwrap().parts, PARTS);
 }
 
@@ -104,7 +105,8 @@ fn a_workbook_by_any_name() {
 
 #[test]
 fn what_is_no_table_says_what_it_is() {
-    let sheet = Want { sheet: Some("Lot".to_owned()), ..want() };
+    let sheet = Layout { sheet: Some("Lot".to_owned()), ..Layout::default() };
+    let sheet = Want { layout: sheet.into(), ..want() };
     for (name, bytes, want, expected) in [
         (
             "lot.xls",
@@ -118,7 +120,7 @@ fn what_is_no_table_says_what_it_is() {
         ("lot.csv", b"a;b\n1;\0\n", &want(), "lot.csv is no text"),
         ("lot.xlsx", TABLE.as_bytes(), &want(), "lot.xlsx is not what its name says: it is no .xlsx file"),
         ("lot.parquet", TABLE.as_bytes(), &want(), "lot.parquet is not what its name says: it is no .parquet file"),
-        ("lot.csv", TABLE.as_bytes(), &sheet, "--sheet and --range are for Excel workbooks, and lot.csv is none"),
+        ("lot.csv", TABLE.as_bytes(), &sheet, "a sheet and a range are of Excel workbooks, and lot.csv is none"),
         ("lot.csv", b"PAR1 and no more", &want(), "cannot read lot.csv: it is a Parquet file whose end is missing"),
     ] {
         let found = read_file(name, bytes, want).err().unwrap_or_else(|| panic!("{expected}"));

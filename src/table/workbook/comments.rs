@@ -13,17 +13,39 @@ pub(crate) struct Comment {
     pub(crate) text: String,
 }
 
-/// The comments of a part of a workbook, `xl/comments1.xml`, or the text boxes of `xl/drawings/drawing1.xml`.
+/// What a part of a workbook says beside its cells: comments, text boxes, titles of charts, remarks on tables.
 pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
-    let mut found: Vec<Comment> = Vec::new();
-    each_tag(xml, |tag, text| match (name(tag), attribute(tag, "ref"), found.last_mut()) {
-        ("comment", Some(cell), _) => found.push(Comment { place: format!("comment {cell}"), text: String::new() }),
-        ("sp", ..) => found.push(Comment { place: "text box".to_owned(), text: String::new() }),
-        ("p", _, Some(shape)) => shape.text += "\n",
-        ("t", _, Some(comment)) => comment.text += &unescaped(text),
-        _ => {}
+    let comment = |place: String, text: &str| Comment { place, text: unescaped(text) };
+    let mut found = vec![comment("drawing".to_owned(), "")];
+    // in boxes of old drawings any text counts
+    let mut is_box = false;
+    each_tag(xml, |tag, text| {
+        let cell = attribute(tag, "ref");
+        match (name(tag), cell, found.last_mut()) {
+            ("comment" | "threadedComment", Some(cell), _) => found.push(comment(format!("comment {cell}"), "")),
+            ("table", ..) => found.extend(attribute(tag, "comment").map(|text| comment("table".to_owned(), text))),
+            ("sp" | "textbox", ..) => {
+                is_box = name(tag) == "textbox";
+                found.push(comment("text box".to_owned(), if is_box { text } else { "" }));
+            }
+            (other, _, Some(comment)) if is_box => {
+                is_box = !(other.is_empty() && tag.ends_with("textbox"));
+                comment.text += &unescaped(if is_box { text } else { "" });
+            }
+            ("p", _, Some(shape)) => shape.text += "\n",
+            ("t" | "text", _, Some(comment)) => comment.text += &unescaped(text),
+            _ => {}
+        }
     });
-    found
+    let trimmed = found.into_iter().map(|comment| Comment { text: comment.text.trim().to_owned(), ..comment });
+    trimmed.filter(|comment| !comment.text.is_empty()).collect()
+}
+
+/// Without comments whose text stands in another one of their cell, as old programs see it.
+pub(super) fn once_each(comments: &mut Vec<Comment>) {
+    let all = comments.clone();
+    let is_other = |one: &Comment, other: &Comment| one.place == other.place && other.text.len() > one.text.len();
+    comments.retain(|one| !all.iter().any(|other| is_other(one, other) && other.text.contains(one.text.trim())));
 }
 
 /// The texts of cells of which a run is struck through, from `xl/sharedStrings.xml`.
@@ -54,7 +76,7 @@ fn each_tag(xml: &[u8], mut take: impl FnMut(&str, &str)) {
 }
 
 /// A text of XML as it is meant.
-fn unescaped(text: &str) -> String {
+pub(super) fn unescaped(text: &str) -> String {
     [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&#10;", "\n"), ("&amp;", "&")]
         .into_iter()
         .fold(text.to_owned(), |text, (escape, meant)| text.replace(escape, meant))
@@ -70,7 +92,7 @@ mod tests {
                     <r><rPr><b/></rPr><t>Huber:</t></r><r><t xml:space=\"preserve\">\nneu &lt; 25,061</t></r></text></comment>\
                     <comment ref='C4'><text><t/></text></comment></commentList></comments>";
         let comment = |cell: &str, text: &str| Comment { place: format!("comment {cell}"), text: text.to_owned() };
-        assert_eq!(comments(xml), [comment("B3", "Huber:\nneu < 25,061"), comment("C4", "")]);
+        assert_eq!(comments(xml), [comment("B3", "Huber:\nneu < 25,061")]);
     }
 
     #[test]

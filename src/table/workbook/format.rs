@@ -21,6 +21,8 @@ pub(crate) struct Style {
     /// What is shown beside it.
     pub(crate) text: String,
     pub(crate) is_struck_through: bool,
+    /// Whether nothing of some numbers is shown.
+    pub(crate) hides: bool,
 }
 
 /// Stands for the style of a text of which a run is struck through.
@@ -31,9 +33,25 @@ pub(super) fn shown_by_style(styles: &[CellStyle]) -> HashMap<u32, Style> {
     let shown = styles.iter().map(|style| Style {
         text: style.number_format.as_ref().map_or_else(String::new, |format| beside_number(&format.format_code)),
         is_struck_through: style.font.as_ref().is_some_and(Font::has_strikethrough),
+        hides: style.number_format.as_ref().is_some_and(|format| hides_numbers(&format.format_code)),
     });
-    let run = Style { text: String::new(), is_struck_through: true };
+    let run = Style { is_struck_through: true, ..Style::default() };
     (0..).zip(shown).filter(|(_, style)| *style != Style::default()).chain([(STRUCK_RUN, run)]).collect()
+}
+
+/// Whether a format shows nothing of the numbers above or below zero, as `;;;` does.
+fn hides_numbers(code: &str) -> bool {
+    let (mut sections, mut within) = (vec![false], None);
+    for c in code.chars() {
+        match (within, c) {
+            (Some(end), c) => within = Some(end).filter(|end| c != *end),
+            (None, '"') => within = Some('"'),
+            (None, '[') => within = Some(']'),
+            (None, ';') => sections.push(false),
+            (None, c) => *sections.last_mut().expect("there is one") |= "0#?@".contains(c) || c.is_ascii_alphabetic(),
+        }
+    }
+    !code.is_empty() && sections.iter().take(2).any(|is_shown| !is_shown)
 }
 
 /// The words and marks of a number format's part for positive numbers: `mm` of `0.000" mm";-0.000" mm"`, and what makes others of
@@ -91,6 +109,18 @@ mod tests {
         ] {
             assert_eq!(beside_number(code), text, "{code}");
         }
+        for (code, hides) in [
+            (";;;", true),
+            ("0.000;;", true),
+            ("\"\"", true),
+            ("[Red]0.0;\"x;y\"-0.0", false),
+            ("0.000;-0.000;;@", false),
+            ("General", false),
+            ("@", false),
+            ("", false),
+        ] {
+            assert_eq!(hides_numbers(code), hides, "{code}");
+        }
         let style = |code: Option<&str>, is_struck_through| {
             let mut style = CellStyle::default();
             style.font.get_or_insert_default().strikethrough = is_struck_through;
@@ -106,7 +136,7 @@ mod tests {
             style(None, true),
         ];
         let shown = [(1, "in", false), (2, "%", false), (3, "", true), (STRUCK_RUN, "", true)];
-        let style = |text: &str, is_struck_through| Style { text: text.to_owned(), is_struck_through };
+        let style = |text: &str, is_struck_through| Style { text: text.to_owned(), is_struck_through, hides: false };
         let expected = shown.map(|(index, text, is_struck)| (index, style(text, is_struck))).into();
         assert_eq!(shown_by_style(&styles), expected);
     }

@@ -4,7 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
+use super::comments::{Comment, unescaped};
 use super::format::{STRUCK_RUN, Shown, Style};
+use super::merged::MergedCells;
 use super::range::{CellRange, corner};
 use super::xml::{Tags, attribute, name};
 
@@ -27,12 +29,16 @@ pub(super) struct SheetXml {
     numbers: BTreeMap<(u32, u32), u32>,
     /// The same of texts.
     texts: BTreeMap<(u32, u32), u32>,
+    /// Merged cells.
+    pub(super) merged: MergedCells,
+    /// Texts that are none of its cells: headers and footers of pages, prompts.
+    pub(super) beside: Vec<Comment>,
 }
 
 impl Write for SheetXml {
     fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
         let mut tags = std::mem::take(&mut self.tags);
-        tags.each(piece, &mut |tag| self.take(tag));
+        tags.each(piece, &mut |tag, text| self.take(tag, text));
         self.tags = tags;
         Ok(piece.len())
     }
@@ -62,12 +68,37 @@ impl SheetXml {
         };
         // what a format shows beside numbers is not shown beside texts
         let texts = self.texts.iter().filter_map(shown).filter(|shown| shown.style.is_struck_through);
-        let texts = texts.map(|shown| Shown { style: Style { text: String::new(), ..shown.style }, ..shown });
+        let struck = || Style { is_struck_through: true, ..Style::default() };
+        let texts = texts.map(|shown| Shown { style: struck(), ..shown });
         self.numbers.iter().filter_map(shown).chain(texts).collect()
     }
 
-    fn take(&mut self, tag: &str) {
+    /// Takes a text that is none of its cells.
+    fn note(&mut self, place: String, text: &str) {
+        /// Whoever has more of them owns them by a pattern.
+        const MOST: usize = 10_000;
+        if !text.trim().is_empty() && self.beside.len() <= MOST {
+            let text = if self.beside.len() < MOST { text } else { "and more" };
+            self.beside.push(Comment { place, text: text.trim().to_owned() });
+        }
+    }
+
+    fn take(&mut self, tag: &str, text: &str) {
+        if !text.is_empty() {
+            self.note("page header".to_owned(), &said_in_header(&unescaped(text)));
+        }
         match name(tag) {
+            "mergeCell" => {
+                if let Some(range) = attribute(tag, "ref").and_then(|range| range.parse().ok()) {
+                    self.merged.add(range);
+                }
+            }
+            "dataValidation" => {
+                let said = ["promptTitle", "prompt", "errorTitle", "error"].map(|key| attribute(tag, key));
+                let said: Vec<_> = said.into_iter().flatten().map(unescaped).collect();
+                let cells = attribute(tag, "sqref").unwrap_or_default();
+                self.note(format!("prompt of {cells}"), &said.join(" "));
+            }
             "col" if is_hidden(tag) => {
                 let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok()?.checked_sub(1));
                 if let (Some(first), Some(last)) = (number("min"), number("max")) {
@@ -112,6 +143,25 @@ impl SheetXml {
     }
 }
 
+/// What a page's header says by itself: without places, fonts and fields such as the page's number.
+fn said_in_header(text: &str) -> String {
+    let (mut said, mut rest) = (String::new(), text);
+    while let Some((before, code)) = rest.split_once('&') {
+        said += before;
+        let mut characters = code.chars();
+        rest = match characters.next() {
+            Some('"') => characters.as_str().split_once('"').map_or("", |(_, rest)| rest),
+            Some('K') => characters.as_str().get(6..).unwrap_or_default(),
+            Some('0'..='9') => code.trim_start_matches(|c: char| c.is_ascii_digit()),
+            _ => characters.as_str(),
+        };
+        said.push(' ');
+    }
+    said += rest;
+    let has_words = said.contains(char::is_alphanumeric);
+    if has_words { said.split_whitespace().collect::<Vec<_>>().join(" ") } else { String::new() }
+}
+
 fn is_hidden(tag: &str) -> bool {
     matches!(attribute(tag, "hidden"), Some("1" | "true"))
 }
@@ -120,7 +170,7 @@ fn is_hidden(tag: &str) -> bool {
 /// `workbook` is the XML that lists the sheets, `relations` that which says where they are.
 pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<String> {
     let mut targets: HashMap<String, String> = HashMap::new();
-    Tags::default().each(relations, &mut |tag| {
+    Tags::default().each(relations, &mut |tag, _| {
         if name(tag) == "Relationship"
             && let (Some(id), Some(target)) = (attribute(tag, "Id"), attribute(tag, "Target"))
         {
@@ -129,7 +179,7 @@ pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<String> {
         }
     });
     let mut parts = Vec::new();
-    Tags::default().each(workbook, &mut |tag| {
+    Tags::default().each(workbook, &mut |tag, _| {
         if name(tag) == "sheet" {
             let part = attribute(tag, "id").and_then(|id| targets.get(id));
             parts.push(part.cloned().unwrap_or_default());

@@ -9,11 +9,12 @@
 mod comments;
 mod format;
 mod hidden;
+mod merged;
 mod range;
 mod xml;
 
 pub(crate) use comments::Comment;
-pub(crate) use format::Shown;
+pub(crate) use format::{Shown, Style};
 pub use range::{CellRange, NoCellRange};
 
 use std::collections::{HashMap, HashSet};
@@ -24,9 +25,10 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
-use comments::{comments, struck_through};
+use comments::{comments, once_each, struck_through};
 use format::shown_by_style;
 use hidden::{SheetXml, sheet_parts};
+use merged::MergedCells;
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -96,6 +98,12 @@ impl Workbook {
         }
     }
 
+    /// What the XML of a sheet says.
+    fn xml(&self, sheet: &str) -> Option<&SheetXml> {
+        let index = self.sheets().iter().position(|name| name == sheet)?;
+        self.checked.sheets.get(index)?.as_ref()
+    }
+
     /// What messages call a sheet.
     pub(crate) fn called(&self, sheet: &str) -> String {
         named(&self.name, sheet)
@@ -107,7 +115,8 @@ impl Workbook {
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
         let mut head = Vec::new();
-        each_row(&mut self.book, &self.checked.struck, sheet, range, &mut |record| {
+        let merged = self.xml(sheet).map(|xml| xml.merged.clone()).unwrap_or_default();
+        each_row(&mut self.book, (&self.checked.struck, merged), sheet, range, &mut |record| {
             head.push(record);
             head.len() < most
         })
@@ -121,21 +130,18 @@ impl Workbook {
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
-        let index = self.sheets().iter().position(|name| name == sheet);
-        let xml = index.and_then(|index| self.checked.sheets.get(index)?.as_ref());
         // whoever reads the cells says what is wrong with the sheet
         let styles = self.book.worksheet_cells_reader(sheet).map(|cells| shown_by_style(cells.styles()));
         let styles = styles.unwrap_or_default();
-        let shown = xml.map_or_else(Vec::new, |xml| xml.shown(&styles, range));
-        let hidden = xml.and_then(|xml| xml.hidden(range));
-        let comments = std::mem::take(&mut self.checked.comments);
+        let xml = self.xml(sheet).cloned().unwrap_or_default();
+        let (shown, hidden) = (xml.shown(&styles, range), xml.hidden(range));
+        let comments = [std::mem::take(&mut self.checked.comments), xml.beside].concat();
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
             // the other end hangs up when it has seen enough
-            let read = each_row(&mut self.book, &self.checked.struck, &sheet, range, &mut |record| {
-                sender.send(Ok(record)).is_ok()
-            });
+            let known = (&self.checked.struck, xml.merged);
+            let read = each_row(&mut self.book, known, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
             if let Err(problem) = read {
                 let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
@@ -156,12 +162,18 @@ pub(super) fn listed(sheets: &[String]) -> String {
 /// Calls `take` with each row that is not empty, until it returns false.
 fn each_row(
     book: &mut Book,
-    struck: &HashSet<String>,
+    (struck, mut merged): (&HashSet<String>, MergedCells),
     sheet: &str,
     range: CellRange,
     take: &mut dyn FnMut(Record) -> bool,
 ) -> Result<(), String> {
     let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
+    merged.begin()?;
+    let mut whole = |mut record: Record, merged: &mut MergedCells| {
+        let row = u32::try_from(record.line.saturating_sub(1)).unwrap_or(u32::MAX);
+        merged.fill(row, range.columns.0, &mut record);
+        take(record)
+    };
     let (mut record, mut filled) = (Record::default(), 0);
     loop {
         let cell = match reader.next_cell_with_formula() {
@@ -176,7 +188,7 @@ fn each_row(
         if line != record.line {
             let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
             filled = 0;
-            if !before.cells.is_empty() && !take(before) {
+            if !before.cells.is_empty() && !whole(before, &mut merged) {
                 return Ok(());
             }
         }
@@ -204,10 +216,11 @@ fn each_row(
                 record.cells.resize(index + 1, Cell::default());
             }
             record.cells[index] = content.into();
+            merged.take(row, column, &record.cells[index])?;
         }
     }
     if !record.cells.is_empty() {
-        take(record);
+        whole(record, &mut merged);
     }
     Ok(())
 }
@@ -281,7 +294,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         let file = archive.by_index(index).map_err(|error| broken(&error))?;
         let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
         let is_read = |suffix: &str| part.strip_suffix(suffix).is_some();
-        if !is_read(".xml") && !is_read(".rels") {
+        if ![".xml", ".rels", ".vml"].into_iter().any(is_read) {
             continue;
         }
         let is_sheet = part.starts_with("xl/worksheets/");
@@ -292,7 +305,8 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             "xl/_rels/workbook.xml.rels" => &mut relations,
             "xl/sharedstrings.xml" => &mut texts,
             _ if is_sheet => &mut sheet,
-            _ if part.starts_with("xl/comments") || part.starts_with("xl/drawings/drawing") => &mut noted,
+            // what pivot tables hold are cells
+            _ if part.starts_with("xl/") && !part.starts_with("xl/pivot") => &mut noted,
             _ => &mut io::sink(),
         };
         let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
@@ -306,9 +320,10 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             sheets.insert(part, sheet);
         } else {
             other += size;
-            found.extend(comments(&noted).into_iter().filter(|comment| !comment.text.trim().is_empty()));
+            found.extend(comments(&noted));
         }
     }
+    once_each(&mut found);
     let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
     Ok(Checked { sheets, comments: found, struck: struck_through(&texts) })
 }

@@ -1,5 +1,7 @@
 //! The part of a sheet that a user names: `A1:F200`. Given to the reader of workbooks.
 
+use std::fmt;
+
 /// Columns of a sheet, as Excel has them.
 const MOST_COLUMNS: u32 = 16_384;
 
@@ -24,6 +26,28 @@ impl CellRange {
     pub(super) fn has_column(&self, column: u32) -> bool {
         (self.columns.0..=self.columns.1).contains(&column)
     }
+}
+
+impl fmt::Display for CellRange {
+    /// The range as a contract says it; nothing of a whole sheet.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let whole = Self::default();
+        let corner = |column: u32, row: u32| {
+            let column = if self.columns == whole.columns { String::new() } else { letters(column) };
+            if self.rows == whole.rows { column } else { format!("{column}{}", u64::from(row) + 1) }
+        };
+        if *self == whole {
+            return Ok(());
+        }
+        write!(f, "{}:{}", corner(self.columns.0, self.rows.0), corner(self.columns.1, self.rows.1))
+    }
+}
+
+/// The letters of a column, from 0.
+fn letters(column: u32) -> String {
+    let last = char::from_digit(column % 26 + 10, 36).unwrap_or('a').to_ascii_uppercase();
+    let first = (column / 26).checked_sub(1).map(letters).unwrap_or_default();
+    format!("{first}{last}")
 }
 
 /// A text that is no range of cells.
@@ -73,6 +97,9 @@ mod tests {
         assert_eq!("b2:c9".parse(), Ok(CellRange { columns: (1, 2), rows: (1, 8) }));
         assert_eq!("AA:Z".parse(), Ok(CellRange { columns: (25, 26), rows: (0, u32::MAX) }));
         assert_eq!("9:3".parse(), Ok(CellRange { columns: (0, MOST_COLUMNS - 1), rows: (2, 8) }));
+        for text in ["B2:C9", "AA:AZB", "XFD1:XFD1", "3:9"] {
+            assert_eq!(text.parse::<CellRange>().unwrap().to_string(), text);
+        }
         for text in ["", "A0:B2", "A1:B", "1A", "ABCD1", "A1:B2:C3", "A99999999"] {
             assert!(text.parse::<CellRange>().is_err(), "{text}");
         }

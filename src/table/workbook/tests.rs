@@ -1,6 +1,6 @@
 use super::*;
 use crate::diagnostic::Diagnostics;
-use crate::table::{Container, Source, Want};
+use crate::table::{Container, Layout, Source, Want};
 
 /// The names of the columns, and the row, name and values of each part, or the problem with its help.
 fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, String> {
@@ -9,7 +9,8 @@ fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, S
     } else {
         range.parse().map_err(|error: NoCellRange| error.to_string())?
     };
-    let want = Want { sheet: sheet.map(str::to_owned), range, ..Want::default() };
+    let layout = Layout { sheet: sheet.map(str::to_owned), range, ..Layout::default() };
+    let want = Want { layout: layout.into(), ..Want::default() };
     let in_words = |Diagnostics(problems): Diagnostics| {
         let problem = &problems[0];
         format!("{problem} | {}", problem.help.clone().unwrap_or_default())

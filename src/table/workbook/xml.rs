@@ -5,16 +5,24 @@
 pub(super) struct Tags {
     /// What follows a `<`, without its `>`.
     open: Option<Vec<u8>>,
+    /// The text behind the last tag, where that is a page header or footer.
+    text: Option<Vec<u8>>,
 }
 
 impl Tags {
-    /// Calls `take` with each tag that ends in `piece`, without its angle brackets.
-    pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str)) {
+    /// Calls `take` with each tag that ends in `piece`, without its angle brackets, and the text before it, if that is a page's header
+    /// or footer.
+    pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str, &str)) {
         /// A longer one is none that is looked for.
         const LONGEST: usize = 4096;
         while !piece.is_empty() {
             let Some(open) = &mut self.open else {
-                let Some(start) = memchr::memchr(b'<', piece) else { return };
+                let start = memchr::memchr(b'<', piece);
+                if let Some(text) = &mut self.text {
+                    let more = &piece[..start.unwrap_or(piece.len())];
+                    text.extend_from_slice(&more[..more.len().min(LONGEST.saturating_sub(text.len()))]);
+                }
+                let Some(start) = start else { return };
                 self.open = Some(Vec::new());
                 piece = &piece[start + 1..];
                 continue;
@@ -24,7 +32,9 @@ impl Tags {
             open.extend_from_slice(&more[..more.len().min(LONGEST.saturating_sub(open.len()))]);
             let Some(end) = end else { return };
             if let Ok(tag) = std::str::from_utf8(open) {
-                take(tag);
+                let text = self.text.take().unwrap_or_default();
+                take(tag, &String::from_utf8_lossy(&text));
+                self.text = (tag.ends_with("Header") || tag.ends_with("Footer")).then(Vec::new);
             }
             self.open = None;
             piece = &piece[end + 1..];
