@@ -1,7 +1,7 @@
 """The extension module; its names are those of the package."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from ._types import Answer
@@ -10,6 +10,12 @@ __version__: str
 
 def main(arguments: Sequence[str]) -> int:
     """Runs the command line with these arguments, the first of which is its name; the exit status."""
+
+def compare(*specs: Spec, **options: Any) -> Answer:
+    """Specs side by side, each with what is set in it: ``rackmesh compare`` with the same options.
+
+    ``differences`` has the keys with their ``values``, ``results`` what that does.
+    """
 
 class Spec:
     """A gear spec: TOML, with keys set in place of what the text says. Does not change; ``set`` gives another one.
@@ -58,11 +64,28 @@ class Spec:
         """Random racks, each through the exact mesh (mm): ``rackmesh monte-carlo`` with the same options.
 
         ``first_rack=N, racks=M, study="range.json"`` keeps what a range came to; ``merge=["a.json", "b.json"]`` puts ranges
-        together, with the bits of one run.
+        together, with the bits of one run. ``contributions=True`` adds which scatter makes which share of the variance:
+        ``answer.array("contributions", "indices")`` has a numpy array for each number.
         """
 
     def budget(self, **options: Any) -> Answer:
         """Tolerances from a limit (mm, degrees): ``rackmesh budget`` with the same options."""
+
+    def sweep(
+        self,
+        over: Mapping[str, str | Iterable[object]],
+        of: Literal["eval", "mesh", "simulate", "class", "budget"] = "eval",
+        *,
+        columns: Sequence[str] | None = None,
+        arguments: Sequence[str] | None = None,
+        **options: Any,
+    ) -> Answer:
+        """What a command says of every design: ``rackmesh sweep`` with the same options (``samples``, ``seed``, ``until``).
+
+        ``over`` has the values of each key: a list, or a text such as ``"18..25:0.5"``; ``arguments`` are those of the
+        command. The rows are ``answer.table``, an Arrow record batch: ``pyarrow.record_batch(answer.table)``,
+        ``polars.DataFrame(answer.table)``; ``answer.array("table")`` has a numpy array for each column.
+        """
 
 class Plan:
     """Judges tables of parts as ``rackmesh batch`` does.

@@ -66,7 +66,7 @@ class Answer:
     """What a command says of a spec.
 
     ``answer["verdict"]`` is a key of the result, ``answer.array("points_mm")`` a list of numbers as a numpy array. A notebook
-    shows the table and, of ``mesh``, ``simulate`` and ``budget``, the picture ``svg``.
+    shows the table and, where the command draws one, the picture ``svg``. ``table`` has the rows of ``sweep`` as Arrow data.
     """
 
     command: str
@@ -76,6 +76,7 @@ class Answer:
     warnings: list[Diagnostic]
     remarks: list[str]
     status: int
+    table: Any = None
 
     def to_dict(self) -> dict[str, Any]:
         """The result: what the command writes with ``--format json``."""
@@ -85,9 +86,14 @@ class Answer:
         return self.result[key]
 
     def array(self, *keys: str) -> Any:
-        """What stands below these keys as a numpy array: numbers, or one array per column of a list of records."""
+        """What stands below these keys as a numpy array: numbers, or one array per column of records or of ``"table"``."""
         import numpy
 
+        if keys == ("table",):
+            import pyarrow
+
+            columns = pyarrow.record_batch(self.table)
+            return {name: columns.column(name).to_numpy(zero_copy_only=False) for name in columns.schema.names}
         value: Any = self.result
         for key in keys:
             value = value[key]

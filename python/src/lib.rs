@@ -21,6 +21,7 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 fn _rackmesh(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(spec::compare, module)?)?;
     module.add_class::<spec::Spec>()?;
     module.add_class::<plan::Plan>()
 }

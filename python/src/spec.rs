@@ -5,12 +5,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString, PyType};
-use rackmesh::cli::{self, Answer, HeldSpec};
+use pyo3_arrow::PyRecordBatch;
+use rackmesh::cli::{self, Answer, ColumnTable, HeldSpec};
+use rackmesh::diagnostic::Diagnostics;
 use serde_json::Value;
 
+use crate::arrow;
 use crate::error::{diagnostic, raised};
 
 /// A gear spec: TOML, with keys set in place of what the text says. Does not change; `set` gives another one.
@@ -29,40 +32,73 @@ impl Spec {
     }
 }
 
+/// Options of a command as its arguments: `worst_teeth=True` is `--worst-teeth`.
+fn flags(options: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+    let mut arguments = Vec::new();
+    for (name, value) in options.into_iter().flatten() {
+        let flag = format!("--{}", name.str()?.to_str()?.replace('_', "-"));
+        match value.extract::<bool>() {
+            Ok(true) => arguments.push(flag),
+            Ok(false) => {}
+            Err(_) if value.is_none() => {}
+            Err(_) if value.is_instance_of::<PyList>() => {
+                arguments.push(flag);
+                for one in value.try_iter()? {
+                    arguments.push(one?.str()?.to_string());
+                }
+            }
+            Err(_) => arguments.push(format!("{flag}={}", value.str()?)),
+        }
+    }
+    Ok(arguments)
+}
+
+/// A `rackmesh.Answer`: what a command says; `ask` asks it until it is told to stop.
+fn answered<'py>(
+    py: Python<'py>,
+    command: &str,
+    ask: impl FnOnce(&Arc<AtomicBool>) -> Result<Answer, Diagnostics> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let answered = py.detach(|| until_signal(ask))?;
+    let Answer { json, markdown, svg, table, warnings, remarks, status } =
+        answered.map_err(|problems| raised(py, &problems))?;
+    let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
+    let batch = table.map(|ColumnTable { columns, results }| arrow::batch(&columns, results)).transpose();
+    let batch = batch.map_err(|error| PyValueError::new_err(error.to_string()))?.map(PyRecordBatch::new);
+    let answer = py.import("rackmesh._types")?.getattr("Answer")?;
+    answer.call1((command, as_python(py, &json)?, markdown, svg, warnings, remarks, status, batch))
+}
+
 impl Spec {
-    /// A `rackmesh.Answer`: what a command says of the spec. Options are its own: `worst_teeth=True` is `--worst-teeth`.
+    /// What a command says of the spec.
     fn ask<'py>(
         &self,
         py: Python<'py>,
         command: &str,
         mut arguments: Vec<String>,
         options: Option<&Bound<'py, PyDict>>,
+        behind: Option<Vec<String>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        for (name, value) in options.into_iter().flatten() {
-            let flag = format!("--{}", name.str()?.to_str()?.replace('_', "-"));
-            match value.extract::<bool>() {
-                Ok(true) => arguments.push(flag),
-                Ok(false) => {}
-                Err(_) if value.is_none() => {}
-                Err(_) if value.is_instance_of::<PyList>() => {
-                    arguments.push(flag);
-                    for one in value.try_iter()? {
-                        arguments.push(one?.str()?.to_string());
-                    }
-                }
-                Err(_) => arguments.push(format!("{flag}={}", value.str()?)),
-            }
-        }
-        let settings = self.settings.iter().flat_map(|setting| ["--set", setting.as_str()]);
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).chain(settings).collect();
-        let answered = py.detach(|| until_signal(|stop| cli::answer(command, &arguments, self.held.clone(), stop)));
-        let answered = answered?;
-        let Answer { json, markdown, svg, warnings, remarks, status } =
-            answered.map_err(|problems| raised(py, &problems))?;
-        let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
-        let answer = py.import("rackmesh._types")?.getattr("Answer")?;
-        answer.call1((command, as_python(py, &json)?, markdown, svg, warnings, remarks, status))
+        arguments.extend(flags(options)?);
+        arguments.extend(self.settings.iter().flat_map(|setting| ["--set".to_owned(), setting.clone()]));
+        arguments.extend(behind.into_iter().flat_map(|behind| std::iter::once("--".to_owned()).chain(behind)));
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        answered(py, command, |stop| cli::answer(command, &arguments, self.held.clone(), stop))
     }
+}
+
+/// Specs side by side: `rackmesh compare`.
+#[pyfunction]
+#[pyo3(signature = (*specs, **options))]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
+    specs: Vec<Py<Spec>>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let arguments = flags(options)?;
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let held = specs.iter().map(|spec| (spec.get().held.clone(), spec.get().settings.clone())).collect();
+    answered(py, "compare", |stop| cli::compare(&arguments, held, stop))
 }
 
 /// Runs what looks at a flag from time to time, and sets it when Python has a signal such as Ctrl-C, which is raised in place
@@ -142,7 +178,7 @@ impl Spec {
     /// ΔCD of each error, combined and judged: `rackmesh eval`.
     #[pyo3(signature = (**options))]
     fn evaluate<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, "eval", Vec::new(), options)
+        self.ask(py, "eval", Vec::new(), options, None)
     }
 
     /// ΔCD along the stroke by the exact mesh: `rackmesh mesh`.
@@ -154,13 +190,13 @@ impl Spec {
         to_mm: Option<f64>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, "mesh", stroke(from_mm, to_mm), options)
+        self.ask(py, "mesh", stroke(from_mm, to_mm), options, None)
     }
 
     /// ΔCD along the stroke with elastic teeth and forces: `rackmesh simulate`.
     #[pyo3(signature = (**options))]
     fn simulate<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, "simulate", Vec::new(), options)
+        self.ask(py, "simulate", Vec::new(), options, None)
     }
 
     /// Random racks, each through the exact mesh: `rackmesh monte-carlo`.
@@ -175,13 +211,40 @@ impl Spec {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut arguments = stroke(from_mm, to_mm);
         arguments.extend(racks.map(|racks| format!("--racks={racks}")));
-        self.ask(py, "monte-carlo", arguments, options)
+        self.ask(py, "monte-carlo", arguments, options, None)
     }
 
     /// Tolerances from a limit: `rackmesh budget`.
     #[pyo3(signature = (**options))]
     fn budget<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, "budget", Vec::new(), options)
+        self.ask(py, "budget", Vec::new(), options, None)
+    }
+
+    /// What a command says of every design: `rackmesh sweep`. `over` has the values of each key, a list or as the option has
+    /// them; `arguments` are those of the command that is asked.
+    #[pyo3(signature = (over, of = "eval", *, columns = None, arguments = None, **options))]
+    fn sweep<'py>(
+        &self,
+        py: Python<'py>,
+        over: &Bound<'py, PyDict>,
+        of: &str,
+        columns: Option<Vec<String>>,
+        arguments: Option<Vec<String>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut own = vec![format!("--of={of}")];
+        own.extend(columns.map(|columns| format!("--columns={}", columns.join(","))));
+        for (key, values) in over {
+            let values = match values.is_instance_of::<PyString>() {
+                true => values.extract::<String>()?,
+                false => {
+                    let each = values.try_iter()?.map(|value| Ok(value?.str()?.to_string()));
+                    each.collect::<PyResult<Vec<_>>>()?.join(",")
+                }
+            };
+            own.push(format!("--over={key}={values}"));
+        }
+        self.ask(py, "sweep", own, options, arguments)
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {

@@ -9,6 +9,8 @@ import time
 from pathlib import Path
 
 import numpy
+import polars
+import pyarrow
 import pytest
 import rackmesh
 
@@ -62,6 +64,43 @@ def test_numbers_come_as_arrays() -> None:
     answer = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml").mesh(0.0, 20.0)
     points = answer.array("points")
     assert all(isinstance(column, numpy.ndarray) for column in points.values())
+
+
+def test_a_sweep_has_a_row_for_each_design() -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml").set("rack.face_width", 20)
+    over = {"pinion.teeth": [7, 8], "errors.rack_pitch": "5..15:5um"}
+    answer = spec.sweep(over, columns=["range_upper_mm", "verdict"])
+    rows = pyarrow.record_batch(answer.table).to_pylist()
+    assert (answer.status, len(rows), answer["designs"]) == (0, 6, 6)
+    for row in rows:
+        design = spec.set("pinion.teeth", int(row["pinion.teeth"])).set("errors.rack_pitch", f"{row['errors.rack_pitch_um']} um")
+        said = design.evaluate()
+        assert (row["range_upper_mm"], row["verdict"]) == (said["combined"]["range_mm"]["upper"], said["verdict"])
+    upper = answer.array("table")["range_upper_mm"]
+    assert isinstance(upper, numpy.ndarray) and upper.tolist() == [row["range_upper_mm"] for row in rows]
+    assert polars.DataFrame(answer.table)["verdict"].to_list() == [row["verdict"] for row in rows]
+    short = spec.sweep({"pinion.teeth": [8]}, of="mesh", columns=["max_mm"], arguments=["--from", "0", "--to", "5"])
+    assert short.array("table")["max_mm"].tolist() == [spec.mesh(0, 5)["summary"]["max_mm"]]
+    reached = spec.sweep({"errors.rack_pitch": "0..60um"}, until="range_upper_mm=0.08")
+    assert abs(reached.array("table")["range_upper_mm"][0] - 0.08) < 1e-9
+
+
+def test_specs_are_compared_with_what_is_set_in_each() -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "mesh-errors.toml")
+    wider = spec.set("errors.rack_pitch", "0.03 mm").set("rack.face_width", "19700 um")
+    answer = rackmesh.compare(spec, wider)
+    assert answer["differences"] == [{"key": "errors.rack_pitch", "values": ["0.02 mm", "0.03 mm"]}]
+    upper = next(result for result in answer["results"] if result["name"] == "range_upper_mm")
+    assert upper["values"] == [one.evaluate()["combined"]["range_mm"]["upper"] for one in (spec, wider)]
+    assert answer.svg is not None and answer.status == wider.evaluate().status
+
+
+def test_contributions_come_as_arrays() -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "scatter.toml")
+    answer = spec.monte_carlo(40, 0.0, 10.0, contributions=True)
+    indices = answer.array("contributions", "indices")
+    assert indices["total"].shape == (12,) and set(indices["delta_cd"]) == {"mean", "largest", "peak_to_peak"}
+    assert (indices["total_lower"] <= indices["total_upper"]).all()
 
 
 def test_what_is_wrong_has_code_place_and_remedy(capfd: pytest.CaptureFixture) -> None:
@@ -130,4 +169,4 @@ def test_a_notebook_shows_the_curve() -> None:
     assert svg is not None
     assert svg.startswith("<svg")
     assert "<path" in svg or "<polyline" in svg
-    assert spec.evaluate().svg is None
+    assert "worst case" in (spec.evaluate().svg or "")

@@ -8,9 +8,11 @@ mod histogram;
 mod part;
 pub mod racks;
 mod random;
+mod sobol;
 
 pub use part::{PartSimulation, simulate_part};
 pub(crate) use random::{Random, Ziggurat};
+pub use sobol::{Estimate, RESAMPLES};
 
 use thiserror::Error;
 

@@ -71,7 +71,7 @@ impl Args {
                 let question = Question::new(of, options, (path, spec), interruption.stop())?;
                 Ok::<_, Failure>(question.answer(&[], facts))
             };
-            let Some(eval) = ask(Of::Eval, &self.options, Facts::Brief)? else { return Ok(ended()) };
+            let Some(eval) = ask(Of::Eval, &self.options, Facts::All)? else { return Ok(ended()) };
             let missing: Vec<_> = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect();
             let mesh = match missing.is_empty() {
                 true => ask(Of::Mesh, &self.stroke(), Facts::All)?,

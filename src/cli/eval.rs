@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
+use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{function, mesh, spec_files};
@@ -20,6 +21,7 @@ pub(super) const ABOUT: &str = "Evaluate a spec: ΔCD of each error, combined an
   rackmesh eval rack.toml
   rackmesh eval rack.toml --stack rss --format json
   rackmesh eval examples/mesh-errors.toml --mesh
+  rackmesh eval rack.toml --plot stack.svg
   rackmesh eval examples/uncertain.toml --rule iso14253 --monte-carlo
   rackmesh init | rackmesh eval -
 
@@ -37,6 +39,8 @@ pub(super) struct Args {
     #[arg(long, alias = "no-mesh", conflicts_with = "mesh")]
     no_worst_teeth: bool,
     #[command(flatten)]
+    plot: PlotArgs,
+    #[command(flatten)]
     set: SetArgs,
     /// Output format.
     #[arg(long, short, value_enum, default_value_t)]
@@ -51,7 +55,9 @@ impl Args {
                 Diagnostic::usage("no spec is given").help("write `rackmesh eval rack.toml --monte-carlo`")
             })?,
         };
-        let spec = with_known_teeth(self.set.read_spec(&path, output)?, &path, output)?;
+        let spec = self.set.read_spec(&path, output)?;
+        let picture = self.plot.picture(&spec_files::files_read(&spec, &path))?;
+        let spec = with_known_teeth(spec, &path, output)?;
         let is_searched = !self.no_worst_teeth
             && (self.mesh || spec.has_yoke() || spec.limit_on(LimitTarget::CenterDistance).is_some());
         let worst = if is_searched { WorstTeeth::of(spec.part_deviations()?, &spec.basis()?)? } else { None };
@@ -66,6 +72,7 @@ impl Args {
         if self.mesh {
             report.mesh = Some(mesh_part(&spec, &path, worst.as_ref(), output)?);
         }
+        draw(picture, || report.chart(), true, output)?;
         output.report(&report, self.format)?;
         Ok(status)
     }

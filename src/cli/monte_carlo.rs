@@ -15,7 +15,7 @@ use super::teeth::{WorstTeeth, mesh_of};
 use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
 use crate::chance::racks::{
-    RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, RacksYoke, StudyError,
+    Contributions, RackRange, RackSettings, Racks, RacksError, RacksStudy, RacksSummary, RacksYoke, StudyError,
 };
 use crate::diagnostic::{Code, Diagnostic};
 use crate::function::{self, Check, YokeJudge};
@@ -31,10 +31,11 @@ pub(super) const ABOUT: &str = "Draw random racks, and solve each by the exact m
   rackmesh monte-carlo examples/scatter.toml
   rackmesh monte-carlo examples/scatter.toml --racks 20000 --format json
   rackmesh monte-carlo examples/scatter.toml --plot racks.svg
+  rackmesh monte-carlo examples/scatter.toml --contributions
   rackmesh monte-carlo examples/scatter.toml --first-rack 2000 --racks 3000 --study b.json
   rackmesh monte-carlo examples/scatter.toml --merge a.json b.json
 
-CSV lists every rack, of merged studies the quantiles. The same seed gives the same racks with any number of threads and
+CSV lists every rack, of merged studies the quantiles, of contributions these. The same seed gives the same racks with any number of threads and
 in any ranges: merged, they are the same bits as one run.
 For the uncertainty of one part: rackmesh eval --monte-carlo.
 
@@ -57,6 +58,9 @@ pub(super) struct Args {
     /// Merge the studies in these files, in place of drawing racks.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["seed", "from", "to", "threads"])]
     merge: Vec<PathBuf>,
+    /// Say which scatter makes which share of the spread: Sobol indices, by as many samples as racks.
+    #[arg(long, conflicts_with = "merge")]
+    contributions: bool,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = DEFAULT_SEED, value_name = "SEED")]
     seed: u64,
@@ -103,8 +107,9 @@ impl Args {
             None => (None, Vec::new()),
         };
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit, yoke };
+        let settings = self.settings(strokes);
         let (study, ended) = if self.merge.is_empty() {
-            self.drawn(&racks, strokes, &signals::interrupted(output), output)
+            self.drawn(&racks, &settings, &signals::interrupted(output), output)
         } else {
             (self.merged(&racks, signals::signals(output).stop())?, Ok(()))
         };
@@ -119,6 +124,9 @@ impl Args {
             kept.write_all(study_json(&study).map_err(std::io::Error::from)?.as_bytes())?;
             kept.end(ended_early.is_none(), output)?;
         }
+        let is_asked = self.contributions && ended_early.is_none() && ended.is_ok();
+        let contributions = is_asked.then(|| contributions(&racks, &settings, &interruption, output)).transpose()?;
+        let ended_early = ended_early.or(interruption.status().filter(|_| is_asked));
         unjudged.extend(not_judged(&spec));
         unjudged.extend(partly_judged(&summary, study.racks()));
         let is_judged = unjudged.is_empty();
@@ -130,6 +138,7 @@ impl Args {
             study: &study,
             summary: &summary,
             yoke: judge.as_ref(),
+            contributions: contributions.as_ref(),
             notes: mesh::notes(&input).into_iter().chain(middles).collect(),
             unjudged,
         };
@@ -149,7 +158,7 @@ impl Args {
 
     /// Whether racks are listed as they are solved.
     fn lists_racks(&self) -> bool {
-        self.format == Format::Csv && self.merge.is_empty()
+        self.format == Format::Csv && self.merge.is_empty() && !self.contributions
     }
 
     /// The file that keeps the study, in a run that reads `files`.
@@ -161,22 +170,25 @@ impl Args {
         self.study.as_deref().map(|path| Target::create(path, files)).transpose()
     }
 
-    fn drawn(
-        &self,
-        racks: &Racks<'_>,
-        (from_mm, to_mm): (f64, f64),
-        interruption: &Interruption,
-        output: &mut Output,
-    ) -> (RacksStudy, Result<(), Failure>) {
-        let settings = RackSettings {
+    fn settings(&self, (from_mm, to_mm): (f64, f64)) -> RackSettings {
+        RackSettings {
             seed: self.seed,
             range: RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) },
             from_mm,
             to_mm,
             threads: self.threads.map(usize::from),
-        };
+        }
+    }
+
+    fn drawn(
+        &self,
+        racks: &Racks<'_>,
+        settings: &RackSettings,
+        interruption: &Interruption,
+        output: &mut Output,
+    ) -> (RacksStudy, Result<(), Failure>) {
         let (mut bar, mut done, asked) = (Bar::new(output), 0, settings.range.racks);
-        let drawn = racks.study(&settings, interruption.stop(), |first_rack, results| {
+        let drawn = racks.study(settings, interruption.stop(), |first_rack, results| {
             if self.lists_racks() {
                 if done == 0 {
                     output.text(&rack_columns(racks.yoke.is_some()))?;
@@ -214,6 +226,21 @@ impl Args {
         merged.ask(asked).map_err(Diagnostic::with_code(Code::Usage))?;
         Ok(merged)
     }
+}
+
+/// What each scatter contributes, of an interrupted run by the samples that were solved.
+fn contributions(
+    racks: &Racks<'_>,
+    settings: &RackSettings,
+    interruption: &Interruption,
+    output: &Output,
+) -> Result<Contributions, Failure> {
+    let (mut bar, asked) = (Bar::new(output), settings.range.racks);
+    let found = racks.contributions(settings, interruption.stop(), |done| {
+        bar.show(Some(done as f64 / asked as f64), || format!("{} samples for contributions", grouped(done)));
+    });
+    bar.finish();
+    Ok(found?)
 }
 
 /// Reads the study in a file.

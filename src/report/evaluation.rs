@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::number::{ends, millimetres, plain, signed, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled};
@@ -179,6 +180,48 @@ impl EvaluationReport<'_> {
             .number("to\n[mm]", |(_, [_, to], _)| to.clone())
             .text("assumes", |(.., assumes)| assumes.clone())
             .block()
+    }
+
+    /// The stack: from where to where each error moves ΔCD, what they come to together, and the limits on that.
+    #[must_use]
+    pub fn chart(&self) -> Chart {
+        let Evaluation { contributions, combined, reached, limits, .. } = &self.evaluation;
+        let errors = contributions.iter().map(|c| (c.kind.to_string(), c.range.ok(), true));
+        let together = [
+            (Stack::Range.to_string(), combined.range.ok()),
+            (Stack::Rss.to_string(), combined.rss.ok()),
+            ("reached".to_owned(), *reached),
+            ("exact mesh".to_owned(), self.beside_the_bound()),
+        ];
+        let together = together.into_iter().filter(|(_, interval)| interval.is_some());
+        let rows: Vec<_> = errors.chain(together.map(|(name, interval)| (name, interval, false))).collect();
+        let bars = |of_errors: bool| {
+            let own = rows.iter().enumerate().filter(move |(_, (.., is_error))| *is_error == of_errors);
+            let bar = |(row, (_, interval, _)): (usize, &(String, Option<Interval>, bool))| {
+                let [left, right] = [interval.as_ref()?.lower, interval.as_ref()?.upper].map(Length::mm);
+                let (low, high) = (row as f64 + 0.15, row as f64 + 0.85);
+                Some(Bar { left, right, low, high, text: ends(left, right) })
+            };
+            Shape::Bars(own.filter_map(bar).collect())
+        };
+        let limits = limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
+        let limits = limits.flat_map(|check| check.limit.ends()).map(Length::mm).collect();
+        let name = |(name, interval, _): &(String, Option<Interval>, bool)| match interval {
+            Some(_) => name.clone(),
+            None => format!("{name}: open"),
+        };
+        Chart {
+            title: self.title.unwrap_or("ΔCD of the errors").to_owned(),
+            x: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
+            y: Axis { label: "error".to_owned(), scale: Scale::Names(rows.iter().map(name).collect()) },
+            layers: vec![
+                Layer::new("each error, wherever it is", bars(true)),
+                Layer::new("together", bars(false)),
+                Layer::new("limits", Shape::LimitsOnX(limits)),
+            ],
+            height: 150.0 + 44.0 * rows.len() as f64,
+            ..Chart::default()
+        }
     }
 
     fn limit_table(&self) -> Option<Block> {

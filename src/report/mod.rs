@@ -20,6 +20,7 @@ mod ci;
 mod class;
 #[cfg(feature = "cli")]
 pub mod compare;
+mod contributions;
 mod evaluation;
 mod fact;
 pub mod function;

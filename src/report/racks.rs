@@ -9,9 +9,9 @@ use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
 use super::function::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
 use super::number::{millimetres, percent, plain, tidy};
-use super::{Block, Report, Table, fact, titled};
+use super::{Block, Report, Table, contributions, fact, titled};
 use crate::chance::racks::{
-    Bin, CONFIDENCE, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
+    Bin, CONFIDENCE, Contributions, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
     STEPS_PER_PITCH, Scatter, StudyError,
 };
 use crate::deviation::{DeviationKind, key_in_words};
@@ -37,6 +37,8 @@ pub struct RacksReport<'a> {
     pub summary: &'a RacksSummary,
     /// The yoke and its limits, if there is one.
     pub yoke: Option<&'a YokeJudge>,
+    /// Where the spread comes from, if that was asked for.
+    pub contributions: Option<&'a Contributions>,
     /// Remarks.
     pub notes: Vec<String>,
     /// What of the spec is not held against the racks, so that none of them passes.
@@ -46,18 +48,7 @@ pub struct RacksReport<'a> {
 impl RacksReport<'_> {
     /// What is drawn, and how.
     fn spreads(&self) -> impl Iterator<Item = (&'static str, Uncertainty)> {
-        let scatter = self.scatter;
-        let all = [
-            ("rack_pitch", scatter.rack_pitch),
-            ("rack_thickness", scatter.rack_thickness),
-            ("rack_lead", scatter.rack_lead),
-            ("rack_over_roller", scatter.rack_over_roller),
-            ("pinion_pitch", scatter.pinion_pitch),
-            ("pinion_thickness", scatter.pinion_thickness),
-            ("pinion_lead", scatter.pinion_lead),
-            ("pinion_runout", scatter.pinion_runout),
-        ];
-        all.into_iter().filter_map(|(of, drawn)| Some((of, drawn?)))
+        self.scatter.spreads().into_iter().filter_map(|(of, drawn)| Some((of, drawn?)))
     }
 
     fn scatter_table(&self) -> Block {
@@ -129,9 +120,12 @@ impl RacksReport<'_> {
             .into()
     }
 
-    /// How the smallest, mean and largest ΔCD of the racks are distributed, and the limit on ΔCD.
+    /// How the smallest, mean and largest ΔCD of the racks are distributed, and the limit on ΔCD; or where that comes from.
     #[must_use]
     pub fn chart(&self, limit: Option<&Limit>) -> Chart {
+        if let Some(contributions) = self.contributions {
+            return contributions::chart(contributions, self.title.unwrap_or("Where the spread of ΔCD comes from"));
+        }
         let RacksSummary { smallest, mean, largest, .. } = self.summary;
         let outline = |name, of: &RackStatistics| Layer::new(name, Shape::Line(outline(&of.histogram)));
         let ends = limit.copied().into_iter().flat_map(Limit::ends);
@@ -324,7 +318,7 @@ impl Report for RacksReport<'_> {
             fact
         });
         let delta_cd = self.quantities().into_iter().map(|(name, of)| (name.to_owned(), json!(of)));
-        json!({
+        let mut json = json!({
             "title": self.title,
             "seed": of.seed,
             "first_rack": self.study.asked().first_rack,
@@ -341,11 +335,18 @@ impl Report for RacksReport<'_> {
             "verdict": verdict.map(Verdict::name),
             "reason": self.reason(),
             "notes": self.all_notes(),
-        })
+        });
+        if let Some(found) = self.contributions {
+            json["contributions"] = contributions::json(found, of.seed);
+        }
+        json
     }
 
-    /// Moments and quantiles: results of racks are not kept, [`rack_columns`] are written while they are there.
+    /// Moments and quantiles: results of racks are not kept, [`rack_columns`] are written while they are there. Or contributions.
     fn rows(&self) -> Vec<Vec<String>> {
+        if let Some(found) = self.contributions {
+            return contributions::rows(found, self.study.study_of().seed);
+        }
         let records = self.quantities().into_iter().flat_map(|(name, of)| {
             let moments = [("mean", Some(of.mean_mm)), ("standard_deviation", of.standard_deviation_mm)];
             let moments = moments.map(|(of, value)| json!({ "delta_cd": name, "statistic": of, "value_mm": value }));
@@ -371,6 +372,7 @@ impl Report for RacksReport<'_> {
         blocks.extend(self.histograms());
         let yoke = self.yoke();
         blocks.extend(yoke.iter().flat_map(RacksYokePart::blocks));
+        blocks.extend(self.contributions.into_iter().flat_map(contributions::blocks));
         blocks.extend(self.all_notes().into_iter().map(Block::Remark));
         let inside = self.summary.inside.map(|Inside { racks, share, lower, upper }| {
             format!(

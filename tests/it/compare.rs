@@ -71,6 +71,8 @@ fn results_are_those_of_the_commands_and_the_worst_status_counts() {
     assert_eq!(all.json["specs"][1]["outside"], serde_json::json!(["pinion torque", "torque fluctuation"]));
     assert!(all.json["specs"][2]["notes"][0].as_str().unwrap().starts_with("no mesh: it needs `"));
     assert!(all.svg.unwrap().contains("mesh-errors.toml"));
+    let failed = compared(&[("minimal", &[]), ("minimal", &["limits.center_distance=±0.01"])], &[]);
+    assert_eq!(failed.json["specs"][1]["outside"], serde_json::json!(["center distance"]));
     // an open verdict is worse than a pass
     let open: [(&str, &[&str]); 2] = [("minimal", &[]), ("minimal", &["limits.rack_pitch=±0.01"])];
     assert_eq!(compared(&open, &[]).status, 2);

@@ -35,12 +35,13 @@ const fn file(
     Written { command, id, line, spec, file, in_folder: false }
 }
 
-const WRITTEN: [Written; 16] = [
+const WRITTEN: [Written; 17] = [
     file("batch", "output", "batch SPEC TABLE --partial -o OUT", "steering", "out.csv"),
     file("batch", "rejects", "batch SPEC TABLE --partial --rejects OUT", "steering", "out.csv"),
     file("batch", "junit", "batch SPEC TABLE --partial --junit OUT", "steering", "out.xml"),
     file("paste", "output", "paste SPEC TABLE --partial -o OUT", "steering", "out.html"),
     file("report", "output", "report SPEC -o OUT", "steering", "out.html"),
+    file("eval", "plot", "eval SPEC --plot OUT", "mesh-errors", "out.svg"),
     file("mesh", "plot", "mesh SPEC --plot OUT", "mesh", "out.svg"),
     file("simulate", "plot", "simulate SPEC --plot OUT", "mesh", "out.svg"),
     file("budget", "plot", "budget SPEC --plot OUT", "budget", "out.svg"),
@@ -337,6 +338,7 @@ fn a_signal_is_obeyed_wherever_the_time_goes() {
         "simulate examples/mesh.toml --step 0.00001 --quasi-static",
         "monte-carlo examples/scatter.toml --racks 1000000 --study study.json",
         "monte-carlo examples/scatter.toml --racks 100 --to 100000",
+        "monte-carlo examples/scatter.toml --racks 1000 --from 0 --to 2000 --contributions",
         "eval measured.toml",
         "sweep examples/mesh.toml --over=simulation.preload=1..900:1 --of simulate -o rows.csv --plot run.svg",
         "eval examples/uncertain.toml --monte-carlo 100000000",

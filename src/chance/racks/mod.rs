@@ -16,6 +16,7 @@
 //! Rack number i is drawn from a generator of its own: the result depends neither on the number of threads nor on the
 //! range of racks that it is solved with.
 
+mod contributions;
 mod counts;
 mod quantiles;
 mod range;
@@ -23,6 +24,7 @@ mod study;
 mod summary;
 mod yoke;
 
+pub use contributions::{Contribution, Contributions};
 pub use counts::{Bin, MOST_BINS};
 pub use quantiles::{CONFIDENCE, Quantile, share};
 pub use range::{RackRange, StudyError};
@@ -80,6 +82,21 @@ impl Scatter {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Each spread under its key of `[scatter]`.
+    #[must_use]
+    pub const fn spreads(&self) -> [(&'static str, Option<Uncertainty>); 8] {
+        [
+            ("rack_pitch", self.rack_pitch),
+            ("rack_thickness", self.rack_thickness),
+            ("rack_lead", self.rack_lead),
+            ("rack_over_roller", self.rack_over_roller),
+            ("pinion_pitch", self.pinion_pitch),
+            ("pinion_thickness", self.pinion_thickness),
+            ("pinion_lead", self.pinion_lead),
+            ("pinion_runout", self.pinion_runout),
+        ]
     }
 }
 
@@ -310,45 +327,56 @@ impl<'a> Draw<'a> {
         Ok(Self { racks, seed, from: from_mm, to: to_mm, step, steps, teeth, ziggurat: Ziggurat::new() })
     }
 
-    fn mesh(&self, random: &mut Random) -> Result<Result<Mesh, MeshError>, DeviationError> {
-        let Scatter { rack_pitch, rack_thickness, rack_lead, rack_over_roller, .. } = self.racks.scatter;
-        let base = self.racks.base;
+    /// A mesh whose teeth are drawn: all from one generator, or each scatter from its own, in the order of [`Scatter::spreads`].
+    fn mesh(&self, randoms: &mut [Random]) -> Result<Result<Mesh, MeshError>, DeviationError> {
+        let Racks { base, scatter, .. } = *self.racks;
         let pair = base.pair();
         let half_to_x = 0.5 / trig::cos(pair.rack().helix_angle_rad);
-        let mut draw =
-            |spread: &Option<Uncertainty>| spread.as_ref().map_or(0.0, |spread| random.spread(spread, &self.ziggurat));
+        let [
+            rack_pitch,
+            rack_thickness,
+            rack_lead,
+            rack_over_roller,
+            pinion_pitch,
+            pinion_thickness,
+            pinion_lead,
+            runout,
+        ] = std::array::from_fn(|kind| (kind % randoms.len(), scatter.spreads()[kind].1));
+        let placed = |(own, pitch): (usize, Option<Uncertainty>)| (own, pitch.as_ref().map(place_of));
+        let mut draw = |(own, spread): &(usize, Option<Uncertainty>)| {
+            spread.as_ref().map_or(0.0, |spread| randoms[*own].spread(spread, &self.ziggurat))
+        };
         let mut drawn = BTreeMap::new();
-        let place = rack_pitch.as_ref().map(place_of);
+        let place = placed(rack_pitch);
         for tooth in self.teeth.clone() {
-            let (place, thickness) = (draw(&place), draw(rack_thickness) * half_to_x);
-            let (lead_rad, along_z_mm) = (draw(rack_lead), draw(rack_over_roller));
+            let (place, thickness) = (draw(&place), draw(&rack_thickness) * half_to_x);
+            let (lead_rad, along_z_mm) = (draw(&rack_lead), draw(&rack_over_roller));
             let flank = |along_x_mm| RackFlank { along_x_mm, along_z_mm, lead_rad };
             drawn.insert(tooth, RackTooth { left: flank(place - thickness), right: flank(place + thickness) });
         }
         let rack = base.rack().clone().with_measured(&drawn)?;
         let mut pinion = base.pinion().clone();
-        let Scatter { pinion_pitch, pinion_thickness, pinion_lead, pinion_runout, .. } = self.racks.scatter;
-        if pinion_pitch.is_some() || pinion_thickness.is_some() || pinion_lead.is_some() {
-            let place = pinion_pitch.as_ref().map(place_of);
+        if [pinion_pitch, pinion_thickness, pinion_lead].iter().any(|(_, spread)| spread.is_some()) {
+            let place = placed(pinion_pitch);
             let teeth: Vec<_> = (0..pair.pinion().teeth)
                 .map(|_| {
-                    let (place, half) = (draw(&place), 0.5 * draw(pinion_thickness));
-                    let lead_rad = pinion_lead_angle_rad(pair, draw(pinion_lead));
+                    let (place, half) = (draw(&place), 0.5 * draw(&pinion_thickness));
+                    let lead_rad = pinion_lead_angle_rad(pair, draw(&pinion_lead));
                     let flank = |arc_mm| PinionFlank { arc_mm, lead_rad };
                     PinionTooth { left: flank(place - half), right: flank(place + half) }
                 })
                 .collect();
             pinion = pinion.with_measured(&teeth)?;
         }
-        if let Some(runout) = *pinion_runout {
-            let (along, across) = if runout.distribution == Distribution::Normal {
-                (0.5 * random.spread(&runout, &self.ziggurat), 0.5 * random.spread(&runout, &self.ziggurat))
+        if let (own, Some(spread)) = runout {
+            let amount = 0.5 * draw(&runout);
+            let offset = if spread.distribution == Distribution::Normal {
+                (amount, 0.5 * draw(&runout))
             } else {
-                let amount = 0.5 * random.spread(&runout, &self.ziggurat).abs();
-                let (sin, cos) = trig::sin_cos(TAU * random.uniform());
-                (amount * cos, amount * sin)
+                let (sin, cos) = trig::sin_cos(TAU * randoms[own].uniform());
+                (amount.abs() * cos, amount.abs() * sin)
             };
-            pinion = pinion.with_offset((along, across))?;
+            pinion = pinion.with_offset(offset)?;
         }
         Ok(Mesh::new(*pair, rack, pinion, base.support()))
     }
@@ -368,9 +396,13 @@ impl<'a> Draw<'a> {
     }
 
     fn rack(&self, rack: u64) -> Result<RackResult, RacksError> {
-        let mut random = Random::of_block(self.seed, rack);
+        self.solved(&mut [Random::of_block(self.seed, rack)], rack)
+    }
+
+    /// A rack that is drawn from these, which messages call by that number.
+    fn solved(&self, randoms: &mut [Random], rack: u64) -> Result<RackResult, RacksError> {
         let unmeshed = |error| RacksError::Mesh { rack, error };
-        let mesh = self.mesh(&mut random).map_err(|error| RacksError::Deviation { rack, error })?.map_err(unmeshed)?;
+        let mesh = self.mesh(randoms).map_err(|error| RacksError::Deviation { rack, error })?.map_err(unmeshed)?;
         if let Some(yoke) = self.racks.yoke {
             return self.with_yoke(rack, &mesh, yoke);
         }
@@ -461,7 +493,7 @@ mod tests {
         let racks = of(&base, &scatter);
         let draw = Draw::new(&racks, &settings).unwrap();
         for rack in 0..settings.range.racks {
-            let mesh = draw.mesh(&mut Random::of_block(1, rack)).unwrap().unwrap();
+            let mesh = draw.mesh(&mut [Random::of_block(1, rack)]).unwrap().unwrap();
             let exact = mesh.curve(0.0, 50.0, 1e-6).unwrap().summary(&mesh).unwrap();
             let sampled = draw.rack(rack).unwrap();
             assert!((exact.mean_mm - sampled.mean_mm).abs() < 1e-4, "{rack}: {} {}", exact.mean_mm, sampled.mean_mm);
@@ -529,7 +561,7 @@ mod tests {
         let drawn = |scatter: Scatter, seed| {
             let racks = of(&base, &scatter);
             let draw = Draw::new(&racks, &settings).unwrap();
-            let mesh = draw.mesh(&mut Random::of_block(seed, 0)).unwrap().unwrap();
+            let mesh = draw.mesh(&mut [Random::of_block(seed, 0)]).unwrap().unwrap();
             let rack: Vec<RackTooth> = draw.teeth.clone().map(|tooth| mesh.rack().tooth(tooth)).collect();
             let pinion = mesh.pinion().teeth().to_vec();
             (rack, pinion, mesh.pinion().eccentricity_mm())
@@ -640,6 +672,43 @@ mod tests {
         assert_eq!(one, with(Some(3)));
         assert_eq!(one, with(None));
         assert_eq!(one[..5], run(&base, &scatter, &settings(5)).unwrap());
+    }
+
+    #[test]
+    fn what_scatters_alone_or_most_makes_the_spread() {
+        let (base, stop) = (base(), AtomicBool::new(false));
+        let racks = |scatter| of(&base, scatter);
+        let settings = RackSettings { to_mm: 15.0, ..settings(120) };
+        let runout = Scatter { pinion_runout: Some(Uncertainty::standard(0.01)), ..Scatter::default() };
+        let alone = racks(&runout).contributions(&settings, &stop, |_| ()).unwrap();
+        assert_eq!((alone.samples, alone.racks, alone.indices.len()), (120, 360, 3));
+        for Contribution { first_order, total, .. } in &alone.indices {
+            let [first_order, total] = [first_order, total].map(|of| of.unwrap());
+            assert!((first_order.value - 1.0).abs() < 0.3 && first_order.lower < 1.0, "{first_order:?}");
+            assert!((total.value - 1.0).abs() < 0.3 && total.upper > 1.0, "{total:?}");
+        }
+        // one that is a tenth of the other makes a hundredth
+        let two = Scatter { rack_thickness: Some(Uncertainty::standard(0.000_5)), ..runout };
+        let found = racks(&two).contributions(&settings, &stop, |_| ()).unwrap();
+        let total = |of: &str| found.indices.iter().find(|index| index.of == of && index.delta_cd == "peak_to_peak");
+        let total = |of| total(of).unwrap().total.unwrap();
+        assert!(total("rack_thickness").upper < 0.1 && total("pinion_runout").lower > 0.6, "{found:?}");
+        let one_thread = RackSettings { threads: Some(1), ..settings };
+        assert_eq!(racks(&two).contributions(&one_thread, &stop, |_| ()).unwrap(), found);
+    }
+
+    #[test]
+    fn contributions_that_are_stopped_are_of_the_first_samples() {
+        let (base, scatter, stop) = (base(), all(), AtomicBool::new(false));
+        let racks = of(&base, &scatter);
+        let settings = RackSettings { to_mm: 10.0, threads: Some(2), ..settings(60) };
+        let found = racks.contributions(&settings, &stop, |done| stop.store(done >= 20, Ordering::Relaxed)).unwrap();
+        assert!((20..60).contains(&found.samples) && found.asked == 60, "{found:?}");
+        let first = RackSettings { range: RackRange { racks: found.samples, ..settings.range }, ..settings };
+        let again = racks.contributions(&first, &AtomicBool::new(false), |_| ()).unwrap();
+        assert_eq!(again.indices, found.indices);
+        let none = racks.contributions(&settings, &AtomicBool::new(true), |_| ()).unwrap();
+        assert!(none.samples == 0 && none.indices.iter().all(|index| index.total.is_none()), "{none:?}");
     }
 
     #[test]
