@@ -6,7 +6,10 @@
 use std::borrow::Cow;
 use std::io::{self, BufRead as _, BufReader, Read};
 
-use encoding_rs::{Encoding as Code, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs::{
+    BIG5, EUC_JP, EUC_KR, Encoding as Code, GB18030, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1251,
+    WINDOWS_1252,
+};
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
 /// The code of a file's text.
@@ -26,6 +29,13 @@ impl Encoding {
     pub fn named(name: &str) -> Result<Self, String> {
         let code = Code::for_label(name.trim().as_bytes()).map(|code| Self { code });
         code.ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252, shift_jis or gb18030".to_owned())
+    }
+
+    /// Those besides this one in which a text may be that is none in UTF-8, if nothing but that told it; with the text in each.
+    pub(crate) fn others(self, bytes: &[u8]) -> impl Iterator<Item = (&'static str, Cow<'_, str>)> {
+        let is_open = self.code == WINDOWS_1252 && !is_utf8(bytes);
+        let codes = [GB18030, BIG5, SHIFT_JIS, EUC_JP, EUC_KR, WINDOWS_1250, WINDOWS_1251].into_iter();
+        codes.filter(move |_| is_open).map(|code| (code.name(), code.decode_without_bom_handling(bytes).0))
     }
 
     /// Whether the text is recoded to UTF-8 as it is read.

@@ -11,6 +11,7 @@ mod open;
 mod owner;
 mod table;
 mod tallies;
+mod units;
 mod whole;
 
 pub(crate) use columns::plausible_units;

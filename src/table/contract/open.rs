@@ -35,6 +35,8 @@ pub(crate) enum Open {
     NoValues { titles: Vec<String> },
     /// Nothing tells the decimal mark.
     Mark { example: String },
+    /// The encodings under which more headings are known.
+    Encoding { names: Vec<&'static str> },
     /// Nothing tells what separates the cells.
     Separator { names: Vec<String> },
     /// Something else that is wrong, with what to do.
@@ -75,6 +77,10 @@ impl Open {
             Self::NoValues { titles } => format!("no column is known as that of an error: {}", listed(titles)),
             Self::Mark { example } => {
                 format!("`{}` has a decimal mark or one of thousands, and nothing tells which", shown(example))
+            }
+            Self::Encoding { names } => {
+                let or = names.join(" or ");
+                format!("it is no text in UTF-8, and in {or} more of its headings are known: --encoding {or}")
             }
             Self::Separator { names } => format!("cells may be separated by {}", names.join(" or by ")),
             Self::Wrong { what, .. } => what.clone(),

@@ -6,23 +6,24 @@ use std::sync::Arc;
 use super::Contract;
 use super::characteristics::{self, Turned};
 use super::columns::columns;
-use super::heading::{Matched, find, key, matched, owner, roles};
+use super::heading::{Matched, find, key, matched, roles};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
+use super::units::{line_of_units, own_units};
 use super::whole::{last_of_each, named, own_headings};
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
 use crate::table::Table;
 use crate::table::account::{Proposal, Unclosed};
 use crate::table::block::Odd;
-use crate::table::cell::{Cell, Record};
+use crate::table::cell::Record;
 use crate::table::column::{Column, Nominal, UnitFrom, is_rack};
 use crate::table::companions::Companions;
-use crate::table::dictionary::{Form, Heading, Role};
+use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
 use crate::table::field::Beside;
-use crate::table::grid::{is_unit, only_units, unit_of};
+use crate::table::grid::unit_of;
 use crate::table::layout::{Layout, OwnRule, Parts, Repeats};
 use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
@@ -265,45 +266,6 @@ fn by_characteristic(
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
 }
 
-/// The place of the line of units: the one that the contract names, or that below the headings, if it has units.
-fn line_of_units(
-    rows: &[Record],
-    heading: usize,
-    (layout, form): (&Layout, Form),
-    open: &mut Vec<Open>,
-) -> Option<usize> {
-    let has_units = |units: &Record| are_units(units, &rows[heading], layout, form);
-    let units = layout.units.map_or_else(
-        || Some(heading + 1).filter(|at| rows.get(*at).is_some_and(has_units)),
-        |line| rows.iter().position(|record| record.line == line),
-    );
-    if let Some(line) = layout.units.filter(|_| units.is_none()) {
-        let what = format!("there is no line {line}, which is to have the units");
-        open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
-    }
-    units
-}
-
-/// Whether a line has nothing but units; below columns that are not read these may be of anything, such as `°C`, and then a unit of a
-/// length or an angle stands below another column.
-fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> bool {
-    let mut is_told = false;
-    let mut is_one = |(place, cell): (usize, &Cell)| {
-        let title = headings.cell(place).text();
-        // a heading may be merged over both lines
-        let is_unit = is_unit(&cell.text()) || cell.text() == title;
-        match owner(&title, &Heading::of(&title).name, place, layout, form) {
-            Ok(Some(Owner::Rule(_))) => return true,
-            Ok(None) => is_told |= is_unit,
-            Ok(Some(Owner::Role(Role::Value(_)))) if is_unit => is_told = true,
-            _ => return is_unit,
-        }
-        true
-    };
-    let mut filled = units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_missing());
-    only_units(&units.cells).is_some() || units.numbers() == 0 && filled.all(&mut is_one) && is_told
-}
-
 /// What is wanted of a table: of a pinion's teeth, with the pinion's face width.
 fn of_pinion<'w>(matched: &Matched, want: &'w Want) -> Cow<'w, Want> {
     let is_of_tooth = |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(field) | Role::Index(field))) if field.is_of_tooth());
@@ -360,27 +322,6 @@ fn no_values(matched: &Matched) -> Open {
 fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
     let is_open = !record.says_nothing() && layout.covering(record).is_none();
     is_open.then(|| Open::Line { line: record.line, text: line_of(record) })
-}
-
-/// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it; a column without
-/// an owner keeps it.
-fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
-    let is_heading = |place: usize, cell: &Cell| matched.titles.get(place).is_some_and(|title| cell.text() == **title);
-    let cells = units.cells.iter().enumerate().filter(|(place, cell)| !cell.is_empty() && !is_heading(*place, cell));
-    for (place, cell) in cells.collect::<Vec<_>>() {
-        match matched.owners.get(place) {
-            Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
-            Some(Some(Owner::Role(Role::Value(_)))) => {}
-            Some(None) => _ = matched.headings[place].unit.get_or_insert_with(|| cell.text().into_owned()),
-            Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status | Role::Index(_)))) => {
-                left_out.add(left_out.beside, units.line, place, &cell.text());
-            }
-            _ => {
-                let what = format!("line {}: `{}` is a unit of no value", units.line, cell.text());
-                matched.open.push(Open::Wrong { what, help: String::new() });
-            }
-        }
-    }
 }
 
 /// Gives back what the rule for all others takes and what has the nominal value and the unit of a column of values: it may be

@@ -103,6 +103,17 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Mark { .. } => {
             vec![Rule::Key("decimal", "\"comma\"".to_owned()).choice("or \"point\": say which")]
         }
+        Open::Encoding { names } => {
+            let key = |name: &str| Rule::Key("encoding", quoted(name));
+            match names[..] {
+                [name] => vec![key(name).guess("more of its headings are known")],
+                _ => names
+                    .iter()
+                    .take(1)
+                    .map(|name| key(name).choice(format!("say which: {}", names.join(" or "))))
+                    .collect(),
+            }
+        }
         Open::Sheets { names } => {
             let others: Vec<_> = names.iter().skip(1).map(|name| quoted(name)).collect();
             let sheet = names.first().map_or_else(String::new, |name| quoted(name));

@@ -261,7 +261,7 @@ fn mutated(grid: &mut Grid, random: &mut Random) -> Option<&'static str> {
     let word = WORDS[random.below(WORDS.len())];
     let row = random.below(grid.len());
     let column = random.below(grid[row].len());
-    match random.below(12) {
+    match random.below(13) {
         0 | 1 => grid[row][column] = word.to_owned(),
         2 => grid[row].insert(column, word.to_owned()),
         3 => grid[row].push(word.to_owned()),
@@ -275,6 +275,14 @@ fn mutated(grid: &mut Grid, random: &mut Random) -> Option<&'static str> {
         7 => grid[row][column] = format!("{} {word}", grid[row][column]),
         8 => _ = grid.remove(row),
         9 => grid.insert(row, grid[row].clone()),
+        11 => {
+            // the last digit of a number
+            let text = &mut grid[row][column];
+            if let Some(digit) = text.chars().last().and_then(|last| last.to_digit(10)) {
+                text.pop();
+                text.push(char::from_digit((digit + 1) % 10, 10).unwrap());
+            }
+        }
         10 => grid.iter_mut().filter(|row| row.len() > column).for_each(|row| _ = row.remove(column)),
         _ => return Some(word),
     }

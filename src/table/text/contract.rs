@@ -55,6 +55,10 @@ impl Text {
             self.refuse_long_lines(&bytes)?;
             head = self.head(&bytes, is_all, declared, layout)?;
         }
+        let names = self.better_encodings(&bytes, (is_all, declared), layout, head.roles);
+        if !names.is_empty() {
+            return Err(Unclosed::Open(Box::new(Proposal::of(&self.name, layout, vec![Open::Encoding { names }]))));
+        }
         let is_cut = matches!(head.separator, Separator::Character(_) | Separator::Lines);
         let is_streamed = is_cut && is_in_rows(&head.records, layout) && !needs_all(layout);
         if !is_streamed && !is_all {
@@ -87,6 +91,21 @@ impl Text {
         self.chunks.skip(end(above));
         table.pieces.give_chunks(self.chunks, lines);
         Ok(table)
+    }
+
+    /// The encodings under which more headings are known than so many.
+    fn better_encodings(
+        &self,
+        bytes: &[u8],
+        (is_all, declared): (bool, Option<u8>),
+        layout: &Arc<Layout>,
+        roles: usize,
+    ) -> Vec<&'static str> {
+        let roles_in = |text: &str| self.head(text.as_bytes(), is_all, declared, layout).map_or(0, |head| head.roles);
+        let others = self.encoding.others(bytes).filter(|_| layout.encoding.is_none());
+        let found: Vec<_> = others.map(|(name, text)| (name, roles_in(&text))).collect();
+        let most = found.iter().map(|(_, count)| *count).max().filter(|most| *most > roles);
+        found.into_iter().filter(|(_, count)| Some(*count) == most).map(|(name, _)| name).collect()
     }
 
     /// The first records under the separator that there is.
