@@ -16,7 +16,7 @@ use super::write;
 use crate::chance::MonteCarloError;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::function::YokeJudge;
+use crate::function::{KNOWN_FIGURES, YokeJudge};
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::Support;
@@ -396,9 +396,10 @@ impl Asked {
         let (judged, unjudged): (Limits, Limits) = limits.into_iter().partition(|(on, _)| is_read(*on));
         let unjudged: Vec<_> = unjudged.into_iter().map(|(on, _)| on).collect();
         outputs.retain(|output| !matches!(output, Output::Conformance(on) if unjudged.contains(on)));
-        if request.columns.is_none() && !sources.iter().all(|source| source.extended.is_on_all_teeth()) {
-            // of teeth that are not known a yoke has no figures
-            outputs.retain(|output| !matches!(output, Output::Yoke(_)));
+        if request.columns.is_none() {
+            let knows_teeth = sources.iter().all(|source| source.extended.is_on_all_teeth());
+            let is_other = |figure: usize| (figure < KNOWN_FIGURES) != knows_teeth;
+            outputs.retain(|output| !matches!(output, Output::Yoke(figure) if is_other(*figure)));
         }
         let mut without = Vec::new();
         if request.partial {

@@ -288,7 +288,7 @@ impl<'a> Results<'a> {
                 let values: Vec<_> = deviations.iter().map(|column| column.at(row)).collect();
                 meshes.yoke(plan, yoke, &values)
             } else {
-                Arc::new(yoke.unknown(results.yoke_by_bound(yoke, row)))
+                Arc::new(results.yoke_by_bound(yoke, row))
             }))
         });
         if yoke.limits.is_empty() {
@@ -310,14 +310,14 @@ impl<'a> Results<'a> {
     }
 
     /// The limits on a yoke by the worst case of a part; open where its pair is not known.
-    fn yoke_by_bound(&self, yoke: &YokeJudge, row: usize) -> Vec<Check> {
+    fn yoke_by_bound(&self, yoke: &YokeJudge, row: usize) -> JudgedYoke {
         let range = at(&self.combined[Stack::Range as usize], row);
         match &self.plan.basis.geometry {
             GivenGeometry::Known(pairs) => {
                 let width_mm = range.map(|range| (range.upper - range.lower).mm());
-                yoke.by_bound(&pairs.given().pair, width_mm, &[])
+                yoke.within(&pairs.given().pair, width_mm)
             }
-            GivenGeometry::Unknown | GivenGeometry::BothFlanks => yoke.open(&Judged::NotProven),
+            GivenGeometry::Unknown | GivenGeometry::BothFlanks => yoke.unknown(yoke.open(&Judged::NotProven)),
         }
     }
 

@@ -31,6 +31,8 @@ pub struct JudgedYoke {
     pub yoke: Yoke,
     /// What it does; `None` where the part's teeth are not known over the whole travel.
     pub function: Option<Function>,
+    /// What a bound of ΔCD says, where one is known and not the teeth.
+    pub bounded: Option<Bounded<'static>>,
     /// One per limit.
     pub checks: Vec<Check>,
 }
@@ -88,19 +90,27 @@ impl YokeJudge {
     /// The yoke on a part of which nothing is known over the whole travel but this.
     #[must_use]
     pub fn unknown(&self, checks: Vec<Check>) -> JudgedYoke {
-        JudgedYoke { yoke: self.yoke, function: None, checks }
+        JudgedYoke { yoke: self.yoke, function: None, bounded: None, checks }
+    }
+
+    /// The yoke on a part of which a bound of ΔCD of that width is known, and no placement.
+    #[must_use]
+    pub fn within(&self, pair: &Pair, width_mm: Option<f64>) -> JudgedYoke {
+        let bounded = width_mm.map(|width| self.bounded(pair, width, &[]));
+        JudgedYoke { bounded, ..self.unknown(self.by_bound(pair, width_mm, &[])) }
     }
 
     /// The yoke on a part whose teeth are known, or were not measured where they carry.
     #[must_use]
     pub fn known(&self, function: Function, is_measured: bool) -> JudgedYoke {
         let checks = self.judge(&function, is_measured);
-        JudgedYoke { yoke: self.yoke, function: Some(function).filter(|_| is_measured), checks }
+        JudgedYoke { yoke: self.yoke, function: Some(function).filter(|_| is_measured), bounded: None, checks }
     }
 }
 
-/// The names of the figures of a part, as columns and JSON have them.
-pub const FIGURES: [(&str, Figure); 16] = [
+/// The names of the figures of a part, as columns and JSON have them: [`KNOWN_FIGURES`] where its teeth are known, the others
+/// where a bound is.
+pub const FIGURES: [(&str, Figure); 22] = [
     ("variation_mm", |yoke| Some(yoke.function.as_ref()?.variation_mm())),
     ("smallest_play_mm", |yoke| Some(yoke.function.as_ref()?.plays_mm()?.0)),
     ("largest_play_mm", |yoke| Some(yoke.function.as_ref()?.plays_mm()?.1)),
@@ -117,7 +127,15 @@ pub const FIGURES: [(&str, Figure); 16] = [
     ("torque_falling_largest_n_m", |yoke| Some(yoke.torques()?[1].extent.largest)),
     ("torque_falling_fluctuation_n_m", |yoke| Some(yoke.torques()?[1].fluctuation_n_m())),
     ("lift_off_force_n", |yoke| Some(yoke.function.as_ref()?.forces.as_ref()?.lift_off_n.smallest)),
+    ("variation_at_most_mm", |yoke| Some(yoke.bounded?.safe.width_mm)),
+    ("safe_setting_from_mm", |yoke| Some(yoke.safe_setting()?.from_mm)),
+    ("safe_setting_to_mm", |yoke| yoke.safe_setting()?.to_mm),
+    ("safe_setting_from_deg", |yoke| yoke.yoke.degrees(yoke.safe_setting()?.from_mm)),
+    ("safe_setting_to_deg", |yoke| yoke.yoke.degrees(yoke.safe_setting()?.to_mm?)),
+    ("lift_off_force_at_least_n", |yoke| Some(yoke.bounded?.yoke_n(&yoke.yoke)?[0] * yoke.bounded?.lift_off)),
 ];
+/// How many of the figures are of known teeth.
+pub const KNOWN_FIGURES: usize = 16;
 
 impl JudgedYoke {
     /// The same without what it does at each point of the curve, which takes much room.
@@ -131,6 +149,13 @@ impl JudgedYoke {
     #[must_use]
     pub fn setting(&self) -> Option<Setting> {
         self.function.as_ref()?.setting
+    }
+
+    /// The settings that keep the window whatever the curve within the bound, where the play is set.
+    #[must_use]
+    pub fn safe_setting(&self) -> Option<Setting> {
+        let is_limited = self.checks.iter().any(|check| check.on == Target::YokePlay);
+        self.bounded.filter(|_| is_limited)?.settings(&self.yoke)
     }
 
     /// The settings, if it is known which there are: `Some(None)` of a part that no position of the plug suits.

@@ -102,6 +102,16 @@ pub struct Check {
     pub verdict: Option<Verdict>,
 }
 
+impl Check {
+    /// By how much the values leave the limit; without values, by any amount.
+    fn beyond(&self) -> f64 {
+        let Judged::Values([smallest, largest]) = self.judged else { return f64::INFINITY };
+        let below = self.bounds.lower.map(|lower| lower - smallest);
+        let above = self.bounds.upper.map(|upper| largest - upper);
+        below.into_iter().chain(above).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 /// How limits are held against what a yoke does.
 #[derive(Debug, Clone, Copy)]
 pub struct Terms {
@@ -138,7 +148,7 @@ pub fn judge(function: &Function, yoke: &Yoke, limits: &[(Target, Bounds)], term
 }
 
 /// What is known of a yoke where only a bound of ΔCD is.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded<'a> {
     /// What the bound says of settings.
     pub safe: SafeSettings,
@@ -197,7 +207,9 @@ impl Bounded<'_> {
                 return Check { verdict: Some(Verdict::Pass), ..open(judged) };
             }
             let placed = self.reached.iter().flat_map(|function| judge(function, yoke, &[(on, bounds)], terms));
-            placed.into_iter().find(|check| check.verdict == Some(Verdict::Fail)).unwrap_or(open(Judged::NotProven))
+            let fails = placed.into_iter().filter(|check| check.verdict == Some(Verdict::Fail));
+            let worst = fails.max_by(|a, b| a.beyond().total_cmp(&b.beyond()));
+            worst.unwrap_or(open(Judged::NotProven))
         };
         limits.iter().map(judged).collect()
     }

@@ -14,7 +14,7 @@ mod words;
 pub use along::{Forces, Function, Torque};
 pub use common::{Settings, Shared};
 pub(crate) use common::{most_shared, shared_by};
-pub use judged::{FIGURES, Figure, JudgedYoke, YokeJudge};
+pub use judged::{FIGURES, Figure, JudgedYoke, KNOWN_FIGURES, YokeJudge};
 pub use limits::{Bounded, Bounds, Check, Judged, Target, Terms, judge};
 pub use play::{SafeSettings, Setting, Window};
 pub use torque::{AtStroke, ForcesAt, lift_off_per_newton};

@@ -65,9 +65,9 @@ pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
 #[cfg(feature = "cli")]
 pub(crate) use fact::{at, element_name};
-#[cfg(feature = "batch")]
-pub use function::yokes_block;
 pub use function::{BoundPart, FunctionPart, YokeSection};
+#[cfg(feature = "batch")]
+pub use function::{plug_in_words, yokes_block};
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;

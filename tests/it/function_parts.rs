@@ -137,7 +137,8 @@ fn what_is_not_known_of_a_part_leaves_its_yoke_open() {
         );
     };
     let spec = format!("{PAIR}{LIMITS}");
-    assert_eq!(batch(&folder, &spec, &table, &["--teeth"]).code, Some(0));
+    let judged = batch(&folder, &spec, &table, &["--teeth"]);
+    assert!(judged.code == Some(0) && judged.stderr.contains("suits 1 of 1 parts"), "{}", judged.stderr);
     open(&spec.replace("to = 60", "to = 200"), &[], "were not measured");
     open(&spec.replace("set_at = 30", "set_at = 300"), &[], "were not measured");
     open(&spec.replace("travel = { from = 20, to = 60 }\n", ""), &[], "rack.travel");
@@ -193,6 +194,21 @@ fn whole_parts_are_judged_as_eval_judges_them() {
     let pass = || Some("pass".to_owned());
     assert_eq!((verdicts(0), verdicts(1)), ([pass(), None, pass()], [None, None, pass()]));
     assert!(rows[0]["verdict"].is_null() && rows[1]["verdict"].is_null());
+    let placed = steps.replacen("0 um", "13 um", 1).replacen("rack_pitch = \"0 um", "rack_pitch = \"5 um", 1);
+    let alone = run(&["eval", &write(&folder, "one.toml", &spec(&placed)), "-f", "json"], "").json();
+    let pasted = run(&["paste", &folder.path("spec.toml"), "-f", "json"], table).json();
+    for yoke in [&alone["yoke"], &pasted["parts"][0]["yoke"]] {
+        assert_eq!(yoke["judged_by"], "bound");
+        let same = |column: &str, value: &Value| {
+            assert!((number(&rows[0][column]) - number(value)).abs() < 1e-6, "{column}: {} {value}", rows[0][column]);
+        };
+        same("variation_at_most_mm", &yoke["variation_at_most_mm"]);
+        same("lift_off_force_at_least_n", &yoke["lift_off_force_n"]);
+        for end in ["from_mm", "to_mm", "from_deg", "to_deg"] {
+            same(&format!("safe_setting_{end}"), &yoke["safe_setting"][end]);
+        }
+    }
+    assert!(rows[1]["safe_setting_from_mm"].is_null(), "{}", rows[1]);
 }
 
 /// Racks drawn at random: the best plug, shares and distributions are those of their list, ranges merge to one run, and each

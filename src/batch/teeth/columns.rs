@@ -6,7 +6,7 @@ use super::Solved;
 use crate::batch::columns::ColumnKind;
 use crate::batch::output::End;
 use crate::diagnostic::Diagnostic;
-use crate::function::{FIGURES, Figure, Target};
+use crate::function::{FIGURES, Figure, KNOWN_FIGURES, Target};
 use crate::quantity::tidy;
 use crate::table::ToothedPart;
 
@@ -82,7 +82,8 @@ pub(super) fn columns_asked(
     names: Option<&[String]>,
     has_yoke: bool,
 ) -> Result<Vec<(&'static str, Column)>, Diagnostic> {
-    let of_yoke = FIGURES.into_iter().map(|(name, figure)| (name, Column::Yoke(figure))).chain(VERDICTS);
+    let of_yoke =
+        FIGURES.into_iter().take(KNOWN_FIGURES).map(|(name, figure)| (name, Column::Yoke(figure))).chain(VERDICTS);
     let of_yoke: Vec<_> = of_yoke.filter(|_| has_yoke).collect();
     let Some(names) = names else { return Ok([&COLUMNS[..WRITTEN], &of_yoke].concat()) };
     let all = [&COLUMNS[..], &of_yoke].concat();

@@ -237,12 +237,11 @@ impl TeethJudge {
 /// What a yoke does on a part that was judged, where errors of the other part are left to place.
 fn yoke_by_bound(yoke: &YokeJudge, part: &JudgedTeeth, input: &MeshInput) -> JudgedYoke {
     let (from, to) = yoke.strokes_mm;
-    let checks = if input.measures_strokes(from, to) {
-        yoke.by_bound(input.mesh.pair(), part.evaluation.range_width_mm(), &[])
+    if input.measures_strokes(from, to) {
+        yoke.within(input.mesh.pair(), part.evaluation.range_width_mm())
     } else {
-        yoke.open(&Judged::NotMeasured)
-    };
-    yoke.unknown(checks)
+        yoke.unknown(yoke.open(&Judged::NotMeasured))
+    }
 }
 
 /// Spaces at the ends that have rows without values: what they touch is not judged.

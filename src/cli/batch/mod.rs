@@ -229,6 +229,8 @@ impl Args {
         outcome.is_cut |= !failed.is_empty();
         let is_complete = !outcome.interrupted && !outcome.is_cut;
         let counted = in_words(&outcome.counts, if self.teeth { "part" } else { "row" });
+        let plug = basis.yoke.as_ref().and_then(|judge| report::plug_in_words(&judge.yoke, &outcome.settings));
+        let counted = plug.into_iter().fold(counted, |counted, plug| format!("{counted}; {plug}"));
         let notes =
             [vec![counted.clone(), basis.judged_by()], report::said(&outcome.readings, &outcome.notes)].concat();
         outcome.interrupted |= !targets.finish_rows(is_complete, &notes, interruption, output)?;

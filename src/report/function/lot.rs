@@ -14,11 +14,11 @@ impl YokeSection {
     /// What a yoke does on a part that was judged.
     #[must_use]
     pub fn of_part(judged: &JudgedYoke, judge: &YokeJudge) -> Self {
-        let JudgedYoke { yoke, function, checks } = judged.clone();
+        let JudgedYoke { yoke, function, bounded, checks } = judged.clone();
         let window = judge.window();
         match function {
             Some(function) => Self::Known(Box::new(FunctionPart { yoke, function, window, checks, is_known: true })),
-            None => Self::Bounded(Box::new(BoundPart::new(yoke, window, None, None, checks))),
+            None => Self::Bounded(Box::new(BoundPart::new(yoke, window, bounded.as_ref(), None, checks))),
         }
     }
 }
@@ -63,6 +63,23 @@ pub(in crate::report) fn lot_table(yoke: &Yoke, settings: &Settings) -> Option<B
     )
 }
 
+/// The same in a line.
+#[must_use]
+pub fn plug_in_words(yoke: &Yoke, settings: &Settings) -> Option<String> {
+    let of = grouped(settings.parts);
+    (settings.parts > 0).then(|| match settings.shared() {
+        Some(shared) => {
+            let setting = settings_in_words(yoke, Some(shared.as_setting()), "");
+            format!(
+                "one plug, {setting}, suits {} of {of} parts, and none suits {}",
+                grouped(shared.parts),
+                settings.without
+            )
+        }
+        None => format!("no plug suits any of {of} parts"),
+    })
+}
+
 /// What a yoke does on each part, with the verdicts on it; `name` is above the parts' names. `None` where there is no yoke.
 #[must_use]
 pub fn yokes_block(parts: &[Part], name: &str) -> Option<Block> {
@@ -85,6 +102,14 @@ pub fn yokes_block(parts: &[Part], name: &str) -> Option<Block> {
             Column::number("settings that keep\nthe window"),
             |(_, yoke)| yoke.settings_known().map(|setting| settings_in_words(&yoke.yoke, setting, "none")),
         );
+    let is_bounded = yokes.iter().any(|(_, yoke)| yoke.bounded.is_some());
+    table = table
+        .column_if(is_bounded, Column::number("ΔCD varies by\nat most [mm]"), |(_, yoke)| {
+            Some(unsigned(tidy(yoke.bounded?.safe.width_mm)))
+        })
+        .column_if(is_limited(Target::YokePlay) && is_bounded, Column::number("safe settings"), |(_, yoke)| {
+            yoke.bounded.map(|_| settings_in_words(&yoke.yoke, yoke.safe_setting(), "none is proven"))
+        });
     for (heading, of) in [("rising", 0), ("falling", 1)] {
         let torque = move |yoke: &JudgedYoke| -> Option<Torque> {
             let forces = yoke.function.as_ref()?.forces.as_ref()?;

@@ -8,9 +8,9 @@ mod racks;
 
 pub use bound::BoundPart;
 #[cfg(feature = "batch")]
-pub use lot::yokes_block;
-#[cfg(feature = "batch")]
 pub(super) use lot::{lot_json, lot_table};
+#[cfg(feature = "batch")]
+pub use lot::{plug_in_words, yokes_block};
 pub(super) use racks::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
 
 use serde_json::{Value, json};
