@@ -228,6 +228,36 @@ mod tests {
         assert_eq!((all.counts.pass, all.counts.fail, all.counts.rejected), (1, 1, 5));
     }
 
+    /// A yoke has its figures in columns: of a size on all teeth by the mesh, of a step by the bound.
+    #[test]
+    fn parts_have_what_a_yoke_does() {
+        let spec = "[errors]\nrack_over_roller = { value = 0, extent = \"all\" }\n[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n\
+                    [rack]\nface_width = 19.7\naddendum = 1.7\ntravel = { from = 0, to = 20 }\n[pinion]\nteeth = 8\nhelix_angle = 21\n\
+                    profile_shift = 0.3\nface_width = 23.5\ntip_diameter = 19.738\n[yoke]\nset_at = \"tightest\"\n\
+                    [limits]\nyoke_play = { lower = 0.01, upper = 0.1 }";
+        let number = |of: &str, all: &EvaluatedColumns| {
+            let at = all.columns.iter().position(|(name, _)| name == of)?;
+            let ResultColumn { has_value, values: ResultValues::Numbers(numbers) } = &all.results.columns[at] else {
+                panic!("{of} is no number")
+            };
+            has_value[0].then(|| numbers[0])
+        };
+        let size = ("rack_over_roller", Stored::doubles(&[0.02][..]));
+        let known = evaluate(&evaluator(spec), &[("part_id", names(&["P1"])), size.clone()]).unwrap();
+        assert_eq!(texts("yoke_play_verdict", &known), [Some("pass".to_owned())]);
+        let setting = ["setting_from_mm", "setting_to_mm"].map(|name| number(name, &known));
+        assert_eq!((setting, number("variation_at_most_mm", &known)), ([Some(0.01), Some(0.1)], None));
+        let step = spec.replace("[pair]", "rack_pitch = 0\n[pair]");
+        let columns = [("part_id", names(&["P1"])), size, ("rack_pitch", Stored::doubles(&[0.01][..]))];
+        let bounded = evaluate(&evaluator(&step), &columns).unwrap();
+        let [width, to] = ["variation_at_most_mm", "safe_setting_to_mm"].map(|name| number(name, &bounded).unwrap());
+        assert!(width > 0.01 && (to - (0.1 - width)).abs() < 1e-11, "{width} {to}");
+        assert_eq!(
+            (number("setting_from_mm", &bounded), texts("yoke_play_verdict", &bounded)),
+            (None, [Some("pass".to_owned())].into())
+        );
+    }
+
     /// Without rows there are none; what a table may not be is refused with the same words.
     #[test]
     fn pieces_without_rows_and_columns_without_an_owner() {

@@ -131,7 +131,14 @@ impl Args {
         let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
         let report = EvaluationReport { title: None, ..evaluated(&known, &self.judge, worst.as_ref(), output)? };
         let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
-        let blocks = verdict_to_top(report.blocks(), page, "");
+        let mut blocks = verdict_to_top(report.blocks(), page, "");
+        if worst.is_some() && spec.has_yoke() {
+            // what the mesh shows below is one placement
+            let tables = spec_files::measured_tables(&known, &self.spec, output)?;
+            let yoke = function::evaluated(&known, &tables, &report.evaluation, worst.as_ref())?;
+            let bounded = yoke.iter().filter(|yoke| yoke.known().is_none()).flat_map(YokeSection::blocks);
+            blocks.extend(bounded.filter(|block| !matches!(block, Block::Verdict(..))));
+        }
         page.sections.push(Section::new(BY_FORMULA, blocks));
         if !spec.errors.is_empty() || spec.has_deviations() {
             let (section, of_yoke) = self.mesh(&known, worst.as_ref(), output)?;

@@ -4,7 +4,7 @@ use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFl
 use rackmesh::function::{Bounds, Function, Judged, SetAt, Target, Terms, Window, Yoke, judge};
 use rackmesh::gear::Pair;
 use rackmesh::judge::Verdict;
-use rackmesh::mesh::{Curve, Mesh, Support};
+use rackmesh::mesh::{Curve, Mesh, MeshPoint, Sampler, Support};
 
 use crate::common::random::{self, Random};
 
@@ -167,4 +167,64 @@ fn a_limit_is_open_without_what_it_needs() {
     for terms in [Terms { knows_travel: false, ..BY_VALUE }, Terms { is_by_value: false, ..BY_VALUE }, unmeasured] {
         assert!(judged(&YOKE, terms).iter().all(|check| check.verdict.is_none()), "{terms:?}");
     }
+}
+
+/// Play, force, torque and lift-off anew: from ΔCD and the pinion's angle at neighbouring strokes of the mesh, and the wedge.
+#[test]
+fn each_stroke_is_what_its_neighbours_say() {
+    const STEP: f64 = 1e-3;
+    let (mut compared, mut turned) = (0, 0.0_f64);
+    for (mesh, curve) in meshes(53, 6) {
+        let pair = mesh.pair();
+        let smooth = Yoke { yoke_friction: None, tooth_friction: None, bearing_torque_n_m: None, ..YOKE };
+        let (with, without) = (function(&mesh, &curve, &YOKE, None), function(&mesh, &curve, &smooth, None));
+        let set_at = mesh.at(3.0).expect("solved").delta_cd_mm;
+        // a flank that climbs alone: its slope along the rack, and the friction angle in that plane
+        let (alpha, beta) = (pair.normal_pressure_angle_rad(), pair.rack().helix_angle_rad);
+        let slope = (alpha.tan() / beta.cos()).atan();
+        let held = (0.08 / (1.0 - (alpha.cos() * beta.sin()).powi(2)).sqrt()).atan();
+        for ((point, at), frictionless) in curve.points.iter().zip(&with.along).zip(&without.along).step_by(7) {
+            let moved = point.delta_cd_mm - set_at;
+            assert!((at.play_mm.expect("a play") - (0.06 - moved)).abs() < 1e-12);
+            let (forces, frictionless) = (at.forces.expect("forces"), frictionless.forces.expect("forces"));
+            let force = 500.0 + 100.0 * moved;
+            assert!((forces.yoke_n - force).abs() < 1e-9);
+            assert!((forces.lift_off_n - force / (slope + held).tan()).abs() < 1e-8, "{forces:?}");
+            assert!((frictionless.lift_off_n - force / slope.tan()).abs() < 1e-8, "{frictionless:?}");
+            let [before, after] = [-STEP, STEP].map(|step| mesh.at(point.stroke_mm + step).expect("solved"));
+            let alike = |other: &MeshPoint| (other.right, other.left) == (point.right, point.left);
+            if alike(&before) && alike(&after) {
+                let angle = after.pinion_angle_rad - before.pinion_angle_rad;
+                let expected = force * (after.delta_cd_mm - before.delta_cd_mm) / angle / 1000.0;
+                assert!((frictionless.rising_n_m - expected).abs() < 1e-6, "{} {expected}", frictionless.rising_n_m);
+                assert!((frictionless.falling_n_m + expected).abs() < 1e-6);
+                let yoke = 0.1 * force * 2.0 * STEP / angle / 1000.0;
+                assert!((forces.yoke_friction_n_m - yoke).abs() < 1e-6, "{forces:?} {yoke}");
+                let resting = forces.yoke_friction_n_m + forces.tooth_friction_n_m + 0.1;
+                assert!((forces.rising_n_m - resting - forces.lifting_n_m).abs() < 1e-12);
+                assert!((forces.falling_n_m - resting + forces.lifting_n_m).abs() < 1e-12);
+                (compared, turned) = (compared + 1, turned.max(expected.abs()));
+            }
+        }
+        // between the points of the curve no torque is larger than the largest
+        let (rising, falling) = (without.forces.expect("forces").rising, without.forces.expect("forces").falling);
+        let mut sampler = Sampler::new(&mesh);
+        for step in 0..400 {
+            let stroke = -2.0 + (5.0 * pair.rack().pitch_mm + 2.0) * f64::from(step) / 400.0;
+            let point = sampler.at(stroke).expect("solved");
+            let rates = sampler.rates(&point);
+            let forces = without.at(&point, rates).forces.expect("forces");
+            for (torque, all) in [(forces.rising_n_m, rising), (forces.falling_n_m, falling)] {
+                assert!(
+                    all.extent.smallest - 1e-6 <= torque && torque <= all.extent.largest + 1e-6,
+                    "{stroke} {torque}"
+                );
+            }
+        }
+        assert!(
+            without.forces.expect("forces").lift_off_n.smallest
+                <= (500.0 + 100.0 * (with.lowest.delta_cd_mm - set_at)) / slope.tan() + 1e-8
+        );
+    }
+    assert!(compared > 300 && turned > 0.05, "{compared} {turned}");
 }

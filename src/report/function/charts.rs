@@ -20,7 +20,9 @@ impl FunctionPart {
         // without a setting, the play that just touches its lower limit
         let at_limit = lowest.unwrap_or(0.0) + (function.highest.delta_cd_mm - function.at_mm());
         let (label, set) = match function.play_mm {
-            Some(play) => (if self.yoke.play_mm.is_some() { "play as set" } else { "play as recommended" }, play),
+            Some(play) if self.yoke.play_mm.is_some() => ("play as set", play),
+            Some(play) if self.is_known => ("play as recommended", play),
+            Some(play) => ("play at the middle, with the errors placed so", play),
             None => ("play with its smallest at the limit", at_limit),
         };
         let play = |set: f64, point: &MeshPoint| set - (point.delta_cd_mm - function.at_mm());

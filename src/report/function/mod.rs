@@ -71,7 +71,9 @@ impl YokeSection {
         }
     }
 
-    pub(super) fn blocks(&self) -> Vec<Block> {
+    /// For people.
+    #[must_use]
+    pub fn blocks(&self) -> Vec<Block> {
         match self {
             Self::Known(part) => part.blocks(),
             Self::Bounded(part) => part.blocks(),
@@ -181,7 +183,7 @@ impl FunctionPart {
             "set_at_mm": function.set_at_mm,
             "set_play_mm": function.play_mm.map(tidy),
             "set_play_deg": function.play_mm.and_then(|play| self.yoke.degrees(play)),
-            "is_recommended": self.yoke.play_mm.is_none() && function.play_mm.is_some(),
+            "is_recommended": self.is_known && self.yoke.play_mm.is_none() && function.play_mm.is_some(),
             "variation_mm": tidy(function.variation_mm()),
             "smallest_play_mm": smallest.map(tidy),
             "smallest_play": teeth(&function.highest),
@@ -214,22 +216,25 @@ impl FunctionPart {
         let (smallest, largest) = function.plays_mm().unzip();
         let no_play = || "no play is set".to_owned();
         let set_at = format!("{:.4}", function.set_at_mm);
-        let is_given = self.yoke.play_mm.is_some();
         let settings = self.window.map(|_| settings_in_words(&self.yoke, function.setting, "none"));
         let play = |mm: f64| play_in_words(&self.yoke, mm);
         let (from, to) = function.strokes_mm;
+        // elsewhere on the teeth the same errors leave other settings, of which none is recommended
+        let in_window =
+            if self.is_known { "settings that keep the window" } else { "settings with the errors placed so" };
+        let set = match (self.yoke.play_mm, self.is_known) {
+            (Some(_), _) => "play that is set",
+            (None, false) if self.window.is_some() => "the middle of these",
+            (None, _) => "recommended play",
+        };
         let rows = [
             Some((
                 "variation of ΔCD",
                 format!("{} mm", unsigned(tidy(function.variation_mm()))),
                 format!("{} … {}", plain(from), plain(to)),
             )),
-            settings.map(|settings| ("settings that keep the window", settings, set_at.clone())),
-            Some((
-                if is_given { "play that is set" } else { "recommended play" },
-                function.play_mm.map_or_else(no_play, play),
-                set_at,
-            )),
+            settings.map(|settings| (in_window, settings, set_at.clone())),
+            Some((set, function.play_mm.map_or_else(no_play, play), set_at)),
             Some((
                 "smallest play",
                 smallest.map_or_else(no_play, |mm| format!("{} mm", unsigned_play(mm))),
@@ -293,6 +298,9 @@ impl FunctionPart {
     fn notes(&self) -> Vec<String> {
         let (function, yoke) = (&self.function, &self.yoke);
         let mut notes = Vec::new();
+        if !self.is_known && self.window.is_some() {
+            notes.push("errors elsewhere on the teeth leave other settings: `rackmesh eval` has those that are safe wherever they are".to_owned());
+        }
         let missing = [
             ("yoke.rate", yoke.rate_n_per_mm),
             ("yoke.friction.yoke", yoke.yoke_friction),
