@@ -5,6 +5,7 @@ use rackmesh::function::{Bounds, Function, Judged, SetAt, Target, Terms, Window,
 use rackmesh::gear::Pair;
 use rackmesh::judge::Verdict;
 use rackmesh::mesh::{Curve, Mesh, MeshPoint, Sampler, Support};
+use rackmesh::trig;
 
 use crate::common::random::{self, Random};
 
@@ -181,16 +182,17 @@ fn each_stroke_is_what_its_neighbours_say() {
         let set_at = mesh.at(3.0).expect("solved").delta_cd_mm;
         // a flank that climbs alone: its slope along the rack, and the friction angle in that plane
         let (alpha, beta) = (pair.normal_pressure_angle_rad(), pair.rack().helix_angle_rad);
-        let slope = (alpha.tan() / beta.cos()).atan();
-        let held = (0.08 / (1.0 - (alpha.cos() * beta.sin()).powi(2)).sqrt()).atan();
+        let slope = trig::atan(trig::tan(alpha) / trig::cos(beta));
+        let across = trig::cos(alpha) * trig::sin(beta);
+        let held = trig::atan(0.08 / (1.0 - across * across).sqrt());
         for ((point, at), frictionless) in curve.points.iter().zip(&with.along).zip(&without.along).step_by(7) {
             let moved = point.delta_cd_mm - set_at;
             assert!((at.play_mm.expect("a play") - (0.06 - moved)).abs() < 1e-12);
             let (forces, frictionless) = (at.forces.expect("forces"), frictionless.forces.expect("forces"));
             let force = 500.0 + 100.0 * moved;
             assert!((forces.yoke_n - force).abs() < 1e-9);
-            assert!((forces.lift_off_n - force / (slope + held).tan()).abs() < 1e-8, "{forces:?}");
-            assert!((frictionless.lift_off_n - force / slope.tan()).abs() < 1e-8, "{frictionless:?}");
+            assert!((forces.lift_off_n - force / trig::tan(slope + held)).abs() < 1e-8, "{forces:?}");
+            assert!((frictionless.lift_off_n - force / trig::tan(slope)).abs() < 1e-8, "{frictionless:?}");
             let [before, after] = [-STEP, STEP].map(|step| mesh.at(point.stroke_mm + step).expect("solved"));
             let alike = |other: &MeshPoint| (other.right, other.left) == (point.right, point.left);
             if alike(&before) && alike(&after) {
@@ -223,7 +225,7 @@ fn each_stroke_is_what_its_neighbours_say() {
         }
         assert!(
             without.forces.expect("forces").lift_off_n.smallest
-                <= (500.0 + 100.0 * (with.lowest.delta_cd_mm - set_at)) / slope.tan() + 1e-8
+                <= (500.0 + 100.0 * (with.lowest.delta_cd_mm - set_at)) / trig::tan(slope) + 1e-8
         );
     }
     assert!(compared > 300 && turned > 0.05, "{compared} {turned}");

@@ -333,9 +333,9 @@ mod tests {
     /// Lengths that no two racks share, spread over a twentieth of a millimetre.
     fn result(rack: u64) -> RackResult {
         let place = 0.02 * trig::sin((rack as f64) * 0.618_033_9);
-        let setting = Setting { from_mm: 0.03 + place, to_mm: (rack % 3 > 0).then_some(0.06 + 0.7 * place) };
+        let setting = Setting { from_mm: 0.03 + place, to_mm: (!rack.is_multiple_of(3)).then_some(0.06 + 0.7 * place) };
         let yoke = RackYoke {
-            settings: (rack % 5 > 0).then(|| (rack % 7 > 0).then_some(setting)),
+            settings: (!rack.is_multiple_of(5)).then(|| (!rack.is_multiple_of(7)).then_some(setting)),
             fluctuation_n_m: Some(0.5 + place),
             lift_off_n: Some(2000.0 + 1000.0 * place),
             verdicts: [None; 4],

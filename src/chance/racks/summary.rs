@@ -167,7 +167,7 @@ impl YokeSummary {
 impl SharedPlug {
     fn of(study: &YokeStudy, setting: Shared) -> Self {
         let known = study.known() as f64;
-        let known_to = ((4.0 / (1.0 - CONFIDENCE)).ln() / (2.0 * known)).sqrt();
+        let known_to = (libm::log(4.0 / (1.0 - CONFIDENCE)) / (2.0 * known)).sqrt();
         let least = (setting.parts as f64 - 4.0 * known_to * known).ceil();
         let confidence = if least >= 1.0 { study.shared_by(least as u64) } else { None };
         Self { setting, suits: Inside::of(setting.parts, study.known()), confidence }
