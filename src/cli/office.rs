@@ -24,8 +24,8 @@ pub(super) struct FormedRows<W> {
 }
 
 enum Kind {
-    /// A workbook is written in one go, at the end.
-    Book(Box<Book>),
+    /// A workbook is written in one go, at the end; with its name.
+    Book(Box<Book>, String),
     Qdas(QdasRows),
     /// Rows that wait for the next piece of the table, the header first; the screen, and whether lengths stay as written.
     Table(Vec<Vec<String>>, (Screen, bool)),
@@ -41,7 +41,7 @@ impl<W: Write + Send> FormedRows<W> {
     pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
         let kind = match target::ending(path).as_str() {
             "dfq" => Kind::Qdas(QdasRows::new(part, limits)),
-            _ => Kind::Book(Box::new(Book::new("rackmesh")?)),
+            _ => Kind::Book(Box::new(Book::new("rackmesh")?), path.to_owned()),
         };
         Ok(Self { out, kind, rest: Vec::new() })
     }
@@ -58,7 +58,7 @@ impl<W: Write + Send> FormedRows<W> {
 
     fn push(&mut self, row: &[&str]) -> io::Result<()> {
         match &mut self.kind {
-            Kind::Book(book) => book.push(row),
+            Kind::Book(book, name) => book.push(row).map_err(|error| target::named(name, &error)),
             Kind::Qdas(rows) => self.out.write_all(&rows.lines(row)),
             Kind::Table(rows, shown) => {
                 rows.push(row.iter().map(|cell| (*cell).to_owned()).collect());
@@ -70,7 +70,7 @@ impl<W: Write + Send> FormedRows<W> {
 
     /// Says that so many columns behind the first one are those of the table.
     pub(super) fn with_copied(&mut self, count: usize) {
-        if let Kind::Book(book) = &mut self.kind {
+        if let Kind::Book(book, _) = &mut self.kind {
             book.copied = count;
         }
     }
@@ -79,7 +79,7 @@ impl<W: Write + Send> FormedRows<W> {
     /// of notes.
     pub(super) fn finish(mut self, notes: &[String], stop: &AtomicBool) -> io::Result<bool> {
         match self.kind {
-            Kind::Book(book) => match book.save(notes, Stopped { out: &mut self.out, stop, has_failed: false }) {
+            Kind::Book(book, _) => match book.save(notes, Stopped { out: &mut self.out, stop, has_failed: false }) {
                 Err(_) if stop.load(Ordering::Relaxed) => return Ok(false),
                 saved => saved?,
             },

@@ -1,33 +1,47 @@
 //! Rows of a report as an Excel workbook. Called by the command line. A row goes to a temporary file at once, so that
 //! memory does not depend on how many there are.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 
-use rust_xlsxwriter::utility::cell_autofit_width;
-use rust_xlsxwriter::{Format, Workbook, Worksheet, XlsxError};
+use rust_xlsxwriter::utility::{cell_autofit_width, column_number_to_name};
+use rust_xlsxwriter::{Format, Workbook, XlsxError};
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
 
-use super::row_heading;
+use super::{escape, row_heading};
 use crate::diagnostic::{harmless, harmless_lines};
 
-/// Rows of a sheet.
+/// Rows of a sheet, and characters of a cell.
 const MOST_ROWS: u32 = 1_048_576;
+const MOST_CHARACTERS: usize = 32_767;
+/// Where the sheet of rows stands in the file, and how its second row begins.
+const SHEET: &str = "xl/worksheets/sheet1.xml";
+const SECOND_ROW: &str = "<row r=\"2\"";
 
 /// A workbook with a sheet of rows: the first is the header, cells that are numbers are numbers, all others are text. A
 /// second sheet has the notes.
+///
+/// The library makes a workbook of the header and one row, and in its place come the rows: it holds all rows in memory, or
+/// panics where its own temporary file cannot be written.
 pub struct Book {
     workbook: Workbook,
     rows: u32,
     columns: Vec<BookColumn>,
+    /// The rows below the header, as they stand in the sheet.
+    below: BufWriter<File>,
     /// How many columns behind the first one are those of a table, whose headings stay.
     pub copied: usize,
 }
 
 /// A column of a workbook.
 struct BookColumn {
+    /// Its letters.
+    name: String,
     /// How wide its widest cell is, in pixels.
     width: u32,
-    /// Whether it holds results in mm, which are shown to 0.1 µm.
-    is_length: bool,
+    /// What a cell has that is a number: results in mm are shown to 0.1 µm.
+    style: String,
 }
 
 impl Book {
@@ -37,9 +51,9 @@ impl Book {
     /// If there is no temporary file.
     pub fn new(sheet: &str) -> io::Result<Self> {
         let mut workbook = Workbook::new();
-        let page = workbook.add_worksheet_with_constant_memory().map_err(io::Error::other)?;
+        let page = workbook.add_worksheet();
         page.set_name(sheet).and_then(|page| page.set_freeze_panes(1, 0)).map_err(io::Error::other)?;
-        Ok(Self { workbook, rows: 0, columns: Vec::new(), copied: 0 })
+        Ok(Self { workbook, rows: 0, columns: Vec::new(), below: BufWriter::new(tempfile::tempfile()?), copied: 0 })
     }
 
     /// Adds a row.
@@ -47,35 +61,65 @@ impl Book {
     /// # Errors
     /// If a sheet holds no more rows, not so many columns or no text so long, or the temporary file cannot be written.
     pub fn push(&mut self, row: &[&str]) -> io::Result<()> {
+        if row.iter().any(|cell| cell.chars().count() > MOST_CHARACTERS) {
+            return Err(io::Error::other("a cell of a workbook has 32,767 characters at most: write .csv or .parquet"));
+        }
         if self.rows == MOST_ROWS {
             return Err(io::Error::other("a sheet has 1,048,576 rows, and there are more: write .csv or .parquet"));
         }
-        if self.rows == 0 {
-            self.header(row).map_err(io::Error::other)?;
-        }
-        let lengths = Format::new().set_num_format("0.0000");
-        let page = self.workbook.worksheet_from_index(0).map_err(io::Error::other)?;
-        for ((place, cell), column) in (0..).zip(row).zip(&mut self.columns).filter(|_| self.rows > 0) {
-            let format = column.is_length.then_some(&lengths);
-            write(page, (self.rows, place), cell, format).map_err(io::Error::other)?;
-            column.width = cell_autofit_width(cell).max(column.width);
-        }
         self.rows += 1;
-        Ok(())
+        if self.rows == 1 {
+            return self.header(row);
+        }
+        self.cells(row)
+            .map_err(|error| io::Error::new(error.kind(), format!("the temporary file of its rows: {error}")))
     }
 
-    /// Writes the header: of results in words.
-    fn header(&mut self, names: &[&str]) -> Result<(), XlsxError> {
+    /// Writes a row below the header.
+    fn cells(&mut self, row: &[&str]) -> io::Result<()> {
+        let place = self.rows;
+        write!(self.below, "<row r=\"{place}\">")?;
+        for (cell, BookColumn { name, width, style }) in row.iter().zip(&mut self.columns) {
+            if cell.is_empty() {
+                continue;
+            }
+            *width = cell_autofit_width(cell).max(*width);
+            match number(cell) {
+                Some(number) => write!(self.below, "<c r=\"{name}{place}\"{style}><v>{number:?}</v></c>")?,
+                None => write!(
+                    self.below,
+                    "<c r=\"{name}{place}\" t=\"inlineStr\"><is><t xml:space=\"preserve\">{}</t></is></c>",
+                    escape(&harmless(cell))
+                )?,
+            }
+        }
+        self.below.write_all(b"</row>")
+    }
+
+    /// Writes the header, of results in words, and the row that others take the place of.
+    fn header(&mut self, names: &[&str]) -> io::Result<()> {
         /// What opens a filter.
         const BUTTON: u32 = 18;
-        let format = Format::new().set_bold().set_text_wrap();
-        let page = self.workbook.worksheet_from_index(0)?;
+        let (heading, length, other) =
+            (Format::new().set_bold().set_text_wrap(), Format::new().set_num_format("0.0000"), Format::new());
+        let page = self.workbook.worksheet_from_index(0).map_err(io::Error::other)?;
         for (place, name) in (0..).zip(names) {
             let is_copied = (1..=self.copied).contains(&usize::from(place));
-            let heading = if is_copied { (*name).to_owned() } else { row_heading(name) };
-            page.write_string_with_format(0, place, harmless_lines(&heading), &format)?;
-            let width = heading.lines().map(cell_autofit_width).max().unwrap_or(0) + BUTTON;
-            self.columns.push(BookColumn { width, is_length: !is_copied && name.ends_with("_mm") });
+            let text = if is_copied { (*name).to_owned() } else { row_heading(name) };
+            let format = if !is_copied && name.ends_with("_mm") { &length } else { &other };
+            page.write_string_with_format(0, place, harmless_lines(&text), &heading)
+                .and_then(|page| page.write_number_with_format(1, place, 1.0, format))
+                .map_err(io::Error::other)?;
+            let width = text.lines().map(cell_autofit_width).max().unwrap_or(0) + BUTTON;
+            self.columns.push(BookColumn { name: column_number_to_name(place), width, style: String::new() });
+        }
+        let mut sheet = String::new();
+        let mut made = ZipArchive::new(Cursor::new(self.workbook.save_to_buffer().map_err(io::Error::other)?))?;
+        made.by_name(SHEET)?.read_to_string(&mut sheet)?;
+        for column in &mut self.columns {
+            let cell =
+                sheet.split_once(&format!("<c r=\"{}2\"", column.name)).and_then(|(_, cell)| cell.split_once('>'));
+            column.style = cell.map(|(style, _)| style.to_owned()).unwrap_or_default();
         }
         Ok(())
     }
@@ -84,11 +128,33 @@ impl Book {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn save(mut self, notes: &[String], out: impl Write + Send) -> io::Result<()> {
-        self.end(notes).and_then(|()| self.workbook.save_to_writer(out)).map_err(|error| match error {
-            XlsxError::IoError(error) => error,
-            error => io::Error::other(error),
-        })
+    pub fn save(mut self, notes: &[String], out: impl Write) -> io::Result<()> {
+        self.end(notes).map_err(io::Error::other)?;
+        let mut made = ZipArchive::new(Cursor::new(self.workbook.save_to_buffer().map_err(io::Error::other)?))?;
+        let mut below = self.below.into_inner()?;
+        let length = below.stream_position()?;
+        below.seek(SeekFrom::Start(0))?;
+        let options = SimpleFileOptions::default().large_file(length > u64::from(u32::MAX) / 2);
+        let mut book = ZipWriter::new_stream(out);
+        for place in 0..made.len() {
+            let mut part = made.by_index(place)?;
+            let name = part.name()?.into_owned();
+            let mut text = String::new();
+            part.read_to_string(&mut text)?;
+            book.start_file(&*name, options)?;
+            match text.split_once(SECOND_ROW).zip(self.columns.last()).filter(|_| name == SHEET) {
+                Some(((before, sample), BookColumn { name: last, .. })) => {
+                    let extent = |row: u32| format!("<dimension ref=\"A1:{last}{row}\"/>");
+                    book.write_all(before.replacen(&extent(2), &extent(self.rows), 1).as_bytes())?;
+                    io::copy(&mut below, &mut book)?;
+                    let behind = sample.split_once("</row>").map_or("", |(_, behind)| behind);
+                    book.write_all(behind.as_bytes())?;
+                }
+                None => book.write_all(text.as_bytes())?,
+            }
+        }
+        book.finish()?;
+        Ok(())
     }
 
     fn end(&mut self, notes: &[String]) -> Result<(), XlsxError> {
@@ -112,18 +178,10 @@ impl Book {
     }
 }
 
-fn write(page: &mut Worksheet, at: (u32, u16), cell: &str, format: Option<&Format>) -> Result<(), XlsxError> {
-    let (row, column) = at;
-    // names such as `007` and `+1` are no numbers
+/// The number that a cell is; names such as `007` and `+1` are none.
+fn number(cell: &str) -> Option<f64> {
     let is_name = cell.starts_with('+') || has_leading_zero(cell);
-    let number = cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_name);
-    match (number, format) {
-        (Some(number), Some(format)) => page.write_number_with_format(row, column, number, format)?,
-        (Some(number), None) => page.write_number(row, column, number)?,
-        (None, _) if cell.is_empty() => page,
-        (None, _) => page.write_string(row, column, harmless(cell))?,
-    };
-    Ok(())
+    cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_name)
 }
 
 fn has_leading_zero(cell: &str) -> bool {

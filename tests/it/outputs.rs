@@ -188,6 +188,26 @@ fn a_full_disk_leaves_the_old_file_and_is_said_by_name() {
     }
 }
 
+/// The rows of a workbook wait in a temporary file: a disk that is full there leaves the old file, too.
+#[test]
+fn a_workbook_that_has_no_room_for_its_rows_leaves_the_old_file() {
+    let written = WRITTEN.iter().find(|written| (written.command, written.id) == ("batch", "output")).unwrap();
+    let tried = Tried::new(written, "no-room");
+    let (rows, book) = (tried.folder.join("rows.csv"), tried.folder.join("book.xlsx"));
+    let lines = (0..5_000).map(|part| format!("P{part},25.01,0\n")).collect::<String>();
+    fs::write(&rows, format!("part_id,over_roller,dp\n{lines}")).unwrap();
+    fs::write(&book, OLD).unwrap();
+    let line = format!(
+        "ulimit -f 64; {} batch {}/tests/specs/batch.toml rows.csv -o book.xlsx",
+        env!("CARGO_BIN_EXE_rackmesh"),
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let output = Command::new("sh").args(["-c", &line]).current_dir(&tried.folder).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot write book.xlsx: the temporary file"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&book).unwrap(), OLD);
+}
+
 #[test]
 fn what_is_read_is_not_written() {
     for written in tried().filter(|written| written.line.contains("SPEC")) {
