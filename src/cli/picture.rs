@@ -37,7 +37,12 @@ pub(super) fn draw(
     output: &mut Output,
 ) -> Result<(), Failure> {
     output.picture(&chart);
-    picture.map_or(Ok(()), |picture| picture.draw(&chart())?.end(is_complete, output))
+    match picture {
+        Some(picture) if !is_complete && chart().svg().is_none() => picture.discard(output),
+        Some(picture) => picture.draw(&chart())?.end(is_complete, output)?,
+        None => {}
+    }
+    Ok(())
 }
 
 /// A picture that is to be written.
@@ -55,6 +60,11 @@ impl Picture {
             return Err(Diagnostic::usage(message).help(help).into());
         }
         Ok(Self { path: path.to_owned(), target: Target::create(path, inputs)? })
+    }
+
+    /// Says that there is nothing to draw, of a run that was interrupted.
+    pub(super) fn discard(self, output: &mut Output) {
+        self.target.discard(output);
     }
 
     /// Draws the picture; the file is still to be put in its place.

@@ -101,8 +101,10 @@ impl Reading {
         let more = if self.asides.len() > SHOWN { " and more" } else { "" };
         let unused = self.left_out.iter().filter(|rule| rule.tally.count == 0 && rule.rule.ends_with('`'));
         let unused: Vec<_> = unused.map(|rule| rule.rule.clone()).collect();
+        let others = unused.len().saturating_sub(SHOWN);
+        let others = if others > 0 { format!(" and {others} more") } else { String::new() };
         let said = [
-            self.sentence("rules that leave out nothing:", &unused, ""),
+            self.sentence("rules that leave out nothing:", &unused[..unused.len().min(SHOWN)], &others),
             self.sentence(&format!("no part of the table: {lines}"), &asides.collect::<Vec<_>>(), more),
             self.sentence("not used:", &not_used.collect::<Vec<_>>(), ""),
         ];

@@ -5,7 +5,7 @@ mod notes;
 mod targets;
 mod teeth;
 
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -119,6 +119,8 @@ struct Ending<'a> {
     targets: Targets,
     /// Why files could not be read.
     failed: &'a [Diagnostic],
+    /// How many of those are said already.
+    told: usize,
     basis: Basis,
     interruption: &'a Interruption,
 }
@@ -145,6 +147,7 @@ impl Args {
                 spec: &spec,
                 targets: std::mem::take(&mut begun),
                 failed: &[],
+                told: 0,
                 basis: self.basis(&spec),
                 interruption: &interruption,
             };
@@ -153,6 +156,9 @@ impl Args {
             output.finish(ended);
         };
         let mut found = interruption.while_waiting(|| opener.look(&files), nothing)?;
+        // what is missing is said before the others are computed
+        let told = found.failed.len();
+        found.failed.iter().for_each(|diagnostic| output.diagnostic(diagnostic));
         if self.teeth {
             let formats = (format, rows_format, summary_format);
             return self.run_teeth(&spec, (&mut found, begun), formats, &interruption, output);
@@ -184,6 +190,7 @@ impl Args {
             spec: &spec,
             targets: begun,
             failed: &failed,
+            told,
             basis: Basis::of(&plan),
             interruption: &interruption,
         };
@@ -222,7 +229,7 @@ impl Args {
         format: Format,
         output: &mut Output,
     ) -> Result<Status, Failure> {
-        let Ending { spec, mut targets, failed, basis, interruption } = ending;
+        let Ending { spec, mut targets, failed, told, basis, interruption } = ending;
         written?;
         outcome.notes.extend(spec.suspicions_in_words());
         outcome.tell_duplicates();
@@ -234,7 +241,7 @@ impl Args {
         let notes =
             [vec![counted.clone(), basis.judged_by()], report::said(&outcome.readings, &outcome.notes)].concat();
         outcome.interrupted |= !targets.finish_rows(is_complete, &notes, interruption, output)?;
-        for diagnostic in failed {
+        for diagnostic in failed.iter().skip(told) {
             output.diagnostic(diagnostic);
         }
         let shows_notes = match format {
@@ -254,8 +261,9 @@ impl Args {
             let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
             match targets.summary.take() {
-                Some(summary) => {
-                    summary.write_whole(report::write(&report, format, output.screen().of_file())?.as_bytes())?;
+                Some(mut summary) => {
+                    summary.write_all(report::write(&report, format, output.screen().of_file())?.as_bytes())?;
+                    summary.end(is_complete, output)?;
                 }
                 None => output.report(&report, format)?,
             }

@@ -121,6 +121,9 @@ impl Args {
         for path in &written {
             target::refuse_inputs(path, inputs)?;
         }
+        if self.rows.output.is_none() {
+            target::refuse_inputs("/dev/stdout", inputs)?;
+        }
         self.rejects.as_deref().map_or(Ok(()), refuse_other_place)?;
         let packing = self.rejects.as_deref().map_or(Packing::None, |path| Packing::of_name(&shown(path)).0);
         let rejects = self.rejects.as_ref().map(|path| Target::create(path, inputs)).transpose()?;

@@ -43,10 +43,11 @@ impl Args {
         let workers = self.threads.map_or_else(cores, usize::from);
         let mut teeth = Teeth::new(spec, &measured, request, targets.sinks(format, || columns)?, workers)?;
         let mut bar = Bar::new(&found.paths, "parts", output);
+        let told = found.failed.len();
         let failed = Self::run_each(found, &mut bar, |table, _| Ok((teeth.take(table)?, interruption.came())))?;
         let finished = teeth.finish(interruption.stop(), &mut |progress| bar.show(progress));
         bar.finish();
-        let ending = Ending { spec, targets, failed: &failed, basis, interruption };
+        let ending = Ending { spec, targets, failed: &failed, told, basis, interruption };
         self.end(ending, finished, summary_format, output)
     }
 }

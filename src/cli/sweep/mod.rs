@@ -310,6 +310,7 @@ impl Args {
         let (designs, values) = (&sweep.designs, &tally.values);
         let swept = column.map(|column| SweptResult { designs, name: &column.name, values });
         match (begun.picture, swept.as_ref().and_then(|swept| swept.chart(&begun.title))) {
+            (Some(picture), None) if !tally.is_complete => picture.discard(output),
             (Some(_), None) => return Err(undrawn().into()),
             (picture, Some(chart)) => draw(picture, || chart.clone(), tally.is_complete, output)?,
             (None, None) => {}

@@ -137,7 +137,8 @@ struct Stream(PathBuf, std::fs::File);
 
 impl Write for Stream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.1.write(bytes).map_err(|error| named(&shown(&self.0), &error))
+        // that the reader of this one is gone is a fault, as it is not of standard output
+        self.1.write(bytes).map_err(|error| io::Error::other(named(&shown(&self.0), &error)))
     }
 
     fn flush(&mut self) -> io::Result<()> {
