@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal
 
 from ._types import Answer
@@ -52,8 +53,19 @@ class Spec:
     ) -> Answer:
         """ΔCD of each error, combined and judged (mm): ``rackmesh eval`` with the same options."""
 
-    def mesh(self, from_mm: float | None = None, to_mm: float | None = None, **options: Any) -> Answer:
-        """ΔCD along the stroke by the exact mesh (mm): ``rackmesh mesh`` with the same options."""
+    def mesh(
+        self,
+        from_mm: float | None = None,
+        to_mm: float | None = None,
+        *,
+        measured: str | PathLike[str] | tuple[Iterable[float], Iterable[float]] | None = None,
+        **options: Any,
+    ) -> Answer:
+        """ΔCD along the stroke by the exact mesh (mm): ``rackmesh mesh`` with the same options.
+
+        ``measured`` lays a measured curve on the computed one: the path of a table, or strokes and ΔCD in mm.
+        ``diagnose=True, noise="1 um"`` names the teeth whose errors explain it: ``answer["diagnosis"]``.
+        """
 
     def simulate(self, **options: Any) -> Answer:
         """ΔCD along the stroke with elastic teeth and forces (mm, N): ``rackmesh simulate`` with the same options."""

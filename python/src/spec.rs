@@ -126,6 +126,20 @@ fn until_signal<T: Send>(run: impl FnOnce(&Arc<AtomicBool>) -> T + Send) -> PyRe
     })
 }
 
+/// Strokes and ΔCD, each anything that yields numbers, as a table.
+fn trace(measured: &Bound<'_, PyAny>) -> PyResult<String> {
+    let column = |at: usize| -> PyResult<Vec<f64>> {
+        measured.get_item(at)?.try_iter()?.map(|number| number?.extract()).collect()
+    };
+    let (strokes, delta_cd) = (column(0)?, column(1)?);
+    if measured.len()? != 2 || strokes.len() != delta_cd.len() {
+        let message = "measured is the path of a table, or (strokes, ΔCD) of the same length, in mm";
+        return Err(PyValueError::new_err(message));
+    }
+    let rows = strokes.iter().zip(&delta_cd).map(|(stroke, delta_cd)| format!("{stroke},{delta_cd}\n"));
+    Ok(std::iter::once("stroke,delta_cd\n".to_owned()).chain(rows).collect())
+}
+
 /// A stroke as a command takes it.
 fn stroke(from_mm: Option<f64>, to_mm: Option<f64>) -> Vec<String> {
     let from = from_mm.map(|from_mm| format!("--from={from_mm}"));
@@ -181,16 +195,29 @@ impl Spec {
         self.ask(py, "eval", Vec::new(), options, None)
     }
 
-    /// ΔCD along the stroke by the exact mesh: `rackmesh mesh`.
-    #[pyo3(signature = (from_mm = None, to_mm = None, **options))]
+    /// ΔCD along the stroke by the exact mesh: `rackmesh mesh`. A measured curve is the path of a table, or strokes and ΔCD, mm.
+    #[pyo3(signature = (from_mm = None, to_mm = None, *, measured = None, **options))]
     fn mesh<'py>(
         &self,
         py: Python<'py>,
         from_mm: Option<f64>,
         to_mm: Option<f64>,
+        measured: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.ask(py, "mesh", stroke(from_mm, to_mm), options, None)
+        let mut arguments = stroke(from_mm, to_mm);
+        let Some(measured) = measured else { return self.ask(py, "mesh", arguments, options, None) };
+        if let Ok(path) = measured.extract::<std::path::PathBuf>() {
+            arguments.push(format!("--measured={}", path.display()));
+            return self.ask(py, "mesh", arguments, options, None);
+        }
+        let folder = py.import("tempfile")?.call_method0("TemporaryDirectory")?;
+        let path = std::path::Path::new(&folder.getattr("name")?.extract::<String>()?).join("measured.csv");
+        std::fs::write(&path, trace(measured)?)?;
+        arguments.push(format!("--measured={}", path.display()));
+        let answer = self.ask(py, "mesh", arguments, options, None);
+        folder.call_method0("cleanup")?;
+        answer
     }
 
     /// ΔCD along the stroke with elastic teeth and forces: `rackmesh simulate`.

@@ -170,3 +170,14 @@ def test_a_notebook_shows_the_curve() -> None:
     assert svg.startswith("<svg")
     assert "<path" in svg or "<polyline" in svg
     assert "worst case" in (spec.evaluate().svg or "")
+
+
+def test_a_measured_curve_is_a_table_or_arrays() -> None:
+    spec = rackmesh.Spec.from_file(EXAMPLES / "master.toml")
+    strokes, measured = numpy.loadtxt(EXAMPLES / "trace.csv", delimiter=";", skiprows=1, unpack=True)
+    of_table = spec.mesh(measured=EXAMPLES / "trace.csv")
+    of_arrays = spec.mesh(measured=(strokes, measured / 1000))
+    points = [answer.array("measured", "points")["difference_mm"] for answer in (of_table, of_arrays)]
+    assert numpy.allclose(points[0], points[1], atol=1e-9) and len(points[0]) == len(strokes)
+    with pytest.raises(ValueError, match="same length"):
+        spec.mesh(measured=(strokes, measured[1:]))

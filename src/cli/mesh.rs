@@ -30,7 +30,7 @@ pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the st
 #[command(after_help = "Examples:
   rackmesh mesh examples/mesh.toml                      summary and a sketch of the curve
   rackmesh mesh examples/mesh.toml --plot curve.svg
-  rackmesh mesh examples/master.toml --measured examples/trace.csv --plot curve.svg
+  rackmesh mesh examples/master.toml --measured examples/trace.csv --diagnose
   rackmesh mesh examples/mesh.toml --from 0 --to 50 --step 0.1 --format csv
 
 Exit status: 0 inside limits.center_distance or none given, 1 outside, 2 could not solve,
@@ -294,7 +294,7 @@ impl Args {
         (report.title, report.screen) = (spec.title.as_deref(), output.screen());
         report.yoke = function.map(|part| YokeSection::Known(Box::new(part)));
         if let Some(trace) = trace {
-            report.measured = Some(self.trace.part(trace, &spec, &input, ends)?);
+            report.measured = Some(self.trace.part(trace, &spec, &input, ends, output)?);
         }
         report.notes.extend(sinks(&input, &report.curve, &report.prediction));
         report.notes.extend(spec.suspicions_in_words());

@@ -1,18 +1,22 @@
 //! `mesh --measured`: a measured curve is read as every table is, and laid on the computed one.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::bar::Bar;
 use super::mesh::Stroke;
 use super::output::{Failure, Output};
 use super::spec_files::refuse_shared_input;
 use super::tables::{self, Opener, ReadArgs};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::Model;
+use crate::mesh::Mesh;
+use crate::quantity::Length;
 use crate::report::TracePart;
 use crate::spec::{MeshInput, Spec, keys};
 use crate::table::{Layout, Trace};
-use crate::trace::{Overlay, TraceError};
+use crate::trace::{Diagnosis, DiagnosisRequest, Overlay, TraceError};
 
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "A measured curve")]
@@ -23,6 +27,12 @@ pub(super) struct TraceArgs {
     /// Take the measured curve where it is: fit no offset and no stroke shift.
     #[arg(long, requires = "measured")]
     no_fit: bool,
+    /// Name the teeth whose errors explain the measured curve.
+    #[arg(long, requires = "measured")]
+    diagnose: bool,
+    /// Standard deviation of the measurement's noise. Default: estimated from the curve.
+    #[arg(long, requires = "diagnose", value_name = "LENGTH")]
+    noise: Option<Length>,
 }
 
 impl TraceArgs {
@@ -60,15 +70,25 @@ impl TraceArgs {
         spec: &Spec,
         input: &MeshInput,
         (from, to): (f64, f64),
+        output: &Output,
     ) -> Result<TracePart, Failure> {
         let Trace { name, mut points, without_value, .. } = trace;
         let all = points.len();
         points.retain(|point| (from..=to).contains(&point.stroke_mm));
-        let overlay = Overlay::of(&input.mesh, &points, !self.no_fit).map_err(|error| match error {
+        let failed = |error| match error {
             TraceError::Mesh(error) => Diagnostic::from(error),
+            TraceError::Interrupted => Diagnostic::error(Code::NoResult, error.to_string()),
             other => Diagnostic::error(Code::BadTable, format!("{name}: {other}")),
-        })?;
+        };
+        let overlay = Overlay::of(&input.mesh, &points, !self.no_fit).map_err(failed)?;
         let is_master = spec.get(keys::PINION_MASTER).unwrap_or_default();
+        let noise_mm = self.noise.map(Length::mm);
+        if noise_mm.is_some_and(|noise_mm| noise_mm <= 0.0) {
+            return Err(Diagnostic::usage("--noise is above 0").into());
+        }
+        let request = DiagnosisRequest { noise_mm, is_master };
+        let diagnosis = self.diagnose.then(|| diagnosed(&input.mesh, &overlay, request, output));
+        let diagnosis = diagnosis.transpose().map_err(failed)?;
         let mut notes = Vec::new();
         let mut note = |count: u64, what: &str| {
             if count > 0 {
@@ -82,6 +102,26 @@ impl TraceArgs {
                 "the pinion is a master, and the spec has errors of its teeth: they are computed, too".to_owned(),
             );
         }
-        Ok(TracePart { file: name, overlay, is_master, teeth: input.mesh.pair().pinion().teeth, notes })
+        Ok(TracePart { file: name.clone(), overlay, is_master, pair: *input.mesh.pair(), diagnosis, notes })
     }
+}
+
+/// The errors that explain a measured curve, with the progress of the search.
+fn diagnosed(
+    mesh: &Mesh,
+    overlay: &Overlay,
+    request: DiagnosisRequest,
+    output: &Output,
+) -> Result<Diagnosis, TraceError> {
+    let mut bar = Bar::new(output);
+    let mut watch = |found: usize, share: f64| {
+        // a search of less than a second shows nothing
+        if bar.seconds() > 1.0 {
+            bar.show(None, || format!("errors of teeth: {found} found, {:.0} % of the next ones tried", 100.0 * share));
+        }
+        ControlFlow::Continue(())
+    };
+    let diagnosis = Diagnosis::of(mesh, overlay, request, &mut watch);
+    bar.finish();
+    diagnosis
 }

@@ -248,6 +248,9 @@ impl MeshReport<'_> {
         }
         if let Some(measured) = &self.measured {
             json["measured"] = measured.json();
+            if let Some(diagnosis) = measured.diagnosis_json() {
+                json["diagnosis"] = diagnosis;
+            }
         }
         json
     }

@@ -21,6 +21,7 @@ mod class;
 #[cfg(feature = "cli")]
 pub mod compare;
 mod contributions;
+mod diagnosis;
 mod evaluation;
 mod fact;
 pub mod function;

@@ -4,8 +4,9 @@ use serde_json::{Value, json};
 
 use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::number::{millimetres, tidy, unsigned};
-use super::{Block, Table, fact};
-use crate::trace::{Fitted, Order, Overlay, Spectrum};
+use super::{Block, Table, diagnosis, fact};
+use crate::gear::Pair;
+use crate::trace::{Diagnosis, Fitted, Order, Overlay, Spectrum};
 
 /// A measured curve on that of a mesh.
 #[derive(Debug)]
@@ -16,8 +17,10 @@ pub struct TracePart {
     pub overlay: Overlay,
     /// Whether the pinion is a master, so that the measured variation is the rack's.
     pub is_master: bool,
-    /// The pinion's teeth.
-    pub teeth: u32,
+    /// The pair.
+    pub pair: Pair,
+    /// Which errors of teeth explain it, if that was asked.
+    pub diagnosis: Option<Diagnosis>,
     /// Remarks on the points.
     pub notes: Vec<String>,
 }
@@ -41,7 +44,7 @@ impl TracePart {
     fn shown_orders(&self, spectrum: &Spectrum) -> Vec<Order> {
         const FIRST: u32 = 3;
         const MOST: usize = 10;
-        let is_always = |order: &&Order| order.order <= FIRST || order.order.is_multiple_of(self.teeth);
+        let is_always = |order: &&Order| order.order <= FIRST || order.order.is_multiple_of(self.pair.pinion().teeth);
         let (mut shown, mut others): (Vec<&Order>, Vec<&Order>) = spectrum.orders.iter().partition(is_always);
         let largest = |order: &Order| order.amplitudes_mm[0].max(order.amplitudes_mm[1]);
         others.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
@@ -51,7 +54,7 @@ impl TracePart {
     }
 
     fn order_name(&self, order: u32) -> String {
-        match (order, order % self.teeth, order / self.teeth) {
+        match (order, order % self.pair.pinion().teeth, order / self.pair.pinion().teeth) {
             (_, 0, 1) => format!("order {order}: tooth mesh"),
             (_, 0, times) => format!("order {order}: {times} × tooth mesh"),
             (1, ..) => "order 1: turn of the pinion".to_owned(),
@@ -79,15 +82,19 @@ impl TracePart {
                 "orders": orders.collect::<Vec<_>>(),
             })
         };
-        let points = overlay.points.iter().zip(&overlay.computed_mm).map(|(point, computed)| {
+        let explained_mm = |at: usize| Some(tidy(*self.diagnosis.as_ref()?.explained_mm.get(at)?));
+        let points = overlay.points.iter().zip(&overlay.computed_mm).enumerate().map(|(at, (point, computed))| {
             json!({
                 "stroke_mm": point.stroke_mm,
                 "measured_mm": tidy(point.delta_cd_mm),
                 "computed_mm": tidy(*computed),
                 "difference_mm": tidy(point.delta_cd_mm - computed),
+                "explained_mm": explained_mm(at),
             })
         });
+        let explained = self.diagnosis.as_ref().map(|found| diagnosis::json(found, overlay.placement.is_some()));
         json!({
+            "explained": explained,
             "file": self.file,
             "is_fitted": overlay.placement.is_some(),
             "offset": fitted(overlay.placement.map(|placement| placement.offset)),
@@ -105,10 +112,18 @@ impl TracePart {
         })
     }
 
+    /// The errors that explain the curve in JSON, if that was asked.
+    #[must_use]
+    pub fn diagnosis_json(&self) -> Option<Value> {
+        Some(diagnosis::errors_json(self.diagnosis.as_ref()?, &self.pair))
+    }
+
     /// The measured points as rows, with the computed curve at each.
     #[must_use]
     pub fn rows(&self) -> Vec<Vec<String>> {
-        fact::rows(&self.json(), "points", "stroke_mm measured_mm computed_mm difference_mm")
+        let explained = if self.diagnosis.is_some() { " explained_mm" } else { "" };
+        let columns = format!("stroke_mm measured_mm computed_mm difference_mm{explained}");
+        fact::rows(&self.json(), "points", &columns)
     }
 
     /// The part for people.
@@ -145,6 +160,7 @@ impl TracePart {
             .number("measured", |row| row.1[0].clone())
             .number("computed", |row| row.1[1].clone());
         let mut blocks = vec![laid.block(), curves.block()];
+        blocks.extend(self.diagnosis.iter().flat_map(|found| diagnosis::blocks(found, overlay.placement.is_some())));
         blocks.extend(self.remarks().into_iter().map(Block::Remark));
         blocks
     }
@@ -187,15 +203,23 @@ impl TracePart {
         };
         let measured = over(&mut overlay.points.iter().map(|point| point.delta_cd_mm));
         let placed = if overlay.placement.is_some() { "computed, placed by least squares" } else { "computed" };
-        let layers = vec![
+        let mut layers = vec![
             Layer::new("measured", Shape::Line(measured)),
             Layer::new(placed, Shape::Line(over(&mut overlay.computed_mm.iter().copied()))),
         ];
-        let difference = over(&mut overlay.differences_mm().map(|mm| 1000.0 * mm));
+        let mut differences =
+            vec![Layer::new("", Shape::Line(over(&mut overlay.differences_mm().map(|mm| 1000.0 * mm))))];
+        if let Some(found) = &self.diagnosis {
+            let with = "computed with the errors found";
+            layers.push(Layer::new(with, Shape::Line(over(&mut found.explained_mm.iter().copied()))));
+            let left = overlay.points.iter().zip(&found.explained_mm);
+            let mut left = left.map(|(point, explained)| 1000.0 * (point.delta_cd_mm - explained));
+            differences.push(Layer::new("left by the errors found", Shape::Line(over(&mut left))));
+        }
         let below = Chart {
             y: Axis { label: "measured − computed [µm]".to_owned(), scale: Scale::Airy },
             height: 260.0,
-            ..Chart::along_the_stroke("", vec![Layer::new("", Shape::Line(difference))])
+            ..Chart::along_the_stroke("", differences)
         };
         Chart { below: Some(Box::new(below)), ..Chart::along_the_stroke(title, layers) }
     }

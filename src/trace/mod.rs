@@ -2,9 +2,16 @@
 //!
 //! Called by the command line, which reads the table; knows meshes and points, and opens no file.
 
+mod diagnosis;
+mod search;
+mod sight;
 mod spectrum;
+mod tooth_error;
 
+pub use diagnosis::{Alternative, Diagnosis, FoundError, Unseen};
+pub use search::{DiagnosisRequest, UNSEEN_MM, Watch};
 pub use spectrum::{Order, Spectrum};
+pub use tooth_error::{ToothError, ToothErrorKind};
 
 use crate::linear::least_squares;
 use crate::mesh::{Mesh, MeshError, Support, largest_swing};
@@ -83,6 +90,12 @@ pub enum TraceError {
     /// There are too few points.
     #[error("a measured curve has three points at least, and not all at one stroke")]
     TooFewPoints,
+    /// Errors that were found are too large for teeth.
+    #[error("the errors that explain the curve are too large for teeth")]
+    NoSuchErrors,
+    /// A search was ended before its end.
+    #[error("the search for errors of teeth was interrupted")]
+    Interrupted,
     /// The mesh has no solution.
     #[error(transparent)]
     Mesh(#[from] MeshError),

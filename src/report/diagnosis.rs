@@ -1,0 +1,143 @@
+//! Which teeth explain a measured curve: the part of `mesh --measured --diagnose`.
+
+use serde_json::{Value, json};
+
+use super::number::{millimetres, tidy, unsigned};
+use super::{Block, Table};
+use crate::gear::Pair;
+use crate::trace::{Diagnosis, FoundError, ToothError, UNSEEN_MM, Unseen};
+
+fn json_of(pair: &Pair, error: ToothError, value_mm: f64) -> Value {
+    let mut json = json!({
+        "part": error.part.name(),
+        "kind": error.kind.name(),
+        "tooth": error.tooth,
+        "value_mm": tidy(value_mm),
+    });
+    if let Some(angle) = error.lead_rad(pair, value_mm) {
+        json["value_deg"] = tidy(angle.to_degrees()).into();
+    }
+    json
+}
+
+/// The errors, the one with the largest effect first.
+pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
+    let found = diagnosis.errors.iter().map(|found| {
+        let mut json = json_of(pair, found.error, found.value_mm);
+        json["interval_mm"] = found.interval_mm.map(|end| end.map(tidy)).to_vec().into();
+        json["effect_mm"] = tidy(found.effect_mm).into();
+        let others = found.alternatives.iter().map(|other| json_of(pair, other.error, other.value_mm));
+        json["alternatives"] = others.collect();
+        json
+    });
+    found.collect()
+}
+
+/// How it was found, and what the curve cannot tell.
+pub(super) fn json(diagnosis: &Diagnosis, is_fitted: bool) -> Value {
+    json!({
+        "noise_mm": tidy(diagnosis.noise_mm),
+        "noise_is_stated": diagnosis.noise_is_stated,
+        "candidates": diagnosis.candidates,
+        "chi_square_threshold": tidy(diagnosis.threshold),
+        "rms_left_mm": tidy(diagnosis.rms_left_mm),
+        "leaves_more_than_noise": diagnosis.leaves_more,
+        "offset_mm": tidy(diagnosis.offset_mm),
+        "stroke_shift_mm": tidy(diagnosis.shift_mm),
+        "unseen_size_mm": UNSEEN_MM,
+        "unseen": diagnosis.unseen.iter().map(|of| json!({
+            "part": of.part.name(),
+            "kind": of.kind.name(),
+            "sign": if of.is_negative { "-" } else { "+" },
+            "teeth": of.teeth,
+        })).collect::<Vec<_>>(),
+        "cannot_tell": remarks(diagnosis, is_fitted),
+    })
+}
+
+fn name(error: ToothError) -> String {
+    format!("{} {} of tooth {}", error.part.name(), error.kind.name().replace('_', "-"), error.tooth)
+}
+
+fn micrometres(mm: f64) -> String {
+    format!("{:+.1} µm", tidy(1000.0 * mm))
+}
+
+/// The part for people.
+pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
+    let end = |found: &FoundError, at: usize| found.interval_mm[at].map_or_else(|| "open".to_owned(), micrometres);
+    let table = Table::of(&diagnosis.errors)
+        .text("explains the curve", |found| name(found.error))
+        .number("value", |found| micrometres(found.value_mm))
+        .number("from", |found| end(found, 0))
+        .number("to", |found| end(found, 1))
+        .number("changes ΔCD by", |found| format!("{:.1} µm", 1000.0 * found.effect_mm));
+    let mut blocks: Vec<Block> = table.block_if_any().into_iter().collect();
+    let stated = if diagnosis.noise_is_stated { "stated" } else { "estimated from second differences" };
+    let left = format!(
+        "left is an rms of {} mm, and the noise is {} mm ({stated})",
+        unsigned(diagnosis.rms_left_mm),
+        unsigned(diagnosis.noise_mm)
+    );
+    blocks.push(Block::Note(match diagnosis.errors.len() {
+        0 => format!("no error of a tooth stands out of the noise; {left}"),
+        1 => format!("one error explains the curve; {left}"),
+        count => format!("{count} errors explain the curve; {left}"),
+    }));
+    blocks.extend(remarks(diagnosis, is_fitted).into_iter().map(Block::Note));
+    blocks
+}
+
+/// What the curve cannot tell.
+fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
+    let mut remarks: Vec<String> =
+        diagnosis.errors.iter().filter(|found| !found.alternatives.is_empty()).map(same_curve).collect();
+    let open = |found: &&FoundError| found.interval_mm.contains(&None);
+    remarks.extend(diagnosis.errors.iter().filter(open).map(|found| {
+        format!("the curve shows one side only of the {}: at the open end its size may be any", name(found.error))
+    }));
+    if diagnosis.leaves_more {
+        remarks.push("what is left is more than the noise: errors of single teeth do not explain all of it".to_owned());
+    }
+    if is_fitted {
+        remarks.push(format!(
+            "an over-roller error of all spaces, a radial one of all pinion teeth and an offset of the gauge have the same curve: which of \
+             them the {} mm are is undecidable",
+            millimetres(tidy(diagnosis.offset_mm))
+        ));
+    }
+    if !diagnosis.unseen.is_empty() {
+        let unseen: Vec<_> = diagnosis.unseen.iter().map(unseen).collect();
+        let size = 1000.0 * UNSEEN_MM;
+        remarks.push(format!("an error of {size:.0} µm would not show: {}", unseen.join("; ")));
+    }
+    remarks
+}
+
+fn same_curve(found: &FoundError) -> String {
+    const MOST: usize = 6;
+    let others = found.alternatives.iter().take(MOST);
+    let mut others: Vec<_> =
+        others.map(|other| format!("{} {}", name(other.error), micrometres(other.value_mm))).collect();
+    if let more @ 1.. = found.alternatives.len().saturating_sub(MOST) {
+        others.push(format!("{more} more"));
+    }
+    format!("the {} has the same curve as: {}", name(found.error), others.join(", "))
+}
+
+fn unseen(of: &Unseen) -> String {
+    let sign = if of.is_negative { "−" } else { "+" };
+    let kind = format!("{} {} {sign}", of.part.name(), of.kind.name().replace('_', "-"));
+    if of.teeth.len() == of.of {
+        return format!("{kind} of any tooth");
+    }
+    let mut runs: Vec<[i64; 2]> = Vec::new();
+    for tooth in &of.teeth {
+        match runs.last_mut() {
+            Some([_, last]) if *last + 1 == *tooth => *last = *tooth,
+            _ => runs.push([*tooth, *tooth]),
+        }
+    }
+    let run = |[first, last]: &[i64; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
+    format!("{kind} of {}", runs.iter().map(run).collect::<Vec<_>>().join(", "))
+}

@@ -1,0 +1,272 @@
+#![doc = include_str!("diagnosis.md")]
+
+use super::search::{DiagnosisRequest, SAME_CURVE, Search, UNSEEN_MM, Watch};
+use super::sight::{Effects, Explains, Sight};
+use super::tooth_error::{ToothError, ToothErrorKind};
+use super::{Overlay, TraceError};
+use crate::deviation::Part;
+use crate::mesh::Mesh;
+
+/// Another error that has the same curve within the noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alternative {
+    /// The error.
+    pub error: ToothError,
+    /// Its size, mm; of a lead error its helix slope over the face width.
+    pub value_mm: f64,
+}
+
+/// An error that explains the curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundError {
+    /// The error.
+    pub error: ToothError,
+    /// Its size, mm.
+    pub value_mm: f64,
+    /// From where to where its size may be, with 95 %, mm; `None` at an end that the curve does not tell.
+    pub interval_mm: [Option<f64>; 2],
+    /// The most that it changes ΔCD, mm.
+    pub effect_mm: f64,
+    /// What it could be as well.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// Errors of one kind and sign that the curve would not show.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unseen {
+    /// The part.
+    pub part: Part,
+    /// The kind.
+    pub kind: ToothErrorKind,
+    /// Whether the error is negative.
+    pub is_negative: bool,
+    /// The teeth.
+    pub teeth: Vec<i64>,
+    /// Of how many that were looked at.
+    pub of: usize,
+}
+
+/// The errors of single teeth that explain a measured curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagnosis {
+    /// The errors, the one with the largest effect first; none if nothing stands out of the noise.
+    pub errors: Vec<FoundError>,
+    /// Standard deviation of the noise, mm.
+    pub noise_mm: f64,
+    /// Whether the noise was stated.
+    pub noise_is_stated: bool,
+    /// Root of the mean square of what the errors leave, mm.
+    pub rms_left_mm: f64,
+    /// Whether that is more than the noise.
+    pub leaves_more: bool,
+    /// The computed curve with the errors at the measured points, placed, mm.
+    pub explained_mm: Vec<f64>,
+    /// What was added to it, mm.
+    pub offset_mm: f64,
+    /// What was added to the measured strokes, mm.
+    pub shift_mm: f64,
+    /// How many errors were tried.
+    pub candidates: usize,
+    /// How much an error has to lower χ².
+    pub threshold: f64,
+    /// What the curve would not show of errors of [`UNSEEN_MM`].
+    pub unseen: Vec<Unseen>,
+}
+
+/// χ² at the ends of an interval that holds the size with 95 %.
+const INTERVAL: f64 = 3.84;
+/// Errors that are looked for at most.
+const MOST_ERRORS: usize = 12;
+
+impl Diagnosis {
+    /// Finds the smallest set of single-tooth errors that explains what an overlay leaves.
+    ///
+    /// # Errors
+    /// [`TraceError`] if a stroke has no mesh, or `watch` ends the search.
+    pub fn of(
+        mesh: &Mesh,
+        overlay: &Overlay,
+        request: DiagnosisRequest,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, TraceError> {
+        let mut search = Search::new(mesh, overlay, request);
+        let unseen = search.add_all(watch)?;
+        let found = search.explained(watch)?;
+        let sight = search.sight(&search.errors, &search.points, &[])?;
+        let points: Vec<f64> = overlay.points.iter().map(|point| point.delta_cd_mm).collect();
+        let mean = |of: &mut dyn Iterator<Item = f64>| of.sum::<f64>() / points.len() as f64;
+        let apart = || points.iter().zip(&sight.model_mm).map(|(measured, model)| measured - model);
+        let offset_mm = if search.fits { mean(&mut apart()) } else { 0.0 };
+        let square = mean(&mut apart().map(|apart| (apart - offset_mm) * (apart - offset_mm)));
+        let freedom = (points.len() as f64 - found.len() as f64 - 2.0).max(1.0);
+        let reduced = square * points.len() as f64 / (freedom * search.noise_mm * search.noise_mm);
+        Ok(Self {
+            errors: found,
+            noise_mm: search.noise_mm,
+            noise_is_stated: request.noise_mm.is_some(),
+            rms_left_mm: square.sqrt(),
+            leaves_more: reduced > 1.0 + 5.0 * (2.0 / freedom).sqrt() + 0.1,
+            explained_mm: sight.model_mm.iter().map(|model| model + offset_mm).collect(),
+            offset_mm,
+            shift_mm: search.shift_mm,
+            candidates: search.candidates.len(),
+            threshold: search.threshold,
+            unseen,
+        })
+    }
+}
+
+impl Search<'_> {
+    /// Adds errors as long as one stands out of the noise; what the curve would not show then.
+    fn add_all(&mut self, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
+        loop {
+            let errors = self.errors.clone();
+            let sights = [&self.means, &self.points].map(|points| self.sight(&errors, points, &[]));
+            let [means, points] = sights;
+            let (means, points) = (means?, points?);
+            let screened = self.screened(&errors, &means, |_| true, watch)?;
+            let best = self.best(&errors, (&means, &points), &screened).into_iter().next();
+            match best.filter(|(_, explains)| explains.gain > self.threshold && errors.len() < MOST_ERRORS) {
+                Some((error, explains)) => self.errors.push((error, explains.size_mm)),
+                None => return Ok(self.unseen(&means, &screened)),
+            }
+            self.refit()?;
+            self.remove_needless()?;
+            if self.errors == errors {
+                return Ok(self.unseen(&means, &screened));
+            }
+        }
+    }
+
+    /// Takes away errors without which the others explain as much.
+    fn remove_needless(&mut self) -> Result<(), TraceError> {
+        while self.errors.len() > 1 {
+            let all = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
+            let without = |at: usize| {
+                let mut fewer = Search { errors: self.errors.clone(), ..self.clone() };
+                fewer.errors.remove(at);
+                fewer.refit()?;
+                let worse = fewer.chi_square(&fewer.errors, fewer.shift_mm).unwrap_or(f64::INFINITY) - all;
+                Ok((worse, fewer))
+            };
+            let tried: Vec<(f64, Self)> = (0..self.errors.len()).map(without).collect::<Result<_, TraceError>>()?;
+            let least = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            match least.filter(|(worse, _)| *worse < self.threshold) {
+                Some((_, fewer)) => *self = fewer,
+                None => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// What the curve would not show of errors of [`UNSEEN_MM`], by part, kind and sign.
+    fn unseen(&self, sight: &Sight, screened: &[(ToothError, Effects)]) -> Vec<Unseen> {
+        let mut all: Vec<Unseen> = Vec::new();
+        for (ToothError { part, kind, tooth }, effects) in screened {
+            for is_negative in [false, true] {
+                let is_it = |of: &&mut Unseen| (of.part, of.kind, of.is_negative) == (*part, *kind, is_negative);
+                let size_mm = if is_negative { -UNSEEN_MM } else { UNSEEN_MM };
+                let is_seen = effects.at(size_mm).is_some_and(|effect| sight.visible(effect) > self.threshold);
+                let teeth: Vec<i64> = if is_seen { Vec::new() } else { vec![*tooth] };
+                match all.iter_mut().find(is_it) {
+                    Some(of) => {
+                        of.teeth.extend(teeth);
+                        of.of += 1;
+                    }
+                    None => all.push(Unseen { part: *part, kind: *kind, is_negative, teeth, of: 1 }),
+                }
+            }
+        }
+        all.retain(|of| !of.teeth.is_empty());
+        all
+    }
+
+    /// The errors with their intervals and alternatives, the one with the largest effect first. An error that another explains
+    /// better is that one.
+    fn explained(&mut self, watch: &mut Watch<'_>) -> Result<Vec<FoundError>, TraceError> {
+        const MOST_SWAPS: usize = 4;
+        let (mut found, mut swaps) = (Vec::new(), 0);
+        let mut at = 0;
+        while let Some(&(error, size_mm)) = self.errors.get(at) {
+            let mut others = self.errors.clone();
+            others.remove(at);
+            let means = self.sight(&others, &self.means, &others)?;
+            let points = self.sight(&others, &self.points, &others)?;
+            let own = self.effect(&others, error, size_mm, &points).unwrap_or_default();
+            let is_alike = |other: &ToothError| self.acts_like(*other, &own, &points);
+            let screened = self.screened(&others, &means, is_alike, watch)?;
+            let mut best = self.best(&others, (&means, &points), &screened);
+            let (member, effects) = self.refined(&others, error, &[0.5 * size_mm, size_mm, 1.5 * size_mm], &points);
+            best.retain(|(other, _)| *other != error);
+            if let Some((other, explains)) = best.first().filter(|(_, better)| better.gain > member.gain + SAME_CURVE)
+                && swaps < MOST_SWAPS
+            {
+                if let Some(changed) = self.errors.get_mut(at) {
+                    *changed = (*other, explains.size_mm);
+                }
+                self.refit()?;
+                (found, swaps, at) = (Vec::new(), swaps + 1, 0);
+                continue;
+            }
+            let most = best.first().map_or(member.gain, |(_, best)| best.gain.max(member.gain));
+            let is_same = |(_, other): &&(ToothError, Explains)| other.gain > most - SAME_CURVE;
+            let alternatives = best.iter().filter(is_same);
+            let alternatives =
+                alternatives.map(|(error, other)| Alternative { error: *error, value_mm: other.size_mm });
+            found.push(FoundError {
+                error,
+                value_mm: member.size_mm,
+                interval_mm: [-1.0, 1.0].map(|way| self.end(&others, (error, member), way, &points, effects.clone())),
+                effect_mm: own.iter().fold(0.0, |most, effect| f64::max(most, effect.abs())),
+                alternatives: alternatives.collect(),
+            });
+            at += 1;
+        }
+        found.sort_by(|a, b| b.effect_mm.total_cmp(&a.effect_mm));
+        Ok(found)
+    }
+
+    /// Whether an error can act wherever an effect is: but for a tenth of its square.
+    fn acts_like(&self, error: ToothError, effect: &[f64], sight: &Sight) -> bool {
+        const MISSED: f64 = 0.1;
+        let square = |acts: bool| {
+            let there = effect.iter().zip(&sight.strokes_mm);
+            let there = there.filter(|(_, stroke)| !acts || !error.acts_at(self.mesh.pair(), **stroke));
+            there.map(|(effect, _)| effect * effect).sum::<f64>()
+        };
+        square(true) <= MISSED * square(false)
+    }
+
+    /// How far the size of an error may be one way, with 95 %; `None` if the curve does not tell.
+    fn end(
+        &self,
+        others: &[(ToothError, f64)],
+        (error, best): (ToothError, Explains),
+        way: f64,
+        sight: &Sight,
+        mut effects: Effects,
+    ) -> Option<f64> {
+        /// The first step, and the share of the module beyond which no size is looked at.
+        const STEP_MM: f64 = 1e-4;
+        const FARTHEST: f64 = 0.1;
+        let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size) > INTERVAL;
+        let (mut inside, mut step) = (best.size_mm, STEP_MM);
+        let far_mm = best.size_mm.abs() + FARTHEST * self.mesh.pair().normal_module_mm();
+        while step < far_mm {
+            let size = best.size_mm + way * step;
+            if !effects.has(size) {
+                effects.insert(size, self.effect(others, error, size, sight)?);
+            }
+            if lacks(&effects, size) {
+                let (mut inner, mut outer) = (inside, size);
+                for _ in 0..40 {
+                    let middle = 0.5 * (inner + outer);
+                    if lacks(&effects, middle) { outer = middle } else { inner = middle }
+                }
+                return Some(outer);
+            }
+            (inside, step) = (size, 2.0 * step);
+        }
+        None
+    }
+}

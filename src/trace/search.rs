@@ -1,0 +1,338 @@
+//! The search for errors of single teeth: what a set of them leaves of a curve, what one more would explain, and the sizes that fit
+//! best together.
+
+use std::ops::ControlFlow;
+
+use super::sight::{Effects, Explains, Sight};
+use super::tooth_error::{ToothError, with_errors};
+use super::{Overlay, TraceError, TracePoint, sampled};
+use crate::mesh::{Mesh, Sampler};
+use crate::parallel;
+
+/// The size of the errors of which is said whether they would show, mm.
+pub const UNSEEN_MM: f64 = 0.02;
+/// Errors whose χ² differs by less have the same curve.
+pub(super) const SAME_CURVE: f64 = 9.0;
+/// Sizes that every error is tried at first, either sign, mm.
+const SIZES_MM: [f64; 2] = [UNSEEN_MM, 0.07];
+/// A trace without an error gets one with this probability at most, by Bonferroni over all that are tried.
+const FALSE_ALARM: f64 = 0.01;
+/// Strokes in a pitch that a first look takes.
+const FIRST_LOOK: f64 = 12.0;
+/// Errors of which a closer look is taken.
+const CLOSER: usize = 48;
+
+/// What a search for the errors of single teeth is told.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct DiagnosisRequest {
+    /// Standard deviation of the measurement's noise, mm; estimated from the curve unless given.
+    pub noise_mm: Option<f64>,
+    /// Whether the pinion is a master, so that all errors are the rack's.
+    pub is_master: bool,
+}
+
+/// Told how many errors are found, and which share of the candidates is tried; may end the search.
+pub type Watch<'w> = dyn FnMut(usize, f64) -> ControlFlow<()> + 'w;
+
+/// Measured points, or means of some next to each other: stroke, ΔCD, and how many they are.
+pub(super) type Points = Vec<(f64, f64, f64)>;
+
+/// A search under way: what is measured, what is tried, and what is found so far.
+#[derive(Clone)]
+pub(super) struct Search<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) points: Points,
+    pub(super) means: Points,
+    pub(super) noise_mm: f64,
+    pub(super) fits: bool,
+    pub(super) candidates: Vec<ToothError>,
+    pub(super) threshold: f64,
+    pub(super) errors: Vec<(ToothError, f64)>,
+    pub(super) shift_mm: f64,
+}
+
+/// The noise of a curve by its second differences, whose median a few steps do not move, mm.
+fn estimated_noise_mm(overlay: &Overlay) -> f64 {
+    /// The median of a normal distribution's magnitude, and the standard deviation of a − 2 b + c.
+    const MEDIAN: f64 = 0.674_49;
+    const OF_SECOND: f64 = 2.449_49;
+    /// A gauge shows no finer digits, mm.
+    const LEAST_MM: f64 = 1e-5;
+    let differences: Vec<f64> = overlay.differences_mm().collect();
+    let mut second: Vec<f64> = differences.windows(3).map(|of| (of[0] - 2.0 * of[1] + of[2]).abs()).collect();
+    second.sort_by(f64::total_cmp);
+    let median = second.get(second.len() / 2).copied().unwrap_or_default();
+    (median / (MEDIAN * OF_SECOND)).max(LEAST_MM)
+}
+
+/// Means of points within a share of a pitch.
+fn means(points: &Points, width_mm: f64) -> Points {
+    let mut means: Points = Vec::new();
+    let mut bin = i64::MIN;
+    for (stroke, delta_cd, count) in points {
+        let own = (stroke / width_mm).floor() as i64;
+        match means.last_mut() {
+            Some(mean) if own == bin => {
+                *mean = (mean.0 + stroke, mean.1 + delta_cd, mean.2 + count);
+            }
+            _ => means.push((*stroke, *delta_cd, *count)),
+        }
+        bin = own;
+    }
+    means.into_iter().map(|(stroke, delta_cd, count)| (stroke / count, delta_cd / count, count)).collect()
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(mesh: &'a Mesh, overlay: &Overlay, request: DiagnosisRequest) -> Self {
+        let shift_mm = overlay.placement.as_ref().map_or(0.0, super::Placement::shift_mm);
+        let points: Points = overlay
+            .points
+            .iter()
+            .map(|TracePoint { stroke_mm, delta_cd_mm }| (*stroke_mm, *delta_cd_mm, 1.0))
+            .collect();
+        let ends = [points.first(), points.last()].map(|end| end.map_or(0.0, |end| end.0 + shift_mm));
+        let candidates = ToothError::all(mesh.pair(), ends.into(), request.is_master);
+        Self {
+            mesh,
+            means: means(&points, mesh.pair().rack().pitch_mm / FIRST_LOOK),
+            points,
+            noise_mm: request.noise_mm.unwrap_or_else(|| estimated_noise_mm(overlay)),
+            fits: overlay.placement.is_some(),
+            // the tail of χ² with one degree of freedom is below exp(−χ²/2)
+            threshold: 2.0 * (2.0 * candidates.len().max(1) as f64 / FALSE_ALARM).ln(),
+            candidates,
+            errors: Vec::new(),
+            shift_mm,
+        }
+    }
+
+    /// What some errors leave at points; `beside` of them are fitted beside another one.
+    pub(super) fn sight(
+        &self,
+        errors: &[(ToothError, f64)],
+        points: &Points,
+        beside: &[(ToothError, f64)],
+    ) -> Result<Sight, TraceError> {
+        let strokes: Vec<f64> = points.iter().map(|(stroke, ..)| stroke + self.shift_mm).collect();
+        let measured: Vec<f64> = points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
+        let weights: Vec<f64> = points.iter().map(|(.., count)| count / (self.noise_mm * self.noise_mm)).collect();
+        let model = sampled(&self.with(errors)?, &strokes)?;
+        let mut columns = self.placing(errors, &strokes, &weights)?;
+        for (at, error) in beside.iter().enumerate() {
+            columns.extend(self.slope(errors, error, at, &strokes)?);
+        }
+        Ok(Sight::new((strokes, model), &measured, weights, columns))
+    }
+
+    fn with(&self, errors: &[(ToothError, f64)]) -> Result<Mesh, TraceError> {
+        with_errors(self.mesh, errors).ok_or(TraceError::NoSuchErrors)
+    }
+
+    /// The columns of offset and stroke shift, if they are fitted; of the shift if the curve tells it.
+    fn placing(
+        &self,
+        errors: &[(ToothError, f64)],
+        strokes: &[f64],
+        weights: &[f64],
+    ) -> Result<Vec<Vec<f64>>, TraceError> {
+        const STEP_MM: f64 = 1e-3;
+        const TOLD: f64 = 0.1;
+        if !self.fits {
+            return Ok(Vec::new());
+        }
+        let mesh = self.with(errors)?;
+        let moved = |by: f64| sampled(&mesh, &strokes.iter().map(|stroke| stroke + by).collect::<Vec<_>>());
+        let (behind, ahead) = (moved(-STEP_MM)?, moved(STEP_MM)?);
+        let slopes: Vec<f64> = behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * STEP_MM)).collect();
+        let ones = vec![1.0; strokes.len()];
+        let zeros = || vec![0.0; strokes.len()];
+        let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), vec![ones.clone()]);
+        let told_mm = TOLD * self.mesh.pair().rack().pitch_mm;
+        let is_told = alone.visible(&slopes) * told_mm * told_mm > 1.0;
+        Ok(if is_told { vec![ones, slopes] } else { vec![ones] })
+    }
+
+    /// The slope of the curve over the size of an error, of which `errors` has the one at that place.
+    fn slope(
+        &self,
+        errors: &[(ToothError, f64)],
+        (error, _): &(ToothError, f64),
+        at: usize,
+        strokes: &[f64],
+    ) -> Result<Option<Vec<f64>>, TraceError> {
+        const STEP_MM: f64 = 2e-4;
+        debug_assert!(errors.get(at).is_some_and(|known| known.0 == *error));
+        let moved = |by: f64| {
+            let mut errors = errors.to_vec();
+            errors.iter_mut().skip(at).take(1).for_each(|(_, size)| *size += by);
+            with_errors(self.mesh, &errors).map(|mesh| sampled(&mesh, strokes)).transpose()
+        };
+        let (Some(behind), Some(ahead)) = (moved(-STEP_MM)?, moved(STEP_MM)?) else { return Ok(None) };
+        Ok(Some(behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * STEP_MM)).collect()))
+    }
+
+    /// What an error of a size does beside some errors; `None` where teeth cannot be so.
+    pub(super) fn effect(
+        &self,
+        errors: &[(ToothError, f64)],
+        error: ToothError,
+        size_mm: f64,
+        sight: &Sight,
+    ) -> Option<Vec<f64>> {
+        let mesh = with_errors(self.mesh, &[errors, &[(error, size_mm)]].concat())?;
+        let mut sampler = Sampler::new(&mesh);
+        let at = |(stroke, model): (&f64, &f64)| {
+            if !error.acts_at(mesh.pair(), *stroke) {
+                return Some(0.0);
+            }
+            sampler.at(*stroke).ok().map(|point| point.delta_cd_mm - model)
+        };
+        sight.strokes_mm.iter().zip(&sight.model_mm).map(at).collect()
+    }
+
+    /// The effects of every candidate that `is_tried`, each at some sizes of both signs.
+    pub(super) fn screened(
+        &self,
+        errors: &[(ToothError, f64)],
+        sight: &Sight,
+        is_tried: impl Fn(&ToothError) -> bool,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<(ToothError, Effects)>, TraceError> {
+        let is_new = |error: &&ToothError| is_tried(error) && errors.iter().all(|(known, _)| known != *error);
+        let tried: Vec<ToothError> = self.candidates.iter().filter(is_new).copied().collect();
+        // what is left may be larger than what the usual sizes do
+        let scale = (sight.largest_mm() / SIZES_MM[1]).log2().ceil().max(0.0).exp2();
+        let sizes: Vec<f64> = SIZES_MM.iter().copied().chain((scale > 1.0).then_some(scale * SIZES_MM[1])).collect();
+        let of = |at: u64| {
+            let error = tried[at as usize];
+
+            let mut effects = Effects::none(sight);
+            for sign in [-1.0, 1.0] {
+                for size in &sizes {
+                    let Some(effect) = self.effect(errors, error, sign * size, sight) else { break };
+                    effects.insert(sign * size, effect);
+                }
+            }
+            (error, effects)
+        };
+        let mut found = Vec::with_capacity(tried.len());
+        parallel::in_order(parallel::cores(), tried.len() as u64, of, |one| {
+            found.push(one);
+            match watch(self.errors.len(), found.len() as f64 / tried.len() as f64) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(TraceError::Interrupted),
+            }
+        })?;
+        Ok(found)
+    }
+
+    /// The size of an error that explains most, begun at sizes around one.
+    pub(super) fn refined(
+        &self,
+        errors: &[(ToothError, f64)],
+        error: ToothError,
+        sizes: &[f64],
+        sight: &Sight,
+    ) -> (Explains, Effects) {
+        const ROUNDS: usize = 6;
+        let mut effects = Effects::none(sight);
+        let add = |effects: &mut Effects, size: f64| {
+            if !effects.has(size)
+                && let Some(effect) = self.effect(errors, error, size, sight)
+            {
+                effects.insert(size, effect);
+            }
+        };
+        sizes.iter().for_each(|size| add(&mut effects, *size));
+        for _ in 0..ROUNDS {
+            let best = effects.best(sight);
+            if effects.has(best.size_mm) {
+                break;
+            }
+            add(&mut effects, best.size_mm);
+        }
+        (effects.best(sight), effects)
+    }
+
+    /// The errors that explain most beside some others, the best first: looked at ever more closely, and ever fewer of them.
+    pub(super) fn best(
+        &self,
+        errors: &[(ToothError, f64)],
+        (means, points): (&Sight, &Sight),
+        screened: &[(ToothError, Effects)],
+    ) -> Vec<(ToothError, Explains)> {
+        /// Of what the best explains, what others may lack at a first look, and at a second.
+        const COARSE: f64 = 0.25;
+        const FINE: f64 = 0.02;
+        let first = |(error, effects): &(ToothError, Effects)| {
+            let best = effects.best(means);
+            (*error, best, effects.around(best.size_mm))
+        };
+        let mut found: Vec<(ToothError, Explains, Vec<f64>)> = screened.iter().map(first).collect();
+        for (sight, margin) in [(means, COARSE), (points, FINE)] {
+            let most = found.iter().map(|(_, explains, _)| explains.gain).fold(0.0, f64::max);
+            let least = most - margin * most - 3.0 * SAME_CURVE;
+            found.retain(|(_, explains, _)| explains.gain > 0.0 && explains.gain >= least);
+            found.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+            found.truncate(CLOSER);
+            let closer = |(): &mut (), at: usize| {
+                let (error, _, sizes) = &found[at];
+                let (explains, _) = self.refined(errors, *error, sizes, sight);
+                (*error, explains, vec![explains.size_mm])
+            };
+            found = parallel::map(parallel::cores(), found.len(), || (), closer).0;
+        }
+        found.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+        found.into_iter().map(|(error, explains, _)| (error, explains)).collect()
+    }
+
+    /// χ² of some errors at a stroke shift, less what an offset takes.
+    pub(super) fn chi_square(&self, errors: &[(ToothError, f64)], shift_mm: f64) -> Option<f64> {
+        let strokes: Vec<f64> = self.points.iter().map(|(stroke, ..)| stroke + shift_mm).collect();
+        let model = sampled(&with_errors(self.mesh, errors)?, &strokes).ok()?;
+        let measured: Vec<f64> = self.points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
+        let weights = vec![1.0 / (self.noise_mm * self.noise_mm); strokes.len()];
+        let beside = if self.fits { vec![vec![1.0; strokes.len()]] } else { Vec::new() };
+        Some(Sight::new((strokes, model), &measured, weights, beside).chi_square())
+    }
+
+    /// Fits all sizes and the stroke shift together, by Gauss and Newton.
+    pub(super) fn refit(&mut self) -> Result<(), TraceError> {
+        const ROUNDS: usize = 8;
+        const ENOUGH: f64 = 0.01;
+        let half_mm = 0.5 * self.mesh.pair().rack().pitch_mm;
+        let mut least = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
+        for _ in 0..ROUNDS {
+            let plain = self.sight(&self.errors, &self.points, &[])?;
+            let weights = vec![1.0 / (self.noise_mm * self.noise_mm); self.points.len()];
+            let mut columns = self.placing(&self.errors, &plain.strokes_mm, &weights)?;
+            let placed = columns.len();
+            for (at, error) in self.errors.iter().enumerate() {
+                let slope = self.slope(&self.errors, error, at, &plain.strokes_mm)?;
+                columns.push(slope.unwrap_or_else(|| vec![0.0; plain.strokes_mm.len()]));
+            }
+            let (kept, Some(fit)) = plain.fitted(&columns) else { break };
+            let step = |column: usize| {
+                let at = kept.iter().position(|kept| *kept == column);
+                at.and_then(|at| fit.coefficients.get(at)).copied().unwrap_or(0.0)
+            };
+            let moved = |share: f64| {
+                let shift = self.shift_mm + if placed > 1 { share * step(1) } else { 0.0 };
+                let sizes = self.errors.iter().enumerate();
+                let errors: Vec<_> = sizes.map(|(at, (error, mm))| (*error, mm + share * step(placed + at))).collect();
+                (errors, shift.clamp(-half_mm, half_mm))
+            };
+            let tried = [1.0, 0.5, 0.25, 0.1].into_iter().map(moved);
+            let better = tried.map(|(errors, shift)| (self.chi_square(&errors, shift), errors, shift));
+            let better = better.filter_map(|(square, errors, shift)| Some((square?, errors, shift)));
+            let Some((square, errors, shift)) = better.into_iter().find(|(square, ..)| *square < least) else { break };
+            (self.errors, self.shift_mm) = (errors, shift);
+            let gained = least - square;
+            least = square;
+            if gained < ENOUGH {
+                break;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,146 @@
+//! What is left of a measured curve, as a search sees it: some strokes with weights, without what an offset and a stroke shift
+//! take; and what an error of a tooth would do there, by its size.
+
+use crate::linear::{LeastSquares, least_squares};
+
+/// What is left at some strokes.
+pub(super) struct Sight {
+    /// Where, on the mesh, mm.
+    pub(super) strokes_mm: Vec<f64>,
+    /// The computed curve there, mm.
+    pub(super) model_mm: Vec<f64>,
+    /// Measured less computed, mm.
+    rest_mm: Vec<f64>,
+    /// 1/σ² of each, 1/mm².
+    weights: Vec<f64>,
+    /// What is fitted beside an error: a constant, slopes of the curve, effects of other errors.
+    beside: Vec<Vec<f64>>,
+    inverse: Vec<Vec<f64>>,
+}
+
+impl Sight {
+    /// `beside` are the columns that are fitted beside an error, the first of them the most important; those that follow from
+    /// others are left out.
+    pub(super) fn new(
+        (strokes_mm, model_mm): (Vec<f64>, Vec<f64>),
+        measured_mm: &[f64],
+        weights: Vec<f64>,
+        beside: Vec<Vec<f64>>,
+    ) -> Self {
+        let rest_mm = measured_mm.iter().zip(&model_mm).map(|(measured, model)| measured - model).collect();
+        let mut sight = Self { strokes_mm, model_mm, rest_mm, weights, beside: Vec::new(), inverse: Vec::new() };
+        let (kept, fit) = sight.fitted(&beside);
+        sight.inverse = fit.map(|fit| fit.inverse).unwrap_or_default();
+        sight.beside = kept.into_iter().map(|at| beside[at].clone()).collect();
+        sight
+    }
+
+    /// The columns that do not follow from those before them, and how they fit what is left.
+    pub(super) fn fitted(&self, columns: &[Vec<f64>]) -> (Vec<usize>, Option<LeastSquares>) {
+        let (mut kept, mut fit) = (Vec::new(), None);
+        for at in 0..columns.len() {
+            kept.push(at);
+            let chosen: Vec<&[f64]> = kept.iter().map(|at: &usize| columns[*at].as_slice()).collect();
+            match least_squares(&chosen, &self.weights, &self.rest_mm) {
+                Some(found) => fit = Some(found),
+                None => drop(kept.pop()),
+            }
+        }
+        (kept, fit)
+    }
+
+    /// The weighted product of two curves, without what the columns beside take of both.
+    fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
+        let plain = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&self.weights).map(|((a, b), w)| w * a * b).sum::<f64>();
+        let taken = |of: &[f64]| self.beside.iter().map(|column| plain(column, of)).collect::<Vec<_>>();
+        let (of_a, of_b) = (taken(a), taken(b));
+        let by = |row: &[f64]| row.iter().zip(&of_b).map(|(entry, b)| entry * b).sum::<f64>();
+        plain(a, b) - self.inverse.iter().zip(&of_a).map(|(row, a)| a * by(row)).sum::<f64>()
+    }
+
+    /// What is left from its lowest to its highest, mm.
+    pub(super) fn largest_mm(&self) -> f64 {
+        let ends = self.rest_mm.iter().fold((0.0_f64, 0.0_f64), |(low, high), mm| (low.min(*mm), high.max(*mm)));
+        ends.1 - ends.0
+    }
+
+    /// χ² of what is left.
+    pub(super) fn chi_square(&self) -> f64 {
+        self.inner(&self.rest_mm, &self.rest_mm)
+    }
+
+    /// χ² of an effect: how well it could be seen.
+    pub(super) fn visible(&self, effect: &[f64]) -> f64 {
+        self.inner(effect, effect)
+    }
+}
+
+/// What an error of a tooth does at the strokes of a sight, by its size; between sizes in proportion, for a mesh follows the
+/// highest of straight lines.
+#[derive(Debug, Clone)]
+pub(super) struct Effects(Vec<(f64, Vec<f64>)>);
+
+/// A size of an error, and how much it lowers χ².
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Explains {
+    pub(super) size_mm: f64,
+    pub(super) gain: f64,
+}
+
+impl Effects {
+    /// Of no error.
+    pub(super) fn none(sight: &Sight) -> Self {
+        Self(vec![(0.0, vec![0.0; sight.strokes_mm.len()])])
+    }
+
+    pub(super) fn insert(&mut self, size_mm: f64, effect: Vec<f64>) {
+        let at = self.0.partition_point(|(size, _)| *size < size_mm);
+        self.0.insert(at, (size_mm, effect));
+    }
+
+    /// The effect of a size that was solved.
+    pub(super) fn at(&self, size_mm: f64) -> Option<&[f64]> {
+        self.0.iter().find(|(size, _)| (size - size_mm).abs() < 1e-12).map(|(_, effect)| effect.as_slice())
+    }
+
+    /// The solved sizes next to one, and itself.
+    pub(super) fn around(&self, size_mm: f64) -> Vec<f64> {
+        let at = self.0.partition_point(|(size, _)| *size < size_mm - 1e-12);
+        let near = at.saturating_sub(1)..(at + 2).min(self.0.len());
+        self.0[near].iter().map(|(size, _)| *size).chain([size_mm]).collect()
+    }
+
+    /// Whether a size is as good as solved.
+    pub(super) fn has(&self, size_mm: f64) -> bool {
+        /// 0.02 µm
+        const SAME_MM: f64 = 2e-5;
+        self.0.iter().any(|(size, _)| (size - size_mm).abs() < SAME_MM)
+    }
+
+    /// The size that explains most.
+    pub(super) fn best(&self, sight: &Sight) -> Explains {
+        let mut best = Explains { size_mm: 0.0, gain: 0.0 };
+        let all = sight.chi_square();
+        for ((from, a), (to, b)) in self.0.iter().zip(self.0.iter().skip(1)) {
+            let rest: Vec<f64> = sight.rest_mm.iter().zip(a).map(|(rest, a)| rest - a).collect();
+            let along: Vec<f64> = a.iter().zip(b).map(|(a, b)| b - a).collect();
+            let (left, square) = (sight.inner(&rest, &along), sight.inner(&along, &along));
+            let share = if square > 0.0 { (left / square).clamp(0.0, 1.0) } else { 0.0 };
+            let gain = all - sight.inner(&rest, &rest) + share * (2.0 * left - share * square);
+            if gain > best.gain {
+                best = Explains { size_mm: from + share * (to - from), gain };
+            }
+        }
+        best
+    }
+
+    /// How much a size lowers χ²; between solved sizes in proportion.
+    pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
+        let at = self.0.partition_point(|(size, _)| *size < size_mm).clamp(1, self.0.len().max(2) - 1);
+        let (Some((from, a)), Some((to, b))) = (self.0.get(at - 1), self.0.get(at)) else { return 0.0 };
+        let share = (size_mm - from) / (to - from);
+        let rest = sight.rest_mm.iter().zip(a.iter().zip(b)).map(|(rest, (a, b))| rest - a - share * (b - a));
+        let rest: Vec<f64> = rest.collect();
+        sight.chi_square() - sight.inner(&rest, &rest)
+    }
+}
