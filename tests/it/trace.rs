@@ -91,3 +91,59 @@ fn a_trace_is_read_by_the_contract() {
     let read = ask(&named, &["--measured", &path]).unwrap();
     assert_eq!(read["measured"]["points"][1]["measured_mm"], 0.0025);
 }
+
+/// A trace of two turns of a spec with errors, with 1 µm of noise at 0.1 mm and an offset.
+fn noisy(errors: &str, seed: u64) -> String {
+    let mut state = seed;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let strokes: Vec<f64> = (0..=1005).map(|at| 0.1 * f64::from(at)).collect();
+    let rows = strokes.iter().zip(computed(&(SPEC.to_owned() + errors), &strokes)).map(|(stroke, mm)| {
+        // near enough to the normal distribution
+        let noise = (0..12).map(|_| unit()).sum::<f64>() - 6.0;
+        format!("{stroke:.1},{:.5}\n", mm + 0.0042 + 0.001 * noise)
+    });
+    std::iter::once("stroke,delta_cd\n".to_owned()).chain(rows).collect()
+}
+
+fn rack(tooth: i64, key: &str, um: i64) -> String {
+    format!("[[rack.deviation]]\nteeth = {tooth}\n{key} = \"{um} um\"\n")
+}
+
+/// The error of a tooth is the first answer or one of its alternatives, its size within 2 µm; two errors are two answers; without
+/// an error there is none, and what the curve cannot tell is said.
+#[test]
+fn teeth_that_explain_the_curve_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let ask_about = |errors: &str, seed| {
+        let path = table(&folder, &noisy(errors, seed));
+        ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap()
+    };
+    let is_it = |found: &Value, part: &str, kind: &str, tooth: i64, um: f64| {
+        let others = found["alternatives"].as_array().into_iter().flatten();
+        std::iter::once(found).chain(others).any(|one| {
+            let is_named = one["part"] == part && one["kind"] == kind && one["tooth"] == tooth;
+            is_named && (1000.0 * number(one, "/value_mm") - um).abs() <= 2.0
+        })
+    };
+    for (at, (kind, tooth, um)) in [("thickness", 5, 20), ("right", 9, 15), ("shift", 7, -18)].into_iter().enumerate() {
+        let answer = ask_about(&rack(tooth, kind, um), at as u64 + 1);
+        let found = answer["diagnosis"].as_array().unwrap();
+        assert!(found.len() == 1 && is_it(&found[0], "rack", kind, tooth, um as f64), "{kind}: {found:?}");
+        let noise = number(&answer, "/measured/explained/noise_mm");
+        assert!((noise - 0.001).abs() < 1.5e-4 && number(&answer, "/measured/explained/rms_left_mm") < 1.1 * noise);
+    }
+    let radial = ask_about("[[pinion.deviation]]\nteeth = 3\nradial = \"14 um\"\n", 4);
+    assert!(is_it(&radial["diagnosis"][0], "pinion", "radial", 3, 14.0), "{}", radial["diagnosis"]);
+    let both = ask_about(&(rack(4, "thickness", 25) + &rack(11, "left", 16)), 5);
+    let found = both["diagnosis"].as_array().unwrap();
+    assert!(found.len() == 2 && is_it(&found[0], "rack", "thickness", 4, 25.0), "{found:?}");
+    assert!(is_it(&found[1], "rack", "left", 11, 16.0), "{found:?}");
+    let none = ask_about("", 6);
+    assert_eq!(none["diagnosis"].as_array().unwrap().len(), 0);
+    let unseen = none["measured"]["explained"]["unseen"].as_array().unwrap();
+    let thin = unseen.iter().find(|of| of["part"] == "rack" && of["kind"] == "thickness" && of["sign"] == "-");
+    assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
+}
