@@ -91,15 +91,8 @@ impl Args {
         files.extend(self.merge.iter().cloned());
         let kept = self.kept(&files)?;
         let picture = self.plot.picture(&files)?;
-        let mut input = mesh_of(&spec, &spec_files::measured_tables(&spec, &self.spec, output)?)?;
-        let (middle, middles) = spec.with_scatter_middles(&input.mesh)?;
-        input.mesh = middle;
+        let (input, middles) = base(&spec, &self.spec, output)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance);
-        if !spec.has_deviations()
-            && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?
-        {
-            worst.place(&mut input, limit)?;
-        }
         let strokes = self.stroke.ends(&spec)?;
         let judge = spec.yoke_judge(self.stroke.travel(&spec)?, &spec.or_zero(keys::DECISION_RULE))?;
         let (yoke, mut unjudged) = match &judge {
@@ -107,7 +100,9 @@ impl Args {
             None => (None, Vec::new()),
         };
         let racks = Racks { base: &input.mesh, scatter: &scatter, limit, yoke };
-        let settings = self.settings(strokes);
+        let range = RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) };
+        let threads = self.threads.map(usize::from);
+        let settings = RackSettings { seed: self.seed, range, threads, ..usual_settings(strokes) };
         let (study, ended) = if self.merge.is_empty() {
             self.drawn(&racks, &settings, &signals::interrupted(output), output)
         } else {
@@ -170,16 +165,6 @@ impl Args {
         self.study.as_deref().map(|path| Target::create(path, files)).transpose()
     }
 
-    fn settings(&self, (from_mm, to_mm): (f64, f64)) -> RackSettings {
-        RackSettings {
-            seed: self.seed,
-            range: RackRange { first_rack: self.first_rack.unwrap_or(0), racks: self.racks.unwrap_or(DEFAULT_RACKS) },
-            from_mm,
-            to_mm,
-            threads: self.threads.map(usize::from),
-        }
-    }
-
     fn drawn(
         &self,
         racks: &Racks<'_>,
@@ -226,6 +211,38 @@ impl Args {
         merged.ask(asked).map_err(Diagnostic::with_code(Code::Usage))?;
         Ok(merged)
     }
+}
+
+/// The pair whose teeth scatter, and about which middles.
+fn base(spec: &Spec, path: &Path, output: &mut Output) -> Result<(MeshInput, Vec<String>), Failure> {
+    let mut input = mesh_of(spec, &spec_files::measured_tables(spec, path, output)?)?;
+    let (middle, middles) = spec.with_scatter_middles(&input.mesh)?;
+    input.mesh = middle;
+    if !spec.has_deviations()
+        && let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?
+    {
+        worst.place(&mut input, spec.limit_on(LimitTarget::CenterDistance))?;
+    }
+    Ok((input, middles))
+}
+
+/// Settings that nobody has changed.
+fn usual_settings((from_mm, to_mm): (f64, f64)) -> RackSettings {
+    let range = RackRange { first_rack: 0, racks: DEFAULT_RACKS };
+    RackSettings { seed: DEFAULT_SEED, range, from_mm, to_mm, threads: None }
+}
+
+/// What each scatter of a spec contributes over these strokes.
+pub(super) fn contributions_of(
+    (spec, path): (&Spec, &Path),
+    strokes: (f64, f64),
+    interruption: &Interruption,
+    output: &mut Output,
+) -> Result<Contributions, Failure> {
+    let (scatter, _) = spec.scatter()?;
+    let (input, _) = base(spec, path, output)?;
+    let racks = Racks { base: &input.mesh, scatter: &scatter, limit: None, yoke: None };
+    contributions(&racks, &usual_settings(strokes), interruption, output)
 }
 
 /// What each scatter contributes, of an interrupted run by the samples that were solved.

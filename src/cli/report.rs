@@ -19,7 +19,7 @@ use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
-use super::{batch, function, mesh, spec_files};
+use super::{batch, function, mesh, monte_carlo, spec_files};
 use crate::batch::{
     Batch, Layout, Outcome, Part, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
 };
@@ -30,8 +30,8 @@ use crate::mesh::TOLERANCE_MM;
 use crate::report::chart::Chart;
 use crate::report::html::{InputFile, Page, Section};
 use crate::report::{
-    Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection, grouped,
-    part_block, parts_block, yokes_block,
+    Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection,
+    contributions, grouped, part_block, parts_block, yokes_block,
 };
 use crate::spec::Spec;
 use crate::spec::keys;
@@ -67,6 +67,9 @@ pub(super) struct Args {
     teeth: bool,
     #[command(flatten)]
     stroke: mesh::Stroke,
+    /// Add which scatter of [scatter] makes which share of the spread of random racks.
+    #[arg(long)]
+    contributions: bool,
     #[command(flatten)]
     judge: JudgeArgs,
     /// Judge without errors that the spec asks for and the table lacks.
@@ -99,11 +102,19 @@ impl Args {
                 page.inputs.push(InputFile::of("-", spec.source.text.as_bytes())?);
             }
         }
-        let status = if self.files.is_empty() {
+        let mut status = if self.files.is_empty() {
             self.of_spec(&spec, &mut page, output)?
         } else {
             self.of_tables(&spec, &mut page, output)?
         };
+        if self.contributions {
+            let (strokes, interruption) = (self.stroke.ends(&spec)?, signals::interrupted(output));
+            let found = monte_carlo::contributions_of((&spec, &self.spec), strokes, &interruption, output)?;
+            const HEADING: &str = "Where the spread of random racks comes from";
+            let charts = vec![contributions::chart(&found, HEADING)];
+            page.sections.push(Section { charts, ..Section::new(HEADING, contributions::blocks(&found)) });
+            status = status.max(interruption.status().unwrap_or(status));
+        }
         if !output.readings().is_empty() {
             page.sections.push(reading_section(output.readings(), &[]));
         }
@@ -127,6 +138,10 @@ impl Args {
     fn of_spec(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         page.title = spec.title.clone().unwrap_or_else(|| shown(&self.spec));
         page.facts = details(spec, &[]);
+        if self.contributions && spec.errors.is_empty() && !spec.has_deviations() {
+            // of random racks alone the limits are judged by `monte-carlo`
+            return Ok(if spec.limits.is_empty() { Status::Pass } else { Status::Undecided });
+        }
         let known = with_known_teeth(spec.clone(), &self.spec, output)?;
         let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
         let report = EvaluationReport { title: None, ..evaluated(&known, &self.judge, worst.as_ref(), output)? };

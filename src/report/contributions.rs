@@ -1,4 +1,4 @@
-//! Where the spread of ΔCD comes from: a part of the report of `monte-carlo`.
+//! Where the spread of ΔCD comes from: a part of the report of `monte-carlo`, and of a page.
 
 use serde_json::{Value, json};
 
@@ -62,7 +62,8 @@ pub(super) fn rows(of: &Contributions, seed: u64) -> Vec<Vec<String>> {
 }
 
 /// Its table and what it rests on.
-pub(super) fn blocks(of: &Contributions) -> Vec<Block> {
+#[must_use]
+pub fn blocks(of: &Contributions) -> Vec<Block> {
     let mut last = "";
     // what is the same as above is left out
     let quantities = of
@@ -94,7 +95,8 @@ fn note(of: &Contributions) -> String {
 }
 
 /// Bars of all shares with their intervals.
-pub(super) fn chart(of: &Contributions, title: &str) -> Chart {
+#[must_use]
+pub fn chart(of: &Contributions, title: &str) -> Chart {
     let rows = || of.indices.iter().enumerate();
     let bars = |which: fn(&Contribution) -> Option<Estimate>, from: f64| {
         let bar = |(row, of): (usize, &Contribution)| {

@@ -20,7 +20,7 @@ mod ci;
 mod class;
 #[cfg(feature = "cli")]
 pub mod compare;
-mod contributions;
+pub mod contributions;
 mod diagnosis;
 mod evaluation;
 mod fact;
