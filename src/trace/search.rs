@@ -99,7 +99,7 @@ impl<'a> Search<'a> {
             noise_mm: request.noise_mm.unwrap_or_else(|| estimated_noise_mm(overlay)),
             fits: overlay.placement.is_some(),
             // the tail of χ² with one degree of freedom is below exp(−χ²/2)
-            threshold: 2.0 * (2.0 * candidates.len().max(1) as f64 / FALSE_ALARM).ln(),
+            threshold: 2.0 * libm::log(2.0 * candidates.len().max(1) as f64 / FALSE_ALARM),
             candidates,
             errors: Vec::new(),
             shift_mm,
@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
         for (at, error) in beside.iter().enumerate() {
             columns.extend(self.slope(errors, error, at, &strokes)?);
         }
-        Ok(Sight::new((strokes, model), &measured, weights, columns))
+        Ok(Sight::new((strokes, model), &measured, weights, &columns))
     }
 
     fn with(&self, errors: &[(ToothError, f64)]) -> Result<Mesh, TraceError> {
@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
         let slopes: Vec<f64> = behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * STEP_MM)).collect();
         let ones = vec![1.0; strokes.len()];
         let zeros = || vec![0.0; strokes.len()];
-        let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), vec![ones.clone()]);
+        let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), &[ones.clone()]);
         let told_mm = TOLD * self.mesh.pair().rack().pitch_mm;
         let is_told = alone.visible(&slopes) * told_mm * told_mm > 1.0;
         Ok(if is_told { vec![ones, slopes] } else { vec![ones] })
@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
         let is_new = |error: &&ToothError| is_tried(error) && errors.iter().all(|(known, _)| known != *error);
         let tried: Vec<ToothError> = self.candidates.iter().filter(is_new).copied().collect();
         // what is left may be larger than what the usual sizes do
-        let scale = (sight.largest_mm() / SIZES_MM[1]).log2().ceil().max(0.0).exp2();
+        let scale = (sight.largest_mm() / SIZES_MM[1]).ceil();
         let sizes: Vec<f64> = SIZES_MM.iter().copied().chain((scale > 1.0).then_some(scale * SIZES_MM[1])).collect();
         let of = |at: u64| {
             let error = tried[at as usize];
@@ -243,7 +243,9 @@ impl<'a> Search<'a> {
                 effects.insert(size, effect);
             }
         };
-        sizes.iter().for_each(|size| add(&mut effects, *size));
+        for size in sizes {
+            add(&mut effects, *size);
+        }
         for _ in 0..ROUNDS {
             let best = effects.best(sight);
             if effects.has(best.size_mm) {
@@ -293,7 +295,7 @@ impl<'a> Search<'a> {
         let measured: Vec<f64> = self.points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
         let weights = vec![1.0 / (self.noise_mm * self.noise_mm); strokes.len()];
         let beside = if self.fits { vec![vec![1.0; strokes.len()]] } else { Vec::new() };
-        Some(Sight::new((strokes, model), &measured, weights, beside).chi_square())
+        Some(Sight::new((strokes, model), &measured, weights, &beside).chi_square())
     }
 
     /// Fits all sizes and the stroke shift together, by Gauss and Newton.

@@ -25,11 +25,11 @@ impl Sight {
         (strokes_mm, model_mm): (Vec<f64>, Vec<f64>),
         measured_mm: &[f64],
         weights: Vec<f64>,
-        beside: Vec<Vec<f64>>,
+        beside: &[Vec<f64>],
     ) -> Self {
         let rest_mm = measured_mm.iter().zip(&model_mm).map(|(measured, model)| measured - model).collect();
         let mut sight = Self { strokes_mm, model_mm, rest_mm, weights, beside: Vec::new(), inverse: Vec::new() };
-        let (kept, fit) = sight.fitted(&beside);
+        let (kept, fit) = sight.fitted(beside);
         sight.inverse = fit.map(|fit| fit.inverse).unwrap_or_default();
         sight.beside = kept.into_iter().map(|at| beside[at].clone()).collect();
         sight
