@@ -326,7 +326,7 @@ impl Duplicates {
             line: 0,
             column: "part_id".to_owned(),
             message: format!("part `{}` is there twice", shown(name)),
-            help: "take one of them out; or say that each counts: [table] repeats = \"all\"; the last one counts (\"last\") within one file only",
+            help: "take one of them out; or say that each counts: [table] repeats = \"all\", or the last one: \"last\"",
         })
     }
 

@@ -14,10 +14,10 @@ use super::written;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report;
-use crate::spec::Spec;
+use crate::spec::{Spec, TableSection};
 use crate::table::{
     CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, PartNames, Parts, Pattern,
-    Proposal, Reading, Separator, Source, Table, Want,
+    Proposal, Reading, Repeats, Separator, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -108,6 +108,8 @@ pub(super) struct Files<'a> {
     pub(super) first: Option<Opened>,
     /// A later one from standard input, which cannot be opened again.
     from_stdin: Option<Opened>,
+    /// The parts of the tables behind each, where the last row of a part is judged.
+    later: Vec<Arc<HashSet<String>>>,
     /// What is wrong with files that cannot be read; the others are evaluated all the same.
     pub(super) failed: Vec<Diagnostic>,
 }
@@ -308,13 +310,38 @@ impl<'a> Opener<'a> {
         if first.is_none() {
             return Err(Diagnostics(failed).into());
         }
-        Ok(Files { opener: self.clone(), paths: kept, first, from_stdin, failed })
+        let is_last = self.spec.table.layout.repeats == Repeats::Last && kept.len() > 1;
+        let later = if is_last { self.later(&kept)? } else { Vec::new() };
+        Ok(Files { opener: self.clone(), paths: kept, first, from_stdin, later, failed })
+    }
+
+    /// The names of the parts in the tables behind each, the first table's last.
+    fn later(&self, paths: &[PathBuf]) -> Result<Vec<Arc<HashSet<String>>>, Failure> {
+        let (mut names, mut later) = (HashSet::new(), Vec::new());
+        for path in paths.iter().rev() {
+            if is_dash(path) {
+                let message = "the last row of a part is judged, and of several tables one is standard input";
+                return Err(Diagnostic::usage(message).help("give all of them as files").into());
+            }
+            later.push(Arc::new(names.clone()));
+            let blocks =
+                self.open(path)?.table.blocks().map_err(|error| Diagnostic::unreadable(&shown(path), &error))?;
+            let each = blocks.iter().flat_map(|block| (0..block.rows()).filter_map(|row| block.name(row)));
+            names.extend(each.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()));
+        }
+        Ok(later)
     }
 }
 
 impl Files<'_> {
     /// The next table: some were opened to look at them.
     pub(super) fn next(&mut self, path: &Path) -> Result<Opened, Failure> {
+        if let Some(later) = self.later.pop() {
+            let spec = Spec::clone(&self.opener.spec);
+            let layout = Layout { later, ..Layout::clone(&spec.table.layout) };
+            let table = TableSection { layout: layout.into(), ..spec.table.clone() };
+            return Opener { spec: Arc::new(Spec { table, ..spec }), ..self.opener.clone() }.open(path);
+        }
         let opened = self.first.take().or_else(|| self.from_stdin.take_if(|_| is_dash(path)));
         opened.map_or_else(|| self.opener.open(path), Ok)
     }

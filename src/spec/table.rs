@@ -145,6 +145,7 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         comments: patterns(reader.texts("comments")),
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
         repeats: repeats.unwrap_or_default(),
+        later: Arc::default(),
         details: Vec::new(),
     };
     for (key, heading) in headings {

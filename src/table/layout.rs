@@ -1,7 +1,9 @@
 //! The contract of a table: what its columns and lines are, as a person wrote or confirmed it. Made by the spec's `[table]`, by a
 //! layout of its own and by options; obeyed by the reader.
 
+use std::collections::HashSet;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use super::dictionary::{Form, Heading, Role};
 use super::encoding::Encoding;
@@ -154,6 +156,8 @@ pub struct Layout {
     pub ignores_others: bool,
     /// What becomes of a part that is there more than once.
     pub repeats: Repeats,
+    /// The parts that are there again in a later file, where the last row of a part is judged.
+    pub later: Arc<HashSet<String>>,
     /// Headings of columns that no value is read from and that pages show, with the keys of `[report]` that they stand for.
     pub details: Vec<(&'static str, String)>,
 }

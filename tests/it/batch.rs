@@ -131,7 +131,7 @@ fn bad_rows_are_reported_kept_and_counted() {
         "<stdin>:3: error[bad-row]: record 2 (part P2), column `over_roller`: `abc` is not a number alone",
         "<stdin>:5: error[bad-row]: record 3 (part P3), column `dp [µm]`: there is no value for rack pitch: a part is judged by all its values",
         "<stdin>:6: error[bad-row]: record 4 (part P\\u000a4), column `over_roller`: there is no value for rack over-roller: a part is judged by all its values",
-        "<stdin>:8: error[bad-row]: record 5: `2` stands in column 4, which has no heading: `P5 25 1 2`",
+        "<stdin>:8: error[bad-row]: record 5: `2` stands in column 4, which has no heading: ignore = [\"column 4\"] leaves it out: `P5 25 1 2`",
         "<stdin>:9: error[bad-row]: record 6 (part P6), column `dp [µm]`: there is no value for rack pitch (`nan`): a part is judged by all its values",
         "7 rows: 2 pass, 0 fail, 5 rejected; 1 blank line",
     ] {

@@ -134,6 +134,10 @@ impl<'r> Reader<'r, '_> {
         if line == self.columns.heading {
             return self.left_out.add(self.layout.own_rule(OwnRule::RepeatedHeadings), record.line, 0, &line);
         }
+        let part = self.place(Role::PartId).map(|place| record.cell(place).text());
+        if part.is_some_and(|name| self.layout.later.contains(&*name)) {
+            return self.left_out.add(self.layout.own_rule(OwnRule::RepeatedParts), record.line, 0, &line);
+        }
         let Some(title) = self.name(record) else {
             return self.open.push(Open::Line { line: record.line, text: line });
         };

@@ -72,7 +72,8 @@ fn one(
     let meaning = lookup(matched.form, &name).filter(|meaning| meaning.role == Role::Value(field));
     let is_angle = field.is_angle();
     let beside = beside(matched, field, is_angle);
-    let of_row = units.map(|units| units.cell(place).text().into_owned()).filter(|unit| !unit.is_empty());
+    let of_row = units.map(|units| units.cell(place).text().into_owned());
+    let of_row = of_row.filter(|unit| !unit.is_empty() && *unit != title);
     let mut said = Vec::new();
     for symbol in matched.headings[place].unit.clone().into_iter().chain(of_row) {
         let Some(unit) = unit_of(&symbol, is_angle) else {

@@ -51,12 +51,13 @@ fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> 
 /// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it; a column without
 /// an owner keeps it.
 pub(super) fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
-    let is_heading = |place: usize, cell: &Cell| matched.titles.get(place).is_some_and(|title| cell.text() == **title);
-    let cells = units.cells.iter().enumerate().filter(|(place, cell)| !cell.is_empty() && !is_heading(*place, cell));
-    for (place, cell) in cells.collect::<Vec<_>>() {
+    for (place, cell) in units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_empty()) {
+        let is_heading = matched.titles.get(place).is_some_and(|title| cell.text() == **title);
         match matched.owners.get(place) {
             Some(Some(Owner::Rule(rule))) => left_out.add(*rule, units.line, place, &cell.text()),
+            Some(Some(Owner::Role(_))) if is_heading => left_out.add(left_out.beside, units.line, place, &cell.text()),
             Some(Some(Owner::Role(Role::Value(_)))) => {}
+            Some(None) if is_heading => {}
             Some(None) => _ = matched.headings[place].unit.get_or_insert_with(|| cell.text().into_owned()),
             Some(Some(Owner::Role(Role::Beside(..) | Role::PartId | Role::Status | Role::Index(_)))) => {
                 left_out.add(left_out.beside, units.line, place, &cell.text());

@@ -84,7 +84,8 @@ pub(super) fn last_of_each(
         records[first..].iter().filter(|record| is_row(record)).map(|record| (name(record), record.line)).collect();
     let mut kept = records[..first].to_vec();
     for record in &records[first..] {
-        let is_before = is_row(record) && last.get(&name(record)).is_some_and(|line| *line != record.line);
+        let is_last = |name: &String| !layout.later.contains(name) && last.get(name) == Some(&record.line);
+        let is_before = is_row(record) && !is_last(&name(record));
         if is_before && score(record, layout, form).is_none() {
             left_out.add(layout.own_rule(OwnRule::RepeatedParts), record.line, 0, &line_of(record));
         } else {

@@ -159,13 +159,14 @@ impl Reader {
 
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         let text = line.text.trim();
+        let index = self.source.text[line.at..line.start].trim();
         let is_own = is_of_format(line.key) && !(line.key == EVENT && text.contains(char::is_alphabetic));
         if is_own {
             // the index of a value is said by the order of values
-            let index = self.source.text[line.at..line.start].trim();
             let said = if line.key == 1 { index.to_owned() } else { format!("{index} {text}") };
             self.said.add(number.into(), 0, &said);
         } else if !text.is_empty() {
+            self.said.add(number.into(), 0, index);
             self.remarks.push(Remark { key: line.key, line: number, text: text.to_owned() });
         }
         match line.key {
