@@ -270,6 +270,7 @@ fn errors(
         PartError {
             kind,
             deviation: values.at(row),
+            tolerance: source.tolerance,
             nominal: *nominal,
             delta_cd: results.of(&Output::Error(kind), row).unwrap_or_default(),
             margin: results.margin_of(kind, row),

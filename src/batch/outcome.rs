@@ -14,6 +14,7 @@ use super::statistics::{MovingRange, Statistics};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Code;
 use crate::evaluation::JudgedBy;
+use crate::formula::ToleranceEnds;
 use crate::function::{JudgedYoke, Settings};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::{Length, shown};
@@ -170,8 +171,10 @@ pub struct Part {
 pub struct PartError {
     /// Which it is.
     pub kind: DeviationKind,
-    /// The deviation that is evaluated.
+    /// The deviation that is evaluated; of a tolerance, the end farther from 0.
     pub deviation: DeviationValue,
+    /// The tolerance that every part keeps, where none was measured.
+    pub tolerance: Option<ToleranceEnds>,
     /// The nominal value that it is the distance to; `None` where deviations were measured.
     pub nominal: Option<DeviationValue>,
     /// Its ΔCD.

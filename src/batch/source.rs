@@ -2,7 +2,7 @@
 
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::formula::{Law, PartDeviation};
+use crate::formula::{Law, PartDeviation, ToleranceEnds};
 use crate::judge::bound::ExtendedError;
 use crate::judge::{LimitTarget, Limits};
 use crate::spec::Spec;
@@ -23,6 +23,8 @@ pub(super) struct Source {
     pub(super) nominal: Option<DeviationValue>,
     /// The value that every part has; `None` if it is read from the table.
     pub(super) of_every_part: Option<DeviationValue>,
+    /// That of every part, if its value is none but a tolerance.
+    pub(super) tolerance: Option<ToleranceEnds>,
 }
 
 impl Source {
@@ -35,7 +37,7 @@ impl Source {
         let extended = ExtendedError::of(&of_any_value)
             .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
         let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-        Ok(Self { law: error.law(), extended, is_limited, nominal, of_every_part: None })
+        Ok(Self { law: error.law(), extended, is_limited, nominal, of_every_part: None, tolerance: None })
     }
 }
 
@@ -79,7 +81,11 @@ pub(super) fn sources(
             }
         };
         match Source::new(&error, nominal, limits) {
-            Ok(source) => sources.push(Source { of_every_part: of_every_part.map(PartDeviation::value), ..source }),
+            Ok(source) => sources.push(Source {
+                of_every_part: of_every_part.map(PartDeviation::value),
+                tolerance: of_every_part.filter(|error| error.is_tolerance()).map(PartDeviation::tolerance),
+                ..source
+            }),
             Err(problem) => diagnostics.push(problem),
         }
     }

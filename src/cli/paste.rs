@@ -21,7 +21,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Unjudged;
 use crate::mesh::TOLERANCE_MM;
 use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading, YokeSection};
-use crate::spec::Spec;
+use crate::spec::{Spec, WrittenError};
 use crate::table::{Gatherer, Reading, Table, Teeth, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
@@ -285,7 +285,8 @@ impl Args {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let spec = &spec.for_columns(&in_table);
         let of_every_part = spec.errors_of_every_part(&in_table)?;
-        let all = errors.iter().copied().chain(of_every_part.iter().map(|error| (error.kind(), error.value())));
+        let of_every_part = of_every_part.iter().map(|error| (error.kind(), WrittenError::from(error)));
+        let all = errors.iter().map(|(kind, value)| (*kind, (*value).into())).chain(of_every_part);
         let mut all: Vec<_> = all.collect();
         all.sort_by_key(|(kind, _)| *kind);
         let of_part = spec.with_errors(&all);

@@ -21,7 +21,8 @@ use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
 use super::{batch, function, mesh, monte_carlo, spec_files};
 use crate::batch::{
-    Batch, Layout, Outcome, Part, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
+    Batch, Layout, Outcome, Part, PartError, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth,
+    TeethRequest,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::Unjudged;
@@ -33,8 +34,7 @@ use crate::report::{
     Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection,
     contributions, grouped, part_block, parts_block, yokes_block,
 };
-use crate::spec::Spec;
-use crate::spec::keys;
+use crate::spec::{Spec, WrittenError, keys};
 
 const BY_FORMULA: &str = "Deviations and ΔCD by formula";
 
@@ -175,7 +175,7 @@ impl Args {
 
     /// The errors of one part of a table in detail; the verdict on it is the table's.
     fn part(&self, spec: &Spec, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
-        let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, error.deviation)).collect();
+        let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, written(error))).collect();
         let kinds: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let is_open = !self.partial && !spec.lacking(&kinds).is_empty();
         let spec = spec.with_errors(&errors);
@@ -402,6 +402,11 @@ impl Args {
 
 fn problem_text(problem: &crate::batch::Problem) -> String {
     format!("{}: {}", problem.place, problem.what())
+}
+
+/// An error of a part as a spec has it.
+fn written(error: &PartError) -> WrittenError {
+    error.tolerance.map_or_else(|| error.deviation.into(), WrittenError::Tolerance)
 }
 
 /// What was measured on a part, and how far it is inside its limits.

@@ -12,8 +12,8 @@ use super::{Located, Spec};
 use crate::deviation::plausible::{self, WrittenIn};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::ToleranceEnds;
 use crate::formula::law::lead_slope;
+use crate::formula::{PartDeviation, ToleranceEnds};
 use crate::quantity::{DomainError, Length};
 use crate::uncertainty::Influence;
 
@@ -40,6 +40,18 @@ impl WrittenError {
     /// Whether it is permitted, and not the value of a part.
     pub(super) const fn is_permitted(&self) -> bool {
         matches!(self, Self::Tolerance(_) | Self::Class(_))
+    }
+}
+
+impl From<DeviationValue> for WrittenError {
+    fn from(value: DeviationValue) -> Self {
+        Self::Value(value)
+    }
+}
+
+impl From<&PartDeviation> for WrittenError {
+    fn from(error: &PartDeviation) -> Self {
+        if error.is_tolerance() { Self::Tolerance(error.tolerance()) } else { Self::Value(error.value()) }
     }
 }
 

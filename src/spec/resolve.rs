@@ -86,18 +86,20 @@ impl Spec {
         said_of(&self.extents, error.kind()).map_or(error, |extent| error.with_extent(extent.value))
     }
 
-    /// The same spec with other errors, as measured on a part; their formulas ask for gear data as if they
-    /// stood in `[errors]`.
+    /// The same spec with other errors, as measured on a part or permitted of every one; their formulas ask for gear data
+    /// as if they stood in `[errors]`.
     #[must_use]
-    pub fn with_errors(&self, errors: &[(DeviationKind, DeviationValue)]) -> Self {
+    pub fn with_errors<E: Copy + Into<WrittenError>>(&self, errors: &[(DeviationKind, E)]) -> Self {
         // the nominal measure over a roller stays what it is computed from, with the uncertainties of that
         let over_pin = self.over_pin().and_then(|over_pin| Some((over_pin.measure().ok()?, over_pin.pin_diameter)));
         let errors = errors.iter().map(|(kind, value)| {
-            let written = match (value, over_pin) {
-                (DeviationValue::Length(length), Some((nominal, roller))) if *kind == DeviationKind::RackOverRoller => {
-                    WrittenError::OverRoller { measured: *length + nominal, roller }
+            let written = match ((*value).into(), over_pin) {
+                (WrittenError::Value(DeviationValue::Length(length)), Some((nominal, roller)))
+                    if *kind == DeviationKind::RackOverRoller =>
+                {
+                    WrittenError::OverRoller { measured: length + nominal, roller }
                 }
-                (value, _) => WrittenError::Value(*value),
+                (written, _) => written,
             };
             (*kind, Located { value: written, span: 0..0 })
         });

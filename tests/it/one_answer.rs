@@ -54,6 +54,48 @@ fn a_lead_on_all_teeth_is_judged_by_the_mesh() {
     assert_eq!(eval["reached_mm"], Value::Null);
 }
 
+/// A tolerance of every part, with two ends or one, is no value of a part: one pasted part has the range, the verdict and
+/// the limits' verdicts that a batch gives the same row, and the page on it tells of the same range.
+#[test]
+fn a_tolerance_of_every_part_is_none_of_its_values() {
+    let folder = Folder::new("tolerance-of-every-part");
+    let pair = "[pair]\nnormal_pressure_angle = 20\nnormal_module = 2\n[rack]\nface_width = 20\nhelix_angle = 10\n\
+        [pinion]\nface_width = 30\nhelix_angle = 20\n";
+    let limits = "[limits]\ncenter_distance = { lower = -0.02, upper = 0.002 }\n";
+    let micrometres = "{ lower = \"-9 um\", upper = \"2 um\" }";
+    for (kind, ends, extent) in [
+        ("pinion_radial", micrometres, ""),
+        ("pinion_radial", "{ lower = \"-9 um\", upper = \"9 um\" }", ""),
+        ("pinion_radial", micrometres, ", extent = \"all\""),
+        ("rack_pitch", micrometres, ", extent = \"one\""),
+        ("rack_lead", "{ lower = -0.02, upper = 0.01 }", ""),
+        ("pinion_lead", micrometres, ""),
+    ] {
+        let error = format!("[errors]\n{kind} = {{ value = {ends}, every_part = true{extent} }}\n");
+        let column = "[table.columns]\npart_id = \"id\"\nrack_over_roller = { name = \"M\", unit = \"um\" }\n";
+        let (spec, table) = (folder.path("spec.toml"), folder.path("parts.csv"));
+        std::fs::write(&spec, format!("{pair}{error}{limits}{column}")).unwrap();
+        std::fs::write(&table, "id,M\nA,1\n").unwrap();
+        let rows = run(&["batch", &spec, &table, "-f", "json", "--decimals", "full"], "").json();
+        let pasted = run(&["paste", &spec, &table, "-f", "json"], "").json();
+        let range = |end: &str| pasted["combined"]["range_mm"][end].clone();
+        assert_eq!(
+            (&range("lower"), &range("upper"), &pasted["verdict"]),
+            (&rows[0]["range_lower_mm"], &rows[0]["range_upper_mm"], &rows[0]["verdict"]),
+            "{error}"
+        );
+        assert_eq!(pasted["limits"][0]["verdict"], pasted["verdict"], "{error}");
+        if kind == "pinion_radial" && ends == micrometres {
+            assert_eq!((range("lower").as_f64(), range("upper").as_f64()), (Some(-0.008), Some(0.003)));
+            assert_eq!(pasted["verdict"], "fail");
+            let page = folder.path("page.html");
+            run(&["report", &spec, &table, "-o", &page], "");
+            let page = std::fs::read_to_string(page).unwrap();
+            assert!(page.contains("0.003") && !page.contains("0.01 mm"), "{page}");
+        }
+    }
+}
+
 /// A tolerance, one tooth and a pinion's pitch leave something to place.
 #[test]
 fn what_is_left_to_place_is_judged_by_the_bound() {

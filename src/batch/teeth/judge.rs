@@ -12,7 +12,7 @@ use crate::function::{Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::Basis;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::mesh::{Curve, TOLERANCE_MM};
-use crate::spec::{MeasuredTables, MeshInput, SolvedTeeth, Spec};
+use crate::spec::{MeasuredTables, MeshInput, SolvedTeeth, Spec, WrittenError};
 use crate::uncertainty::{self, propagate};
 
 /// What parts whose teeth were measured are judged by.
@@ -147,7 +147,7 @@ impl TeethJudge {
             let keys = part.lacks.iter().map(|kind| kind.key()).collect();
             return yoke.unknown(yoke.open(&Judged::Lacks(keys)));
         }
-        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), error.value())).collect();
+        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), WrittenError::from(error))).collect();
         let placed = (!errors.is_empty()).then(|| self.measured_only.with_errors(&errors).mesh_of_all_teeth(tables));
         let unsolved = || yoke.unknown(yoke.open(&Judged::Unsolved));
         let (input, curve) = match &placed {
@@ -200,7 +200,7 @@ impl TeethJudge {
         if self.errors.is_empty() || !is_limited || by_bound.passes() {
             return Ok(by_bound);
         }
-        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), error.value())).collect();
+        let errors: Vec<_> = self.errors.iter().map(|error| (error.kind(), WrittenError::from(error))).collect();
         match spec.with_errors(&errors).solved() {
             Some(Ok(SolvedTeeth { teeth, sensitivities })) => {
                 let basis = Basis { all_placed: Some(teeth.range), ..self.basis.clone() };
