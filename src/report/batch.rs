@@ -284,7 +284,7 @@ impl<'a> BatchReport<'a> {
             }
             match result.capability.normality {
                 Some(normality) if normality.rejected() => notes.push(format!(
-                    "{}: not normally distributed (Anderson-Darling A*² {:.2}, p {}; skewness {:+.2}, excess kurtosis {:+.2}), so the indices do not give the share outside: see the quantiles.",
+                    "{}: not normally distributed (Anderson-Darling A² {:.2}, p {}; skewness {:+.2}, excess kurtosis {:+.2}), so the indices do not give the share outside: see the quantiles.",
                     result.shown(),
                     normality.anderson_darling,
                     if normality.p_value < 1e-4 { "below 0.0001".to_owned() } else { format!("{:.4}", normality.p_value) },
@@ -292,7 +292,7 @@ impl<'a> BatchReport<'a> {
                     normality.excess_kurtosis,
                 )),
                 Some(normality) => notes.push(format!(
-                    "{}: a normal distribution is not contradicted (Anderson-Darling A*² {:.2}, p {:.2}).",
+                    "{}: a normal distribution is not contradicted (Anderson-Darling A² {:.2}, p {:.2}).",
                     result.shown(),
                     normality.anderson_darling,
                     normality.p_value
