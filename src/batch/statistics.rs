@@ -385,7 +385,7 @@ mod tests {
         rest.add(&values[300..]);
         whole.merge(&rest);
         let found = whole.normality().unwrap();
-        assert_eq!(format!("{:.4} {:.3}", found.anderson_darling, found.p_value), "0.4034 0.356");
+        assert_eq!(format!("{:.4} {:.3}", found.anderson_darling, found.p_value), "0.4031 0.356");
         assert!(of([1, 2, 3].repeat(10)).normality().is_none());
     }
 
