@@ -155,7 +155,7 @@ mod tests {
         let function = |x: &[f64]| {
             let [x, y, z] = [0, 1, 2].map(|input| std::f64::consts::PI * (2.0 * x[input] - 1.0));
             let sine = trig::sin(y);
-            trig::sin(x) + 7.0 * sine * sine + 0.1 * z.powi(4) * trig::sin(x)
+            trig::sin(x) + 7.0 * sine * sine + 0.1 * (z * z) * (z * z) * trig::sin(x)
         };
         let found = of(function, 3, 1 << 14);
         hold(&found, &[0.3139, 0.4424, 0.0], &[0.5576, 0.4424, 0.2437], 0.02);

@@ -73,9 +73,10 @@ impl Args {
             };
             let Some(eval) = ask(Of::Eval, &self.options, Facts::All)? else { return Ok(ended()) };
             let missing: Vec<_> = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect();
-            let mesh = match missing.is_empty() {
-                true => ask(Of::Mesh, &self.stroke(), Facts::All)?,
-                false => Some(Err(format!("it needs {}", missing.join(", ")))),
+            let mesh = if missing.is_empty() {
+                ask(Of::Mesh, &self.stroke(), Facts::All)?
+            } else {
+                Some(Err(format!("it needs {}", missing.join(", "))))
             };
             let Some(mesh) = mesh else { return Ok(ended()) };
             eval.iter().flat_map(|answer| &answer.warnings).for_each(|warning| output.diagnostic(warning));
@@ -106,11 +107,12 @@ impl Args {
         let limit = spec.limit_on(LimitTarget::CenterDistance).copied();
         let exit_status = eval.as_ref().map_or(Status::Undecided.code(), |answer| answer.status);
         let mut notes = Vec::new();
-        let mut known = |what: &str, answer: Result<Answer, String>| {
-            answer.map(|answer| answer.json).unwrap_or_else(|why| {
+        let mut known = |what: &str, answer: Result<Answer, String>| match answer {
+            Ok(answer) => answer.json,
+            Err(why) => {
                 notes.push(format!("no {what}: {why}"));
                 Value::Null
-            })
+            }
         };
         let (eval, mesh) = (known("result", eval), known("mesh", mesh));
         let number = |point: &Value, name: &str| point.get(name).and_then(Value::as_f64);

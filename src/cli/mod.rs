@@ -122,10 +122,15 @@ const GROUPS: &[Group] = &[
         ],
     },
     Group {
-        heading: "Set tolerances",
-        subcommands: &[subcommand!("calc", calc), subcommand!("class", class), subcommand!("budget", budget)],
+        heading: "Design",
+        subcommands: &[
+            subcommand!("calc", calc),
+            subcommand!("class", class),
+            subcommand!("budget", budget),
+            subcommand!("sweep", sweep),
+            subcommand!("compare", compare),
+        ],
     },
-    Group { heading: "Vary the design", subcommands: &[subcommand!("sweep", sweep), subcommand!("compare", compare)] },
     Group {
         heading: "Start, and set up",
         subcommands: &[

@@ -51,6 +51,7 @@ Examples:
 
 Exit status: 0 all verdicts are pass or there are none, 1 a fail, 2 something could not be judged or\nread, 3 indeterminate, 129, 130 or 143 interrupted."
 )]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     spec: PathBuf,
@@ -67,7 +68,7 @@ pub(super) struct Args {
     teeth: bool,
     #[command(flatten)]
     stroke: mesh::Stroke,
-    /// Add which scatter of [scatter] makes which share of the spread of random racks.
+    /// Say which scatter makes which share of the spread: Sobol indices, by as many samples as racks.
     #[arg(long)]
     contributions: bool,
     #[command(flatten)]
@@ -108,9 +109,9 @@ impl Args {
             self.of_tables(&spec, &mut page, output)?
         };
         if self.contributions {
+            const HEADING: &str = "Where the spread of random racks comes from";
             let (strokes, interruption) = (self.stroke.ends(&spec)?, signals::interrupted(output));
             let found = monte_carlo::contributions_of((&spec, &self.spec), strokes, &interruption, output)?;
-            const HEADING: &str = "Where the spread of random racks comes from";
             let charts = vec![contributions::chart(&found, HEADING)];
             page.sections.push(Section { charts, ..Section::new(HEADING, contributions::blocks(&found)) });
             status = status.max(interruption.status().unwrap_or(status));

@@ -31,7 +31,7 @@ pub(super) struct TraceArgs {
     #[arg(long, requires = "measured")]
     diagnose: bool,
     /// Standard deviation of the measurement's noise. Default: estimated from the curve.
-    #[arg(long, requires = "diagnose", value_name = "LENGTH")]
+    #[arg(long, requires = "diagnose", allow_hyphen_values = true, value_name = "LENGTH")]
     noise: Option<Length>,
 }
 

@@ -44,13 +44,11 @@ fn merged<'a, T>(lists: &[&'a [(String, T)]]) -> Vec<Line<'a, T>> {
     for list in lists {
         let mut after = 0;
         for (name, _) in *list {
-            match names.iter().position(|known| known == name) {
-                Some(at) => after = at + 1,
-                None => {
-                    names.insert(after, name);
-                    after += 1;
-                }
+            let known = names.iter().position(|known| known == name);
+            if known.is_none() {
+                names.insert(after, name);
             }
+            after = known.unwrap_or(after) + 1;
         }
     }
     let under = |name: &str| {

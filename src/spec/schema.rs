@@ -1,5 +1,6 @@
 //! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
 
+use std::collections::BTreeMap;
 use std::ops::Bound;
 
 use serde_json::{Map, Value, json};
@@ -19,15 +20,60 @@ pub fn json_schema() -> Value {
     let mut schema = Schema::default();
     let mut properties = schema.properties(&TOP);
     properties.extend(SECTIONS.iter().map(|section| (section.name.to_owned(), schema.section(section))));
-    json!({
+    let mut made = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "rackmesh gear spec",
         "description": TOP.doc,
         "type": "object",
         "additionalProperties": false,
         "properties": properties,
-        "$defs": schema.definitions,
-    })
+        "$defs": schema.definitions.clone(),
+    });
+    let mut counts = BTreeMap::new();
+    count_references(&made, &mut counts);
+    let once: Map<String, Value> =
+        schema.definitions.into_iter().filter(|(name, _)| counts.get(name) == Some(&1)).collect();
+    if let Some(definitions) = made["$defs"].as_object_mut() {
+        definitions.retain(|name, _| !once.contains_key(name));
+    }
+    put_in_place(&mut made, &once);
+    made
+}
+
+/// The name of the definition that a schema refers to.
+fn referred(schema: &Map<String, Value>) -> Option<&str> {
+    schema.get("$ref")?.as_str()?.strip_prefix("#/$defs/")
+}
+
+/// Counts how often each definition is referred to.
+fn count_references(schema: &Value, counts: &mut BTreeMap<String, usize>) {
+    match schema {
+        Value::Object(object) => {
+            if let Some(name) = referred(object) {
+                *counts.entry(name.to_owned()).or_default() += 1;
+            }
+            object.values().for_each(|value| count_references(value, counts));
+        }
+        Value::Array(list) => list.iter().for_each(|value| count_references(value, counts)),
+        _ => {}
+    }
+}
+
+/// Puts definitions that one place refers to into that place; what is said beside the reference stays.
+fn put_in_place(schema: &mut Value, once: &Map<String, Value>) {
+    match schema {
+        Value::Object(object) => {
+            if let Some(Value::Object(definition)) = referred(object).and_then(|name| once.get(name)).cloned() {
+                object.remove("$ref");
+                for (key, value) in definition {
+                    object.entry(key).or_insert(value);
+                }
+            }
+            object.values_mut().for_each(|value| put_in_place(value, once));
+        }
+        Value::Array(list) => list.iter_mut().for_each(|value| put_in_place(value, once)),
+        _ => {}
+    }
 }
 
 /// What is said once, by name, and referred to.

@@ -28,7 +28,7 @@ impl Spec {
         let mut written = Written { folder: path.parent().unwrap_or(Path::new("")), values: Vec::new() };
         written.section(&TOP, "", &table);
         for section in SECTIONS {
-            if let Some(DeValue::Table(table)) = table.get(section.name).map(|value| value.get_ref()) {
+            if let Some(DeValue::Table(table)) = table.get(section.name).map(toml::Spanned::get_ref) {
                 written.section(section, section.name, table);
             }
         }
@@ -105,7 +105,7 @@ struct Written<'a> {
 impl Written<'_> {
     fn section(&mut self, section: &Section, path: &str, table: &DeTable<'_>) {
         for key in section.keys {
-            let Some(value) = table.get(key.name()).map(|value| value.get_ref()) else { continue };
+            let Some(value) = table.get(key.name()).map(toml::Spanned::get_ref) else { continue };
             let path = if path.is_empty() { key.name().to_owned() } else { format!("{path}.{}", key.name()) };
             match (key.kind, value) {
                 (Kind::Table(inner) | Kind::Whole(inner), DeValue::Table(table)) => self.section(inner, &path, table),

@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
         let slopes: Vec<f64> = behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * STEP_MM)).collect();
         let ones = vec![1.0; strokes.len()];
         let zeros = || vec![0.0; strokes.len()];
-        let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), &[ones.clone()]);
+        let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), std::slice::from_ref(&ones));
         let told_mm = TOLD * self.mesh.pair().rack().pitch_mm;
         let is_told = alone.visible(&slopes) * told_mm * told_mm > 1.0;
         Ok(if is_told { vec![ones, slopes] } else { vec![ones] })

@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn pieces_cover_strokes_and_none_is_reversed() {
-        let pitch = std::f64::consts::PI * 1.5 / (10.0 * std::f64::consts::PI / 180.0).cos();
+        let pitch = std::f64::consts::PI * 1.5 / crate::trig::cos(10.0 * std::f64::consts::PI / 180.0);
         for contact in 1..60 {
             let range = (1.0 - f64::from(contact)) * pitch..(5.0 + f64::from(contact)) * pitch;
             let pieces: Vec<_> = pieces(&range, pitch).collect();

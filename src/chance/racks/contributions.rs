@@ -9,7 +9,9 @@ use crate::chance::sobol::{Estimate, PARTS, Sums, indices};
 use crate::parallel;
 
 /// What is asked of each rack: its name, and the value.
-const QUANTITIES: [(&str, fn(&RackResult) -> f64); 3] = [
+type Quantity = (&'static str, fn(&RackResult) -> f64);
+
+const QUANTITIES: [Quantity; 3] = [
     ("mean", |result| result.mean_mm),
     ("largest", |result| result.max_mm),
     ("peak_to_peak", RackResult::peak_to_peak_mm),
