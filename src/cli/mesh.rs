@@ -287,7 +287,15 @@ impl Args {
             };
             return closed_is(status, listed);
         }
-        let curve = input.mesh.curve(ends.0, ends.1, self.range.tolerance.mm())?;
+        let (from, to) = match &trace {
+            // a yoke is judged over the travel, however short the measured curve is
+            Some(_) if spec.has_yoke() => {
+                let travel = self.range.stroke.ends(&spec)?;
+                (ends.0.min(travel.0), ends.1.max(travel.1))
+            }
+            _ => ends,
+        };
+        let curve = input.mesh.curve(from, to, self.range.tolerance.mm())?;
         let function = function::part(&spec, &input, &curve, self.range.stroke.travel(&spec)?, &judged)?;
         let status = status.max(function.as_ref().map_or(Status::Pass, |part| function::status(&part.checks)));
         let mut report = solved(&spec, &input, curve, judged)?;

@@ -194,7 +194,7 @@ fn a_workbook_that_has_no_room_for_its_rows_leaves_the_old_file() {
     let written = WRITTEN.iter().find(|written| (written.command, written.id) == ("batch", "output")).unwrap();
     let tried = Tried::new(written, "no-room");
     let (rows, book) = (tried.folder.join("rows.csv"), tried.folder.join("book.xlsx"));
-    let lines = (0..5_000).map(|part| format!("P{part},25.01,0\n")).collect::<String>();
+    let lines = (0..5_000).map(|part| format!("P{part},25.01,0\n")).collect::<Vec<_>>().concat();
     fs::write(&rows, format!("part_id,over_roller,dp\n{lines}")).unwrap();
     fs::write(&book, OLD).unwrap();
     let line = format!(
@@ -420,7 +420,7 @@ fn what_an_interrupted_run_has_made_is_kept() {
     let line = "sweep examples/mesh-errors.toml --over errors.rack_pitch=1..100000:0.5um --of mesh -o";
     kept(of("output", "sweep"), line, |made| made.starts_with("errors.rack_pitch_um,mean_mm,") && made.ends_with('\n'));
     let table = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("outputs-kept.csv");
-    let rows = (0..20_000).map(|row| format!("P{row},{}\n", row % 13)).collect::<String>();
+    let rows = (0..20_000).map(|row| format!("P{row},{}\n", row % 13)).collect::<Vec<_>>().concat();
     fs::write(&table, format!("part_id,rack_pitch [um]\n{rows}")).unwrap();
     let line =
         format!("batch examples/mesh-errors.toml {} --worst-teeth --partial --summary -f json -o", table.display());

@@ -147,3 +147,19 @@ fn teeth_that_explain_the_curve_are_named() {
     let thin = unseen.iter().find(|of| of["part"] == "rack" && of["kind"] == "thickness" && of["sign"] == "-");
     assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
 }
+
+/// A measured stretch does not shrink the travel over which a yoke is judged.
+#[test]
+fn a_short_measured_curve_leaves_the_yoke_its_travel() {
+    let trace = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("short-trace.csv");
+    let rows = (0..24).map(|at| format!("{},{}\n", 40.0 + 0.25 * f64::from(at), at % 3)).collect::<Vec<_>>().concat();
+    std::fs::write(&trace, format!("stroke [mm],delta_cd [um]\n{rows}")).unwrap();
+    let path = trace.to_string_lossy();
+    let [alone, beside] = [vec![], vec!["--measured", &path]].map(|more| {
+        let ended = run(&[vec!["mesh", "examples/function.toml", "--format", "json"], more].concat(), "");
+        (ended.code, ended.json()["yoke"].clone())
+    });
+    assert_eq!(alone.0, beside.0);
+    assert_eq!(alone.1["torque_n_m"], beside.1["torque_n_m"]);
+    assert_eq!(alone.1["setting"], beside.1["setting"]);
+}
