@@ -39,6 +39,7 @@ impl Random {
     }
 
     /// Of the normal distribution, by Box and Muller.
+    #[expect(clippy::disallowed_methods, reason = "a bench need not be the same on every platform")]
     fn normal(&mut self) -> f64 {
         let (radius, angle) = ((-2.0 * (1.0 - self.unit()).ln()).sqrt(), std::f64::consts::TAU * self.unit());
         radius * angle.cos()

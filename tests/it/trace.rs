@@ -5,6 +5,8 @@ use std::sync::Arc;
 use rackmesh::cli::{HeldSpec, answer};
 use serde_json::Value;
 
+use crate::process::run;
+
 const SPEC: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[rack]\nface_width = 19.7\naddendum = 1.70\n\
                     [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n";
 const ERRORS: &str =
