@@ -37,10 +37,10 @@ pub(super) struct Args {
     /// The gear specs (TOML), two or more; `-` reads standard input.
     #[arg(required = true, num_args = 2.., value_name = "SPEC")]
     specs: Vec<PathBuf>,
-    /// First stroke of the curves. Default: that of each spec.
+    /// First stroke. Default: that of rack.travel, or 0.
     #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
     from: Option<Length>,
-    /// Last stroke.
+    /// Last stroke. Default: that of rack.travel, or 50.
     #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
     to: Option<Length>,
     #[command(flatten)]
