@@ -13,7 +13,6 @@ pub(super) fn unsigned(mm: f64) -> String {
 }
 
 /// A count with its thousands apart.
-#[cfg(any(feature = "batch", feature = "cli"))]
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
