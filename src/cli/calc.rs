@@ -154,7 +154,9 @@ struct GivenValue {
     /// The error; with --inverse, the ΔCD.
     #[arg(allow_hyphen_values = true)]
     value: Option<String>,
-    /// The measured value; the error is measured - nominal.
+    /// What was measured: a value, or in `mesh` a curve, as a table of stroke and ΔCD.
+    ///
+    /// The error is measured - nominal.
     #[arg(long, requires = "nominal", conflicts_with = "value", allow_hyphen_values = true)]
     measured: Option<String>,
     /// The nominal value.

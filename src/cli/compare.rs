@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::held::{Answer, Facts};
+use super::mesh::Stroke;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::question::{Of, Question};
@@ -37,12 +38,8 @@ pub(super) struct Args {
     /// The gear specs (TOML), two or more; `-` reads standard input.
     #[arg(required = true, num_args = 2.., value_name = "SPEC")]
     specs: Vec<PathBuf>,
-    /// First stroke. Default: that of rack.travel, or 0.
-    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
-    from: Option<Length>,
-    /// Last stroke. Default: that of rack.travel, or 50.
-    #[arg(long, allow_hyphen_values = true, value_name = "LENGTH")]
-    to: Option<Length>,
+    #[command(flatten)]
+    stroke: Stroke,
     #[command(flatten)]
     plot: PlotArgs,
     #[command(flatten)]
@@ -74,7 +71,7 @@ impl Args {
             let Some(eval) = ask(Of::Eval, &self.options, Facts::All)? else { return Ok(ended()) };
             let missing: Vec<_> = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect();
             let mesh = if missing.is_empty() {
-                ask(Of::Mesh, &self.stroke(), Facts::All)?
+                ask(Of::Mesh, &self.stroke.options(), Facts::All)?
             } else {
                 Some(Err(format!("it needs {}", missing.join(", "))))
             };
@@ -88,12 +85,6 @@ impl Args {
         draw(picture, || report.chart(), true, output)?;
         output.report(&report, self.format)?;
         Ok(status)
-    }
-
-    /// The stroke as `mesh` takes it.
-    fn stroke(&self) -> Vec<String> {
-        let ends = [("from", self.from), ("to", self.to)].into_iter();
-        ends.filter_map(|(name, end)| Some(format!("--{name}={}", end?))).collect()
     }
 
     /// A spec with what its commands say.

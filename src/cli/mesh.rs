@@ -83,6 +83,12 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
+    /// As they stand on a command line.
+    pub(super) fn options(&self) -> Vec<String> {
+        let ends = [("from", self.from), ("to", self.to)].into_iter();
+        ends.filter_map(|(name, end)| Some(format!("--{name}={}", end?))).collect()
+    }
+
     /// From the first to the last, mm.
     pub(super) fn ends(&self, spec: &Spec) -> Result<(f64, f64), Failure> {
         self.ends_or(spec.travel_mm().unwrap_or(STROKE_MM))

@@ -21,7 +21,9 @@ use crate::trace::{Diagnosis, DiagnosisRequest, Overlay, TraceError};
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "A measured curve")]
 pub(super) struct TraceArgs {
-    /// Lay a measured curve on the computed one: a table of stroke and ΔCD.
+    /// What was measured: a value, or in `mesh` a curve, as a table of stroke and ΔCD.
+    ///
+    /// The curve is laid on the computed one.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["step", "points"])]
     measured: Option<PathBuf>,
     /// Take the measured curve where it is: fit no offset and no stroke shift.

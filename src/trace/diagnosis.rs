@@ -89,8 +89,16 @@ impl Diagnosis {
         request: DiagnosisRequest,
         watch: &mut Watch<'_>,
     ) -> Result<Self, TraceError> {
-        let mut search = Search::new(mesh, overlay, request);
-        let unseen = search.add_all(watch)?;
+        // an error may pull the shift that was fitted without it: the smaller answer of both starts counts
+        let fitted = Search::new(mesh, overlay, request);
+        let unmoved = (fitted.shift_mm != 0.0).then(|| Search { shift_mm: 0.0, ..fitted.clone() });
+        let (mut search, unseen) = std::iter::once(fitted)
+            .chain(unmoved)
+            .map(|mut search| search.add_all(watch).map(|unseen| (search, unseen)))
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .min_by(|(a, _), (b, _)| a.cost().total_cmp(&b.cost()))
+            .ok_or(TraceError::TooFewPoints)?;
         let found = search.explained(watch)?;
         let sight = search.sight(&search.errors, &search.points, &[])?;
         let points: Vec<f64> = overlay.points.iter().map(|point| point.delta_cd_mm).collect();
@@ -136,6 +144,12 @@ impl Search<'_> {
                 return Ok(self.unseen(&means, &screened));
             }
         }
+    }
+
+    /// χ² of what is found, and what its errors have to be worth.
+    fn cost(&self) -> f64 {
+        let square = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
+        square + self.threshold * self.errors.len() as f64
     }
 
     /// Takes away errors without which the others explain as much.
@@ -246,13 +260,11 @@ impl Search<'_> {
         sight: &Sight,
         mut effects: Effects,
     ) -> Option<f64> {
-        /// The first step, and the share of the module beyond which no size is looked at.
         const STEP_MM: f64 = 1e-4;
-        const FARTHEST: f64 = 0.1;
         let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size) > INTERVAL;
         let (mut inside, mut step) = (best.size_mm, STEP_MM);
-        let far_mm = best.size_mm.abs() + FARTHEST * self.mesh.pair().normal_module_mm();
-        while step < far_mm {
+        // an error larger than any that a tooth has is not solved, and ends the search
+        loop {
             let size = best.size_mm + way * step;
             if !effects.has(size) {
                 effects.insert(size, self.effect(others, error, size, sight)?);
@@ -267,6 +279,5 @@ impl Search<'_> {
             }
             (inside, step) = (size, 2.0 * step);
         }
-        None
     }
 }

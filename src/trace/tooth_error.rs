@@ -127,9 +127,15 @@ fn carrying_pitches(pair: &Pair) -> f64 {
     0.5 * ratio.total + ratio.offset.abs()
 }
 
-/// A mesh with errors of single teeth added; `None` where they are too large for teeth.
+/// The largest error of a tooth, as a share of the module.
+const LARGEST: f64 = 0.1;
+
+/// A mesh with errors of single teeth added; `None` where they are larger than a tenth of the module, or too large for teeth.
 pub(super) fn with_errors(mesh: &Mesh, errors: &[(ToothError, f64)]) -> Option<Mesh> {
     let pair = mesh.pair();
+    if errors.iter().any(|(_, mm)| mm.abs() > LARGEST * pair.normal_module_mm()) {
+        return None;
+    }
     let rack: Vec<_> = errors.iter().filter_map(|(error, mm)| error.on_rack(pair, *mm)).collect();
     let pinion: Vec<_> = errors.iter().filter_map(|(error, mm)| error.on_pinion(pair, *mm)).collect();
     let rack = mesh.rack().clone().with_deviations(pair, &rack).ok()?;
