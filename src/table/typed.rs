@@ -96,7 +96,7 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
             of.open.push(Open::Column { place, title, first, may_decide: false });
         }
     }
-    let of_fields = file.has_units_of_fields().then(|| "units of fields in the schema".to_owned());
+    let of_fields = file.remarks_of_fields().into_iter().map(|(key, value)| format!("{key}: {value}"));
     for text in file.remarks().map(|(key, value)| format!("{key}: {value}")).chain(of_fields) {
         of.comment(layout, "metadata", &text);
     }

@@ -71,7 +71,7 @@ fn one(
     let (title, name) = (matched.titles[place].clone(), matched.headings[place].name.clone());
     let meaning = lookup(matched.form, &name).filter(|meaning| meaning.role == Role::Value(field));
     let is_angle = field.is_angle();
-    let beside = beside(matched, field, is_angle);
+    let beside = beside(matched, field, is_angle, units);
     let of_row = units.map(|units| units.cell(place).text().into_owned());
     let of_row = of_row.filter(|unit| !unit.is_empty() && *unit != title);
     let mut said = Vec::new();
@@ -136,12 +136,18 @@ fn unit_of_cells<'c>(cells: impl Iterator<Item = &'c Cell>, is_angle: bool) -> O
     units.first().copied()
 }
 
-/// The columns beside that of an error, with their places and the units of their headings.
-fn beside(matched: &Matched, field: Field, is_angle: bool) -> Vec<(Beside, usize, Option<Unit>)> {
+/// The columns beside that of an error, with their places and the units of their headings, or of the line of units.
+fn beside(
+    matched: &Matched,
+    field: Field,
+    is_angle: bool,
+    units: Option<&Record>,
+) -> Vec<(Beside, usize, Option<Unit>)> {
     let owners = matched.owners.iter().zip(&matched.headings).enumerate();
     let beside = owners.filter_map(|(place, (owner, heading))| match owner {
         Some(Owner::Role(Role::Beside(of, beside))) if *of == field => {
-            Some((*beside, place, heading.unit.as_deref().and_then(|unit| unit_of(unit, is_angle))))
+            let of_row = || unit_of(&units?.cell(place).text(), is_angle);
+            Some((*beside, place, heading.unit.as_deref().and_then(|unit| unit_of(unit, is_angle)).or_else(of_row)))
         }
         _ => None,
     });

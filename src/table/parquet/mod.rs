@@ -4,6 +4,7 @@
 //! columns that are looked at. Nothing becomes text on the way: a double is its shortest decimal, a `DECIMAL` and an integer
 //! are what they are. Nothing here knows what a column means.
 
+mod arrow;
 mod column;
 mod header;
 mod pages;
@@ -111,14 +112,12 @@ impl ParquetTable {
         Ok(Self { name, length, reader, bytes, columns, group: 0, open, longest, left: 0, before: 0 })
     }
 
-    /// Whether the schema that Arrow keeps beside the columns, in base64, has a unit of a field: a key behind its length.
-    pub(crate) fn has_units_of_fields(&self) -> bool {
-        // at each place that it may have among three bytes
-        const KEYS: [&str; 6] =
-            ["BAAAAHVuaXQA", "QAAAB1bml0A", "EAAAAdW5pdA", "BQAAAHVuaXRzA", "UAAAB1bml0cw", "FAAAAdW5pdHMA"];
+    /// What the schema that Arrow keeps says of fields besides their names and types: keys and values.
+    pub(crate) fn remarks_of_fields(&self) -> Vec<(String, String)> {
         let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
-        let mut schemas = pairs.filter(|pair| pair.key == "ARROW:schema").filter_map(|pair| pair.value.as_ref());
-        schemas.any(|schema| KEYS.iter().any(|key| schema.contains(key)))
+        let schemas = pairs.filter(|pair| pair.key == "ARROW:schema").filter_map(|pair| pair.value.as_ref());
+        let unknown = || vec![("ARROW:schema".to_owned(), "it is not understood".to_owned())];
+        schemas.flat_map(|schema| arrow::remarks_of_fields(schema).unwrap_or_else(unknown)).collect()
     }
 
     /// What the file says of its columns besides their names and values, without what pandas and Arrow write for themselves: keys and
