@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::evaluation::{assumed, assumptions};
+use super::evaluation::{Assumption, assumed, assumptions};
 use super::function::{lot_json, lot_table};
 use super::number::{grouped, millimetres, unsigned};
 use super::parts::judged;
@@ -37,7 +37,7 @@ pub struct Basis {
     /// What the yoke is held against, if the spec has one.
     pub yoke: Option<YokeJudge>,
     /// What verdicts take for granted of what is not known.
-    pub assumes: Vec<String>,
+    pub assumes: Vec<Assumption>,
 }
 
 impl Basis {

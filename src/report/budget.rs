@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::evaluation::{
-    ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text, why_ends_differ,
+    Assumption, ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text, why_ends_differ,
 };
 use super::number::{millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
@@ -162,7 +162,7 @@ impl BudgetReport<'_> {
     }
 
     /// What the budget takes for granted of what is not known.
-    fn assumptions(&self) -> Vec<String> {
+    fn assumptions(&self) -> Vec<Assumption> {
         assumptions(&self.budget.notes, true, &[])
     }
 

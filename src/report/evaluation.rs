@@ -263,9 +263,23 @@ const OF_KNOWN_TEETH: &str = "the exact mesh of the known teeth, all strokes at 
 /// Where errors are when it is said what they reach.
 pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
 
+/// What a pass takes for granted. In facts it is its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Assumption {
+    text: String,
+    /// Whether it is the default of keys that the spec leaves out, which the sentence of a pass does not have.
+    is_default: bool,
+}
+
+impl serde::Serialize for Assumption {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.text)
+    }
+}
+
 /// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
 #[must_use]
-pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<String> {
+pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<Assumption> {
     let clause = |note: &Note| match note {
         Note::OwnCurveAt(0.0) => sum_is_judged.then(|| "the error-free pair has ΔCD = 0".to_owned()),
         Note::OwnCurveAt(mm) => sum_is_judged.then(|| format!("the error-free pair has ΔCD = {} mm", plain(tidy(*mm)))),
@@ -274,7 +288,9 @@ pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -
         }
         _ => None,
     };
-    notes.iter().filter_map(clause).chain(unstated.iter().map(|what| self::unstated(*what).to_owned())).collect()
+    let unstated = unstated.iter().map(|what| (self::unstated(*what).to_owned(), what.is_default()));
+    let known = notes.iter().filter_map(clause).map(|text| (text, false));
+    known.chain(unstated).map(|(text, is_default)| Assumption { text, is_default }).collect()
 }
 
 /// What a verdict takes for granted where nothing is stated.
@@ -285,18 +301,23 @@ pub const fn unstated(what: Unstated) -> &'static str {
         Unstated::Correlation => "r = 0 where no correlation is given",
         Unstated::Size => "sizes without an uncertainty are exact",
         Unstated::RootForm => "the pinion's flanks are involutes down to the base circle",
+        Unstated::Zero => "β_r, β_p and x are 0 where they are not given",
+        Unstated::FixedRack => "the rack cannot roll",
+        Unstated::Thickness => "teeth have their nominal thickness where none is given",
+        Unstated::Form => "flanks have no form where none is given",
     }
 }
 
 /// The same of an evaluation.
-pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<String> {
+pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<Assumption> {
     let sum_is_judged = evaluation.limits.iter().any(|check| check.on == LimitTarget::CenterDistance);
     assumptions(&evaluation.notes, sum_is_judged, &evaluation.unstated)
 }
 
 /// What a pass takes for granted, as part of its sentence.
-pub(super) fn assumed(assumptions: &[String]) -> String {
-    match assumptions {
+pub(super) fn assumed(assumptions: &[Assumption]) -> String {
+    let shown = assumptions.iter().filter(|assumption| !assumption.is_default);
+    match shown.map(|assumption| assumption.text.as_str()).collect::<Vec<_>>().as_slice() {
         [] => String::new(),
         [one] => format!(" if {one}"),
         [first @ .., last] => format!(" if {} and {last}", first.join(", ")),
@@ -571,7 +592,8 @@ impl Report for EvaluationReport<'_> {
         }));
         let of_yoke = self.checks().iter().map(|check| json!({ "limit": function::check_json(check) }));
         records.extend(of_yoke.map(|row| record("limit", row["limit"]["on"].clone(), row)));
-        records.extend(assumptions_of(evaluation).into_iter().map(|assumed| record("assumes", assumed, json!({}))));
+        records
+            .extend(assumptions_of(evaluation).into_iter().map(|assumed| record("assumes", assumed.text, json!({}))));
         let mut names = COLUMNS.to_owned();
         if !self.without.is_empty() {
             names = format!("{names} {WITHOUT}");

@@ -60,7 +60,7 @@ pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, Junit, github_annotations, junit_of_failure};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
-pub use evaluation::{EvaluationReport, MeshPart, assumptions, bound_note, bound_remarks, unstated};
+pub use evaluation::{Assumption, EvaluationReport, MeshPart, assumptions, bound_note, bound_remarks, unstated};
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;

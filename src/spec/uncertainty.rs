@@ -350,8 +350,9 @@ impl Spec {
     pub fn unstated(&self, kinds: &[DeviationKind], has_teeth: bool, rule: &Rule) -> Vec<Unstated> {
         let is_involute = self.get(keys::PINION_ROOT_FORM_DIAMETER).is_none() && self.is_undercut() == Some(true);
         let root_form = is_involute.then_some(Unstated::RootForm);
+        let of_gear = root_form.into_iter().chain(self.left_out());
         if !rule.needs_uncertainty() {
-            return root_form.into_iter().collect();
+            return of_gear.collect();
         }
         let follows = self.followed_by(kinds);
         let of_teeth = |source| has_teeth && !matches!(source, Influence::Datum | Influence::Roller);
@@ -378,8 +379,25 @@ impl Spec {
         ]
         .into_iter()
         .filter_map(|(what, is_unstated)| is_unstated.then_some(what))
-        .chain(root_form)
+        .chain(of_gear)
         .collect()
+    }
+
+    /// The defaults that stand for keys of the gear that the spec leaves out.
+    fn left_out(&self) -> impl Iterator<Item = Unstated> {
+        let lacks_helix = self.get(keys::RACK_HELIX_ANGLE).is_none() && self.get(keys::PAIR_SHAFT_ANGLE).is_none();
+        let lacks_shift = self.get(keys::PINION_PROFILE_SHIFT).is_none();
+        let thickness = [keys::RACK_TOOTH_THICKNESS, keys::PINION_TOOTH_THICKNESS_DEVIATION];
+        let form = [keys::RACK_CROWNING, keys::PINION_CROWNING, keys::PINION_PROFILE_SLOPE];
+        let lacks_form =
+            form.into_iter().any(|key| self.get(key).is_none()) || self.place(keys::RACK_TIP_RELIEF).is_none();
+        let left_out = [
+            (Unstated::Zero, lacks_helix || lacks_shift || self.get(keys::PINION_HELIX_ANGLE).is_none()),
+            (Unstated::FixedRack, self.place(keys::SUPPORT_ROLL).is_none()),
+            (Unstated::Thickness, thickness.into_iter().any(|key| self.get(key).is_none())),
+            (Unstated::Form, lacks_form),
+        ];
+        left_out.into_iter().filter_map(|(what, is_left_out)| is_left_out.then_some(what))
     }
 
     /// Whether values of this kind of error have an uncertainty.

@@ -16,7 +16,7 @@ pub struct Uncertainties {
     factor: Vec<f64>,
 }
 
-/// What a verdict takes for granted where nothing is stated: of uncertainties as the GUM does.
+/// What a verdict takes for granted where nothing is stated: of uncertainties as the GUM does, of the gear the defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unstated {
     /// Degrees of freedom ν are infinite.
@@ -27,6 +27,22 @@ pub enum Unstated {
     Size,
     /// The flanks of a pinion that a rack cutter would undercut are involutes down to the base circle.
     RootForm,
+    /// Helix angles and the profile shift are 0.
+    Zero,
+    /// The rack cannot roll.
+    FixedRack,
+    /// Teeth have their nominal thickness.
+    Thickness,
+    /// Flanks have no crowning, relief and slope.
+    Form,
+}
+
+impl Unstated {
+    /// Whether it is the default of keys that a spec leaves out: facts have it, and the sentence of a pass does not.
+    #[must_use]
+    pub const fn is_default(self) -> bool {
+        matches!(self, Self::Zero | Self::FixedRack | Self::Thickness | Self::Form)
+    }
 }
 
 /// Why uncertainties make no sense.

@@ -50,7 +50,8 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
         let missing = spec.missing_geometry();
         notes.extend(plan.bound_notes().iter().map(|note| report::bound_note(note, &missing)));
     }
-    let unstated: Vec<_> = plan.unstated().into_iter().map(report::unstated).collect();
+    let unstated = plan.unstated().into_iter().filter(|what| !what.is_default());
+    let unstated: Vec<_> = unstated.map(report::unstated).collect();
     notes.extend((!unstated.is_empty()).then(|| format!("a pass assumes: {}", unstated.join(", "))));
     notes
 }
