@@ -53,7 +53,7 @@ impl Check {
         let why = match &self.judged {
             Judged::Lacks(keys) => format!("not judged without {}", keys.join(", ")),
             Judged::NoUncertainty => {
-                "not judged, for the rule asks for an uncertainty, of which nothing is known".to_owned()
+                "not judged by this rule, for no uncertainty of what a yoke does is known".to_owned()
             }
             Judged::NotMeasured => {
                 "not judged, for flanks that carry on the travel, or where the play is set, were not measured"
