@@ -1,6 +1,9 @@
 //! The schema that Arrow keeps beside the columns of a Parquet file: what it says of each field besides name and type. It is a
 //! flatbuffer in base64; each place in it is looked up within its bytes.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 /// Fields within fields, at most.
 const DEEPEST: u32 = 32;
 /// Slots of the tables of Arrow's format: of a message its schema, of a schema its fields, and those of a field.
@@ -12,7 +15,7 @@ const METADATA: usize = 6;
 
 /// What the schema says of fields: the name of each with a key and its value. `None` if it is not understood.
 pub(super) fn remarks_of_fields(schema: &str) -> Option<Vec<(String, String)>> {
-    let bytes = from_base64(schema)?;
+    let bytes = STANDARD.decode(schema).ok()?;
     // newer files have a mark before the length
     let start = if bytes.get(..4)? == [0xff; 4] { 8 } else { 4 };
     let buffer = Buffer(bytes.get(start..)?);
@@ -81,28 +84,6 @@ impl Buffer<'_> {
     }
 }
 
-fn from_base64(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut held, mut bits) = (0_u32, 0);
-    for byte in text.trim_end_matches('=').bytes() {
-        let six = match byte {
-            b'A'..=b'Z' => byte - b'A',
-            b'a'..=b'z' => byte - b'a' + 26,
-            b'0'..=b'9' => byte - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        (held, bits) = (held << 6 | u32::from(six), bits + 6);
-        if bits >= 8 {
-            bits -= 8;
-            bytes.push((held >> bits) as u8);
-            held &= (1 << bits) - 1;
-        }
-    }
-    Some(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,7 +101,7 @@ mod tests {
     /// Whatever the bytes are, places outside of them are not read.
     #[test]
     fn bytes_that_are_changed_are_refused_or_read() {
-        let bytes = from_base64(SCHEMA).unwrap();
+        let bytes = STANDARD.decode(SCHEMA).unwrap();
         for at in 0..SCHEMA.len() {
             for other in ["A", "/", "8", "="] {
                 let changed = SCHEMA[..at].to_owned() + other + &SCHEMA[at + 1..];
