@@ -68,7 +68,7 @@ pub(super) struct Args {
 /// The largest block that is read from standard input: beyond what anybody pastes.
 const LARGEST_BLOCK: u64 = 4 << 20;
 /// Parts that are shown at most: `batch` is for more.
-const MOST_PARTS: u64 = 20_000;
+const MOST_PARTS: usize = 20_000;
 /// Rejected rows that are named on standard error.
 const PROBLEMS_SHOWN: usize = 20;
 
@@ -222,15 +222,15 @@ impl Args {
         let mut lot = Batch::new(&plan, Sinks { rows, rejects: None, parts: Some(&mut listed) }, None);
         let run = lot.run(table, &layout, opener.stop, &mut |_| {});
         let (mut outcome, written) = lot.finish();
-        written?;
-        if let Some(problem) = batch::unfinished(&path, run)? {
-            return Err(problem.into());
-        }
-        if outcome.counts.rows > MOST_PARTS {
+        if listed.is_full() {
             let message = format!("{} has more than {MOST_PARTS} parts", stream::name(&path));
             return Err(Diagnostic::error(Code::BadTable, message)
                 .help("`rackmesh batch` evaluates tables of any length")
                 .into());
+        }
+        written?;
+        if let Some(problem) = batch::unfinished(&path, run)? {
+            return Err(problem.into());
         }
         outcome.tell_duplicates();
         read.readings = std::mem::take(&mut outcome.readings);
@@ -395,18 +395,25 @@ fn unjudged_teeth(missing: &[&str]) -> Diagnostic {
     .help("what the formulas say of single teeth is no range of all together")
 }
 
-/// Every part of a block, and every row that makes none.
+/// The parts of a block, and the rows that make no part.
 #[derive(Default)]
 struct Listed {
     parts: Vec<batch_room::Part>,
     problems: Vec<Problem>,
 }
 
+impl Listed {
+    fn is_full(&self) -> bool {
+        self.parts.len() + self.problems.len() > MOST_PARTS
+    }
+}
+
 impl PartSink for Listed {
     fn take(&mut self, parts: &[batch_room::Part], problems: &[Problem]) -> io::Result<()> {
         self.parts.extend_from_slice(parts);
         self.problems.extend_from_slice(problems);
-        Ok(())
+        // the run ends here: nothing more of a block that is refused is held
+        if self.is_full() { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(()) }
     }
 }
 

@@ -247,6 +247,19 @@ fn a_pasted_part_is_not_called_as_the_spec_is() {
 }
 
 #[test]
+fn a_block_of_more_parts_than_are_shown_is_refused() {
+    let folder = Folder::new("pasted-many");
+    let (spec, values) = (folder.path("spec.toml"), folder.path("values.csv"));
+    std::fs::write(&spec, "[limits]\ncenter_distance = \"±0.05\"\n").unwrap();
+    for (parts, code) in [(20_000, Some(0)), (20_001, Some(2))] {
+        std::fs::write(&values, format!("rack_over_roller\n{}", "0.01\n".repeat(parts))).unwrap();
+        let ended = run(&["paste", &spec, &values, "-f", "json"], "");
+        assert_eq!(ended.code, code, "{parts}: {}", ended.stderr);
+        assert_eq!(ended.stderr.contains("more than 20000 parts"), code == Some(2), "{}", ended.stderr);
+    }
+}
+
+#[test]
 fn decimals_beyond_those_of_a_length_are_zeros() {
     let ended = run(&["calc", "radial", "4um", "--decimals", "30"], "");
     assert_eq!(ended.stdout, format!("0.004{} mm\n", "0".repeat(27)));
