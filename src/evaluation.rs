@@ -47,13 +47,18 @@ impl Contribution {
         }
     }
 
+    /// Both ends of a tolerance that has two, mm or degrees.
+    #[must_use]
+    pub fn two_ends(&self) -> Option<[f64; 2]> {
+        self.tolerance.filter(|ends| ends.nearer.is_some()).map(ToleranceEnds::base)
+    }
+
     /// Its extent in words, with how many steps add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
         let words = self.extent.words(self.kind.counts(), self.in_contact);
         // two ends say which signs there are
-        let has_ends = self.tolerance.is_some_and(|ends| ends.nearer.is_some());
-        if has_ends { words.replace(", any sign", ", its own value") } else { words }
+        if self.two_ends().is_some() { words.replace(", any sign", ", its own value") } else { words }
     }
 }
 

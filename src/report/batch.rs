@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::evaluation::{Assumption, assumed, assumptions};
 use super::function::{lot_json, lot_table};
+use super::grounds::{Assumption, assumed, assumptions};
 use super::number::{grouped, millimetres, unsigned};
 use super::parts::judged;
 use super::rows::result_in_words;

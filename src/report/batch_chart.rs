@@ -4,8 +4,7 @@
 use std::io;
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape, Span};
-use super::evaluation::SEEN_MM;
-use super::number::millimetres;
+use super::number::{SEEN_MM, millimetres};
 use super::rows::result_in_words;
 use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColumns, ResultValues, Statistics};
 use crate::judge::{LimitTarget, Limits};

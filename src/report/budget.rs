@@ -4,10 +4,10 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::evaluation::{
-    Assumption, ON_WORST_TEETH, assumed, assumptions, class_fact, deviation_text, interval_text, why_ends_differ,
-};
-use super::number::{millimetres, plain, signed, truncated};
+use super::class::class_fact;
+use super::evaluation::ON_WORST_TEETH;
+use super::grounds::{Assumption, assumed, assumptions, why_ends_differ};
+use super::number::{deviation_text, interval_text, millimetres, plain, signed, truncated};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};

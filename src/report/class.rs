@@ -2,11 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::evaluation::interval_text;
-use super::number::{plain, tidy, unsigned};
+use super::number::{interval_text, plain, tidy, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::Part;
-use crate::judge::class::{DiameterSource, NoEffect, effect};
+use crate::judge::class::{DiameterSource, ErrorClass, NoEffect, effect};
 use crate::judge::grade::{GradeSearch, ObtainedGrade, overall};
 use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
@@ -374,4 +373,17 @@ impl Report for GradeSearchReport {
         }
         blocks
     }
+}
+
+/// What a class came to, for programs.
+pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Value {
+    json!({
+        "standard": permissible.standard.id(),
+        "grade": permissible.grade,
+        "symbol": permissible.symbol(),
+        "value_um": permissible.value_um(),
+        "unrounded_um": permissible.unrounded_um(),
+        "diameter_mm": diameter.map(|(diameter, _)| diameter.mm()),
+        "diameter_source": diameter.map(|(_, source)| source.name()),
+    })
 }

@@ -3,20 +3,19 @@
 use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
-use super::number::{ends, millimetres, plain, signed, tidy};
+use super::class::class_fact;
+use super::grounds::{assumed, assumptions_of, bound_remarks, why_ends_differ};
+use super::number::{deviation_text, ends, interval_text, millimetres, plain, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
-use crate::formula::ToleranceEnds;
 use crate::formula::law::equation;
 use crate::function::Check;
-use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
 use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, LimitTarget, Stack, Verdict};
 use crate::mesh::Summary;
-use crate::quantity::{Length, LengthUnit};
-use crate::uncertainty::Unstated;
+use crate::quantity::Length;
 
 /// An evaluation with its title.
 #[derive(Debug)]
@@ -52,7 +51,29 @@ pub struct MeshPart {
     pub notes: Vec<String>,
 }
 
-impl EvaluationReport<'_> {
+impl<'a> EvaluationReport<'a> {
+    /// The report, with the remarks that the results call for; the keys of the pair's geometry that are `missing` are named
+    /// where they would narrow a range.
+    #[must_use]
+    pub fn new(title: Option<&'a str>, evaluation: Evaluation, missing: &[&str]) -> Self {
+        let alone: Vec<_> = evaluation.contributions.iter().map(|error| error.range.ok()).collect();
+        let why = why_ends_differ(&alone, evaluation.combined.range.ok(), &evaluation.notes);
+        let mut rests_on = bound_remarks(&evaluation.notes, missing);
+        // what is missing comes first
+        rests_on.splice(rests_on.len().min(1)..rests_on.len().min(1), why);
+        Self {
+            title,
+            rests_on,
+            evaluation,
+            notes: Vec::new(),
+            mesh: None,
+            yoke: None,
+            classes: Vec::new(),
+            uncertainty: None,
+            without: Vec::new(),
+        }
+    }
+
     /// What came of the limits on what a yoke does.
     fn checks(&self) -> &[Check] {
         self.yoke.as_ref().map_or(&[], YokeSection::checks)
@@ -102,8 +123,7 @@ impl EvaluationReport<'_> {
                 "formula": equation(c.kind, model),
                 "share": c.share,
             });
-            if let Some(ends) = c.tolerance.filter(|ends| ends.nearer.is_some()) {
-                let [lower, upper] = ends.base();
+            if let Some([lower, upper]) = c.two_ends() {
                 fact[deviation.replace('_', "_lower_")] = lower.into();
                 fact[deviation.replace('_', "_upper_")] = upper.into();
             }
@@ -119,11 +139,10 @@ impl EvaluationReport<'_> {
         let (model, other) = (evaluation.model, evaluation.model.other());
         // a permissible deviation has no sign, and ΔCD has one only where it can push one way
         let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
-        let ends = |c: &Contribution| c.tolerance.filter(|ends| ends.nearer.is_some()).map(ToleranceEnds::base);
         let is_unsigned = |c: &Contribution| {
-            ends(c).is_none() && (c.tolerance.is_some() || matches!(c.extent, Extent::Each | Extent::Total))
+            c.two_ends().is_none() && (c.tolerance.is_some() || matches!(c.extent, Extent::Each | Extent::Total))
         };
-        let deviation = |c: &Contribution| deviation_text(c.value, ends(c));
+        let deviation = |c: &Contribution| deviation_text(c.value, c.two_ends());
         let delta_cd = |c: &Contribution, model| {
             either_way(millimetres(c.delta_cd(model).mm()), is_unsigned(c) && c.kind.always_acts())
         };
@@ -152,12 +171,12 @@ impl EvaluationReport<'_> {
         let by_mesh = self.evaluation.judged_by == JudgedBy::Mesh;
         let is_mesh_alone = by_mesh && self.evaluation.contributions.is_empty();
         let ends = |interval: &Interval| [interval.lower, interval.upper].map(|end| millimetres(end.mm()));
-        let open = || ["open", "open"].map(str::to_owned);
+        let open = || ["open"; 2].map(str::to_owned);
         // known teeth leave nothing to statistics
         let shown = Stack::ALL
             .into_iter()
             .filter(|stack| !by_mesh && combined.judged(*stack) == *stack || *stack == Stack::Range);
-        let judged = self.beside_the_bound().into_iter();
+        let judged = self.beside_the_bound();
         let judged = judged.map(|judged| ("exact mesh".to_owned(), ends(&judged), OF_KNOWN_TEETH.to_owned()));
         let combinations = shown.map(|stack| {
             let assumes = match stack {
@@ -168,7 +187,7 @@ impl EvaluationReport<'_> {
             let interval = combined.interval(stack);
             (stack.to_string(), interval.as_ref().map_or_else(|_| open(), ends), assumes.to_owned())
         });
-        let reached = self.evaluation.reached.iter();
+        let reached = self.evaluation.reached.as_ref();
         let reached = reached.map(|reached| ("reached".to_owned(), ends(reached), ON_WORST_TEETH.to_owned()));
         let mesh = self.mesh.iter().map(|MeshPart { stroke_mm: (from, to), summary, .. }| {
             let ends = [summary.min_mm, summary.max_mm].map(|end| millimetres(tidy(end)));
@@ -263,206 +282,11 @@ const OF_KNOWN_TEETH: &str = "the exact mesh of the known teeth, all strokes at 
 /// Where errors are when it is said what they reach.
 pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
 
-/// What a pass takes for granted. In facts it is its text.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Assumption {
-    text: String,
-    /// Whether it is the default of keys that the spec leaves out, which the sentence of a pass does not have.
-    is_default: bool,
-}
-
-impl serde::Serialize for Assumption {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&self.text)
-    }
-}
-
-/// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
-#[must_use]
-pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<Assumption> {
-    let clause = |note: &Note| match note {
-        Note::OwnCurveAt(0.0) => sum_is_judged.then(|| "the error-free pair has ΔCD = 0".to_owned()),
-        Note::OwnCurveAt(mm) => sum_is_judged.then(|| format!("the error-free pair has ΔCD = {} mm", plain(tidy(*mm)))),
-        Note::AssumedHeight(AssumedHeight { mm, .. }) => {
-            Some(format!("flanks touch within {} mm of the reference plane", plain(tidy(*mm))))
-        }
-        _ => None,
-    };
-    let unstated = unstated.iter().map(|what| (self::unstated(*what).to_owned(), what.is_default()));
-    let known = notes.iter().filter_map(clause).map(|text| (text, false));
-    known.chain(unstated).map(|(text, is_default)| Assumption { text, is_default }).collect()
-}
-
-/// What a verdict takes for granted where nothing is stated.
-#[must_use]
-pub const fn unstated(what: Unstated) -> &'static str {
-    match what {
-        Unstated::Freedom => "ν = ∞ where no dof is given",
-        Unstated::Correlation => "r = 0 where no correlation is given",
-        Unstated::Size => "sizes without an uncertainty are exact",
-        Unstated::RootForm => "the pinion's flanks are involutes down to the base circle",
-        Unstated::Zero => "β_r, β_p and x are 0 where they are not given",
-        Unstated::FixedRack => "the rack cannot roll",
-        Unstated::Thickness => "teeth have their nominal thickness where none is given",
-        Unstated::Form => "flanks have no form where none is given",
-    }
-}
-
-/// The same of an evaluation.
-pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<Assumption> {
-    let sum_is_judged = evaluation.limits.iter().any(|check| check.on == LimitTarget::CenterDistance);
-    assumptions(&evaluation.notes, sum_is_judged, &evaluation.unstated)
-}
-
-/// What a pass takes for granted, as part of its sentence.
-pub(super) fn assumed(assumptions: &[Assumption]) -> String {
-    let shown = assumptions.iter().filter(|assumption| !assumption.is_default);
-    match shown.map(|assumption| assumption.text.as_str()).collect::<Vec<_>>().as_slice() {
-        [] => String::new(),
-        [one] => format!(" if {one}"),
-        [first @ .., last] => format!(" if {} and {last}", first.join(", ")),
-    }
-}
-
-/// What a bound rests on, a remark each, the most important one first; what would narrow it is one remark.
-#[must_use]
-pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
-    let rank = |note: &&Note| match note {
-        Note::GeometryNeeded => 0,
-        Note::GeometryNarrows | Note::BothFlanksNarrows => 1,
-        Note::OwnCurveAt(_) => 3,
-        Note::WholeTeeth => 4,
-        _ => 2,
-    };
-    let mut ranked: Vec<_> = notes.iter().collect();
-    ranked.sort_by_key(rank);
-    let are_one = |a: &&Note, b: &&Note| rank(a) == 1 && rank(b) == 1;
-    let in_words = |notes: &[&Note]| notes.iter().map(|note| bound_note(note, missing)).collect::<Vec<_>>().join("; ");
-    ranked.chunk_by(are_one).map(in_words).collect()
-}
-
-/// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
-#[must_use]
-pub fn bound_note(note: &Note, missing: &[&str]) -> String {
-    match note {
-        Note::GeometryNarrows => {
-            format!("Geometry incomplete, the bound is wider than it need be: {}", to_add(missing))
-        }
-        Note::BothFlanksNarrows => {
-            "`contact = \"both flanks\"` below [pair] narrows it, too, if a tooth of either part always carries with both flanks"
-                .to_owned()
-        }
-        Note::OwnCurveAt(0.0) => {
-            "the pair without errors is taken to have ΔCD = 0: no undercut, a contact ratio of 1 or more".to_owned()
-        }
-        Note::OwnCurveAt(delta_cd_mm) => format!(
-            "the pair without errors is taken to stay at ΔCD = {} mm, by its tooth thickness: no undercut, a contact ratio of 1 or more",
-            plain(tidy(*delta_cd_mm))
-        ),
-        Note::OwnRange(Range { lower, upper }) => format!(
-            "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
-            ends(tidy(*lower), tidy(*upper))
-        ),
-        Note::KnownTeeth(Range { lower, upper }) => {
-            format!("the sum counts the teeth that are known one by one: ΔCD = {} mm", ends(tidy(*lower), tidy(*upper)))
-        }
-        Note::OpenWithin(source) => format!(
-            "no bound of ΔCD is known where {} is off by its uncertainty: the results are shown without uncertainties",
-            source.key()
-        ),
-        Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {}", to_add(missing)),
-        Note::AssumedHeight(AssumedHeight { mm, from }) => {
-            let from = match from {
-                HeightFrom::FaceWidth => "a quarter of the face width, as `pair.normal_module` is not given: a module above two thirds of that",
-                HeightFrom::Module => "1.5 normal modules, as the pair's geometry is not given: higher teeth",
-                HeightFrom::Addendum => "`rack.addendum`, as the pair's geometry is not given: a higher pinion",
-            };
-            let height = plain(tidy(*mm));
-            format!("for the lead error flanks are taken to touch within {height} mm over and under the reference plane, {from} can leave the range")
-        }
-        Note::NothingScatters => {
-            "nothing scatters, so there is no statistical sum: measured errors enter with their bound, and the worst case is judged".to_owned()
-        }
-        Note::WholeTeeth => {
-            "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, give F_p with \
-             extent = \"total\""
-                .to_owned()
-        }
-    }
-}
-
-/// The keys that complete the geometry.
-fn to_add(keys: &[&str]) -> String {
-    let keys: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
-    if keys.is_empty() { "add what is missing of it".to_owned() } else { format!("add {}", keys.join(", ")) }
-}
-
-/// The last decimal that columns of mm have.
-pub(super) const SEEN_MM: f64 = 1e-4;
-
-/// Why the ends of a worst case are not the sums of the ends that errors have alone, in a sentence; `None` if they are.
-pub(super) fn why_ends_differ(
-    errors: &[Option<Interval>],
-    combined: Option<Interval>,
-    notes: &[Note],
-) -> Option<String> {
-    let combined = combined?;
-    let own = notes.iter().find_map(|note| match note {
-        Note::OwnRange(range) | Note::KnownTeeth(range) => Some(*range),
-        Note::OwnCurveAt(mm) => Some(Range { lower: *mm, upper: *mm }),
-        _ => None,
-    });
-    let (mut lower, mut upper) = own.map_or((0.0, 0.0), |own| (own.lower, own.upper));
-    for error in errors {
-        let error = (*error)?;
-        (lower, upper) = (lower + error.lower.mm(), upper + error.upper.mm());
-    }
-    let differs = |sum: f64, end: Length| (sum - end.mm()).abs() >= SEEN_MM;
-    (differs(lower, combined.lower) || differs(upper, combined.upper)).then(|| {
-        "the worst case is not the sum of the errors' own: where one error lifts a tooth out of contact, what another one \
-         lowers counts in full, and not every error lifts at the same stroke"
-            .to_owned()
-    })
-}
-
-/// What a class came to, for programs.
-pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Value {
-    json!({
-        "standard": permissible.standard.id(),
-        "grade": permissible.grade,
-        "symbol": permissible.symbol(),
-        "value_um": permissible.value_um(),
-        "unrounded_um": permissible.unrounded_um(),
-        "diameter_mm": diameter.map(|(diameter, _)| diameter.mm()),
-        "diameter_source": diameter.map(|(_, source)| source.name()),
-    })
-}
-
 fn unjudged_text(unjudged: Unjudged) -> &'static str {
     match unjudged {
         Unjudged::NotGiven => "not given",
         Unjudged::Lacking | Unjudged::NoUncertainty => "not complete",
         Unjudged::NoBound(_) => "open",
-    }
-}
-
-pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
-    ends(lower.mm(), upper.mm())
-}
-
-/// A deviation, or both ends of a tolerance of two, in µm or degrees.
-pub(super) fn deviation_text(value: DeviationValue, ends: Option<[f64; 2]>) -> String {
-    let of = |base: f64| match value {
-        DeviationValue::Length(_) => signed(1e3 * base, 1),
-        _ => signed(base, 4),
-    };
-    let unit = if matches!(value, DeviationValue::Length(_)) { " µm" } else { "°" };
-    match (value, ends) {
-        (_, Some([lower, upper])) => format!("{} … {}{unit}", of(lower), of(upper)),
-        (DeviationValue::Length(length), None) => {
-            format!("{}{unit}", signed(length.in_unit(LengthUnit::Micrometre), 1))
-        }
-        (angle, None) => format!("{}{unit}", signed(angle.base(), 4)),
     }
 }
 
@@ -592,8 +416,8 @@ impl Report for EvaluationReport<'_> {
         }));
         let of_yoke = self.checks().iter().map(|check| json!({ "limit": function::check_json(check) }));
         records.extend(of_yoke.map(|row| record("limit", row["limit"]["on"].clone(), row)));
-        records
-            .extend(assumptions_of(evaluation).into_iter().map(|assumed| record("assumes", assumed.text, json!({}))));
+        let assumed = assumptions_of(evaluation).into_iter();
+        records.extend(assumed.map(|assumed| record("assumes", json!(assumed), json!({}))));
         let mut names = COLUMNS.to_owned();
         if !self.without.is_empty() {
             names = format!("{names} {WITHOUT}");
@@ -620,29 +444,5 @@ impl Report for EvaluationReport<'_> {
         blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));
         blocks.extend(self.verdict_block());
         blocks
-    }
-}
-
-impl<'a> EvaluationReport<'a> {
-    /// The report, with the remarks that the results call for; the keys of the pair's geometry that are `missing` are named
-    /// where they would narrow a range.
-    #[must_use]
-    pub fn new(title: Option<&'a str>, evaluation: Evaluation, missing: &[&str]) -> Self {
-        let alone: Vec<_> = evaluation.contributions.iter().map(|error| error.range.ok()).collect();
-        let why = why_ends_differ(&alone, evaluation.combined.range.ok(), &evaluation.notes);
-        let mut rests_on = bound_remarks(&evaluation.notes, missing);
-        // what is missing comes first
-        rests_on.splice(rests_on.len().min(1)..rests_on.len().min(1), why);
-        Self {
-            title,
-            rests_on,
-            evaluation,
-            notes: Vec::new(),
-            mesh: None,
-            yoke: None,
-            classes: Vec::new(),
-            uncertainty: None,
-            without: Vec::new(),
-        }
     }
 }

@@ -3,9 +3,10 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Mark, Shape, Span};
-use super::evaluation::{SEEN_MM, assumed, assumptions_of, failure_sentence, interval_text};
+use super::evaluation::failure_sentence;
+use super::grounds::{assumed, assumptions_of};
 use super::mesh_points::{self, ListedPoint, Trust};
-use super::number::{plain, signed, tidy, unsigned};
+use super::number::{SEEN_MM, interval_text, plain, signed, tidy, unsigned};
 use super::uncertainty::rule_words;
 use super::{
     Block, Column, FunctionPart, Report, Screen, Table, TracePart, YokeSection, document, fact, geometry, noted,

@@ -26,6 +26,7 @@ mod evaluation;
 mod fact;
 pub mod function;
 mod geometry;
+mod grounds;
 #[cfg(feature = "html")]
 pub mod html;
 mod mesh;
@@ -60,7 +61,7 @@ pub use calculation::{Calculation, ResultUnit, WorstCase, formula_note};
 #[cfg(feature = "batch")]
 pub use ci::{ANNOTATIONS_SHOWN, Junit, github_annotations, junit_of_failure};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
-pub use evaluation::{Assumption, EvaluationReport, MeshPart, assumptions, bound_note, bound_remarks, unstated};
+pub use evaluation::{EvaluationReport, MeshPart};
 
 pub use fact::FORMAT_VERSION;
 pub(crate) use fact::document;
@@ -69,6 +70,7 @@ pub(crate) use fact::{at, element_name};
 pub use function::{BoundPart, FunctionPart, YokeSection};
 #[cfg(feature = "batch")]
 pub use function::{plug_in_words, yokes_block};
+pub use grounds::{Assumption, assumptions, bound_note, bound_remarks, unstated};
 pub use mesh::{MeasureReport, MeshReport};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;

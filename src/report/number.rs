@@ -1,6 +1,12 @@
 //! Numbers as text. Called by all reports: how many digits a column has is decided here.
 
+use crate::deviation::DeviationValue;
+use crate::judge::Interval;
+use crate::quantity::LengthUnit;
 pub(super) use crate::quantity::{padded, plain, plain_padded, signed, tidy};
+
+/// The last decimal that columns of mm have.
+pub(super) const SEEN_MM: f64 = 1e-4;
 
 /// A length in mm for people: signed, to 0.1 µm; a smaller one to 1 nm.
 pub(super) fn millimetres(mm: f64) -> String {
@@ -28,6 +34,29 @@ pub(super) fn percent(share: f64) -> String {
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     let (lower, upper) = (millimetres(lower_mm), millimetres(upper_mm));
     if lower == upper { upper } else { format!("{lower} … {upper}") }
+}
+
+/// The same of an interval.
+pub(super) fn interval_text(Interval { lower, upper }: &Interval) -> String {
+    ends(lower.mm(), upper.mm())
+}
+
+/// A deviation without its unit, which is µm or degrees.
+pub(super) fn deviation_number(value: DeviationValue) -> String {
+    match value {
+        DeviationValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
+        angle => signed(angle.base(), 4),
+    }
+}
+
+/// A deviation, or both ends of a tolerance of two, in µm or degrees.
+pub(super) fn deviation_text(value: DeviationValue, ends: Option<[f64; 2]>) -> String {
+    let (per_base, decimals, unit) =
+        if matches!(value, DeviationValue::Length(_)) { (1e3, 1, " µm") } else { (1.0, 4, "°") };
+    match ends.map(|ends| ends.map(|end| signed(per_base * end, decimals))) {
+        Some([lower, upper]) => format!("{lower} … {upper}{unit}"),
+        None => format!("{}{unit}", deviation_number(value)),
+    }
 }
 
 /// The number with that many decimals, the rest cut off.

@@ -1,7 +1,6 @@
 //! Parts of a batch for people: what was measured on each, and how far it is inside its limits.
 
-use super::evaluation::deviation_text;
-use super::number::{ends, millimetres};
+use super::number::{deviation_text, ends, millimetres};
 use super::table::Rows;
 use super::{Block, Column, Table};
 use crate::batch::{Part, PartError};

@@ -2,14 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::number::{millimetres, signed};
+use super::number::{deviation_number, millimetres};
 use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, YokeSection, fact, titled, yokes_block};
 use crate::batch::{Outcome, Part as BatchPart, Problem};
-use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::deviation::{DeviationKind, Part};
 use crate::formula::law::equation;
 use crate::function::FIGURES;
 use crate::judge::{MeasuredPart, Verdict};
-use crate::quantity::LengthUnit;
 
 /// Several parts, a row each, as a batch judged them.
 #[derive(Debug)]
@@ -141,13 +140,6 @@ impl SpacesReport<'_> {
     }
 }
 
-fn deviation_text(value: DeviationValue) -> String {
-    match value {
-        DeviationValue::Length(length) => signed(length.in_unit(LengthUnit::Micrometre), 1),
-        angle => signed(angle.base(), 4),
-    }
-}
-
 impl Report for SpacesReport<'_> {
     fn json(&self) -> Value {
         let measured = self.measured;
@@ -198,7 +190,7 @@ impl Report for SpacesReport<'_> {
             let unit = if feature.error() == DeviationKind::RackLead { "°" } else { "µm" };
             table = table
                 .number(format!("{}\n[{unit}]", feature.name()), |row| {
-                    row.effects[index].as_ref().map(|effect| deviation_text(effect.deviation))
+                    row.effects[index].as_ref().map(|effect| deviation_number(effect.deviation))
                 })
                 .number("ΔCD\n[mm]", |row| {
                     row.effects[index].as_ref().map(|effect| millimetres(effect.delta_cd.mm()))
@@ -208,7 +200,7 @@ impl Report for SpacesReport<'_> {
         let of_features = measured.features.iter().enumerate().filter_map(|(index, feature)| {
             let (number, largest) = measured.largest(index)?;
             let unit = if feature.error() == DeviationKind::RackLead { "°" } else { " µm" };
-            let largest = format!("{}{unit}, {} {number}", deviation_text(largest.deviation), self.place());
+            let largest = format!("{}{unit}, {} {number}", deviation_number(largest.deviation), self.place());
             Some((feature.name(), largest, measured.range_of(index)?, equation(feature.error(), measured.model)))
         });
         let together = ("together", String::new(), measured.range(), "");

@@ -1,6 +1,6 @@
 //! The keys of `[scatter]`: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, Section, of, section};
+use super::kind::{Key, Kind, Section, of, section};
 use crate::deviation::DeviationKind;
 
 /// Of lengths that have this class, if any.

@@ -2,7 +2,7 @@
 
 use std::ops::Bound;
 
-use super::{Key, MeasureUnit, Section, between, count, from_zero, length, measure, section, word};
+use super::kind::{Key, MeasureUnit, Section, between, count, from_zero, length, measure, section, word};
 use crate::quantity::{Domain, Length};
 
 const fn nodes(name: &'static str, symbol: &'static str) -> Domain {

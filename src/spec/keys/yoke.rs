@@ -1,6 +1,6 @@
 //! The keys of `[yoke]` and of the rack's travel: a part of the table in [`keys`](super).
 
-use super::{Key, Kind, MeasureUnit, Section, angle, from_zero, length, measure, of, section};
+use super::kind::{Key, Kind, MeasureUnit, Section, angle, from_zero, length, measure, of, section};
 use crate::function::SetAt;
 use crate::quantity::{Angle, Domain, Length};
 

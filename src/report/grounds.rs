@@ -1,0 +1,167 @@
+//! What verdicts take for granted and what a bound rests on, in words.
+
+use super::number::{SEEN_MM, ends, plain, tidy};
+use crate::evaluation::Evaluation;
+use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
+use crate::judge::{Interval, LimitTarget};
+use crate::quantity::Length;
+use crate::uncertainty::Unstated;
+
+/// What a pass takes for granted. In facts it is its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Assumption {
+    text: String,
+    /// Whether it is the default of keys that the spec leaves out, which the sentence of a pass does not have.
+    is_default: bool,
+}
+
+impl serde::Serialize for Assumption {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.text)
+    }
+}
+
+/// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
+#[must_use]
+pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<Assumption> {
+    let clause = |note: &Note| match note {
+        Note::OwnCurveAt(0.0) => sum_is_judged.then(|| "the error-free pair has ΔCD = 0".to_owned()),
+        Note::OwnCurveAt(mm) => sum_is_judged.then(|| format!("the error-free pair has ΔCD = {} mm", plain(tidy(*mm)))),
+        Note::AssumedHeight(AssumedHeight { mm, .. }) => {
+            Some(format!("flanks touch within {} mm of the reference plane", plain(tidy(*mm))))
+        }
+        _ => None,
+    };
+    let unstated = unstated.iter().map(|what| (self::unstated(*what).to_owned(), what.is_default()));
+    let known = notes.iter().filter_map(clause).map(|text| (text, false));
+    known.chain(unstated).map(|(text, is_default)| Assumption { text, is_default }).collect()
+}
+
+/// What a verdict takes for granted where nothing is stated.
+#[must_use]
+pub const fn unstated(what: Unstated) -> &'static str {
+    match what {
+        Unstated::Freedom => "ν = ∞ where no dof is given",
+        Unstated::Correlation => "r = 0 where no correlation is given",
+        Unstated::Size => "sizes without an uncertainty are exact",
+        Unstated::RootForm => "the pinion's flanks are involutes down to the base circle",
+        Unstated::Zero => "β_r, β_p and x are 0 where they are not given",
+        Unstated::FixedRack => "the rack cannot roll",
+        Unstated::Thickness => "teeth have their nominal thickness where none is given",
+        Unstated::Form => "flanks have no form where none is given",
+    }
+}
+
+/// The same of an evaluation.
+pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<Assumption> {
+    let sum_is_judged = evaluation.limits.iter().any(|check| check.on == LimitTarget::CenterDistance);
+    assumptions(&evaluation.notes, sum_is_judged, &evaluation.unstated)
+}
+
+/// What a pass takes for granted, as part of its sentence.
+pub(super) fn assumed(assumptions: &[Assumption]) -> String {
+    let shown = assumptions.iter().filter(|assumption| !assumption.is_default);
+    match shown.map(|assumption| assumption.text.as_str()).collect::<Vec<_>>().as_slice() {
+        [] => String::new(),
+        [one] => format!(" if {one}"),
+        [first @ .., last] => format!(" if {} and {last}", first.join(", ")),
+    }
+}
+
+/// What a bound rests on, a remark each, the most important one first; what would narrow it is one remark.
+#[must_use]
+pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
+    let rank = |note: &&Note| match note {
+        Note::GeometryNeeded => 0,
+        Note::GeometryNarrows | Note::BothFlanksNarrows => 1,
+        Note::OwnCurveAt(_) => 3,
+        Note::WholeTeeth => 4,
+        _ => 2,
+    };
+    let mut ranked: Vec<_> = notes.iter().collect();
+    ranked.sort_by_key(rank);
+    let are_one = |a: &&Note, b: &&Note| rank(a) == 1 && rank(b) == 1;
+    let in_words = |notes: &[&Note]| notes.iter().map(|note| bound_note(note, missing)).collect::<Vec<_>>().join("; ");
+    ranked.chunk_by(are_one).map(in_words).collect()
+}
+
+/// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
+#[must_use]
+pub fn bound_note(note: &Note, missing: &[&str]) -> String {
+    match note {
+        Note::GeometryNarrows => {
+            format!("Geometry incomplete, the bound is wider than it need be: {}", to_add(missing))
+        }
+        Note::BothFlanksNarrows => {
+            "`contact = \"both flanks\"` below [pair] narrows it, too, if a tooth of either part always carries with both flanks"
+                .to_owned()
+        }
+        Note::OwnCurveAt(0.0) => {
+            "the pair without errors is taken to have ΔCD = 0: no undercut, a contact ratio of 1 or more".to_owned()
+        }
+        Note::OwnCurveAt(delta_cd_mm) => format!(
+            "the pair without errors is taken to stay at ΔCD = {} mm, by its tooth thickness: no undercut, a contact ratio of 1 or more",
+            plain(tidy(*delta_cd_mm))
+        ),
+        Note::OwnRange(Range { lower, upper }) => format!(
+            "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
+            ends(tidy(*lower), tidy(*upper))
+        ),
+        Note::KnownTeeth(Range { lower, upper }) => {
+            format!("the sum counts the teeth that are known one by one: ΔCD = {} mm", ends(tidy(*lower), tidy(*upper)))
+        }
+        Note::OpenWithin(source) => format!(
+            "no bound of ΔCD is known where {} is off by its uncertainty: the results are shown without uncertainties",
+            source.key()
+        ),
+        Note::GeometryNeeded => format!("there is no worst case without the pair's geometry: {}", to_add(missing)),
+        Note::AssumedHeight(AssumedHeight { mm, from }) => {
+            let from = match from {
+                HeightFrom::FaceWidth => "a quarter of the face width, as `pair.normal_module` is not given: a module above two thirds of that",
+                HeightFrom::Module => "1.5 normal modules, as the pair's geometry is not given: higher teeth",
+                HeightFrom::Addendum => "`rack.addendum`, as the pair's geometry is not given: a higher pinion",
+            };
+            let height = plain(tidy(*mm));
+            format!("for the lead error flanks are taken to touch within {height} mm over and under the reference plane, {from} can leave the range")
+        }
+        Note::NothingScatters => {
+            "nothing scatters, so there is no statistical sum: measured errors enter with their bound, and the worst case is judged".to_owned()
+        }
+        Note::WholeTeeth => {
+            "pitch deviations of several teeth are shifts of whole teeth; where flank sides deviate apart, give F_p with \
+             extent = \"total\""
+                .to_owned()
+        }
+    }
+}
+
+/// The keys that complete the geometry.
+fn to_add(keys: &[&str]) -> String {
+    let keys: Vec<_> = keys.iter().map(|key| format!("`{key}`")).collect();
+    if keys.is_empty() { "add what is missing of it".to_owned() } else { format!("add {}", keys.join(", ")) }
+}
+
+/// Why the ends of a worst case are not the sums of the ends that errors have alone, in a sentence; `None` if they are.
+pub(super) fn why_ends_differ(
+    errors: &[Option<Interval>],
+    combined: Option<Interval>,
+    notes: &[Note],
+) -> Option<String> {
+    let combined = combined?;
+    let own = notes.iter().find_map(|note| match note {
+        Note::OwnRange(range) | Note::KnownTeeth(range) => Some(*range),
+        Note::OwnCurveAt(mm) => Some(Range { lower: *mm, upper: *mm }),
+        _ => None,
+    });
+    let (mut lower, mut upper) = own.map_or((0.0, 0.0), |own| (own.lower, own.upper));
+    for error in errors {
+        let error = (*error)?;
+        (lower, upper) = (lower + error.lower.mm(), upper + error.upper.mm());
+    }
+    let differs = |sum: f64, end: Length| (sum - end.mm()).abs() >= SEEN_MM;
+    (differs(lower, combined.lower) || differs(upper, combined.upper)).then(|| {
+        "the worst case is not the sum of the errors' own: where one error lifts a tooth out of contact, what another one \
+         lowers counts in full, and not every error lifts at the same stroke"
+            .to_owned()
+    })
+}
