@@ -324,7 +324,7 @@ impl<'a> Climb<'a> {
             (Generator::None { gap: gl, slope: sl, .. }, Generator::None { gap: gh, slope: sh, .. }) => {
                 let meet = ((gh - gl) + sl * a - sh * b) / (sl - sh);
                 let bound = gl + sl * (meet - a) + 0.5 * self.contact.gap_bend() * (b - a) * (b - a);
-                if bound < -super::VERTEX * self.contact.half_face { Next::Nothing } else { Next::Try(meet) }
+                if bound < -super::generator::VERTEX * self.contact.half_face { Next::Nothing } else { Next::Try(meet) }
             }
             (Generator::None { gap, slope, .. }, _) => self.vertex(a, b, -gap / slope, slope),
             (_, Generator::None { gap, slope, .. }) => self.vertex(b, a, -gap / slope, slope),
@@ -336,7 +336,7 @@ impl<'a> Climb<'a> {
     fn vertex(&self, off: f64, on: f64, step: f64, slope: f64) -> Next {
         let (vertex, inward) = (off + step, (on - off).signum());
         // this near the vertex a generator off the flank counts as on it
-        let fuzz = (super::VERTEX * self.contact.half_face / slope).abs();
+        let fuzz = (super::generator::VERTEX * self.contact.half_face / slope).abs();
         let rounding = 4.0 * f64::EPSILON;
         let margin = 4.0 * step * step + rounding;
         let inside = vertex + inward * margin;

@@ -1,5 +1,6 @@
 //! Tests of the searches, and what tests of the closed forms share with them.
 
+mod generator;
 pub(super) mod said;
 pub(super) mod wild;
 
@@ -315,78 +316,6 @@ fn neighbouring_strokes_take_few_looks() {
     assert!(fitting <= 4260 && tilted <= 46_830);
 }
 
-/// A generator that runs along the rack lies over it or beside it as a whole, by a gap that only δ can close.
-#[test]
-fn a_generator_along_the_rack_is_over_it_or_not() {
-    let (sin_nu, cos_nu) = trig::sin_cos(0.35);
-    let contact = FlankContact {
-        base_radius: 20.0,
-        kappa: 0.01,
-        tip_roll: 0.6,
-        half_face: 10.0,
-        across: Across { t: 0.0, w: 0.0, z: 1.0, half_width: 5.0 },
-        nu: 0.35,
-        sin_nu,
-        cos_nu,
-        ..FlankContact::default()
-    };
-    // of the whole generator at γ = 0, ζ = −r_b
-    let pose = |across: f64| Pose {
-        c: 0.1,
-        shift: 0.0,
-        offset: (0.0, 0.0),
-        offset_rate: (0.0, 0.0),
-        across: contact.base_radius + across,
-    };
-    let gap = |across: f64, delta: f64| {
-        let pose = pose(across);
-        let at = contact.coordinates(&pose, delta);
-        contact.edges(&pose, &at)[1].map(|(low, high)| (high.w - low.w, high.slope - low.slope))
-    };
-    for side in [1.0, -1.0] {
-        assert_eq!(gap(side * 4.9, -0.35), None);
-        let (missed, slope) = gap(side * 5.5, -0.35).expect("it lies beside the rack");
-        assert!((missed + 0.5).abs() < 1e-12, "{missed}");
-        // with a generator a little further, which runs along the rack too but for the second order
-        let h = 1e-14;
-        let (further, _) = gap(side * 5.5, -0.35 + h).expect("it lies beside the rack");
-        assert!(((further - missed) / h - slope).abs() < 1.0, "{slope}");
-        assert!((slope - side * 20.0 * contact.coordinates(&pose(0.0), -0.35).t0).abs() < 1e-9, "{slope}");
-    }
-}
-
-/// Whether a generator crosses the rack at all hangs on how far it gets over the pinion's whole face. If it does not, the
-/// gap to the rack's face is all that is said of it, whatever else ends it.
-#[test]
-fn what_crosses_the_rack_by_rounding_runs_along_it() {
-    let (sin_nu, cos_nu) = trig::sin_cos(0.35);
-    for (half_face, half_width) in [(10.0, 5.0), (0.1, 5.0), (10.0, 0.2)] {
-        for (share, crosses) in [(0.9, false), (1.1, true)] {
-            let contact = FlankContact {
-                base_radius: 20.0,
-                kappa: 0.01,
-                tip_roll: 0.6,
-                half_face,
-                across: Across { w: share * 1e-12 * half_width / half_face, half_width, ..Across::default() },
-                nu: 0.35,
-                sin_nu,
-                cos_nu,
-                ..FlankContact::default()
-            };
-            let pose = |across: f64| Pose { c: 0.25, shift: 0.0, offset: (0.0, 0.0), offset_rate: (0.0, 0.0), across };
-            let over = pose(0.0);
-            assert_eq!(contact.edges(&over, &contact.coordinates(&over, 0.0))[1].is_some(), crosses, "{half_face}");
-            // though the involute begins at w = 5
-            let beside = pose(half_width + 0.03);
-            if !crosses && let Generator::None { gap, .. } = contact.demand(&beside, -0.15) {
-                assert!((gap + 0.03).abs() < 1e-12, "{gap}");
-            } else {
-                assert!(crosses);
-            }
-        }
-    }
-}
-
 #[test]
 fn contacts_have_names() {
     let names = [
@@ -452,91 +381,6 @@ fn the_rest_of_a_flank_is_bounded_closely() {
         assert_eq!(contact.rest(pose, false), if without_helix { far } else { far.max(contact.reach_of_root(pose)) });
     });
     assert!(compared > 1000, "{compared}");
-}
-
-/// Narrow faces on crossed axes: the gap between them bends upwards, its way turns within the flank, and a step from the
-/// contact leads to where another edge of the gap is nearer.
-#[test]
-#[expect(clippy::unreadable_literal, reason = "as they were printed")]
-fn contacts_that_once_were_missed() {
-    let contact = |given: FlankContact, (d, t, w), (across_t, across_w, half_width), nu: f64| {
-        let (sin_nu, cos_nu) = trig::sin_cos(nu);
-        let flank = Plane { d, t, w };
-        let across = Across { t: across_t, w: across_w, z: 0.0, half_width };
-        let tilt = given.base_radius * given.kappa / sin_nu - w;
-        FlankContact { flank, across, nu, sin_nu, cos_nu, tilt, w_extent: given.half_face, ..given }
-            .completed(40.0, 0.1)
-    };
-    let tip = |d| Plane { d, t: 0.0, w: 0.0 };
-    let bends = contact(
-        FlankContact {
-            base_radius: 19.452877272122794,
-            kappa: 9.780362634206829e-6,
-            start_roll: 0.11803029732000288,
-            tip_roll: 0.7072435579384968,
-            half_face: 0.05613016195338821,
-            tip: tip(1.7359394659243839),
-            ..FlankContact::default()
-        },
-        (3.9330447230875825, 2.232176612039743, 0.010073622706283212),
-        (0.03361897695515705, 0.9994347224248759, 1.7849921479644189),
-        0.42118383802872456,
-    );
-    let bends_pose = Pose {
-        c: 0.2868844242391296,
-        shift: 11.492797145776915,
-        offset: (0.06733233884637477, -0.009060863403646244),
-        offset_rate: (0.009060863403646244, 0.06733233884637477),
-        across: -2.0521641118532545,
-    };
-    let turns = contact(
-        FlankContact {
-            base_radius: 35.04913873933777,
-            kappa: -0.010446051228172906,
-            tip_roll: 0.5395708028397254,
-            half_face: 0.084786357191196,
-            tip: tip(2.1072412188468337),
-            ..FlankContact::default()
-        },
-        (7.030705047117091, 3.3018250486811604, -1.25707126600643),
-        (0.3573128025876481, 0.9339847756291108, 4.92353487089446),
-        0.29408114840050187,
-    );
-    let turns_pose = Pose {
-        c: -0.4090673902841145,
-        shift: -54.65406775344564,
-        offset: (0.01568025455452471, -0.06071294769549632),
-        offset_rate: (0.06071294769549632, 0.01568025455452471),
-        across: 0.0,
-    };
-    let leads_away = contact(
-        FlankContact {
-            base_radius: 35.058760786215146,
-            kappa: 0.0103940287850551,
-            tip_roll: 0.5398823166375145,
-            half_face: 0.08539081558994759,
-            tip: tip(2.1102406424988662),
-            ..FlankContact::default()
-        },
-        (7.0318116019822385, 3.3013651434773545, 1.2510567028360755),
-        (-0.3558477000594465, 0.9345439606366317, 4.958609167388129),
-        0.29411979417499456,
-    );
-    let leads_away_pose = Pose {
-        c: -0.41038441856112995,
-        shift: -54.81764172137383,
-        offset: (0.015904281420386107, -0.06048892082963491),
-        offset_rate: (0.06048892082963491, 0.015904281420386107),
-        across: 0.0,
-    };
-    let hint = Hint { delta: -0.48835049932520963, w: -0.08539081558994759, at_rack_edge: false };
-    for (contact, pose, hint) in
-        [(bends, bends_pose, None), (turns, turns_pose, None), (leads_away, leads_away_pose, Some(hint))]
-    {
-        let best = scanned(&contact, &pose).expect("the faces meet");
-        let touch = contact.touch(&pose, NO_FLOOR, hint).expect("the faces meet");
-        assert!((touch.demand - best).abs() < 1e-9, "{best} {touch:?}\n{contact:?}\n{pose:?}");
-    }
 }
 
 /// With any pressure angle: what generators behind the axis and beyond a quarter turn miss at least.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::super::Touch;
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
 use crate::gear::{Pair, PairData, RackData, example};
