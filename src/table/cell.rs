@@ -20,6 +20,10 @@ pub(crate) enum Content {
     /// A date, a time, or true and false: no measured value, as a message shows it. A formula without a result begins
     /// with `=`.
     Other(String),
+    /// A number that its file shows with a unit.
+    Measured { number: Decimal, unit: String },
+    /// What a person does not see as the file holds it: struck through, hidden, or shown as something else, in words.
+    Unlike(String),
 }
 
 impl Content {
@@ -49,7 +53,8 @@ impl fmt::Display for Content {
         const LONGEST: usize = 24;
         let number = match self {
             Self::Empty => return Ok(()),
-            Self::Text(text) | Self::Other(text) => return f.write_str(text),
+            Self::Text(text) | Self::Other(text) | Self::Unlike(text) => return f.write_str(text),
+            Self::Measured { number, unit } => return write!(f, "{} {unit}", Self::Number(*number)),
             Self::Number(number) => number,
         };
         let sign = if number.negative { "-" } else { "" };
@@ -101,8 +106,8 @@ impl Cell {
     pub(crate) fn text(&self) -> Cow<'_, str> {
         match &self.content {
             Content::Empty => "".into(),
-            Content::Text(text) | Content::Other(text) => text.into(),
-            content @ Content::Number(_) => content.to_string().into(),
+            Content::Text(text) | Content::Other(text) | Content::Unlike(text) => text.into(),
+            content @ (Content::Number(_) | Content::Measured { .. }) => content.to_string().into(),
         }
     }
 
@@ -116,17 +121,22 @@ impl Cell {
         match &self.content {
             Content::Empty => true,
             Content::Text(text) => is_missing(text),
-            Content::Number(_) | Content::Other(_) => false,
+            Content::Number(_) | Content::Measured { .. } | Content::Other(_) | Content::Unlike(_) => false,
         }
+    }
+
+    /// Whether a person sees something else than the file holds.
+    pub(crate) fn is_unlike(&self) -> bool {
+        matches!(self.content, Content::Unlike(_))
     }
 
     /// Whether it is a number; `1/1000 mm` is a unit, and a formula without a result may be one.
     pub(crate) fn is_number(&self) -> bool {
         match &self.content {
             Content::Text(text) => is_number(text) && !(text.starts_with("1/") && Unit::from_symbol(text).is_some()),
-            Content::Number(_) => true,
+            Content::Number(_) | Content::Measured { .. } => true,
             Content::Other(text) => text.starts_with('='),
-            Content::Empty => false,
+            Content::Empty | Content::Unlike(_) => false,
         }
     }
 }

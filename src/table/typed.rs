@@ -13,7 +13,7 @@ use crate::table::pieces::Place;
 use crate::table::rows::stored_record;
 use crate::table::stored::Stored;
 use crate::table::want::Want;
-use crate::table::workbook::{Shown, Style, Workbook};
+use crate::table::workbook::Workbook;
 
 /// Records from which columns are found.
 const HEAD: usize = 400;
@@ -21,7 +21,6 @@ const HEAD: usize = 400;
 /// The table of a workbook: of the sheet that is named, or of the only one with cells.
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Unclosed> {
     let layout = &want.contract();
-    let all = book.sheets();
     let mut filled = Vec::new();
     for name in book.candidates(layout.sheet.as_deref())? {
         if !book.head(&name, layout.range, 1)?.is_empty() {
@@ -37,6 +36,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
         }
     };
     let mut head = book.head(&sheet, layout.range, HEAD)?;
+    let others = book.others(&sheet);
     let records = book.records(&sheet, layout.range);
     let (count, above) = (head.len(), with_headings(layout));
     if let Some(heading) = above {
@@ -48,34 +48,13 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
         let text = comment.text.lines().collect::<Vec<_>>().join(" ");
         file.comment(layout, &comment.place, &text);
     }
-    let others = all.into_iter().filter(|other| *other != sheet);
-    file.left_out.extend(others.map(|other| (layout.own_rule(OwnRule::OtherSheets), other)));
-    let mut table = of_records(&file, head, records.records.skip(count), layout, want)?;
-    if let Some(problem) = records.shown.iter().find_map(|shown| shown_otherwise(&name, shown, &table)) {
-        return Err(problem.into());
+    for (name, digest) in others {
+        file.left_out.push((layout.own_rule(OwnRule::OtherSheets), digest.into(), name));
     }
+    let mut table = of_records(&file, head, records.records.skip(count), layout, want)?;
     table.place = if table.reading.parts_in == "columns" { Place::Record } else { Place::SheetRow };
     table.reading.notes.extend(records.hidden.map(|hidden| format!("{name}: read like the others: {hidden}")));
     Ok(table)
-}
-
-/// The refusal of numbers in a column that is read, or names of parts, that their format strikes through or shows with something
-/// else than their unit.
-fn shown_otherwise(name: &str, shown: &Shown, table: &Table) -> Option<Diagnostic> {
-    let in_rows = table.reading.parts_in == "rows";
-    let mut columns = table.columns.iter().filter(|column| !in_rows || column.place == shown.column);
-    let text = &shown.style.text;
-    let is_other = |unit: &str| !text.is_empty() && text.trim() != unit;
-    let Style { is_struck_through, hides, .. } = shown.style;
-    let column = columns.find(|column| is_struck_through || hides || is_other(column.unit.symbol()))?;
-    let how = match (is_struck_through, hides) {
-        (true, _) => "struck through".to_owned(),
-        (_, true) => "not shown".to_owned(),
-        _ => format!("shown with `{}`", crate::quantity::shown(text)),
-    };
-    let message = format!("{name}, row {}: a cell of `{}` is {how} by its format", shown.row, column.title);
-    let help = "show its numbers plainly, or leave the row out of the table";
-    Some(Diagnostic::error(Code::BadTable, message).help(help))
 }
 
 /// The table of a Parquet file. Columns that a rule leaves out are not unpacked: their stored bytes make the digest.

@@ -120,8 +120,13 @@ impl Column {
 
     /// Whether a cell holds a number with the table's decimal mark, and no unit but that one.
     fn is_number_alone(&self, cell: &Cell, unit: Unit) -> Result<(), Problem> {
-        let Content::Text(text) = &cell.content else { return Ok(()) };
-        let bad = |what: String| Err(Problem::new(format!("`{}` {what}", shown(text))));
+        let bad = |what: String| Err(Problem::new(format!("`{}` {what}", shown(&cell.text()))));
+        let without_unit = || bad(format!("has no unit, and cells alone tell it: {}", unit.symbol()));
+        let text = match &cell.content {
+            Content::Text(text) => text,
+            Content::Number(_) if self.unit_from == UnitFrom::Cells => return without_unit(),
+            _ => return Ok(()),
+        };
         let has = |mark: DecimalMark| text.contains(char::from(mark.byte()));
         let other = if self.mark == DecimalMark::Point { DecimalMark::Comma } else { DecimalMark::Point };
         if self.mark_is_open && (has(self.mark) || has(other)) {
@@ -148,9 +153,7 @@ impl Column {
         }
         let own = unit_of(behind, self.field.is_angle());
         match own {
-            _ if behind.is_empty() && self.unit_from == UnitFrom::Cells => {
-                bad(format!("has no unit, and cells alone tell it: {}", unit.symbol()))
-            }
+            _ if behind.is_empty() && self.unit_from == UnitFrom::Cells => without_unit(),
             _ if behind.is_empty() => Ok(()),
             Some(own) if own == unit => Ok(()),
             Some(own) => bad(format!("is in {}, and the column in {}", own.symbol(), unit.symbol())),

@@ -11,6 +11,7 @@ pub(crate) use unit::UnitFrom;
 use super::cell::{Cell, Content};
 use super::companions::Companions;
 use super::field::{Beside as Role, Field, ValueKind};
+use super::grid::unit_of;
 use super::number::{DecimalMark, normalise, quantity};
 use super::want::Want;
 use crate::deviation::plausible::{self, Reach, WrittenIn};
@@ -194,12 +195,21 @@ impl Column {
     fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
         match &cell.content {
             Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::new(error.to_string())),
+            Content::Measured { number, unit: own } if unit_of(own, self.field.is_angle()) == Some(unit) => {
+                quantity(*number, unit).map_err(|error| Problem::new(error.to_string()))
+            }
             Content::Text(text) => self.quantity_of_text(text, unit),
+            Content::Measured { .. } => {
+                let message = format!("`{}` is shown so, and the column is in {}", shown(&cell.text()), unit.symbol());
+                Err(Problem::new(message))
+            }
             Content::Other(text) if text.starts_with('=') => Err(Problem::new(format!(
                 "`{}` is a formula without a result: open the file in a spreadsheet program and save it",
                 shown(text)
             ))),
-            Content::Other(text) => Err(Problem::new(format!("`{}` is not a number", shown(text)))),
+            Content::Other(text) | Content::Unlike(text) => {
+                Err(Problem::new(format!("`{}` is not a number", shown(text))))
+            }
             Content::Empty => Err(Problem::new("the cell is empty".to_owned())),
         }
     }

@@ -123,6 +123,9 @@ impl Contract {
         if name.is_missing() {
             return Some("the part has no name".to_owned());
         }
+        if name.is_unlike() {
+            return Some(format!("the part's name is `{}`: show it plainly, or leave the line out", shown(&text)));
+        }
         let rule =
             if could_be_part { format!("{{ like = \"*{text}*\", at_most = 1 }}") } else { format!("\"*{text}*\"") };
         Self::is_statistic(name).then(|| {

@@ -40,8 +40,8 @@ pub(crate) struct File<'f> {
     pub(crate) format: &'static str,
     /// What has no owner outside the records, such as a comment.
     pub(crate) open: Vec<Open>,
-    /// What rules left out there, by the number of the rule.
-    pub(crate) left_out: Vec<(usize, String)>,
+    /// What rules left out there: the number of the rule, where or what stands there, and a text of it.
+    pub(crate) left_out: Vec<(usize, u64, String)>,
     /// What the format says besides values.
     pub(crate) said: Tally,
     /// How far the file says that values of a column may be from nominal, mm or degrees.
@@ -70,7 +70,7 @@ impl<'f> File<'f> {
     /// Takes a comment or the like, which a rule leaves out or nobody owns.
     pub(crate) fn comment(&mut self, layout: &Layout, place: &str, text: &str) {
         match layout.comments.iter().position(|rule| rule.fits(text)) {
-            Some(rule) => self.left_out.push((layout.rule_of_comment(rule), format!("{place}: {text}"))),
+            Some(rule) => self.left_out.push((layout.rule_of_comment(rule), 0, format!("{place}: {text}"))),
             None => self.open.push(Open::Comment { place: place.to_owned(), text: text.to_owned() }),
         }
     }
@@ -154,8 +154,8 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     let (parts, form) =
         orientation(records, layout).map_or((Parts::Rows, layout.form()), |(parts, form, _)| (parts, form));
     let mut left_out = Tallies::new(layout);
-    for (rule, text) in &file.left_out {
-        left_out.add(*rule, 0, 0, text);
+    for (rule, line, text) in &file.left_out {
+        left_out.add(*rule, *line, 0, text);
     }
     left_out.rules[layout.own_rule(OwnRule::OfFormat)].tally.join(&file.said);
     let mut open = file.open.clone();

@@ -47,7 +47,8 @@ pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut 
             continue;
         }
         let line = line_of(record);
-        if let Some(found) = pattern.left_open(&line) {
+        let is_plain = !record.cells.iter().any(Cell::is_unlike);
+        if let Some(found) = pattern.left_open(&line).filter(|_| is_plain) {
             found.clone_into(&mut name);
             continue;
         }

@@ -1,8 +1,9 @@
-//! The comments on cells of a workbook and its text boxes, which may correct a value, and its texts that are struck
+//! The comments on cells of a workbook and its text boxes, which may correct a value, and its texts and formats of conditions that strike
 //! through. Found in their XML; nothing here opens a file.
 
 use std::collections::HashSet;
 
+use super::format::Style;
 use super::xml::{attribute, name};
 
 /// A comment on a cell, or a text box.
@@ -48,25 +49,50 @@ pub(super) fn once_each(comments: &mut Vec<Comment>) {
     comments.retain(|one| !all.iter().any(|other| is_other(one, other) && other.text.contains(one.text.trim())));
 }
 
-/// The texts of cells of which a run is struck through, from `xl/sharedStrings.xml`.
-pub(super) fn struck_through(xml: &[u8]) -> HashSet<String> {
-    let (mut struck, mut found, mut is_struck, mut is_spoken) = (HashSet::new(), String::new(), false, false);
-    each_tag(xml, |tag, text| match name(tag) {
-        "strike" => is_struck |= !matches!(attribute(tag, "val"), Some("0" | "false")),
-        // how a text is spoken is no part of it
-        "rPh" => is_spoken = true,
-        "r" => is_spoken = false,
-        "t" if !is_spoken => found += &unescaped(text),
-        _ if tag.strip_prefix('/').is_some_and(|tag| name(tag) == "si") => {
-            let text = std::mem::take(&mut found);
-            if std::mem::take(&mut is_struck) {
-                struck.insert(text);
-            }
-            is_spoken = false;
-        }
+/// The numbers of the texts of which a run is struck through, from `xl/sharedStrings.xml`.
+pub(super) fn struck_through(xml: &[u8]) -> HashSet<usize> {
+    let (mut struck, mut count) = (HashSet::new(), 0);
+    each_tag(xml, |tag, _| match name(tag) {
+        "strike" if is_on(tag) => _ = struck.insert(count),
+        "si" if tag.ends_with('/') => count += 1,
+        _ if tag.strip_prefix('/').is_some_and(|tag| name(tag) == "si") => count += 1,
         _ => {}
     });
     struck
+}
+
+/// What the formats of conditions show otherwise than plainly, in words, from `xl/styles.xml`; `None` of those that show all plainly.
+pub(super) fn conditional(xml: &[u8]) -> Vec<Option<String>> {
+    let (mut formats, mut is_within) = (Vec::new(), false);
+    each_tag(xml, |tag, _| match (name(tag), tag.strip_prefix('/').map(name)) {
+        ("dxfs", _) => is_within = !tag.ends_with('/'),
+        (_, Some("dxfs")) => is_within = false,
+        ("dxf", _) if is_within => formats.push(None),
+        _ => {
+            let shows = shows_otherwise(tag).filter(|_| is_within);
+            if let (Some(shows), Some(format)) = (shows, formats.last_mut()) {
+                *format = Some(shows);
+            }
+        }
+    });
+    formats
+}
+
+/// What a tag of a format shows otherwise than plainly, in words.
+pub(super) fn shows_otherwise(tag: &str) -> Option<String> {
+    match name(tag) {
+        "strike" if is_on(tag) => Some("strikes through".to_owned()),
+        "numFmt" => {
+            let code = unescaped(attribute(tag, "formatCode")?);
+            Style::of_code(&code, false).map(|_| format!("shows as {code}"))
+        }
+        _ => None,
+    }
+}
+
+/// Whether a tag that is on by itself is.
+pub(super) fn is_on(tag: &str) -> bool {
+    !matches!(attribute(tag, "val"), Some("0" | "false"))
 }
 
 /// Calls `take` with each tag and the text behind it.
@@ -96,12 +122,17 @@ mod tests {
     }
 
     #[test]
-    fn a_text_of_which_a_run_is_struck_through() {
-        let xml = "<x:sst><x:si><x:t>25,012</x:t></x:si><x:si><x:r><x:rPr><x:strike val='true'/></x:rPr><x:t>25,4</x:t></x:r>\
+    fn texts_and_conditions_that_strike_through() {
+        let xml = "<x:sst><x:si><x:t>25,012</x:t></x:si><x:si/><x:si><x:r><x:rPr><x:strike val='true'/></x:rPr><x:t>25,4</x:t></x:r>\
                    <x:r><x:t>25,0</x:t></x:r><x:rPh><x:t>yomi</x:t></x:rPh></x:si>\
                    <x:si><x:r><x:rPr><x:strike val=\"0\"/></x:rPr><x:t>A</x:t></x:r></x:si></x:sst>";
         for xml in [xml.to_owned(), xml.replace("x:", "")] {
-            assert_eq!(struck_through(xml.as_bytes()), HashSet::from(["25,425,0".to_owned()]));
+            assert_eq!(struck_through(xml.as_bytes()), HashSet::from([2]));
         }
+        let styles = "<styleSheet><fonts><font><strike/></font></fonts><dxfs><dxf><font><color/></font></dxf><dxf/>\
+                      <dxf><font><strike/></font></dxf><dxf><numFmt numFmtId='9' formatCode='&quot;n.i.O.&quot;'/></dxf>\
+                      <dxf><numFmt numFmtId='8' formatCode='0.00'/></dxf></dxfs></styleSheet>";
+        let found: Vec<_> = conditional(styles.as_bytes()).into_iter().map(Option::unwrap_or_default).collect();
+        assert_eq!(found, ["", "", "strikes through", "shows as \"n.i.O.\"", ""]);
     }
 }

@@ -1,143 +1,281 @@
-//! What formats show beside a number: `0.000" mm"` shows millimetres, whatever the heading says, and a font may strike
-//! it through. Read from the styles of a workbook.
-
-use std::collections::HashMap;
+//! How styles show what cells hold: `0.000" mm"` shows millimetres, whatever the heading says, `;;;` shows nothing, and a font may
+//! strike a text through. Read from the styles of a workbook; asked for each cell.
 
 use calamine::{Font, Style as CellStyle};
 
-/// How a column of numbers is shown, if not by their digits alone.
+use crate::table::cell::Content;
+use crate::table::grid::unit_of;
+
+/// How a style shows what a cell holds, where that is not plainly.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Shown {
-    /// The column, from 0.
-    pub(crate) column: usize,
-    /// The first row in which it is so, from 1.
-    pub(crate) row: u32,
-    pub(crate) style: Style,
+pub(super) struct Style {
+    /// For what is above zero, below, zero, and text.
+    sections: [Section; 4],
+    is_struck_through: bool,
 }
 
-/// How a style shows a number.
+/// How a format shows some numbers, or texts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Style {
-    /// What is shown beside it.
-    pub(crate) text: String,
-    pub(crate) is_struck_through: bool,
-    /// Whether nothing of some numbers is shown.
-    pub(crate) hides: bool,
+struct Section {
+    /// What is shown before the number or text, and behind it.
+    before: String,
+    behind: String,
+    /// Whether the number or text is shown at all.
+    is_shown: bool,
+    /// What is shown of a number that is another one: a part of it, a fraction, a percentage.
+    is_other: bool,
+    /// How many digits are shown of a whole number at least; 0 if it is shown with decimals.
+    digits: usize,
+    /// Whether it is for texts.
+    is_text: bool,
+    /// Whether it is for numbers that meet a condition.
+    has_condition: bool,
 }
 
-/// Stands for the style of a text of which a run is struck through.
-pub(super) const STRUCK_RUN: u32 = u32::MAX;
+/// What stands before and behind a text that is struck through.
+const STRUCK: &str = "~~";
 
-/// How each style of cells shows a number, by its index; styles that show nothing but the number are left out.
-pub(super) fn shown_by_style(styles: &[CellStyle]) -> HashMap<u32, Style> {
-    let shown = styles.iter().map(|style| Style {
-        text: style.number_format.as_ref().map_or_else(String::new, |format| beside_number(&format.format_code)),
-        is_struck_through: style.font.as_ref().is_some_and(Font::has_strikethrough),
-        hides: style.number_format.as_ref().is_some_and(|format| hides_numbers(&format.format_code)),
-    });
-    let run = Style { is_struck_through: true, ..Style::default() };
-    (0..).zip(shown).filter(|(_, style)| *style != Style::default()).chain([(STRUCK_RUN, run)]).collect()
-}
+impl Style {
+    /// How a style shows what a cell holds; `None` if plainly.
+    pub(super) fn of(style: &CellStyle) -> Option<Self> {
+        let code = style.number_format.as_ref().map_or("", |format| &format.format_code);
+        let is_struck_through = style.font.as_ref().is_some_and(Font::has_strikethrough);
+        Self::of_code(code, is_struck_through)
+    }
 
-/// Whether a format shows nothing of the numbers above or below zero, as `;;;` does.
-fn hides_numbers(code: &str) -> bool {
-    let (mut sections, mut within) = (vec![false], None);
-    for c in code.chars() {
-        match (within, c) {
-            (Some(end), c) => within = Some(end).filter(|end| c != *end),
-            (None, '"') => within = Some('"'),
-            (None, '[') => within = Some(']'),
-            (None, ';') => sections.push(false),
-            (None, c) => *sections.last_mut().expect("there is one") |= "0#?@".contains(c) || c.is_ascii_alphabetic(),
+    /// The same of the code of a number format.
+    pub(super) fn of_code(code: &str, is_struck_through: bool) -> Option<Self> {
+        let plain = || Section { is_shown: true, ..Section::default() };
+        let mut all: Vec<Section> = if code.is_empty() { Vec::new() } else { sections(code) };
+        let text = all.pop_if(|last| last.is_text).or_else(|| if all.len() > 3 { all.pop() } else { None });
+        let text = text.unwrap_or_else(plain);
+        let positive = all.first().cloned().unwrap_or_else(plain);
+        let negative = all.get(1).cloned().map_or_else(|| positive.clone(), without_minus);
+        let zero = all.get(2).cloned().unwrap_or_else(|| positive.clone());
+        let mut sections = [positive, negative, zero, text];
+        if all.iter().any(|section| section.has_condition) {
+            // which of them is meant is not computed
+            let is_plain = |section: &Section| section.is_plain() || without_minus(section.clone()).is_plain();
+            let one = Section { is_other: !all.iter().all(is_plain), ..plain() };
+            sections[..3].fill(one);
+        }
+        (is_struck_through || !sections.iter().all(Section::is_plain)).then_some(Self { sections, is_struck_through })
+    }
+
+    /// What a person sees of what a cell holds.
+    pub(super) fn seen(&self, content: Content) -> Content {
+        if self.is_struck_through {
+            return struck(content);
+        }
+        let [positive, negative, zero, text] = &self.sections;
+        match &content {
+            Content::Number(number) if number.digits == 0 => zero.seen(content),
+            Content::Number(number) if number.negative => negative.seen(content),
+            Content::Number(_) => positive.seen(content),
+            Content::Text(_) => text.seen(content),
+            _ => content,
         }
     }
-    !code.is_empty() && sections.iter().take(2).any(|is_shown| !is_shown)
 }
 
-/// The words and marks of a number format's part for positive numbers: `mm` of `0.000" mm";-0.000" mm"`, and what makes others of
-/// them: a minus before them, a divisor, a comma behind them for thousands.
-fn beside_number(code: &str) -> String {
-    let mut text = String::new();
-    let (mut is_quoted, mut characters) = (false, code.chars());
-    let is_digit = |c: char| matches!(c, '0' | '#' | '?');
-    // the first letter of a date, or digit of a number
-    let mut first = None;
+/// What a cell holds, struck through.
+pub(super) fn struck(content: Content) -> Content {
+    match content {
+        Content::Empty => Content::Empty,
+        content => Content::Unlike(format!("{STRUCK}{content}{STRUCK}")),
+    }
+}
+
+impl Section {
+    fn is_plain(&self) -> bool {
+        let Self { before, behind, is_shown, is_other, digits, .. } = self;
+        before.trim().is_empty() && behind.trim().is_empty() && *is_shown && !is_other && *digits < 2
+    }
+
+    fn seen(&self, content: Content) -> Content {
+        if self.is_plain() {
+            return content;
+        }
+        let (before, behind) = (self.before.trim_start(), self.behind.trim_end());
+        match &content {
+            held if !self.is_shown && before.is_empty() => Content::Unlike(format!("{held}, which is not shown")),
+            held if !self.is_shown => Content::Unlike(format!("{held}, shown as `{before}`")),
+            held if self.is_other => Content::Unlike(format!("{held}, shown as another number")),
+            Content::Number(number) => {
+                let sign = if number.negative { "-" } else { "" };
+                let held = content.to_string();
+                let whole = held.strip_prefix('-').unwrap_or(&held);
+                let width = if whole.bytes().all(|digit| digit.is_ascii_digit()) { self.digits } else { 0 };
+                let seen = format!("{before}{sign}{whole:0>width$}{behind}");
+                match behind.trim() {
+                    "" if before.is_empty() => Content::Text(seen),
+                    unit if before.is_empty() && unit_of(unit, true).is_some() => {
+                        Content::Measured { number: *number, unit: unit.to_owned() }
+                    }
+                    _ => Content::Unlike(format!("{held}, shown as `{seen}`")),
+                }
+            }
+            held => Content::Unlike(format!("{held}, shown as `{before}{held}{behind}`")),
+        }
+    }
+}
+
+/// A section for negative numbers, without the minus or the brackets that say so; without any the number seems to be another one.
+fn without_minus(mut section: Section) -> Section {
+    let (before, behind) = (section.before.trim(), section.behind.trim());
+    let bare = before.strip_prefix('-').map(|before| (before, behind));
+    let bare = bare.or_else(|| Some((before.strip_prefix('(')?, behind.strip_suffix(')')?)));
+    match bare.map(|(before, behind)| (before.to_owned(), behind.to_owned())) {
+        Some(bare) => (section.before, section.behind) = bare,
+        None => section.is_other |= section.is_shown,
+    }
+    section
+}
+
+/// The sections of a format, as far as they show something else than digits.
+fn sections(code: &str) -> Vec<Section> {
+    let (mut all, mut characters) = (vec![Section::default()], code.chars());
     while let Some(c) = characters.next() {
-        let behind = || characters.as_str().split(';').next().unwrap_or_default();
+        let rest = characters.as_str();
+        let behind = |end: usize| rest.get(..end).unwrap_or(rest);
+        let Some(section) = all.last_mut() else { break };
+        let mut skipped = 0;
         match c {
-            '"' => is_quoted = !is_quoted,
-            _ if is_quoted => text.push(c),
-            '\\' => text.extend(characters.next()),
-            // a colour, a condition, a currency
-            '[' => while characters.next().is_some_and(|c| c != ']') {},
-            ';' => break,
-            // a blank of that width, a character that fills the cell
-            '_' | '*' => _ = characters.next(),
-            '%' | '<' | '>' | '°' => text.push(c),
-            '-' if first.is_none() => text.push(c),
-            '/' if first.is_some_and(is_digit) => text.push(c),
-            ',' if first.is_some_and(is_digit) && !behind().contains(is_digit) => text.push(c),
-            _ if is_digit(c) || c.is_ascii_alphabetic() => _ = first.get_or_insert(c),
-            _ => {}
+            ';' => all.push(Section::default()),
+            '"' => {
+                let end = rest.find('"').unwrap_or(rest.len());
+                section.show(behind(end));
+                skipped = behind(end).chars().count() + 1;
+            }
+            '\\' => {
+                section.show(&rest.chars().take(1).collect::<String>());
+                skipped = 1;
+            }
+            '[' => {
+                let end = rest.find(']').unwrap_or(rest.len());
+                section.bracket(behind(end));
+                skipped = behind(end).chars().count() + 1;
+            }
+            // a blank of that width
+            '_' => skipped = 1,
+            // a character that fills the cell
+            '*' => {
+                section.show(&rest.chars().take(1).collect::<String>());
+                skipped = 1;
+            }
+            '0' | '#' | '?' => {
+                section.digits += usize::from(c == '0' && !section.is_other);
+                section.is_shown = true;
+            }
+            '.' => {}
+            '@' => (section.is_text, section.is_shown) = (true, true),
+            // thousands, if digits follow; else a part of the number
+            ',' if section.is_shown => {
+                let next = rest.trim_start_matches(',').chars().next();
+                section.is_other |= !next.is_some_and(|next| "0#?".contains(next));
+            }
+            '%' | '/' if section.is_shown => {
+                section.is_other = true;
+                section.show(&c.to_string());
+            }
+            'G' | 'g' if rest.get(..6).is_some_and(|rest| rest.eq_ignore_ascii_case("eneral")) => {
+                section.is_shown = true;
+                skipped = 6;
+            }
+            // an exponent
+            'E' | 'e' if section.is_shown && rest.starts_with(['+', '-']) => {
+                skipped = 1 + rest[1..].chars().take_while(|c| "0#?".contains(*c)).count();
+            }
+            '+' | ',' if !section.is_shown => {}
+            c => section.show(&c.to_string()),
         }
+        characters.by_ref().take(skipped).for_each(drop);
     }
-    text.trim().to_owned()
+    for section in &mut all {
+        // digits behind a point are none of a whole number
+        section.digits = if code.contains('.') { 0 } else { section.digits };
+    }
+    all
+}
+
+impl Section {
+    fn show(&mut self, text: &str) {
+        if self.is_shown { self.behind += text } else { self.before += text }
+    }
+
+    /// Takes a colour, a condition, a currency or a language.
+    fn bracket(&mut self, inside: &str) {
+        if let Some(currency) = inside.strip_prefix('$') {
+            self.show(currency.split('-').next().unwrap_or_default());
+        }
+        self.has_condition |= inside.starts_with(['<', '>', '=']);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn seen(code: &str, content: Content) -> Content {
+        Style::of_code(code, false).map_or(content.clone(), |style| style.seen(content))
+    }
+
     #[test]
-    fn words_beside_numbers() {
+    fn what_a_format_shows() {
+        for code in [
+            "",
+            "General",
+            "@",
+            "#,##0.00_ ",
+            "_-* #,##0.00_-;-* #,##0.00_-",
+            "+0.000;-0.000",
+            "0.00_);(0.00)",
+            "0.00;[Red]-0.00",
+            "[Red][>0.03]0.000;0.000",
+            "0.0E-00",
+            "[$-407]0.00",
+            "0.000;-0.000;0;@",
+        ] {
+            assert_eq!(Style::of_code(code, false), None, "{code}");
+        }
+        for (code, number, text) in [
+            ("0.000\" mm\"", 25.011, "25.011 mm"),
+            ("0.000\\ \\µ\\m;-0.000", 3.1, "3.1 µm"),
+            ("0.000\\ \\µ\\m;-0.000", -3.1, "-3.1"),
+            ("0.0[$mm]", 3.0, "3 mm"),
+            ("0.00%", 0.5, "0.5, shown as another number"),
+            ("\"<\"0.0", 0.5, "0.5, shown as `<0.5`"),
+            ("-0.000", 0.5, "0.5, shown as `-0.5`"),
+            ("0.000;0.000", 0.5, "0.5"),
+            ("0.000;[Red]0.000", -0.5, "-0.5, shown as another number"),
+            ("0.0;\"n.i.O.\"", -1.0, "-1, shown as `n.i.O.`"),
+            ("0.0;-0.0;\"-\"", 0.0, "0, shown as `-`"),
+            ("#,##0.0,", 12500.0, "12500, shown as another number"),
+            ("0.000/1000", 1.5, "1.5, shown as another number"),
+            ("0.0\" i.O.\"", 1.5, "1.5, shown as `1.5 i.O.`"),
+            ("0.0\"@\"", 1.5, "1.5, shown as `1.5@`"),
+            ("[>1]0.0;\"x\"", 1.5, "1.5, shown as another number"),
+            (";;;", 1.5, "1.5, which is not shown"),
+            ("0.000;;", -1.5, "-1.5, which is not shown"),
+            ("\"\"", 1.5, "1.5, which is not shown"),
+            ("00000", 123.0, "00123"),
+            ("\"P\"000", 7.0, "7, shown as `P007`"),
+            ("*-0", 7.0, "7, shown as `-7`"),
+        ] {
+            assert_eq!(seen(code, Content::of_f64(number)).to_string(), text, "{code}");
+        }
         for (code, text) in [
-            ("0.000\" mm\"", "mm"),
-            ("0.000\\ \\µ\\m;-0.000", "µm"),
-            ("[Red]0.00%", "%"),
-            ("\"<\"0.0", "<"),
-            ("#,##0.00_ ", ""),
-            ("_-* #,##0.00_-;-* #,##0.00_-", ""),
-            ("+0.000;-0.000", ""),
-            ("yyyy-mm-dd", ""),
-            ("d/m/yyyy, hh:mm", ""),
-            ("0.0E-00", ""),
-            ("-0.000", "-"),
-            ("\"-\"0.000\" mm\"", "- mm"),
-            ("#,##0.0,", ","),
-            ("0.000/1000", "/"),
-            ("General", ""),
+            (";;;", "P1, which is not shown"),
+            ("0;-0;0;\"X\"", "P1, shown as `X`"),
+            ("@\" n.i.O.\"", "P1, shown as `P1 n.i.O.`"),
+            ("0.00%", "P1"),
         ] {
-            assert_eq!(beside_number(code), text, "{code}");
+            assert_eq!(seen(code, Content::of_text("P1")).to_string(), text, "{code}");
         }
-        for (code, hides) in [
-            (";;;", true),
-            ("0.000;;", true),
-            ("\"\"", true),
-            ("[Red]0.0;\"x;y\"-0.0", false),
-            ("0.000;-0.000;;@", false),
-            ("General", false),
-            ("@", false),
-            ("", false),
-        ] {
-            assert_eq!(hides_numbers(code), hides, "{code}");
-        }
-        let style = |code: Option<&str>, is_struck_through| {
-            let mut style = CellStyle::default();
-            style.font.get_or_insert_default().strikethrough = is_struck_through;
-            if let Some(code) = code {
-                code.clone_into(&mut style.number_format.get_or_insert_default().format_code);
-            }
-            style
-        };
-        let styles = [
-            style(Some("General"), false),
-            style(Some("0.0\" in\""), false),
-            style(Some("0.00%"), false),
-            style(None, true),
-        ];
-        let shown = [(1, "in", false), (2, "%", false), (3, "", true), (STRUCK_RUN, "", true)];
-        let style = |text: &str, is_struck_through| Style { text: text.to_owned(), is_struck_through, hides: false };
-        let expected = shown.map(|(index, text, is_struck)| (index, style(text, is_struck))).into();
-        assert_eq!(shown_by_style(&styles), expected);
+        let struck = Style::of_code("General", true).unwrap();
+        assert_eq!(struck.seen(Content::of_text("P1")), Content::Unlike("~~P1~~".to_owned()));
+        assert_eq!(struck.seen(Content::Other("2026-03-01".to_owned())).to_string(), "~~2026-03-01~~");
+        let measured = Content::Measured { number: crate::quantity::Decimal::of_i128(3, 0), unit: "mm".to_owned() };
+        assert_eq!(seen("0.0 \"mm\"", Content::of_f64(3.0)), measured);
     }
 }

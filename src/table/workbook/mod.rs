@@ -8,16 +8,15 @@
 
 mod comments;
 mod format;
-mod hidden;
 mod merged;
 mod range;
+mod sheet;
 mod xml;
 
 pub(crate) use comments::Comment;
-pub(crate) use format::{Shown, Style};
 pub use range::{CellRange, NoCellRange};
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::io::{self, Cursor, Read as _};
 use std::sync::mpsc;
 
@@ -25,10 +24,10 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
-use comments::{comments, once_each, struck_through};
-use format::shown_by_style;
-use hidden::{SheetXml, sheet_parts};
+use comments::{comments, conditional, once_each, struck_through};
+use format::{Style, struck};
 use merged::MergedCells;
+use sheet::{Known, SheetPart, SheetReader, SheetXml, sheet_parts};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -56,8 +55,6 @@ pub(crate) struct SheetRecords {
     pub(crate) name: String,
     /// What is hidden in the range and holds values all the same, in words; `None` if nothing is, as far as is known.
     pub(crate) hidden: Option<String>,
-    /// What numbers of the range are shown with.
-    pub(crate) shown: Vec<Shown>,
     /// The comments on cells of the workbook.
     pub(crate) comments: Vec<Comment>,
     /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
@@ -82,6 +79,12 @@ impl Workbook {
         sheets.map(|sheet| sheet.name.clone()).collect()
     }
 
+    /// The names of the other sheets, charts included, each with a digest of what it stores.
+    pub(crate) fn others(&self, sheet: &str) -> Vec<(String, u32)> {
+        let names = self.book.sheets_metadata().iter().map(|sheet| &sheet.name).filter(|name| *name != sheet);
+        names.map(|name| (name.clone(), self.checked.digests.get(name).copied().unwrap_or_default())).collect()
+    }
+
     /// The sheets to look at: all of them, or the one that is named.
     ///
     /// # Errors
@@ -100,8 +103,7 @@ impl Workbook {
 
     /// What the XML of a sheet says.
     fn xml(&self, sheet: &str) -> Option<&SheetXml> {
-        let index = self.sheets().iter().position(|name| name == sheet)?;
-        self.checked.sheets.get(index)?.as_ref()
+        self.checked.sheets.get(sheet)
     }
 
     /// What messages call a sheet.
@@ -115,8 +117,8 @@ impl Workbook {
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
         let mut head = Vec::new();
-        let merged = self.xml(sheet).map(|xml| xml.merged.clone()).unwrap_or_default();
-        each_row(&mut self.book, (&self.checked.struck, merged), sheet, range, &mut |record| {
+        let xml = self.xml(sheet).cloned().unwrap_or_default();
+        each_row(&mut self.book, xml, sheet, range, &mut |record| {
             head.push(record);
             head.len() < most
         })
@@ -130,23 +132,19 @@ impl Workbook {
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
-        // whoever reads the cells says what is wrong with the sheet
-        let styles = self.book.worksheet_cells_reader(sheet).map(|cells| shown_by_style(cells.styles()));
-        let styles = styles.unwrap_or_default();
-        let xml = self.xml(sheet).cloned().unwrap_or_default();
-        let (shown, hidden) = (xml.shown(&styles, range), xml.hidden(range));
-        let comments = [std::mem::take(&mut self.checked.comments), xml.beside].concat();
+        let mut xml = self.checked.sheets.remove(sheet).unwrap_or_default();
+        let hidden = xml.hidden(range);
+        let comments = [std::mem::take(&mut self.checked.comments), std::mem::take(&mut xml.beside)].concat();
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
             // the other end hangs up when it has seen enough
-            let known = (&self.checked.struck, xml.merged);
-            let read = each_row(&mut self.book, known, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
+            let read = each_row(&mut self.book, xml, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
             if let Err(problem) = read {
                 let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
             }
         });
-        SheetRecords { name, hidden, shown, comments, records: Box::new(receiver.into_iter()) }
+        SheetRecords { name, hidden, comments, records: Box::new(receiver.into_iter()) }
     }
 }
 
@@ -162,12 +160,17 @@ pub(super) fn listed(sheets: &[String]) -> String {
 /// Calls `take` with each row that is not empty, until it returns false.
 fn each_row(
     book: &mut Book,
-    (struck, mut merged): (&HashSet<String>, MergedCells),
+    xml: SheetXml,
     sheet: &str,
     range: CellRange,
     take: &mut dyn FnMut(Record) -> bool,
 ) -> Result<(), String> {
+    if let Some(problem) = xml.problem {
+        return Err(problem);
+    }
+    let mut merged = xml.merged;
     let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
+    let styles: Vec<Option<Style>> = reader.styles().iter().map(Style::of).collect();
     merged.begin()?;
     let mut whole = |mut record: Record, merged: &mut MergedCells| {
         let row = u32::try_from(record.line.saturating_sub(1)).unwrap_or(u32::MAX);
@@ -176,14 +179,14 @@ fn each_row(
     };
     let (mut record, mut filled) = (Record::default(), 0);
     loop {
-        let cell = match reader.next_cell_with_formula() {
+        let (cell, style) = match reader.next_cell_with_style_id() {
             Ok(Some(cell)) => cell,
             Ok(None) => break,
             // an error that has no name in the first versions of the format is no value either
             Err(XlsxError::CellError(_)) => continue,
             Err(error) => return Err(error.to_string()),
         };
-        let (row, column) = cell.pos;
+        let (row, column) = cell.get_position();
         let line = u64::from(row) + 1;
         if line != record.line {
             let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
@@ -195,13 +198,19 @@ fn each_row(
         if row > range.rows.1 {
             break;
         }
-        if is_too_long(&cell.value) || cell.formula.as_ref().is_some_and(|text| text.len() > 4 * LONGEST_TEXT) {
+        if is_too_long(cell.get_value()) {
             return Err(format!("row {line}: a text is longer than {LONGEST_TEXT} characters"));
         }
-        let content = match cell.formula {
-            _ if !range.has_row(row) || !range.has_column(column) => Content::Empty,
-            Some(formula) if cell.value == DataRef::Empty => Content::Other(format!("={formula}")),
-            _ => content(&cell.value, struck),
+        let content = match () {
+            () if !range.has_row(row) || !range.has_column(column) => Content::Empty,
+            () if xml.without_result.contains(&(row, column)) => Content::Other(WITHOUT_RESULT.to_owned()),
+            () => content(cell.get_value()),
+        };
+        let is_struck = xml.struck.contains(&(row, column));
+        let content = if is_struck { struck(content) } else { content };
+        let content = match styles.get(style) {
+            Some(Some(style)) if !is_struck => style.seen(content),
+            _ => content,
         };
         if content != Content::Empty {
             let index = (column - range.columns.0) as usize;
@@ -235,16 +244,15 @@ fn is_too_long(value: &DataRef<'_>) -> bool {
     text.len() > LONGEST_TEXT && text.chars().count() > LONGEST_TEXT
 }
 
-/// What stands before and behind a text that is struck through.
-const STRUCK: &str = "~~";
+/// What stands for the value of a formula that has none.
+const WITHOUT_RESULT: &str = "=…";
 
-fn content(value: &DataRef<'_>, struck: &HashSet<String>) -> Content {
+fn content(value: &DataRef<'_>) -> Content {
     match value {
         DataRef::Empty => Content::Empty,
         DataRef::Int(number) => Content::Number(crate::quantity::Decimal::of_i128(i128::from(*number), 0)),
         DataRef::Float(number) => Content::of_f64(*number),
         DataRef::String(text) => Content::of_text(text),
-        DataRef::SharedString(text) if struck.contains(*text) => Content::of_text(&format!("{STRUCK}{text}{STRUCK}")),
         DataRef::SharedString(text) => Content::of_text(text),
         DataRef::Error(error) => Content::Text(error.to_string()),
         DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => Content::Other(text.clone()),
@@ -275,35 +283,49 @@ fn no_workbook(name: &str, error: &dyn std::fmt::Display) -> Diagnostic {
 
 /// What is found while a workbook is unpacked.
 struct Checked {
-    /// What the XML of each sheet says, in their order; none where that cannot be known.
-    sheets: Vec<Option<SheetXml>>,
+    /// What the XML of each sheet says, by its name.
+    sheets: HashMap<String, SheetXml>,
+    /// A digest of what each sheet stores.
+    digests: HashMap<String, u32>,
     /// The comments on cells of any sheet.
     comments: Vec<Comment>,
-    /// The texts of cells of which a run is struck through.
-    struck: HashSet<String>,
 }
 
 /// Unpacks every part that will be read, counting bytes and keeping hardly any.
 fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
-    let (mut workbook, mut relations, mut texts) = (Vec::new(), Vec::new(), Vec::new());
-    let mut sheets: HashMap<String, SheetXml> = HashMap::new();
-    let (mut other, mut found) = (0, Vec::new());
+    let (mut workbook, mut relations, mut texts, mut styles) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut parts = Vec::new();
     for index in 0..archive.len() {
         let file = archive.by_index(index).map_err(|error| broken(&error))?;
         let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
-        let is_read = |suffix: &str| part.strip_suffix(suffix).is_some();
-        if ![".xml", ".rels", ".vml"].into_iter().any(is_read) {
-            continue;
+        if [".xml", ".rels", ".vml"].into_iter().any(|suffix| part.ends_with(suffix)) {
+            parts.push((part.starts_with("xl/worksheets/") && part.ends_with(".xml"), part, index));
         }
-        let is_sheet = part.starts_with("xl/worksheets/");
+    }
+    // what is said of texts and formats stands before the sheets
+    parts.sort();
+    if let Some([(_, part, _), _]) = parts.array_windows().find(|[(_, one, _), (_, other, _)]| one == other) {
+        return Err(Diagnostic::unreadable(name, &format!("it has two parts {part}")));
+    }
+    let (mut sheets, mut digests): (HashMap<String, SheetXml>, HashMap<String, u32>) = (HashMap::new(), HashMap::new());
+    let (mut known, mut other, mut found) = (Known::default(), 0, Vec::new());
+    let mut is_known = false;
+    for (is_sheet, part, index) in parts {
+        if is_sheet && !is_known {
+            known = Known { struck: struck_through(&texts), conditional: conditional(&styles) };
+            is_known = true;
+        }
+        let file = archive.by_index(index).map_err(|error| broken(&error))?;
+        digests.insert(part.clone(), file.crc32());
         let most = if is_sheet { LARGEST_SHEET } else { LARGEST_OTHER - other };
-        let (mut sheet, mut noted) = (SheetXml::default(), Vec::new());
+        let (mut sheet, mut noted) = (SheetReader::new(&known), Vec::new());
         let into: &mut dyn io::Write = match part.as_str() {
             "xl/workbook.xml" => &mut workbook,
             "xl/_rels/workbook.xml.rels" => &mut relations,
             "xl/sharedstrings.xml" => &mut texts,
+            "xl/styles.xml" => &mut styles,
             _ if is_sheet => &mut sheet,
             // what pivot tables hold are cells
             _ if part.starts_with("xl/") && !part.starts_with("xl/pivot") => &mut noted,
@@ -317,15 +339,34 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             ));
         }
         if is_sheet {
+            let sheet = sheet.sheet;
             sheets.insert(part, sheet);
         } else {
             other += size;
             found.extend(comments(&noted));
         }
     }
+    if let Some(part) = ["workbook.xml", "sharedStrings.xml", "styles.xml"]
+        .into_iter()
+        .zip([&workbook, &texts, &styles])
+        .find_map(|(part, xml)| memchr::memmem::find(xml, b"<!").map(|_| part))
+    {
+        let problem = format!("its part xl/{part} has comments or the like, which programs read differently");
+        return Err(Diagnostic::unreadable(name, &problem));
+    }
     once_each(&mut found);
-    let sheets = sheet_parts(&workbook, &relations).iter().map(|part| sheets.get(part).cloned()).collect();
-    Ok(Checked { sheets, comments: found, struck: struck_through(&texts) })
+    // a sheet has its texts elsewhere
+    let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
+    let mut checked = Checked { sheets: HashMap::new(), digests: HashMap::new(), comments: found };
+    for SheetPart { part, name, is_hidden } in sheet_parts(&workbook, &relations) {
+        let digest = digests.get(&part).copied().unwrap_or_default();
+        checked.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts));
+        if let Some(mut sheet) = sheets.get(&part).cloned() {
+            sheet.is_hidden = is_hidden;
+            checked.sheets.insert(name, sheet);
+        }
+    }
+    Ok(checked)
 }
 
 #[cfg(test)]

@@ -76,16 +76,19 @@ impl std::str::FromStr for CellRange {
 
 /// Column and row of `B12`, `$B$12`, `B` or `12`, from 0.
 pub(super) fn corner(text: &str) -> Option<(Option<u32>, Option<u32>)> {
-    let text = text.trim().replace('$', "").to_ascii_uppercase();
-    let letters = text.bytes().take_while(u8::is_ascii_uppercase).count();
-    let (column, row) = text.split_at(letters);
-    if text.is_empty() || column.len() > 3 || row.len() > 7 {
-        return None;
+    let (mut column, mut letters, mut row, mut digits) = (0, 0, 0, 0);
+    for byte in text.trim().bytes().filter(|byte| *byte != b'$') {
+        match byte.to_ascii_uppercase() {
+            letter @ b'A'..=b'Z' if digits == 0 && letters < 3 => {
+                (column, letters) = (column * 26 + u32::from(letter - b'A') + 1, letters + 1);
+            }
+            digit @ b'0'..=b'9' if digits < 7 => (row, digits) = (row * 10 + u32::from(digit - b'0'), digits + 1),
+            _ => return None,
+        }
     }
-    let number = column.bytes().fold(0, |number, letter| number * 26 + u32::from(letter - b'A') + 1);
-    let column = (!column.is_empty()).then_some(number.saturating_sub(1).min(MOST_COLUMNS - 1));
-    let row = if row.is_empty() { None } else { Some(row.parse::<u32>().ok()?.checked_sub(1)?) };
-    Some((column, row))
+    let column = (letters > 0).then(|| (column - 1).min(MOST_COLUMNS - 1));
+    let row = if digits == 0 { None } else { Some(row.checked_sub(1)?) };
+    (letters + digits > 0).then_some((column, row))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::diagnostic::Diagnostics;
-use crate::table::{Container, Layout, Source, Want};
+use crate::table::{Container, Layout, LineRule, Pattern, Source, StatusColumn, Want};
 
 /// The names of the columns, and the row, name and values of each part, or the problem with its help.
 fn rows(bytes: &[u8], sheet: Option<&str>, range: &str) -> Result<Vec<String>, String> {
@@ -119,8 +119,9 @@ fn shown(records: impl IntoIterator<Item = Record>) -> Vec<String> {
     let cell = |cell: &Cell| match &cell.content {
         Content::Empty => String::new(),
         Content::Text(text) => format!("t:{text}"),
-        number @ Content::Number(_) => format!("n:{number}"),
+        number @ (Content::Number(_) | Content::Measured { .. }) => format!("n:{number}"),
         Content::Other(text) => format!("o:{text}"),
+        Content::Unlike(text) => format!("u:{text}"),
     };
     let line =
         |record: Record| format!("{}: {}", record.line, record.cells.iter().map(cell).collect::<Vec<_>>().join("|"));
@@ -161,14 +162,19 @@ fn hidden_rows_and_columns_are_read_and_counted() {
 
 /// The workbook with another XML of its second sheet.
 fn with_sheet(change: impl Fn(String) -> String) -> Vec<u8> {
-    let mut archive = zip::ZipArchive::new(Cursor::new(kinds())).unwrap();
+    changed(kinds(), "sheet2.xml", change)
+}
+
+/// A workbook with another XML of a part.
+fn changed(book: Vec<u8>, part_name: &str, change: impl Fn(String) -> String) -> Vec<u8> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(book)).unwrap();
     let mut changed = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for index in 0..archive.len() {
         let mut part = archive.by_index(index).unwrap();
         let name = part.name().unwrap().to_string();
         let mut xml = String::new();
         part.read_to_string(&mut xml).unwrap();
-        if name.ends_with("sheet2.xml") {
+        if name.ends_with(part_name) {
             xml = change(xml);
         }
         changed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
@@ -211,18 +217,137 @@ fn a_number_format_that_shows_another_unit_is_refused() {
     for format in ["0.000", "0.0\" µm\"", "#,##0.00_-"] {
         assert_eq!(rows(&book(format), None, "").unwrap(), expected, "{format}");
     }
-    for (format, shown) in [
-        ("0.000\" mm\"", "mm"),
-        ("0.0%", "%"),
-        ("\"<\"0.0", "<"),
-        ("-0.0", "-"),
-        ("0.0,", ","),
-        ("0.0\" i.O.\"", "i.O."),
-    ] {
-        let refused = rows(&book(format), None, "").unwrap_err();
-        let message = format!("row 2: a cell of `rack_pitch [um]` is shown with `{shown}` by its format");
-        assert!(refused.contains(&message), "{format}: {refused}");
+    for format in ["0.000\" mm\"", "0.0%", "\"<\"0.0", "-0.0", "0.0,", "0.0\" i.O.\""] {
+        assert_eq!(rows(&book(format), None, "").unwrap(), [expected[0], "2: a1|"], "{format}");
     }
+}
+
+/// A table with a name, a status, a value, a column that is not used and a line that is none of it, of which one cell is otherwise.
+fn one_cell_is(row: u32, column: u16, format: &rust_xlsxwriter::Format) -> Vec<u8> {
+    let mut book = rust_xlsxwriter::Workbook::new();
+    let sheet = book.add_worksheet();
+    let plain = rust_xlsxwriter::Format::new();
+    let cells = [
+        ["Prüfplan", "", "", ""],
+        ["Teil", "rack_pitch [um]", "Bewertung", "Temp"],
+        ["1", "12.5", "7", "20"],
+        ["Teil2", "2.5", "7", "20"],
+    ];
+    for (at, (cells, place)) in
+        (0..).zip(cells.iter().flat_map(|cells| (0..).zip(cells).map(move |(column, cell)| (cells, (column, cell)))))
+    {
+        let (line, (place, cell)) = (at / u32::try_from(cells.len()).unwrap(), place);
+        let format = if (line, place) == (row, column) { format } else { &plain };
+        match cell.parse::<f64>() {
+            Ok(number) => _ = sheet.write_number_with_format(line, place, number, format).unwrap(),
+            Err(_) if cell.is_empty() => {}
+            Err(_) => _ = sheet.write_string_with_format(line, place, *cell, format).unwrap(),
+        }
+    }
+    book.save_to_buffer().unwrap()
+}
+
+/// What is read of that table, or the first problem or fault, and what was left out.
+fn judged(bytes: Vec<u8>) -> Result<String, String> {
+    let status = StatusColumn { name: "Bewertung".to_owned(), accept: vec!["7".to_owned()], reject: Vec::new() };
+    let layout = Layout {
+        status: Some(status),
+        ignore: vec![Pattern::of_heading("Temp")],
+        ignore_lines: vec![LineRule { pattern: Pattern::of_line("Prüfplan"), at_most: 0 }],
+        ..Layout::default()
+    };
+    let want = Want { layout: layout.into(), ..Want::default() };
+    let in_words = |Diagnostics(problems): Diagnostics| format!("{:?}", problems[0]);
+    let container = Container::open("lot.xlsx", Source::bytes(bytes), &want).map_err(in_words)?;
+    let table = container.table("lot.xlsx", &want).map_err(in_words)?;
+    let mut reading = table.reading.clone();
+    let mut all = Vec::new();
+    for block in table.blocks().unwrap() {
+        all.extend((0..block.rows()).map(|row| block.name(row).unwrap_or_default().into_owned()));
+        if let Some(fault) = block.faults().first() {
+            return Err(fault.message.clone());
+        }
+        block.tell(&mut reading);
+    }
+    Ok(format!("{} {:?}", all.join(" "), reading.left_out))
+}
+
+#[test]
+fn a_cell_that_is_shown_otherwise_is_not_read_whatever_its_column_is() {
+    use rust_xlsxwriter::Format;
+    let plain = judged(one_cell_is(9, 9, &Format::new())).unwrap();
+    assert!(plain.starts_with("1 Teil2 "), "{plain}");
+    let code = |code: &str| Format::new().set_num_format(code);
+    let places = [(0, 0), (1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (2, 1), (2, 2), (2, 3), (3, 0)];
+    for (row, column) in places {
+        let is_text = row < 2 || (row, column) == (3, 0);
+        let formats = if is_text { ["@\" n.i.O.\"", ";;;", "0;-0;0;\"Teil\""] } else { ["0.00%", ";;;", "\"n.i.O.\""] };
+        for format in formats.map(code).into_iter().chain([Format::new().set_font_strikethrough()]) {
+            let after = judged(one_cell_is(row, column, &format));
+            assert_ne!(after.as_ref(), Ok(&plain), "row {row}, column {column}: {format:?}");
+            // what is not used is in the digest; all else is refused, or its row is rejected
+            assert_eq!(after.is_ok(), (row, column) == (2, 3), "row {row}, column {column}: {after:?}");
+        }
+        for format in ["General", "0.000", "#,##0.0", "_-* #,##0.00_-;-* #,##0.00_-"] {
+            assert_eq!(judged(one_cell_is(row, column, &code(format))).as_ref(), Ok(&plain), "{format}");
+        }
+    }
+}
+
+/// What a workbook says beside the cells of its sheet, and what its contract has to own or is refused.
+#[test]
+fn what_changes_what_a_person_sees_has_an_owner() {
+    let with = |from: &str, to: &str| {
+        judged(changed(one_cell_is(9, 9, &rust_xlsxwriter::Format::new()), "sheet1.xml", |xml| {
+            assert!(xml.contains(from), "{from}: {xml}");
+            xml.replacen(from, to, 1)
+        }))
+    };
+    let plain = with("<v>12.5</v>", "<v>12.5</v>").unwrap();
+    for (from, to, what) in [
+        (
+            "</sheetData>",
+            "</sheetData><conditionalFormatting sqref=\"B3\"><cfRule type=\"expression\" dxfId=\"0\"/></conditionalFormatting>",
+            "",
+        ),
+        ("</sheetData>", "</sheetData><hyperlinks><hyperlink ref=\"B3\" location=\"A1\"/></hyperlinks>", ""),
+        (
+            "</sheetData>",
+            "</sheetData><hyperlinks><hyperlink ref=\"B3\" tooltip=\"in Zoll\"/></hyperlinks>",
+            "prompt of B3",
+        ),
+        (
+            "</sheetData>",
+            "</sheetData><conditionalFormatting sqref=\"B3\"><cfRule><dataBar showValue=\"0\"/></cfRule></conditionalFormatting>",
+            "shows no numbers",
+        ),
+        (
+            "</sheetData>",
+            "</sheetData><extLst><x14:cfRule><x14:dxf><font><strike/></font></x14:dxf></x14:cfRule></extLst>",
+            "strikes through",
+        ),
+        ("<sheetView ", "<sheetView showZeros=\"0\" ", "zeros are not shown"),
+        ("<v>12.5</v>", "<v>1<!-- -->2.5</v>", "programs read differently"),
+        ("<row r=\"4\"", "<row r=\"3\"", "row 3 stands there twice"),
+    ] {
+        let after = with(from, to);
+        if what.is_empty() {
+            assert_eq!(after.as_ref(), Ok(&plain), "{to}");
+        } else {
+            assert!(after.as_ref().is_err_and(|problem| problem.contains(what)), "{to}: {after:?}");
+        }
+    }
+    let hidden = |from: &str, to: &str| {
+        let bytes =
+            changed(one_cell_is(9, 9, &rust_xlsxwriter::Format::new()), "sheet1.xml", |xml| xml.replacen(from, to, 1));
+        Workbook::open("lot.xlsx", bytes).unwrap().records("Sheet1", CellRange::default()).hidden.unwrap_or_default()
+    };
+    assert_eq!(hidden("<row r=\"3\"", "<row ht=\"0\" customHeight=\"1\" r=\"3\""), "1 hidden row");
+    assert_eq!(
+        hidden("<sheetData>", "<cols><col min=\"2\" max=\"2\" width=\"0\"/></cols><sheetData>"),
+        "1 hidden column"
+    );
+    assert_eq!(hidden("<sheetFormatPr ", "<sheetFormatPr zeroHeight=\"1\" "), "4 hidden rows");
 }
 
 /// A workbook of these parts.

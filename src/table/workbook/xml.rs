@@ -5,13 +5,13 @@
 pub(super) struct Tags {
     /// What follows a `<`, without its `>`.
     open: Option<Vec<u8>>,
-    /// The text behind the last tag, where that is a page header or footer.
+    /// The text behind the last tag, where that is a page's header or footer, or what a cell holds.
     text: Option<Vec<u8>>,
 }
 
 impl Tags {
     /// Calls `take` with each tag that ends in `piece`, without its angle brackets, and the text before it, if that is a page's header
-    /// or footer.
+    /// or footer, or what a cell holds.
     pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str, &str)) {
         /// A longer one is none that is looked for.
         const LONGEST: usize = 4096;
@@ -34,7 +34,8 @@ impl Tags {
             if let Ok(tag) = std::str::from_utf8(open) {
                 let text = self.text.take().unwrap_or_default();
                 take(tag, &String::from_utf8_lossy(&text));
-                self.text = (tag.ends_with("Header") || tag.ends_with("Footer")).then(Vec::new);
+                let holds = tag == "v" || tag.ends_with(":v") || tag.ends_with("Header") || tag.ends_with("Footer");
+                self.text = holds.then(Vec::new);
             }
             self.open = None;
             piece = &piece[end + 1..];

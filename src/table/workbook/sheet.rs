@@ -1,0 +1,445 @@
+//! What the XML of a sheet says beside what its cells hold: which rows and columns nobody sees, which cells are struck through or
+//! merged, prompts and page headers, and XML that programs read differently. Found while the sheets are unpacked to be
+//! counted; nothing here opens a file.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::io::{self, Write};
+
+use super::comments::{Comment, is_on, shows_otherwise, unescaped};
+use super::merged::MergedCells;
+use super::range::{CellRange, corner};
+use super::xml::{Tags, attribute, name};
+
+/// Row and column of a cell, from 0.
+type Place = (u32, u32);
+
+/// What is known of a workbook before its sheets.
+#[derive(Default)]
+pub(super) struct Known {
+    /// The numbers of its texts of which a run is struck through.
+    pub(super) struck: HashSet<usize>,
+    /// What each format of a condition shows otherwise than plainly.
+    pub(super) conditional: Vec<Option<String>>,
+}
+
+/// Takes the XML of a sheet, in pieces.
+pub(super) struct SheetReader<'k> {
+    known: &'k Known,
+    tags: Tags,
+    pub(super) sheet: SheetXml,
+    /// The part of the XML that it has come to.
+    part: Part,
+    /// First and last of neighbouring columns that are hidden.
+    hidden_columns: Vec<Place>,
+    /// Whether rows of which nothing else is said are hidden.
+    hides_rows: bool,
+    row_is_hidden: bool,
+    /// The cells of a format of conditions, or of a prompt.
+    cells: String,
+    cell: CellXml,
+}
+
+/// Where in a sheet's XML a tag stands.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+enum Part {
+    #[default]
+    Above,
+    Rows,
+    Below,
+}
+
+/// What is seen of a cell so far.
+#[derive(Default)]
+struct CellXml {
+    /// Its row, from 1, and the column behind it.
+    row: u32,
+    column: u32,
+    is_text: bool,
+    is_shared: bool,
+    is_written: bool,
+    has_formula: bool,
+    has_value: bool,
+    /// How many tags with what it holds.
+    values: u32,
+    is_struck: bool,
+    /// Whether what it holds has begun and not ended.
+    is_open: bool,
+}
+
+/// What the XML of a sheet says.
+#[derive(Clone, Default)]
+pub(super) struct SheetXml {
+    /// The hidden rows and columns that hold values.
+    rows: BTreeSet<u32>,
+    columns: BTreeSet<u32>,
+    /// Cells of which a run is struck through.
+    pub(super) struck: HashSet<Place>,
+    /// Cells with a formula and no result.
+    pub(super) without_result: HashSet<Place>,
+    /// Merged cells.
+    pub(super) merged: MergedCells,
+    /// Texts that are none of its cells: headers and footers of pages, prompts, formats of conditions.
+    pub(super) beside: Vec<Comment>,
+    /// Why programs may read its cells differently.
+    pub(super) problem: Option<String>,
+    /// Whether the sheet itself is hidden.
+    pub(super) is_hidden: bool,
+}
+
+/// Cells of a kind that are kept in mind, at most.
+const MOST_CELLS: usize = 1 << 20;
+
+impl Write for SheetReader<'_> {
+    fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
+        let mut tags = std::mem::take(&mut self.tags);
+        tags.each(piece, &mut |tag, text| self.take(tag, text));
+        self.tags = tags;
+        Ok(piece.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl SheetXml {
+    /// How many hidden rows and columns in a range hold values, in words; `None` if none does.
+    pub(super) fn hidden(&self, range: CellRange) -> Option<String> {
+        let rows = self.rows.iter().filter(|row| range.has_row(**row)).count();
+        let columns = self.columns.iter().filter(|column| range.has_column(**column)).count();
+        let counts = [(rows, "hidden row"), (columns, "hidden column"), (usize::from(self.is_hidden), "hidden sheet")];
+        let counts = counts.into_iter().filter(|(count, _)| *count > 0);
+        let counts: Vec<_> =
+            counts.map(|(count, what)| format!("{count} {what}{}", if count == 1 { "" } else { "s" })).collect();
+        (!counts.is_empty()).then(|| counts.join(" and "))
+    }
+
+    /// Takes a text that is none of its cells.
+    fn note(&mut self, place: String, text: &str) {
+        /// Whoever has more of them owns them by a pattern.
+        const MOST: usize = 10_000;
+        if !text.trim().is_empty() && self.beside.len() <= MOST {
+            let text = if self.beside.len() < MOST { text } else { "and more" };
+            self.beside.push(Comment { place, text: text.trim().to_owned() });
+        }
+    }
+
+    fn refuse(&mut self, problem: String) {
+        self.problem.get_or_insert(problem);
+    }
+}
+
+impl<'k> SheetReader<'k> {
+    pub(super) fn new(known: &'k Known) -> Self {
+        Self {
+            known,
+            tags: Tags::default(),
+            sheet: SheetXml::default(),
+            part: Part::Above,
+            hidden_columns: Vec::new(),
+            hides_rows: false,
+            row_is_hidden: false,
+            cells: String::new(),
+            cell: CellXml::default(),
+        }
+    }
+
+    fn take(&mut self, tag: &str, text: &str) {
+        if tag.starts_with('!') {
+            self.sheet.refuse("its XML has comments or the like, which programs read differently".to_owned());
+        }
+        if self.part == Part::Rows { self.take_of_rows(tag, text) } else { self.take_beside(tag, text) }
+    }
+
+    /// A tag above or below the rows.
+    fn take_beside(&mut self, tag: &str, text: &str) {
+        if !text.is_empty() {
+            self.sheet.note("page header".to_owned(), &said_in_header(&unescaped(text)));
+        }
+        let is_off = |key: &str| matches!(attribute(tag, key), Some("0" | "false"));
+        match name(tag) {
+            "sheetData" if self.part == Part::Below => self.sheet.refuse("it has two lists of rows".to_owned()),
+            "sheetData" if !tag.ends_with('/') => self.part = Part::Rows,
+            "sheetFormatPr" => {
+                self.hides_rows = matches!(attribute(tag, "zeroHeight"), Some("1" | "true"));
+                if is_tiny(tag, "defaultRowHeight") {
+                    self.hides_rows = true;
+                }
+            }
+            "sheetView" => {
+                if is_off("showZeros") {
+                    self.sheet.note("view".to_owned(), "zeros are not shown");
+                }
+                if matches!(attribute(tag, "showFormulas"), Some("1" | "true")) {
+                    self.sheet.note("view".to_owned(), "formulas are shown, and not their results");
+                }
+            }
+            "col" if is_hidden(tag) || is_tiny(tag, "width") => {
+                let number = |key| attribute(tag, key).and_then(|text| text.parse::<u32>().ok()?.checked_sub(1));
+                if let (Some(first), Some(last)) = (number("min"), number("max")) {
+                    self.hidden_columns.push((first, last));
+                }
+            }
+            "mergeCell" => {
+                if let Some(range) = attribute(tag, "ref").and_then(|range| range.parse().ok()) {
+                    self.sheet.merged.add(range);
+                }
+            }
+            "dataValidation" => {
+                let said = ["promptTitle", "prompt", "errorTitle", "error"].map(|key| attribute(tag, key));
+                let said: Vec<_> = said.into_iter().flatten().map(unescaped).collect();
+                let cells = attribute(tag, "sqref").unwrap_or_default();
+                self.sheet.note(format!("prompt of {cells}"), &said.join(" "));
+            }
+            "hyperlink" => {
+                let said = attribute(tag, "tooltip").map(unescaped).unwrap_or_default();
+                self.sheet.note(format!("prompt of {}", attribute(tag, "ref").unwrap_or_default()), &said);
+            }
+            "conditionalFormatting" => attribute(tag, "sqref").unwrap_or_default().clone_into(&mut self.cells),
+            "cfRule" => {
+                let format = attribute(tag, "dxfId").and_then(|number| number.parse::<usize>().ok());
+                if let Some(Some(shows)) = format.and_then(|number| self.known.conditional.get(number)) {
+                    self.sheet.note(format!("format of conditions {}", self.cells), shows);
+                }
+            }
+            "dataBar" | "iconSet" if is_off("showValue") => {
+                self.sheet.note(format!("format of conditions {}", self.cells), "shows no numbers");
+            }
+            _ => {
+                let shows = shows_otherwise(tag).unwrap_or_default();
+                self.sheet.note(format!("format of conditions {}", self.cells), &shows);
+            }
+        }
+    }
+
+    /// A tag among the rows.
+    fn take_of_rows(&mut self, tag: &str, text: &str) {
+        if self.cell.is_open && name(tag.trim_start_matches('/')) != "v" {
+            self.refuse_cell("holds more than a number or text");
+        }
+        match (name(tag), tag.strip_prefix('/').map(name)) {
+            (_, Some("sheetData")) => self.part = Part::Below,
+            ("row", _) => self.row(tag),
+            ("c", _) => self.cell(tag),
+            (_, Some("c")) => self.end_of_cell(),
+            ("f", _) => self.cell.has_formula = true,
+            ("v", _) if tag.ends_with('/') => self.cell.values += 1,
+            ("v", _) => (self.cell.is_open, self.cell.values) = (true, self.cell.values + 1),
+            (_, Some("v")) => self.end_of_value(text),
+            ("is", _) if !self.cell.is_written => self.refuse_cell("holds more than a number or text"),
+            ("is", _) if !tag.ends_with('/') => (self.cell.values, self.cell.has_value) = (self.cell.values + 1, true),
+            ("strike", _) => self.cell.is_struck |= is_on(tag),
+            _ => {}
+        }
+    }
+
+    fn row(&mut self, tag: &str) {
+        let next = self.cell.row.saturating_add(1);
+        let row = attribute(tag, "r").map_or(Some(next), |text| text.parse().ok());
+        if row.is_none_or(|row| row < next) {
+            let row = row.map_or_else(String::new, |row| row.to_string());
+            self.sheet.refuse(format!("row {row} stands there twice, or below a later one"));
+        }
+        self.cell = CellXml { row: row.unwrap_or(next).max(next), ..CellXml::default() };
+        let is_seen = matches!(attribute(tag, "hidden"), Some("0" | "false"));
+        self.row_is_hidden = is_hidden(tag) || is_tiny(tag, "ht") || self.hides_rows && !is_seen;
+    }
+
+    fn cell(&mut self, tag: &str) {
+        let CellXml { row, column: next, .. } = self.cell;
+        let place = attribute(tag, "r").map(corner);
+        let column = match place {
+            None => next,
+            Some(Some((Some(column), Some(own)))) if own.checked_add(1) == Some(row) && column >= next => column,
+            _ => {
+                let place = attribute(tag, "r").unwrap_or_default();
+                self.sheet.refuse(format!("row {row}: the cell {place} stands there twice, or at another place"));
+                next
+            }
+        };
+        let kind = attribute(tag, "t");
+        let (is_text, is_written) = (matches!(kind, Some("str" | "inlineStr")), kind == Some("inlineStr"));
+        let column = column.saturating_add(1);
+        self.cell = CellXml { row, column, is_text, is_written, is_shared: kind == Some("s"), ..CellXml::default() };
+    }
+
+    fn end_of_value(&mut self, text: &str) {
+        self.cell.is_open = false;
+        self.cell.has_value |= !text.is_empty();
+        if self.cell.is_written || !self.cell.is_text && text.contains('&') {
+            self.refuse_cell("holds more than a number or text");
+        }
+        if self.cell.is_shared {
+            self.cell.is_struck |= text.trim().parse().is_ok_and(|number| self.known.struck.contains(&number));
+        }
+    }
+
+    fn end_of_cell(&mut self) {
+        let CellXml { row, column, values, has_formula, has_value, is_struck, is_text, .. } = self.cell;
+        let place = (row.saturating_sub(1), column.saturating_sub(1));
+        if values > 1 {
+            self.refuse_cell("holds two values");
+        }
+        // a formula may result in an empty text
+        let without_result = has_formula && !has_value && !(is_text && values > 0);
+        let of_cell = [(is_struck, &mut self.sheet.struck), (without_result, &mut self.sheet.without_result)];
+        for (_, cells) in of_cell.into_iter().filter(|(is_it, _)| *is_it) {
+            cells.insert(place);
+            if cells.len() > MOST_CELLS {
+                let problem = format!("more than {MOST_CELLS} cells are struck through, or have no result");
+                self.sheet.problem.get_or_insert(problem);
+                cells.clear();
+            }
+        }
+        if !has_value {
+            return;
+        }
+        if self.row_is_hidden {
+            self.sheet.rows.insert(place.0);
+        }
+        if self.hidden_columns.iter().any(|(first, last)| (*first..=*last).contains(&place.1)) {
+            self.sheet.columns.insert(place.1);
+        }
+    }
+
+    fn refuse_cell(&mut self, what: &str) {
+        let CellXml { row, column, .. } = self.cell;
+        self.sheet.refuse(format!("row {row}: the cell of column {column} {what}"));
+    }
+}
+
+/// What a page's header says by itself: without places, fonts and fields such as the page's number.
+fn said_in_header(text: &str) -> String {
+    let (mut said, mut rest) = (String::new(), text);
+    while let Some((before, code)) = rest.split_once('&') {
+        said += before;
+        let mut characters = code.chars();
+        rest = match characters.next() {
+            Some('"') => characters.as_str().split_once('"').map_or("", |(_, rest)| rest),
+            Some('K') => characters.as_str().get(6..).unwrap_or_default(),
+            Some('0'..='9') => code.trim_start_matches(|c: char| c.is_ascii_digit()),
+            _ => characters.as_str(),
+        };
+        said.push(' ');
+    }
+    said += rest;
+    let has_words = said.contains(char::is_alphanumeric);
+    if has_words { said.split_whitespace().collect::<Vec<_>>().join(" ") } else { String::new() }
+}
+
+fn is_hidden(tag: &str) -> bool {
+    matches!(attribute(tag, "hidden"), Some("1" | "true"))
+}
+
+/// Whether a size is one of which nobody sees anything.
+fn is_tiny(tag: &str, key: &str) -> bool {
+    attribute(tag, key).and_then(|size| size.parse::<f64>().ok()).is_some_and(|size| size < 1.0)
+}
+
+/// A sheet of a workbook: its part in small letters, `xl/worksheets/sheet1.xml`, its name, and whether it is hidden.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct SheetPart {
+    pub(super) part: String,
+    pub(super) name: String,
+    pub(super) is_hidden: bool,
+}
+
+/// The sheets of a workbook in their order. `workbook` is the XML that lists them, `relations` that which says where they are.
+pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
+    let mut targets: HashMap<String, String> = HashMap::new();
+    Tags::default().each(relations, &mut |tag, _| {
+        if name(tag) == "Relationship"
+            && let (Some(id), Some(target)) = (attribute(tag, "Id"), attribute(tag, "Target"))
+        {
+            let part = target.strip_prefix('/').map_or_else(|| format!("xl/{target}"), str::to_owned);
+            targets.insert(id.to_owned(), part.to_ascii_lowercase());
+        }
+    });
+    let mut sheets = Vec::new();
+    Tags::default().each(workbook, &mut |tag, _| {
+        if name(tag) == "sheet" {
+            let part = attribute(tag, "id").and_then(|id| targets.get(id)).cloned().unwrap_or_default();
+            let name = attribute(tag, "name").map(unescaped).unwrap_or_default();
+            let is_hidden = matches!(attribute(tag, "state"), Some("hidden" | "veryHidden"));
+            sheets.push(SheetPart { part, name, is_hidden });
+        }
+    });
+    sheets
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHEET: &str = "<?xml version=\"1.0\"?><worksheet><cols><col min=\"2\" max=\"3\" hidden=\"1\"/><col min=\"9\" \
+                         max=\"16384\" hidden='true' /></cols><sheetData><row r=\"1\"><c r=\"A1\"><v>1</v></c>\
+                         <c r=\"B1\" t=\"inlineStr\"><is><t>a &lt; b</t></is></c></row><x:row r=\"4\" spans=\"1:3\" \
+                         hidden=\"true\"><x:c r=\"A4\"><x:v>2</x:v></x:c></x:row><row hidden=\"1\"><c><f>A1</f><v/>\
+                         </c></row><row hidden=\"1\"><c r=\"C6\" s=\"3\"/></row><row hidden=\"1\"><c><v>7</v></c>\
+                         </row></sheetData></worksheet>";
+
+    #[test]
+    fn only_what_holds_values_counts() {
+        let range = |text: &str| text.parse().unwrap_or_else(|_| CellRange::default());
+        for length in [1, 7, SHEET.len()] {
+            let known = Known::default();
+            let mut reader = SheetReader::new(&known);
+            for piece in SHEET.as_bytes().chunks(length) {
+                reader.write_all(piece).unwrap();
+            }
+            let xml = reader.sheet;
+            assert_eq!(xml.problem, None);
+            assert_eq!(xml.without_result, [(4, 0)].into());
+            assert_eq!((xml.rows.clone(), xml.columns.clone()), ([3, 6].into(), [1].into()), "in pieces of {length}");
+            assert_eq!(xml.hidden(range("")).unwrap(), "2 hidden rows and 1 hidden column");
+            assert_eq!(xml.hidden(range("A1:A4")).unwrap(), "1 hidden row");
+        }
+    }
+
+    #[test]
+    fn what_programs_read_differently_is_refused() {
+        let problem = |rows: &str| {
+            let known = Known { struck: [1].into(), ..Known::default() };
+            let mut reader = SheetReader::new(&known);
+            reader.write_all(format!("<worksheet><sheetData>{rows}</sheetData></worksheet>").as_bytes()).unwrap();
+            reader.sheet.problem.unwrap_or_default()
+        };
+        for (rows, what) in [
+            ("<row><c><v>1</v></c><c r=\"C1\" t=\"str\"><f>A1&amp;B1</f><v>a &amp; b</v></c></row><row r=\"7\"/>", ""),
+            ("<row><c><v>1<!-- -->2</v></c></row>", "comments or the like"),
+            ("<row><c><v>1<![CDATA[2]]></v></c></row>", "comments or the like"),
+            ("<row><c><v>1<b/>2</v></c></row>", "row 1: the cell of column 1 holds more than a number or text"),
+            ("<row><c><v>1&#50;</v></c></row>", "holds more than a number"),
+            ("<row><c><v>1</v><v>2</v></c></row>", "holds two values"),
+            ("<row><c t=\"inlineStr\"><is><t>a</t></is><v>2</v></c></row>", "holds more than a number or text"),
+            (
+                "<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"A1\"><v>2</v></c></row>",
+                "row 1: the cell A1 stands there twice",
+            ),
+            ("<row r=\"1\"><c r=\"B1\"><v>1</v></c><c r=\"A1\"><v>2</v></c></row>", "row 1: the cell A1"),
+            ("<row r=\"1\"><c r=\"B2\"><v>1</v></c></row>", "row 1: the cell B2"),
+            ("<row r=\"2\"/><row r=\"2\"/>", "row 2 stands there twice"),
+            ("<row r=\"2\"/><row r=\"1\"/>", "row 1 stands there twice, or below"),
+            ("</sheetData><sheetData>", "two lists of rows"),
+        ] {
+            assert!(
+                problem(rows).contains(what) && problem(rows).is_empty() == what.is_empty(),
+                "{rows}: {}",
+                problem(rows)
+            );
+        }
+    }
+
+    #[test]
+    fn sheets_stand_in_the_workbooks_order() {
+        let workbook = b"<workbook><sheets><sheet name=\"B &amp; C\" sheetId=\"2\" r:id=\"rId7\"/>\
+                         <sheet name=\"A\" state=\"hidden\" sheetId=\"1\" r:id='rId1'/><sheet name=\"?\"/></sheets></workbook>";
+        let relations = b"<Relationships><Relationship Id=\"rId1\" Target=\"/xl/worksheets/Sheet1.xml\"/>\
+                          <Relationship Target=\"worksheets/sheet2.xml\" Id=\"rId7\"/></Relationships>";
+        let sheet =
+            |part: &str, name: &str, is_hidden| SheetPart { part: part.to_owned(), name: name.to_owned(), is_hidden };
+        let (first, second) = ("xl/worksheets/sheet2.xml", "xl/worksheets/sheet1.xml");
+        let expected = [sheet(first, "B & C", false), sheet(second, "A", true), sheet("", "?", false)];
+        assert_eq!(sheet_parts(workbook, relations), expected);
+    }
+}
