@@ -7,7 +7,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | `layout`, `plan`, `source`, `output` | which column holds what; what is computed and written |
+//! | `layout`, `asked`, `plan`, `source`, `output` | which column holds what; what is computed and written |
 //! | `uncertain`, `meshed` | how certain results are; what the exact mesh says where it judges |
 //! | `number`, `write`, `rows` | results as text |
 //! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
@@ -15,7 +15,7 @@
 //! | `columns`, `cells`, `parquet` | results in columns, rows that are no parts, and columns as Parquet |
 //! | `in_memory` | columns that a program has, in place of files |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |
-//! | `outcome`, `statistics`, `capability` | counts, problems, the worst parts, statistics in one pass |
+//! | `outcome`, `duplicates`, `statistics`, `capability` | counts, problems, the worst parts, statistics in one pass |
 //!
 //! # Right to the last digit
 //! A cell such as `25.0131` becomes a [`Length`](crate::quantity::Length), from which the nominal value is taken:
@@ -49,9 +49,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod asked;
 mod capability;
 mod cells;
 mod columns;
+mod duplicates;
 mod evaluate;
 mod in_memory;
 mod layout;
@@ -73,17 +75,19 @@ mod teeth;
 mod uncertain;
 mod write;
 
+pub use asked::refuse_without_uncertainty;
 pub use capability::Capability;
 pub use cells::CellRows;
 pub use columns::{ColumnKind, ResultCell, ResultColumn, ResultColumns, ResultValues};
+pub use duplicates::Duplicates;
 pub use in_memory::{ColumnEvaluator, ColumnPiece, EvaluatedColumns};
 pub use layout::Layout;
 pub use ledger::{ColumnSink, RowSink, Sink, Sinks};
 pub use number::{Decimals, NoDecimals};
-pub use outcome::{Counts, Duplicates, Outcome, Part, PartError, PartSink, Problem, Quantity, RowPlace};
+pub use outcome::{Counts, Outcome, Part, PartError, PartSink, Problem, Quantity, RowPlace};
 pub use pack::Packing;
 pub use parquet::ParquetRows;
-pub use plan::{Plan, refuse_without_uncertainty};
+pub use plan::Plan;
 pub use request::{Request, RowFormat, Rows};
 pub use run::{Batch, Progress, RunError};
 pub use statistics::{MOST_TESTED, QUANTILES, Statistics};

@@ -1,12 +1,11 @@
 //! What a batch came to: counts that add up, what is wrong with which row, the parts to look at. Filled by the run,
 //! read by the reports; decides nothing.
 
-use std::collections::HashSet;
 use std::fmt;
-use std::hash::{DefaultHasher, Hasher as _};
 use std::io;
 use std::sync::Arc;
 
+use super::duplicates::Duplicates;
 use super::output::{End, Output};
 use super::request::Request;
 use super::source::KINDS;
@@ -17,10 +16,8 @@ use crate::evaluation::JudgedBy;
 use crate::formula::ToleranceEnds;
 use crate::function::{JudgedYoke, Settings};
 use crate::judge::{Limit, LimitTarget, Verdict};
-use crate::quantity::{Length, shown};
-use crate::table::{
-    ASIDES_KEPT, AsideReading, Block, Contradiction, Doubtful, LeftOut, Place, Reading, Rows, cell_text, join_left_out,
-};
+use crate::quantity::Length;
+use crate::table::{ASIDES_KEPT, AsideReading, Block, Doubtful, LeftOut, Place, Reading, Rows, join_left_out};
 
 /// How many rows there were, and what became of them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -277,75 +274,6 @@ impl Outcome {
         let warned = self.readings.last_mut().filter(|_| self.duplicates.count > 0);
         let notes = warned.map_or(&mut self.notes, |reading| &mut reading.notes);
         notes.extend(self.duplicates.note());
-    }
-}
-
-/// Part names that appear more than once.
-#[derive(Debug, Clone, Default)]
-pub struct Duplicates {
-    /// How many parts have the name of an earlier one.
-    pub count: u64,
-    /// The first such names.
-    pub first: Vec<String>,
-    /// Whether the names of later parts were not looked at, because there are too many.
-    pub is_cut: bool,
-    /// Hashes of the names so far.
-    seen: HashSet<u64>,
-}
-
-impl Duplicates {
-    /// Names that are looked at.
-    const MOST: usize = 100_000;
-    /// Names that are kept.
-    const SHOWN: usize = 3;
-
-    /// Whether more names are looked at.
-    pub(super) fn is_open(&self) -> bool {
-        self.seen.len() < Self::MOST
-    }
-
-    /// Takes the names of more parts.
-    pub(crate) fn add<'n>(&mut self, names: impl Iterator<Item = &'n [u8]>) {
-        for name in names.filter(|name| !name.is_empty()) {
-            if !self.is_open() {
-                self.is_cut = true;
-                return;
-            }
-            let mut hash = DefaultHasher::new();
-            hash.write(name);
-            if !self.seen.insert(hash.finish()) {
-                self.count += 1;
-                if self.first.len() < Self::SHOWN {
-                    self.first.push(cell_text(name).into_owned());
-                }
-            }
-        }
-    }
-
-    /// The refusal of a table in which no part may be there twice.
-    pub(crate) fn refusal(&self) -> Option<Contradiction> {
-        let name = self.first.first()?;
-        Some(Contradiction {
-            line: 0,
-            column: "part_id".to_owned(),
-            message: format!("part `{}` is there twice", shown(name)),
-            help: "take one of them out; or say that each counts: [table] repeats = \"all\", or the last one: \"last\"",
-        })
-    }
-
-    /// The warning, if there is reason for one.
-    #[must_use]
-    pub fn note(&self) -> Option<String> {
-        let cut = if self.is_cut { " among the first 100,000 parts; later ones are not checked" } else { "" };
-        let names: Vec<_> = self.first.iter().map(|name| format!("`{}`", shown(name))).collect();
-        match self.count {
-            0 if self.is_cut => {
-                Some("part names: not checked for duplicates beyond the first 100,000 parts".to_owned())
-            }
-            0 => None,
-            1 => Some(format!("two parts have the name {}{cut}", names.join(", "))),
-            count => Some(format!("{count} parts have the name of an earlier one, such as {}{cut}", names.join(", "))),
-        }
     }
 }
 

@@ -359,7 +359,7 @@ impl Args {
             travel_mm: self.stroke.travel(spec)?,
             rows: self.request(spec),
         };
-        let basis = batch::mesh_basis(spec, &request.rows.rule);
+        let basis = Basis::of_teeth(spec, &request.rows.rule);
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut parts = Listed::default();
         let sinks = Sinks { parts: self.all_parts.then_some(&mut parts as &mut dyn PartSink), ..Sinks::default() };

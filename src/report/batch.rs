@@ -3,97 +3,18 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::basis::Basis;
 use super::function::{lot_json, lot_table};
-use super::grounds::{Assumption, assumed, assumptions};
+use super::grounds::assumed;
 use super::number::{grouped, millimetres, unsigned};
 use super::parts::judged;
 use super::rows::result_in_words;
 use super::uncertainty::{micrometres, rule_words};
 use super::{Block, Report, Table, fact, judged_without, titled};
-use crate::batch::{Capability, Counts, MOST_TESTED, Outcome, Part, Plan, QUANTILES, Quantity};
-use crate::deviation::DeviationKind;
+use crate::batch::{Capability, MOST_TESTED, Outcome, Part, QUANTILES, Quantity};
 use crate::evaluation::JudgedBy;
-use crate::function::YokeJudge;
-use crate::judge::{LimitTarget, Limits, Rule, Stack, Verdict};
+use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
-
-/// What the parts of a batch were evaluated by and held against.
-#[derive(Debug)]
-pub struct Basis {
-    /// The model.
-    pub model: &'static str,
-    /// The combination that is judged; `None` for the exact mesh, which combines nothing.
-    pub stack: Option<Stack>,
-    /// How a verdict is reached.
-    pub rule: Rule,
-    /// The limits that are judged.
-    pub limits: Limits,
-    /// The limits that something needed is missing for.
-    pub unjudged: Vec<LimitTarget>,
-    /// Errors that the spec asks for and the parts were judged without.
-    pub without: Vec<DeviationKind>,
-    /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
-    pub is_all_placed: bool,
-    /// What the yoke is held against, if the spec has one.
-    pub yoke: Option<YokeJudge>,
-    /// What verdicts take for granted of what is not known.
-    pub assumes: Vec<Assumption>,
-}
-
-impl Basis {
-    /// Of parts by the formulas.
-    #[must_use]
-    pub fn of(plan: &Plan) -> Self {
-        Self {
-            model: plan.request.model.name(),
-            stack: Some(plan.request.stack),
-            rule: plan.request.rule.clone(),
-            limits: plan.limits.clone(),
-            unjudged: plan.unjudged.clone(),
-            without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
-            is_all_placed: plan.is_all_placed,
-            yoke: plan.yoke.clone(),
-            assumes: assumptions(&plan.bound_notes(), plan.judges_the_sum(), &plan.unstated()),
-        }
-    }
-
-    /// Which limits are not judged, or of how many parts, if there are such.
-    pub(crate) fn unjudged_sentence(&self, counts: &Counts) -> Option<String> {
-        let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
-        if !names.is_empty() {
-            let names = names.join(", ");
-            return Some(format!("the limit on {names} is not judged: something that the spec asks for is missing"));
-        }
-        let has_open = counts.unjudged > 0 && self.has_limits();
-        has_open.then(|| {
-            let parts = if counts.unjudged == 1 { "part has" } else { "parts have" };
-            let what = if self.is_yoke_limited() { "a limit that is open" } else { "no range to hold against a limit" };
-            format!("{} {parts} {what}", grouped(counts.unjudged))
-        })
-    }
-
-    /// Whether something is asked of a yoke.
-    fn is_yoke_limited(&self) -> bool {
-        self.yoke.as_ref().is_some_and(|yoke| !yoke.limits.is_empty())
-    }
-
-    /// Whether there is a limit, judged or not.
-    pub(super) fn has_limits(&self) -> bool {
-        !(self.limits.is_empty() && self.unjudged.is_empty()) || self.is_yoke_limited()
-    }
-
-    /// The model and combination in words.
-    #[must_use]
-    pub fn judged_by(&self) -> String {
-        let by = self.stack.map_or_else(|| self.model.to_owned(), |stack| format!("{} model, {stack}", self.model));
-        format!("{by}{}{}{}", self.and_mesh(), rule_words(&self.rule), judged_without(&self.without))
-    }
-
-    /// Who judges beside the worst case.
-    const fn and_mesh(&self) -> &'static str {
-        if self.is_all_placed { ", or the exact mesh where that does not pass" } else { "" }
-    }
-}
 
 /// A batch's outcome with what it was held against.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Read, Seek, Write};
 use std::time::Instant;
 
-use super::batch::Basis;
+use super::basis::Basis;
 use super::escape;
 use super::number::{ends, grouped};
 use super::reading::said;

@@ -9,6 +9,8 @@
 //! are for people: four decimals of a millimetre, which is 0.1 µm.
 
 #[cfg(feature = "batch")]
+mod basis;
+#[cfg(feature = "batch")]
 mod batch;
 #[cfg(feature = "batch")]
 mod batch_chart;
@@ -53,7 +55,9 @@ mod uncertainty;
 pub mod xlsx;
 
 #[cfg(feature = "batch")]
-pub use batch::{Basis, BatchReport};
+pub use basis::Basis;
+#[cfg(feature = "batch")]
+pub use batch::BatchReport;
 #[cfg(feature = "batch")]
 pub use batch_chart::{Histograms, RunChart};
 pub use budget::BudgetReport;

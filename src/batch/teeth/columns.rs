@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Solved;
+use super::lot::Solved;
 use crate::batch::columns::ColumnKind;
 use crate::batch::output::End;
 use crate::diagnostic::Diagnostic;

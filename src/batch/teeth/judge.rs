@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::super::plan::refuse_without_uncertainty;
+use super::super::asked::refuse_without_uncertainty;
 use crate::deviation::{DeviationKind, Part};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};

@@ -5,33 +5,32 @@
 //! every flank that can carry was measured. A part of which a row is bad is rejected with all of its rows. Parts are
 //! solved side by side and written in the order of their first rows.
 
-use std::collections::HashMap;
 use std::io;
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 mod columns;
 mod judge;
+mod lot;
 
 use columns::{COLUMNS, Column, QUANTITIES, columns_asked};
 pub use judge::{JudgedTeeth, TeethJudge};
+use lot::{Lot, Solved, judged_part, refuse_in_two};
 
 use super::columns::{ColumnKind, ResultCell, ResultColumns};
 use super::ledger::{Ledger, RowSink, Sinks};
-use super::outcome::{Outcome, Part, Problem, Quantity, RowPlace, keep_worst};
+use super::outcome::{Outcome, Problem, Quantity, keep_worst};
 use super::request::Request;
 use super::run::{Progress, RunError};
 use super::write;
 use crate::deviation;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::function::{Check, JudgedYoke, Target, YokeJudge};
-use crate::judge::{LimitTarget, NearestEnd, Verdict};
-use crate::mesh::Summary;
+use crate::function::YokeJudge;
+use crate::judge::LimitTarget;
 use crate::parallel;
 use crate::quantity::Length;
 use crate::spec::{MeasuredTables, Spec};
-use crate::table::{Encoding, Gatherer, LineFault, Place, Reading, Table, ToothedPart, Wanted};
+use crate::table::{Gatherer, LineFault, Reading, Table, ToothedPart, Wanted};
 
 /// What is asked of a batch of parts with their teeth.
 #[derive(Debug, Clone, Default)]
@@ -308,160 +307,5 @@ impl<'a> Teeth<'a> {
                 sink.write(&out)
             }
         }
-    }
-}
-
-/// The parts of one table.
-struct Lot {
-    parts: Vec<ToothedPart>,
-    part: deviation::Part,
-    /// Whether the table names its parts.
-    has_names: bool,
-    file: Arc<str>,
-    /// What the number of a row's place counts.
-    unit: Place,
-    encoding: Encoding,
-    /// The header as it stands in the file.
-    header: Vec<u8>,
-    judge: TeethJudge,
-}
-
-/// Refuses parts that two tables name: neither has all of their rows.
-fn refuse_in_two(lots: &mut [Lot]) {
-    let mut tables: HashMap<(deviation::Part, String), Vec<usize>> = HashMap::new();
-    for (number, lot) in lots.iter().enumerate().filter(|(_, lot)| lot.has_names) {
-        for part in &lot.parts {
-            tables.entry((lot.part, part.name.clone())).or_default().push(number);
-        }
-    }
-    let files: Vec<_> = lots.iter().map(|lot| Arc::clone(&lot.file)).collect();
-    for (number, lot) in lots.iter_mut().enumerate() {
-        for part in &mut lot.parts {
-            let named = tables.get(&(lot.part, part.name.clone())).filter(|_| lot.has_names);
-            let Some(other) = named.and_then(|tables| tables.iter().find(|other| **other != number)) else { continue };
-            let message = format!("{} has rows of this part, too: put all of them into one table", files[*other]);
-            part.fault.get_or_insert(LineFault { line: part.line, message });
-        }
-    }
-}
-
-/// A part's curve in short.
-struct Solved {
-    summary: Summary,
-    judged: JudgedTeeth,
-    /// What the yoke does.
-    yoke: Option<Arc<JudgedYoke>>,
-    /// From the first to the last stroke that is covered.
-    strokes: Range<f64>,
-    /// Whether strokes that were asked for are not.
-    is_cut: bool,
-}
-
-impl Solved {
-    /// What came of the limits on the yoke.
-    fn checks(&self) -> &[Check] {
-        self.yoke.as_ref().map_or(&[], |yoke| &yoke.checks)
-    }
-
-    /// The verdict on all limits.
-    fn verdict(&self) -> Option<Verdict> {
-        self.judged.evaluation.verdict_with(self.checks())
-    }
-
-    fn verdict_on(&self, on: Target) -> Option<String> {
-        self.yoke.as_ref()?.verdict_on(on).map(|verdict| verdict.name().to_owned())
-    }
-
-    /// Whether a limit on the yoke is broken, and none on ΔCD.
-    fn fails_by_yoke(&self) -> bool {
-        self.verdict() == Some(Verdict::Fail) && self.judged.evaluation.verdict != Some(Verdict::Fail)
-    }
-
-    /// The end of the limit that the part is nearest to.
-    fn nearest(&self) -> Option<NearestEnd> {
-        let mut checks = self.judged.evaluation.limits.iter().filter(|check| check.on == LimitTarget::CenterDistance);
-        checks.find_map(|check| check.limit.nearest(self.judged.evaluation.judged.ok()?))
-    }
-
-    /// Why the part does not pass, or has no verdict.
-    fn reason(&self) -> Option<String> {
-        let evaluation = &self.judged.evaluation;
-        let of_limit = || Some(format!("ΔCD {}", self.nearest()?));
-        let fails = evaluation.verdict == Some(Verdict::Fail);
-        let of_errors = if fails { of_limit() } else { evaluation.open_because() };
-        let all: Vec<_> = of_errors.into_iter().chain(self.checks().iter().filter_map(Check::reason)).collect();
-        (!all.is_empty()).then(|| all.join("; "))
-    }
-}
-
-/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0. A part that its yoke
-/// alone fails is among the worst, whatever its ΔCD.
-fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
-    let evaluation = &solved.judged.evaluation;
-    // what is open stands nearest to any limit
-    let open = f64::INFINITY;
-    let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
-    let nearest = solved.nearest().filter(|_| !solved.fails_by_yoke());
-    let without_limit = if solved.fails_by_yoke() { -open } else { -highest.abs().max(lowest.abs()) };
-    Part {
-        id: part.name.clone(),
-        place: lot.place(part.line, part.record),
-        verdict: solved.verdict(),
-        margin_mm: nearest.map_or(without_limit, |nearest| nearest.inside_by.mm()),
-        on: nearest.map(|_| LimitTarget::CenterDistance),
-        result_mm: (lowest, highest),
-        reason: solved.reason(),
-        errors: Vec::new(),
-        yoke: solved.yoke.clone(),
-        judged_by: evaluation.judged_by,
-    }
-}
-
-impl Lot {
-    fn place(&self, line: u64, record: u64) -> RowPlace {
-        RowPlace { file: Arc::clone(&self.file), line, record, in_words: self.unit.in_words(line) }
-    }
-
-    /// Solves one of its parts; `tables` are those of the part that is the same for all.
-    fn solved(
-        &self,
-        part: &ToothedPart,
-        tables: &MeasuredTables,
-        request: &TeethRequest,
-        yoke: Option<&YokeJudge>,
-    ) -> Result<Solved, LineFault> {
-        if let Some(fault) = &part.fault {
-            return Err(fault.clone());
-        }
-        let bad = |message: String| LineFault { line: part.line, message };
-        let (from, to) = request.stroke_mm;
-        let tables = tables.clone().with(part.teeth.clone());
-        let first = |problems: Diagnostics| {
-            bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
-        };
-        let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
-        let judged = self.judge.judge(&input, &tables).map_err(first)?;
-        // every tooth of a pinion is measured; of a rack there are the strokes at which measured spaces carry
-        let covered = match part.teeth.part() {
-            deviation::Part::Rack => judged.strokes.clone(),
-            deviation::Part::Pinion => from..to,
-        };
-        let strokes = from.max(covered.start)..to.min(covered.end);
-        if strokes.start > strokes.end {
-            return Err(bad(format!(
-                "the strokes whose contacts were measured are {:.3} to {:.3} mm, and none of them is asked for: see --from and --to",
-                covered.start, covered.end
-            )));
-        }
-        let curve = input.mesh.curve(strokes.start, strokes.end, request.tolerance_mm);
-        let curve = curve.map_err(|error| bad(error.to_string()))?;
-        let summary = curve.summary(&input.mesh);
-        let summary = summary.ok_or_else(|| bad("the exact mesh has no points along the stroke".to_owned()))?;
-        let is_cut = strokes != (from..to);
-        let yoke = yoke.map(|yoke| {
-            let is_same = !is_cut && yoke.strokes_mm == (from, to);
-            self.judge.yoke(yoke, &judged, (&input, &tables), is_same.then_some(&curve))
-        });
-        Ok(Solved { summary, judged, yoke: yoke.map(|yoke| Arc::new(yoke.in_short())), is_cut, strokes })
     }
 }

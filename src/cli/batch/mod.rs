@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use bar::Bar;
 use clap::builder::PossibleValue;
-pub(super) use notes::{notes, without_names};
+pub(super) use notes::{notes, unjudged, without_names};
 use targets::Targets;
 pub(super) use targets::report_of_usage;
 
@@ -25,7 +25,6 @@ use super::teeth::with_known_teeth;
 use super::{spec_files, stream, target};
 use crate::batch::{Batch, Counts, Decimals, Layout, Outcome, Plan, Request, RowFormat, Rows, RunError};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::judge::{LimitTarget, Rule};
 use crate::report::{self, Basis, BatchReport, Format, WithReading};
 use crate::spec::Spec;
 use crate::table::{Contradiction, Table};
@@ -294,18 +293,14 @@ impl Args {
     fn basis(&self, spec: &Spec) -> Basis {
         let rule = self.judge.rule(spec);
         if self.teeth {
-            return mesh_basis(spec, &rule);
+            return Basis::of_teeth(spec, &rule);
         }
         Basis {
             model: self.judge.model.name(),
             stack: Some(self.judge.stack),
             rule,
             limits: spec.limits(),
-            unjudged: Vec::new(),
-            without: Vec::new(),
-            is_all_placed: false,
-            yoke: None,
-            assumes: Vec::new(),
+            ..Basis::default()
         }
     }
 
@@ -392,19 +387,6 @@ fn originals(table: &Table) -> Vec<String> {
     titles
 }
 
-/// Says which limits are not judged, before the first row.
-pub(super) fn unjudged(plan: &Plan, output: &mut Output) {
-    for target in &plan.unjudged {
-        let message = match target {
-            LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
-                format!("there is a limit on ΔCD of the {target}, but the table has no such column")
-            }
-            _ => format!("the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"),
-        };
-        output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
-    }
-}
-
 /// The counts in one line.
 fn in_words(counts: &Counts, row: &str) -> String {
     let all = [
@@ -426,27 +408,6 @@ fn in_words(counts: &Counts, row: &str) -> String {
         line.push_str(&format!("; {} blank {lines}", report::grouped(counts.blank_lines)));
     }
     line
-}
-
-/// What parts with their teeth are judged by.
-pub(super) fn mesh_basis(spec: &Spec, rule: &Rule) -> Basis {
-    let limits = spec.limits();
-    let is_judged = |on: LimitTarget| match on {
-        LimitTarget::CenterDistance => true,
-        LimitTarget::Error(kind) => spec.every_part.contains(&kind),
-    };
-    Basis {
-        model: "exact mesh",
-        stack: None,
-        rule: rule.clone(),
-        assumes: report::assumptions(&[], true, &spec.unstated(&spec.every_part, true, rule)),
-        // what teeth have one by one is no single error
-        unjudged: limits.iter().map(|(on, _)| *on).filter(|on| !is_judged(*on)).collect(),
-        limits: limits.into_iter().filter(|(on, _)| is_judged(*on)).collect(),
-        without: Vec::new(),
-        is_all_placed: false,
-        yoke: spec.yoke_judge(None, rule).ok().flatten(),
-    }
 }
 
 /// What is wrong where a table was not read to its end.

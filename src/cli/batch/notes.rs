@@ -1,7 +1,9 @@
 //! What is said beside the result of a batch: what the tables lack, what every part has, why there is no range.
 
 use crate::batch::Plan;
+use crate::cli::output::Output;
 use crate::deviation::DeviationKind;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
 use crate::report;
 use crate::spec::{Spec, WrittenError};
@@ -69,4 +71,17 @@ fn class(spec: &Spec, kind: DeviationKind) -> Option<u8> {
         WrittenError::Class(grade) if *error == kind => Some(grade),
         _ => None,
     })
+}
+
+/// Says which limits are not judged, before the first row.
+pub(in crate::cli) fn unjudged(plan: &Plan, output: &mut Output) {
+    for target in &plan.unjudged {
+        let message = match target {
+            LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
+                format!("there is a limit on ΔCD of the {target}, but the table has no such column")
+            }
+            _ => format!("the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"),
+        };
+        output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
+    }
 }

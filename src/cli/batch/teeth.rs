@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::bar::Bar;
 use super::targets::Targets;
-use super::{Args, Ending, NO_LIMITS, mesh_basis};
+use super::{Args, Ending, NO_LIMITS};
 use crate::batch::{RowFormat, Teeth, TeethRequest};
 use crate::cli::output::{Failure, Output, Status};
 use crate::cli::rows_format::RowsFormat;
@@ -13,7 +13,7 @@ use crate::cli::{spec_files, tables};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::judge::LimitTarget;
 use crate::parallel::cores;
-use crate::report::Format;
+use crate::report::{Basis, Format};
 use crate::spec::Spec;
 
 impl Args {
@@ -27,7 +27,7 @@ impl Args {
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let rows = self.request((written, format), spec)?;
-        let basis = mesh_basis(spec, &rows.rule);
+        let basis = Basis::of_teeth(spec, &rows.rule);
         let columns = Teeth::columns_written(spec, rows.columns.as_deref())?;
         let request = TeethRequest {
             stroke_mm: self.range.stroke.ends(spec)?,
