@@ -61,18 +61,21 @@ impl Axis {
         if list.iter().any(String::is_empty) {
             return Err(refused("a value between two commas is missing"));
         }
-        let numbers: Option<Vec<Measure<'_>>> = list.iter().map(|value| number(value)).collect();
-        let Some(numbers) = numbers.and_then(|numbers| Some((shared_unit(&numbers)?, numbers))) else {
-            return Ok(Self { key, unit: String::new(), values: Values::List(list, None) });
+        let measures: Vec<Option<Measure<'_>>> = list.iter().map(|value| number(value)).collect();
+        let known: Vec<Measure<'_>> = measures.iter().flatten().copied().collect();
+        // a unit behind the last number counts for all; 0 needs none
+        let (unit, last) = (shared_unit(&known), measures.last().copied().flatten().map_or("", |last| last.1));
+        if unit != Some(last) && known.iter().any(|(number, unit)| *number != 0.0 && unit.is_empty()) {
+            return Err(refused("some of the numbers have a unit: write one behind each, or behind the last for all"));
+        }
+        let text = |(text, measure): (&String, &Option<Measure<'_>>)| match measure {
+            Some((_, "")) if !last.is_empty() => format!("{text} {last}"),
+            _ => text.clone(),
         };
-        let (unit, numbers) = (numbers.0.to_owned(), numbers.1);
-        // a number without a unit has that of the others
-        let text = |(text, (_, own)): (&String, &Measure<'_>)| {
-            if own.is_empty() && !unit.is_empty() { format!("{text} {unit}") } else { text.clone() }
-        };
-        let texts = list.iter().zip(&numbers).map(text).collect();
-        let values = Values::List(texts, Some(numbers.iter().map(|(number, _)| *number).collect()));
-        Ok(Self { key, unit, values })
+        let texts = list.iter().zip(&measures).map(text).collect();
+        let numbers = unit.filter(|_| known.len() == list.len()).map(|_| known.iter().map(|known| known.0).collect());
+        let unit = if numbers.is_some() { unit.unwrap_or_default() } else { "" };
+        Ok(Self { key, unit: unit.to_owned(), values: Values::List(texts, numbers) })
     }
 
     /// Whether its values are numbers in one unit.
@@ -327,6 +330,8 @@ mod tests {
             ("k=-2..2:2 um", "-2 um; 0 um; 2 um"),
             ("k=0um..10um:4um", "0 um; 4 um; 8 um"),
             ("k=6,7.50,1e-3 mm", "6 mm; 7.50 mm; 1e-3 mm"),
+            ("k=0,5um,2 mm", "0 mm; 5um; 2 mm"),
+            ("k=20um,0", "20um; 0"),
             ("k=6.0,7", "6.0; 7"),
             ("k=\"a,b\",{ value = 1, u = 2 }", "\"a,b\"; { value = 1, u = 2 }"),
             ("k=8..=12", "8..=12"),
@@ -334,7 +339,18 @@ mod tests {
             assert_eq!(values(text), expected, "{text}");
         }
         assert_eq!((axis("k=1 um,2 um").unit, axis("k=1 um,2 mm").is_numeric()), ("um".to_owned(), false));
-        for text in ["k", "=1", "k=", "k=1,,2", "k=5..1:1", "k=1..5:0", "k=1mm..5um:1"] {
+        for text in [
+            "k",
+            "=1",
+            "k=",
+            "k=1,,2",
+            "k=5..1:1",
+            "k=1..5:0",
+            "k=1mm..5um:1",
+            "k=20um,0.01",
+            "k=5,2um,7",
+            "k=5,2um,1mm",
+        ] {
             assert!(Axis::parse(text, |_| false).is_err(), "{text}");
         }
         let endless = Designs::grid(vec![axis("k=1..2")]);

@@ -27,10 +27,21 @@ enum Kind {
     /// A workbook is written in one go, at the end; with its name.
     Book(Box<Book>, String),
     Qdas(QdasRows),
-    /// Rows that wait for the next piece of the table, the header first; the screen, and whether lengths stay as written.
-    Table(Vec<Vec<String>>, (Screen, bool)),
+    /// Rows that wait for the next piece of the table, the header first.
+    Table(Vec<Vec<String>>, Shown),
     /// Whether it has rows so far.
     Array(bool),
+}
+
+/// How a table for people is shown.
+#[derive(Clone, Copy)]
+struct Shown {
+    format: Format,
+    screen: Screen,
+    /// Whether numbers stay as written.
+    as_written: bool,
+    /// How many columns behind the first one are copied.
+    copied: usize,
 }
 
 /// Rows of a table that are laid out together.
@@ -46,9 +57,10 @@ impl<W: Write + Send> FormedRows<W> {
         Ok(Self { out, kind, rest: Vec::new() })
     }
 
-    /// A table for people, in pieces with a heading each; lengths have four decimals, or stay as written.
-    pub(super) fn table(out: W, screen: Screen, as_written: bool) -> Self {
-        Self { out, kind: Kind::Table(Vec::new(), (screen, as_written)), rest: Vec::new() }
+    /// A table for people, in pieces with a heading each; numbers have four decimals, or stay as written.
+    pub(super) fn table(out: W, format: Format, screen: Screen, as_written: bool) -> Self {
+        let shown = Shown { format, screen, as_written, copied: 0 };
+        Self { out, kind: Kind::Table(Vec::new(), shown), rest: Vec::new() }
     }
 
     /// An array of JSON objects.
@@ -70,8 +82,10 @@ impl<W: Write + Send> FormedRows<W> {
 
     /// Says that so many columns behind the first one are those of the table.
     pub(super) fn with_copied(&mut self, count: usize) {
-        if let Kind::Book(book, _) = &mut self.kind {
-            book.copied = count;
+        match &mut self.kind {
+            Kind::Book(book, _) => book.copied = count,
+            Kind::Table(_, shown) => shown.copied = count,
+            Kind::Qdas(_) | Kind::Array(_) => {}
         }
     }
 
@@ -93,13 +107,10 @@ impl<W: Write + Send> FormedRows<W> {
 }
 
 /// Writes rows below the header as a table, and keeps the header.
-fn write_piece(
-    rows: &mut Vec<Vec<String>>,
-    (screen, as_written): (Screen, bool),
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn write_piece(rows: &mut Vec<Vec<String>>, shown: Shown, out: &mut dyn Write) -> io::Result<()> {
+    let Shown { format, screen, as_written, copied } = shown;
     if rows.len() > 1 {
-        out.write_all(report::write(&RowsReport { rows, as_written }, Format::Table, screen)?.as_bytes())?;
+        out.write_all(report::write(&RowsReport { rows, as_written, copied }, format, screen)?.as_bytes())?;
         rows.truncate(1);
     }
     Ok(())

@@ -10,7 +10,7 @@ use super::held::{Answer, Facts};
 use super::output::{Failure, Output, Status};
 use super::{called, command, tables};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
-use crate::spec::Spec;
+use crate::spec::{SET, Spec};
 
 /// The command that is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -66,11 +66,11 @@ impl Question {
         Spec::parse_with(&self.source.name, &self.source.text, &[&self.settings, design].concat())
     }
 
-    /// Refuses keys that no spec has, whatever their value.
-    pub(super) fn refuse_unknown_keys(&self, design: &[String]) -> Result<(), Diagnostics> {
+    /// Refuses a key that no spec has, whatever its value: `over` is how the option writes it, `design` one of its values.
+    pub(super) fn refuse_unknown_key(&self, over: &str, design: &[String]) -> Result<(), Diagnostics> {
         let Err(Diagnostics(problems)) = self.spec(design) else { return Ok(()) };
-        let unknown: Vec<_> =
-            problems.into_iter().filter(|problem| matches!(problem.code, Code::UnknownKey | Code::Usage)).collect();
+        let is_of_key = |problem: &Diagnostic| matches!(problem.code, Code::UnknownKey | Code::Usage);
+        let unknown: Vec<_> = problems.into_iter().filter(is_of_key).map(|problem| as_option(problem, over)).collect();
         if unknown.is_empty() { Ok(()) } else { Err(Diagnostics(unknown)) }
     }
 
@@ -87,6 +87,22 @@ impl Question {
         let is_whole = !self.stop.load(Ordering::Relaxed);
         is_whole.then(|| answer.map_err(|problems| in_words(&problems)))
     }
+}
+
+/// A problem of the last setting, said of the option `--over` that it came from.
+fn as_option(mut problem: Diagnostic, over: &str) -> Diagnostic {
+    const OVER: &str = "--over ";
+    if let Some(place) = &mut problem.place {
+        let line = place.source.text.rfind('\n').map_or(0, |end| end + 1);
+        let moved = |at: usize| (at + OVER.len()).saturating_sub(line + SET.len());
+        place.span = moved(place.span.start)..moved(place.span.end);
+        place.source = Arc::new(Source::new(place.source.name.clone(), format!("{OVER}{}", over.trim_start())));
+    }
+    if problem.code == Code::Usage {
+        let help = "write --over KEY=VALUES with a key that --set does not set; `rackmesh explain keys` lists all keys";
+        problem.help = Some(help.to_owned());
+    }
+    problem
 }
 
 /// Problems in a line.

@@ -11,7 +11,7 @@ use super::signals::Interruption;
 use super::target::{Target, shown};
 use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink};
 use crate::judge::Limits;
-use crate::report::Screen;
+use crate::report::{Format, Screen};
 
 /// Rows that are not written to their file as they come.
 enum Kept {
@@ -43,7 +43,8 @@ impl RowsFile {
         let mut file = Target::create(path, inputs)?;
         let formed = match format {
             _ if is_office(name) => Some(FormedRows::new(name, file.take_writer(), named)?),
-            RowsFormat::Table => Some(FormedRows::table(file.take_writer(), screen, as_written)),
+            RowsFormat::Table => Some(FormedRows::table(file.take_writer(), Format::Table, screen, as_written)),
+            RowsFormat::Markdown => Some(FormedRows::table(file.take_writer(), Format::Markdown, screen, as_written)),
             RowsFormat::Json => Some(FormedRows::array(file.take_writer())),
             _ => None,
         };

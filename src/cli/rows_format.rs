@@ -23,7 +23,7 @@ pub(super) enum RowsFormat {
     Parquet,
     /// Aligned tables for people; rows on a terminal unless told otherwise.
     Table,
-    /// Markdown tables (summary).
+    /// Markdown tables.
     Markdown,
     /// An array of JSON objects, of a summary one object.
     Json,
@@ -48,6 +48,11 @@ impl RowsFormat {
         })
     }
 
+    /// Whether people read it: a table has the columns that say most.
+    pub(super) const fn is_for_people(self) -> bool {
+        matches!(self, Self::Table | Self::Markdown)
+    }
+
     /// What it is called on the command line.
     fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
@@ -70,28 +75,23 @@ impl RowsArgs {
     /// is written in place of rows.
     pub(super) fn formats(&self, summary: bool, screen: Screen) -> Result<(RowsFormat, RowFormat, Format), Failure> {
         let (format, safe_csv) = (self.format(summary, screen)?, screen.safe_csv);
-        let refused = |what: &str, help: &str| {
-            let message = format!("{what} cannot be written as {}", format.name());
-            Err(Diagnostic::usage(message).help(help).into())
-        };
         let rows = match format {
             RowsFormat::Csv if safe_csv => RowFormat::SafeCsv,
             RowsFormat::Tsv if safe_csv => RowFormat::SafeTsv,
-            RowsFormat::Csv | RowsFormat::Office | RowsFormat::Table => RowFormat::Csv,
+            RowsFormat::Csv | RowsFormat::Office | RowsFormat::Table | RowsFormat::Markdown => RowFormat::Csv,
             RowsFormat::Tsv => RowFormat::Tsv,
             RowsFormat::Jsonl | RowsFormat::Json => RowFormat::JsonLines,
             RowsFormat::Parquet => RowFormat::Columns,
-            _ if summary => RowFormat::Csv,
-            RowsFormat::Markdown => {
-                return refused("rows", "write table, csv, tsv, json, jsonl or parquet; or ask for the --summary");
-            }
         };
         let summary = match format {
             RowsFormat::Table => Format::Table,
             RowsFormat::Csv => Format::Csv,
             RowsFormat::Json => Format::Json,
             RowsFormat::Markdown => Format::Markdown,
-            _ if summary => return refused("a summary", "write table, markdown, json or csv"),
+            _ if summary => {
+                let message = format!("a summary cannot be written as {}", format.name());
+                return Err(Diagnostic::usage(message).help("write table, markdown, json or csv").into());
+            }
             _ => Format::Table,
         };
         Ok((format, rows, summary))
@@ -118,7 +118,7 @@ impl RowsArgs {
 
     /// The ending of the output's name, which tells the format.
     fn known_ending(&self, summary: bool) -> Result<Option<&'static str>, Diagnostic> {
-        const ROWS: [&str; 9] = ["csv", "tsv", "jsonl", "ndjson", "json", "txt", "parquet", "xlsx", "dfq"];
+        const ROWS: [&str; 10] = ["csv", "tsv", "jsonl", "ndjson", "json", "txt", "md", "parquet", "xlsx", "dfq"];
         let Some(path) = &self.output else { return Ok(None) };
         let name = &shown(path);
         let ending = match Packing::of_name(name) {

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Shape};
-use super::number::{ends, millimetres, tidy};
-use super::rows::result_in_words;
+use super::number::{ends, tidy};
+use super::rows::{self, number_text};
 use super::{Block, Report, Table, fact};
 use crate::judge::Verdict;
 
@@ -63,23 +63,6 @@ fn change(values: &[Option<&Value>], index: usize) -> Option<f64> {
     Some(tidy(number(index)? - number(0)?))
 }
 
-/// A result's name and unit.
-fn heading(name: &str) -> String {
-    const UNITS: [(&str, &str); 4] = [("_mm", "mm"), ("_deg", "°"), ("_n_m", "N m"), ("_n", "N")];
-    let of = if name.starts_with("delta_cd_") { "ΔCD of " } else { "" };
-    let unit = UNITS.into_iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
-    unit.map_or_else(|| result_in_words(name), |(name, unit)| format!("{of}{} [{unit}]", result_in_words(name)))
-}
-
-/// A number of a result for people: a length to 0.1 µm, any other with four decimals at most.
-fn number_text(name: &str, number: f64) -> String {
-    if name.ends_with("_mm") {
-        return millimetres(tidy(number));
-    }
-    let short = format!("{number:.4}");
-    short.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
 impl<'a> CompareReport<'a> {
     /// The keys that are not the same in all specs; titles and what pages say of a part are left out.
     fn differences(&self) -> Vec<Line<'a, String>> {
@@ -113,8 +96,9 @@ impl<'a> CompareReport<'a> {
         lines: &[Line<'a, T>],
         text: impl Fn(&Line<'a, T>, usize) -> String,
     ) -> super::table::Rows<usize> {
-        let name =
-            |line: &usize| if heading == "result" { self::heading(lines[*line].0) } else { lines[*line].0.to_owned() };
+        let name = |line: &usize| {
+            if heading == "result" { rows::heading(lines[*line].0, ' ') } else { lines[*line].0.to_owned() }
+        };
         let table = Table::of(0..lines.len()).text(heading, name);
         self.0
             .iter()

@@ -112,7 +112,7 @@ impl Report for PartsReport<'_> {
         let rows = self.of_columns(SHOWN.into_iter());
         let mut blocks = titled(self.title);
         if rows.len() > 1 {
-            blocks.extend(RowsReport { rows: &rows, as_written: false }.blocks());
+            blocks.extend(RowsReport { rows: &rows, as_written: false, copied: 0 }.blocks());
         }
         let report = BatchReport::new(None, self.basis, self.outcome);
         blocks.extend(yokes_block(self.parts, "yoke of part").into_iter().chain(report.plug_table()));

@@ -48,6 +48,8 @@ pub use obtained::MeasuredValue;
 pub use reference::{KeyEntry, keys};
 pub use scatter::{ScatterSection, WrittenSpread};
 pub use schema::json_schema;
+#[cfg(feature = "cli")]
+pub(crate) use set::SET;
 pub use template::TEMPLATE;
 pub use uncertainty::WrittenCorrelation;
 pub use value::{KeyType, Value, Values};

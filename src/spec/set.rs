@@ -11,11 +11,11 @@ use super::reader::type_in_words;
 use crate::diagnostic::{Diagnostic, Source};
 
 /// What stands before a setting on the command line.
-const OPTION: &str = "--set ";
+pub(crate) const SET: &str = "--set ";
 
 /// The options as a text that diagnostics point into, one a line; `None` if there are none.
 pub(super) fn options(settings: &[String]) -> Option<Arc<Source>> {
-    let lines: Vec<_> = settings.iter().map(|setting| format!("{OPTION}{setting}")).collect();
+    let lines: Vec<_> = settings.iter().map(|setting| format!("{SET}{setting}")).collect();
     (!lines.is_empty()).then(|| Arc::new(Source::new("command line", lines.join("\n"))))
 }
 
@@ -31,7 +31,7 @@ pub(super) struct Setting<'a> {
 pub(super) fn settings<'a>(written: &'a [String], file_length: usize) -> Vec<Setting<'a>> {
     let mut start = file_length + 1;
     let setting = |text: &'a String| {
-        start += OPTION.len();
+        start += SET.len();
         let (key, value) = text.split_once('=').map_or((text.as_str(), None), |(key, value)| (key, Some(value)));
         let value = value.map(|text| Piece { text, start: start + key.len() + 1 }.trimmed());
         let key = Piece { text: key, start }.trimmed();

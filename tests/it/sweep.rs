@@ -6,6 +6,8 @@ use rackmesh::batch::{ResultColumn, ResultValues};
 use rackmesh::cli::{Answer, ColumnTable, HeldSpec, answer};
 use serde_json::Value;
 
+use crate::process::run;
+
 fn ask(command: &str, options: &[&str], example: &str) -> Result<Answer, String> {
     let name = format!("examples/{example}.toml");
     let text = std::fs::read_to_string(&name).unwrap();
@@ -122,6 +124,16 @@ fn what_is_impossible_is_a_row_with_its_reason_and_no_value() {
         &["--over", "rack.face_width=18,20", "--until", "range_upper_mm=0.05"],
     ] {
         assert!(ask("sweep", options, "paper").is_err(), "{options:?}");
+    }
+    for (options, shown) in [
+        (
+            &["--over", "errors.nonsense=1,2"][..],
+            "1 | --over errors.nonsense=1,2\n  |               ^^^^^^^^ unknown key",
+        ),
+        (&["--set", "rack.face_width=3", "--over", "rack.face_width=18,20"], "1 | --over rack.face_width=18,20\n"),
+    ] {
+        let said = run(&[&["sweep", "examples/paper.toml"], options].concat(), "");
+        assert!(said.stderr.contains(shown) && !said.stderr.contains("--set KEY"), "{}", said.stderr);
     }
 }
 

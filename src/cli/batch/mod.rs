@@ -308,7 +308,7 @@ impl Args {
     fn columns(&self, format: RowsFormat, spec: &Spec) -> Option<Vec<String>> {
         let of_table = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
         let count = if spec.limits.is_empty() && spec.function_limits.is_empty() { 3 } else { of_table.len() };
-        let is_table = format == RowsFormat::Table && !self.summary;
+        let is_table = format.is_for_people() && !self.summary;
         self.columns
             .clone()
             .or_else(|| is_table.then(|| of_table[..count].iter().copied().map(str::to_owned).collect()))

@@ -238,8 +238,8 @@ impl Args {
         let interruption = signals::interrupted(output);
         let question = Question::new(self.of, &self.options, (&self.spec, &spec), interruption.stop())?;
         let designs = self.designs()?;
-        for axis in 0..designs.axes().len() {
-            question.refuse_unknown_keys(&designs.settings(&designs.values(0))[axis..=axis])?;
+        for (over, setting) in self.over.iter().zip(designs.settings(&designs.values(0))) {
+            question.refuse_unknown_key(over, &[setting])?;
         }
         let begun = self.begin(&spec, output)?;
         let ended = || interruption.status().unwrap_or(Status::Undecided);
@@ -369,7 +369,7 @@ impl Args {
         let asked = self.columns.as_deref();
         // without an answer there is nothing to check names by
         let known = asked.filter(|_| !first.is_null());
-        let columns = results::written(self.of, known, format == RowsFormat::Table, &first)?;
+        let columns = results::written(self.of, known, format.is_for_people(), &first)?;
         let drawn = match &self.until {
             Some(until) if !first.is_null() => Some(results::named(self.of, &until.name, &first)?),
             _ => results::drawn(self.of, asked, &columns).cloned(),
