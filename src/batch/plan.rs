@@ -88,7 +88,7 @@ impl Plan {
         let is_asked = request.statistics || request.monte_carlo.is_some() || request.rule.needs_uncertainty();
         let uncertain = is_uncertain && (is_asked || outputs.iter().any(Output::is_uncertain));
         let uncertain = uncertain.then(|| Uncertain::new(spec, &sources, &request, &basis)).transpose()?.map(Box::new);
-        let nothing_scatters = request.stack == Stack::Rss && !sources.iter().any(|source| source.extended.scatters());
+        let nothing_scatters = request.stack == Stack::Rss && !sources.iter().any(|source| source.scatters);
         if nothing_scatters {
             request.stack = Stack::Range;
         }

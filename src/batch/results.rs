@@ -42,6 +42,8 @@ pub(super) struct Results<'a> {
     alone: [Vec<Option<Interval>>; KINDS],
     /// What all do together, by the number of the combination.
     combined: [Vec<Option<Interval>>; Stack::ALL.len()],
+    /// The worst case of parts without anything that scatters, where the statistical sum is asked for.
+    unscattered: BTreeMap<usize, Interval>,
     reached: Vec<Option<Interval>>,
     /// What is uncertain about each part, if that is computed.
     uncertainties: Vec<Option<RowUncertainty>>,
@@ -103,6 +105,7 @@ impl<'a> Results<'a> {
             each: Default::default(),
             alone: Default::default(),
             combined: Default::default(),
+            unscattered: BTreeMap::new(),
             reached: Vec::new(),
             uncertainties: Vec::new(),
             meshed: BTreeMap::new(),
@@ -212,6 +215,7 @@ impl<'a> Results<'a> {
                 }));
             };
             let [mut range, mut rss] = [(); 2].map(|()| Vec::with_capacity(self.rows));
+            let (mut worst, mut unscattered) = (Vec::new(), BTreeMap::new());
             errors.each_together(self.rows, values, |row, together| {
                 if plan.needs_range {
                     end(&mut range, row, together.range);
@@ -219,8 +223,13 @@ impl<'a> Results<'a> {
                 if plan.needs_rss {
                     end(&mut rss, row, together.rss);
                 }
+                if plan.request.stack == Stack::Rss && together.rss == Err(NoBound::NothingScatters) {
+                    end(&mut worst, row, together.range);
+                    unscattered.extend(worst.pop().flatten().map(|worst| (row, worst)));
+                }
             });
             self.combined = [range, rss];
+            self.unscattered = unscattered;
             for (row, problem) in refused {
                 self.refusals.entry(row).or_insert_with(|| Box::new(no_result("combination", None, problem)));
             }

@@ -17,6 +17,8 @@ pub(super) struct Source {
     pub(super) law: Law,
     /// The error on its teeth, for the bound.
     pub(super) extended: ExtendedError,
+    /// Whether it is a tolerance, that of a column of any width, so that it may scatter.
+    pub(super) scatters: bool,
     /// Whether it has a limit of its own.
     pub(super) is_limited: bool,
     /// The nominal value that is taken from the numbers of its column, if these are measured values.
@@ -37,7 +39,8 @@ impl Source {
         let extended = ExtendedError::of(&of_any_value)
             .map_err(|error| Diagnostic::error(Code::BadErrorEntry, format!("{}: {error}", kind.key())))?;
         let is_limited = limits.iter().any(|(on, _)| *on == LimitTarget::Error(kind));
-        Ok(Self { law: error.law(), extended, is_limited, nominal, of_every_part: None, tolerance: None })
+        let (law, scatters) = (error.law(), extended.is_tolerance());
+        Ok(Self { law, extended, scatters, is_limited, nominal, of_every_part: None, tolerance: None })
     }
 }
 
@@ -82,6 +85,7 @@ pub(super) fn sources(
         };
         match Source::new(&error, nominal, limits) {
             Ok(source) => sources.push(Source {
+                scatters: of_every_part.map_or(source.scatters, scatters),
                 of_every_part: of_every_part.map(PartDeviation::value),
                 tolerance: of_every_part.filter(|error| error.is_tolerance()).map(PartDeviation::tolerance),
                 ..source
@@ -94,6 +98,11 @@ pub(super) fn sources(
     }
     diagnostics.dedup();
     Err(Diagnostics(diagnostics))
+}
+
+/// Whether an error that every part has scatters.
+fn scatters(error: &PartDeviation) -> bool {
+    ExtendedError::of(error).is_ok_and(|error| error.scatters())
 }
 
 /// The nominal value of all numbers of a column.

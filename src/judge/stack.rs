@@ -116,9 +116,10 @@ impl<T> Combined<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::DeviationValue;
     use crate::deviation::Extent;
     use crate::formula::Law;
-    use crate::formula::PartDeviation;
+    use crate::formula::{PartDeviation, ToleranceEnds};
     use crate::judge::bound::Basis;
     use crate::quantity::Angle;
 
@@ -166,6 +167,26 @@ mod tests {
         let c = combined(&[tolerance(Law::rack_over_roller(), "0.03"), tolerance(Law::pinion_radial(), "0.04")]);
         assert_eq!(c.range, Ok(interval("-0.07", "0.07")));
         assert_eq!(c.rss, Ok(interval("-0.05", "0.05")));
+    }
+
+    #[test]
+    fn a_tolerance_that_leaves_one_value_does_not_scatter() {
+        let of = |ends: [&str; 2]| {
+            let [lower, upper] = ends.map(|end| DeviationValue::Length(length(end)));
+            PartDeviation::between(Law::rack_over_roller(), ToleranceEnds::from_to(lower, upper))
+        };
+        for (ends, at) in [(["0", "0"], "0"), (["0.01", "0.01"], "0.01"), (["-0.02", "-0.02"], "-0.02")] {
+            for extent in [Extent::Each, Extent::All] {
+                let c = combined(&[of(ends).with_extent(extent)]);
+                assert_eq!(
+                    (c.range, c.rss),
+                    (Ok(interval(at, at)), Err(NoBound::NothingScatters)),
+                    "{ends:?} {extent}"
+                );
+            }
+        }
+        let c = combined(&[of(["0.01", "0.01"]), of(["-0.03", "0.03"])]);
+        assert_eq!((c.range, c.rss), (Ok(interval("-0.02", "0.04")), Ok(interval("-0.02", "0.04"))));
     }
 
     #[test]

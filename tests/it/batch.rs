@@ -50,6 +50,23 @@ fn latin1(text: &str) -> Vec<u8> {
     text.chars().map(|c| u8::try_from(u32::from(c)).expect("Latin-1")).collect()
 }
 
+/// A part with tolerances of ±0 has no statistical sum and is judged by its worst case, as `eval` does.
+#[test]
+fn a_part_without_anything_that_scatters_has_no_statistical_sum() {
+    let (spec, table) = (path("scatters.toml"), path("scatters.csv"));
+    let each = "[errors]\nrack_over_roller = { extent = \"each\" }\n[limits]\ncenter_distance = \"±0.01\"\n";
+    std::fs::write(&spec, each).expect("written");
+    std::fs::write(&table, "part_id,rack_over_roller [mm]\nA,0.005\nB,0\n").expect("written");
+    let ended = batch(&[&spec, &table, "--stack", "rss", "-f", "json"], b"");
+    let rows: serde_json::Value = serde_json::from_slice(&ended.stdout).expect(text(&ended.stderr));
+    let row = |index: usize| {
+        let row = &rows[index];
+        (row["rss_upper_mm"].as_f64(), row["margin_mm"].as_f64(), row["verdict"].clone())
+    };
+    assert_eq!(row(0), (Some(0.005), Some(0.005), "pass".into()));
+    assert_eq!(row(1), (None, Some(0.01), "pass".into()));
+}
+
 #[test]
 fn whatever_file_a_table_comes_in() {
     let quoted = TABLE.replace("P1", "\"P1\"").replace("25.0131", "\"25.0131\"");

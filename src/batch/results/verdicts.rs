@@ -130,8 +130,8 @@ impl Results<'_> {
     pub(in crate::batch) fn judged_by(&self, row: usize) -> JudgedBy {
         match (self.meshed(row), self.plan.request.stack) {
             (Some(Ok(_)), _) => JudgedBy::Mesh,
-            (_, Stack::Rss) => JudgedBy::Statistical,
-            (_, Stack::Range) => JudgedBy::Bound,
+            (_, Stack::Rss) if !self.unscattered.contains_key(&row) => JudgedBy::Statistical,
+            _ => JudgedBy::Bound,
         }
     }
 
@@ -247,7 +247,8 @@ impl Results<'_> {
         match on {
             LimitTarget::CenterDistance => match self.meshed(row) {
                 Some(Ok(meshed)) => Some(meshed.range),
-                _ => at(&self.combined[self.plan.request.stack as usize], row),
+                _ => at(&self.combined[self.plan.request.stack as usize], row)
+                    .or_else(|| self.unscattered.get(&row).copied()),
             },
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }

@@ -193,10 +193,17 @@ impl ExtendedError {
         Self { nearer_end: None, ..self.with_value(value) }
     }
 
-    /// Whether its value is not known but for its tolerance: each tooth has its own, or that of all is any of it.
+    /// Whether its value is a tolerance: each tooth has its own, or that of all is any of it.
+    #[inline]
+    pub(crate) fn is_tolerance(&self) -> bool {
+        self.either_sign || matches!(self.extent, Extent::Each | Extent::Total)
+    }
+
+    /// Whether it is a tolerance that leaves more than one value.
     #[inline]
     pub(crate) fn scatters(&self) -> bool {
-        self.either_sign || matches!(self.extent, Extent::Each | Extent::Total)
+        let [lower, upper] = self.ends();
+        self.is_tolerance() && lower < upper
     }
 
     /// The same pitch tolerance without a limit of its total.

@@ -80,10 +80,9 @@ impl Leads {
     pub(super) fn with(self, error: &ExtendedError) -> Self {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
         let extent = if error.either_sign { Extent::Each } else { error.extent };
-        let one = ExtendedError { extent, ..*error };
         let leads = match error.effect {
-            ErrorEffect::RackLead(rack) => self.with_values(values_of(&one, 1.0), extent, Some(rack)),
-            ErrorEffect::PinionLead { gain } => self.with_values(values_of(&one, gain), extent, None),
+            ErrorEffect::RackLead(rack) => self.with_values(values_of(error, 1.0), extent, Some(rack)),
+            ErrorEffect::PinionLead { gain } => self.with_values(values_of(error, gain), extent, None),
             ErrorEffect::Size | ErrorEffect::Pitch { .. } => return self,
         };
         // the table of leads knows tolerances that are the same either way
@@ -300,14 +299,17 @@ impl Leads {
     }
 }
 
-/// From what to what a lead turns tooth lines, so many times.
+/// From what to what a lead turns tooth lines, so many times; those that it is not on, by nothing.
 #[inline]
 pub(super) fn values_of(error: &ExtendedError, gain: f64) -> Range {
-    if error.nearer_end.is_none() {
+    if error.nearer_end.is_none() && !error.either_sign {
         return within(gain * error.value, error.extent);
     }
-    let [lower, upper] = error.ends();
-    Range { lower: gain * lower, upper: gain * upper }
+    let [lower, upper] = error.ends().map(|end| gain * end);
+    match error.extent {
+        Extent::One | Extent::Part => Range { lower: lower.min(0.0), upper: upper.max(0.0) },
+        Extent::All | Extent::Each | Extent::Total => Range { lower, upper },
+    }
 }
 
 /// From what to what a lead of this value and extent turns tooth lines.

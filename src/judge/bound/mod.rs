@@ -95,19 +95,6 @@ impl ErrorRange {
         self.or(Self { upper_with_undercut_mm: f64::NEG_INFINITY, ..Self::either_way(0.0) })
     }
 
-    /// What two errors do together.
-    fn beside(self, other: Self) -> Self {
-        Self {
-            raw_lower_mm: self.raw_lower_mm + other.raw_lower_mm,
-            lower_mm: (self.lower_mm + other.raw_lower_mm).max(self.raw_lower_mm + other.lower_mm),
-            upper_mm: (self.upper_mm + other.raw_upper_mm).min(self.raw_upper_mm + other.upper_mm),
-            raw_upper_mm: self.raw_upper_mm + other.raw_upper_mm,
-            upper_with_undercut_mm: (self.upper_with_undercut_mm + other.raw_upper_mm)
-                .min(self.raw_upper_mm + other.upper_with_undercut_mm),
-            in_contact: self.in_contact.max(other.in_contact),
-        }
-    }
-
     /// What one error or another one does.
     fn or(self, other: Self) -> Self {
         Self {

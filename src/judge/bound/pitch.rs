@@ -1,41 +1,23 @@
 //! What steps between teeth do: how many of them act at once. Read by the bound; knows no other error.
 
-use super::counts::{Counts, StepDirection};
+use super::counts::StepDirection;
 use super::known::KnownPair;
 use super::levels::SLACK;
 use super::{ErrorRange, Extent};
 use crate::deviation::Part;
 
-/// Steps of ΔCD `step` each, of a pair.
-pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known: &KnownPair) -> ErrorRange {
-    let range = match (part, extent) {
-        (Part::Rack, Extent::One | Extent::Part | Extent::All) => {
-            let (way, other) = if grows {
-                (StepDirection::RackGrows, StepDirection::RackShrinks)
-            } else {
-                (StepDirection::RackShrinks, StepDirection::RackGrows)
-            };
-            let counts = known.counts(way);
-            let raw_lower_mm = -known.counts(other).least_raw(step);
-            let on_lines = (counts.on_lines - 1.0) * step;
-            let lower_mm = if known.carries_lines() { on_lines.max(raw_lower_mm) } else { raw_lower_mm };
-            ErrorRange {
-                raw_lower_mm,
-                lower_mm,
-                upper_mm: counts.most(step),
-                raw_upper_mm: counts.most_raw(step),
-                ..ErrorRange::either_way(0.0)
-            }
-        }
-        (Part::Rack, _) => {
-            let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_rack_tooth();
-            either_sign(known, [StepDirection::RackGrows, StepDirection::RackShrinks], step, keeps)
-        }
-        (Part::Pinion, _) => {
-            let keeps = known.carries_lines() && known.line.has_both_flanks_of_a_pinion_tooth();
-            either_sign(known, [StepDirection::PinionGrows, StepDirection::PinionShrinks], step, keeps)
-        }
+/// Steps that move ΔCD by `least` to `most` mm each, of a pair.
+pub(super) fn of_pair(part: Part, extent: Extent, [least, most]: [f64; 2], known: &KnownPair) -> ErrorRange {
+    let of = |step| one_way(part, step, known);
+    // what steps do is convex in them to either side of none
+    let ends = of(least).or(of(most));
+    let range = if least < 0.0 && most > 0.0 {
+        let range = ends.or_nothing();
+        ErrorRange { lower_mm: if keeps_whole_teeth(part, known) { 0.0 } else { range.raw_lower_mm }, ..range }
+    } else {
+        ends
     };
+    let step = most.max(-least);
     let range = match extent {
         // one step only, or a run that need not be where the teeth are in contact
         Extent::One => range.or_nothing().limited(step),
@@ -46,21 +28,36 @@ pub(super) fn of_pair(part: Part, extent: Extent, grows: bool, step: f64, known:
     ErrorRange { in_contact, ..range }
 }
 
+/// Steps of which each moves ΔCD by `step` mm.
+fn one_way(part: Part, step: f64, known: &KnownPair) -> ErrorRange {
+    let (grows, shrinks) = match part {
+        Part::Rack => (StepDirection::RackGrows, StepDirection::RackShrinks),
+        Part::Pinion => (StepDirection::PinionGrows, StepDirection::PinionShrinks),
+    };
+    let (way, other) = if step >= 0.0 { (grows, shrinks) } else { (shrinks, grows) };
+    let (counts, step) = (known.counts(way), step.abs());
+    let raw_lower_mm = -known.counts(other).least_raw(step);
+    let on_lines = (counts.on_lines - 1.0) * step;
+    ErrorRange {
+        raw_lower_mm,
+        lower_mm: if known.carries_lines() { on_lines.max(raw_lower_mm) } else { raw_lower_mm },
+        upper_mm: counts.most(step),
+        raw_upper_mm: counts.most_raw(step),
+        ..ErrorRange::either_way(0.0)
+    }
+}
+
+/// Whether a tooth of a part always carries with both its flanks: then steps between whole teeth cannot sink.
+fn keeps_whole_teeth(part: Part, known: &KnownPair) -> bool {
+    known.carries_lines()
+        && match part {
+            Part::Rack => known.line.has_both_flanks_of_a_rack_tooth(),
+            Part::Pinion => known.line.has_both_flanks_of_a_pinion_tooth(),
+        }
+}
+
 /// One step, of any pair.
 pub(super) fn one_of_any_pair(step: f64, both_flanks: bool) -> ErrorRange {
     let lower_mm = if both_flanks { 0.0 } else { -step };
     ErrorRange { lower_mm, ..ErrorRange::either_way(step) }
-}
-
-fn either_sign(known: &KnownPair, ways: [StepDirection; 2], step: f64, keeps: bool) -> ErrorRange {
-    let largest =
-        |of: fn(&Counts, f64) -> f64| ways.map(|way| of(known.counts(way), step)).into_iter().fold(0.0, f64::max);
-    let raw = largest(Counts::least_raw);
-    ErrorRange {
-        raw_lower_mm: -raw,
-        lower_mm: if keeps { 0.0 } else { -raw },
-        upper_mm: largest(Counts::most),
-        raw_upper_mm: largest(Counts::most_raw),
-        ..ErrorRange::either_way(0.0)
-    }
 }

@@ -128,7 +128,7 @@ impl InProportion {
         };
         let of_error = |error: &ExtendedError| {
             let is_capped = matches!(error.effect, ErrorEffect::Pitch { cap: Some(_), .. });
-            let is_in_proportion = !is_capped && !error.scatters();
+            let is_in_proportion = !is_capped && !error.is_tolerance();
             is_in_proportion.then(|| Some([of(error, 1.0)?, of(error, -1.0)?])).flatten()
         };
         Some(Self { own, per_mm: errors.iter().map(of_error).collect::<Option<_>>()? })

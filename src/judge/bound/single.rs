@@ -4,7 +4,6 @@ use super::error::{ErrorEffect, RackLines};
 use super::known::{KnownPair, flanks_apart};
 use super::lead::{self, Leads, undercut};
 use super::pitch;
-use super::undercut::UndercutTable;
 use super::{AssumedHeight, ErrorRange, ExtendedError, Extent, HeightFrom, Knowledge, NoBound};
 use crate::deviation::Part;
 use crate::mesh::LARGEST_ROLL_RAD;
@@ -18,17 +17,10 @@ const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 /// What one error can do alone.
 #[inline]
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
-    match (error.signs(), error.split().filter(|_| matches!(error.effect, ErrorEffect::Pitch { .. }))) {
-        (Some([one, other]), _) => {
-            let ends = range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?);
-            // an error that is on some teeth is not on others
-            Ok(if error.may_be_nothing() { ends.or_nothing() } else { ends })
-        }
-        (None, Some([middle, half])) => {
-            Ok(range_of_signed(&middle, knowledge)?.beside(range_of_signed(&half, knowledge)?))
-        }
-        (None, None) => range_of_signed(error, knowledge),
-    }
+    let Some([one, other]) = error.signs() else { return range_of_signed(error, knowledge) };
+    let ends = range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?);
+    // an error that is on some teeth is not on others
+    Ok(if error.may_be_nothing() { ends.or_nothing() } else { ends })
 }
 
 /// The same of an error with a sign.
@@ -127,23 +119,42 @@ fn pitch_range(error: &ExtendedError, gain: f64, cap: Option<f64>, known: &Known
     let limit = cap.map_or(f64::INFINITY, |cap| total(gain, cap, teeth));
     let range = match extent {
         Extent::Total => ErrorRange::either_way(total(gain, value.abs(), teeth)),
-        _ => pitch::of_pair(part, extent, value >= 0.0, gain * value.abs(), known),
+        _ => pitch::of_pair(part, extent, steps_of(error, gain), known),
     };
     ErrorRange { upper_with_undercut_mm: with_undercut(error, gain, limit, known), ..range.limited(limit) }
+}
+
+/// From what to what each step of an error moves ΔCD, mm. A pinion's steps close, and those within a total turn back: not
+/// all of them go one way.
+fn steps_of(error: &ExtendedError, gain: f64) -> [f64; 2] {
+    let ExtendedError { part, value, extent, effect, .. } = *error;
+    let is_within_total = matches!(effect, ErrorEffect::Pitch { cap: Some(_), .. });
+    let [least, most] = match (extent, part) {
+        (Extent::Each, Part::Rack) if !is_within_total => error.ends(),
+        (Extent::Each, _) => {
+            let [lower, upper] = error.ends();
+            [lower.min(0.0), upper.max(0.0)]
+        }
+        (_, Part::Rack) => [value; 2],
+        (_, Part::Pinion) => [-value.abs(), value.abs()],
+    };
+    [gain * least, gain * most]
 }
 
 /// What steps lift together with undercut, up to a limit of the steps.
 fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair) -> f64 {
     let ExtendedError { part, value, extent, .. } = *error;
     let Some(table) = undercut(known).filter(|_| extent != Extent::Total) else { return f64::INFINITY };
+    let [least, most] = steps_of(error, gain);
     table.with_steps(part, |steps| {
-        let acting = match part {
-            Part::Rack => UndercutTable::acting(extent, steps * value.signum()),
+        let lifted = (steps * least).max(steps * most);
+        match extent {
             // a step one way is taken back elsewhere on the turn
-            Part::Pinion if extent == Extent::One => steps.abs().min(1.0),
-            Part::Pinion => steps.abs(),
-        };
-        (acting * gain * value.abs()).min(limit)
+            Extent::One => lifted.clamp(0.0, gain * value.abs()),
+            Extent::Part => lifted.max(0.0),
+            Extent::All | Extent::Each | Extent::Total => lifted,
+        }
+        .min(limit)
     })
 }
 

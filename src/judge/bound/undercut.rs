@@ -5,7 +5,7 @@
 //! their lines, over all places p on the path of the first, where lines carry at every stroke. Steps between both lift in
 //! proportion to n.
 
-use crate::deviation::{Extent, Part};
+use crate::deviation::Part;
 
 /// Parts of a pitch in which the field of contact is looked at.
 pub(super) const CELLS: i32 = 96;
@@ -44,11 +44,12 @@ impl UndercutTable {
         Self { apart: teeth.filter_map(|teeth| Some(FlanksApart { teeth, most: most(teeth)? })).collect() }
     }
 
-    /// What steps of a part lift together with undercut, mm: so many teeth apart they lift by `gain` of the number of steps.
+    /// What steps of a part lift together with undercut, mm: so many of them one way between two flanks, negative where they
+    /// lower, lift by `gain` of the number.
     pub(super) fn with_steps(&self, part: Part, gain: impl Fn(f64) -> f64) -> f64 {
         let steps = |teeth: i32| match part {
             Part::Rack => f64::from(teeth),
-            Part::Pinion => f64::from(teeth + 1),
+            Part::Pinion => -f64::from(teeth + 1),
         };
         let of = |apart: &FlanksApart| apart.most + gain(steps(apart.teeth));
         self.apart.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
@@ -62,15 +63,5 @@ impl UndercutTable {
         };
         let of = |apart: &FlanksApart| apart.most + if apart.teeth == teeth { value } else { 0.5 * value };
         self.apart.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// The steps of an extent that act of so many between two flanks, the same way or, of `Each`, either way.
-    pub(super) fn acting(extent: Extent, steps: f64) -> f64 {
-        match extent {
-            Extent::One => steps.clamp(0.0, 1.0),
-            Extent::Part => steps.max(0.0),
-            Extent::All => steps,
-            Extent::Each | Extent::Total => steps.abs(),
-        }
     }
 }

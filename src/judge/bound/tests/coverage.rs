@@ -55,10 +55,9 @@ fn of_each(random: &mut Random, pair: &Pair, each: bool) -> Drawn {
 
 /// A tolerance that becomes one from an end of its own to another.
 fn shifted(random: &mut Random, drawn: Drawn) -> Drawn {
-    let nearer = -drawn.error.value * random.range(-0.8, 1.0);
+    let nearer = -random.range(-0.8, 1.0);
     let is_kept = drawn.error.extent == Extent::Total || drawn.cap.is_some() || random.chance(0.7);
-    let nearer_end = (!is_kept).then_some(nearer);
-    Drawn { error: ExtendedError { nearer_end, ..drawn.error }, ..drawn }
+    if is_kept { drawn } else { random::between(drawn, [nearer, 1.0]) }
 }
 
 /// Puts a tolerance on every tooth that it binds, each with its own value.

@@ -3,6 +3,7 @@
 mod beside;
 mod closed;
 mod coverage;
+mod nested;
 pub(in crate::judge) mod property;
 pub(in crate::judge) mod random;
 mod tight;

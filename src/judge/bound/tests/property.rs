@@ -71,7 +71,7 @@ fn is_as_high_as_assumed(pair: &Pair) -> bool {
     rack.addendum_mm.max(below) < 0.24 * rack.face_width_mm
 }
 
-fn outside(range: &Range, reached: &Range) -> f64 {
+pub(in crate::judge) fn outside(range: &Range, reached: &Range) -> f64 {
     (range.lower - reached.lower).max(reached.upper - range.upper)
 }
 

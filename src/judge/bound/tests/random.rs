@@ -154,8 +154,20 @@ pub(in crate::judge) fn error(random: &mut Random, pair: &Pair) -> Drawn {
 /// A tooth in the middle of the strokes that are solved.
 const MIDDLE: i64 = 2;
 
-fn value_within(random: &mut Random, value: f64) -> f64 {
-    if random.chance(0.6) { random.sign() * value } else { random.range(-1.0, 1.0) * value.abs() }
+/// The same error as a tolerance between two shares of its value.
+pub(in crate::judge) fn between(drawn: Drawn, [a, b]: [f64; 2]) -> Drawn {
+    let [nearer, farther] = if a.abs() > b.abs() { [b, a] } else { [a, b] };
+    let nearer_end = (nearer != -farther).then_some(nearer * drawn.value);
+    let error = ExtendedError { value: farther * drawn.value, nearer_end, ..drawn.error };
+    Drawn { error, value: error.value, ..drawn }
+}
+
+fn value_within(random: &mut Random, [lower, upper]: [f64; 2]) -> f64 {
+    match random.unit() {
+        share if share < 0.3 => lower,
+        share if share < 0.6 => upper,
+        _ => random.range(lower, upper),
+    }
 }
 
 impl Placed {
@@ -167,7 +179,7 @@ impl Placed {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 for space in self.teeth(part) {
                     let value = match drawn.error.extent {
-                        Extent::Each => value_within(random, value),
+                        Extent::Each => value_within(random, drawn.error.ends()),
                         _ if self.is_on(part, &on, space) => value,
                         _ => continue,
                     };
@@ -179,7 +191,7 @@ impl Placed {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 for tooth in self.teeth(part) {
                     let mut value = || match drawn.error.extent {
-                        Extent::Each => value_within(random, drawn.value),
+                        Extent::Each => value_within(random, drawn.error.ends()),
                         _ => drawn.value,
                     };
                     let values = BySide { left: value(), right: value() };
@@ -224,12 +236,13 @@ impl Placed {
             return;
         }
         let start = MIDDLE - 1 + i64::from(random.below(3));
+        let ends = steps_within(drawn);
         let sums = match part {
             Part::Rack => {
                 let on = Self::teeth_of(random, drawn.error.extent);
                 let mut sum = 0.0;
                 let step = |tooth: i64, random: &mut Random| match drawn.error.extent {
-                    Extent::Each => value_within(random, value),
+                    Extent::Each => value_within(random, ends),
                     _ if on.contains(&tooth) => value,
                     _ => 0.0,
                 };
@@ -253,6 +266,13 @@ impl Placed {
     }
 }
 
+/// From what to what a step is off; some are none of a turn, and within a total.
+fn steps_within(drawn: &Drawn) -> [f64; 2] {
+    let [lower, upper] = drawn.error.ends();
+    let turns_back = drawn.error.part == Part::Pinion || drawn.cap.is_some();
+    if turns_back { [lower.min(0.0), upper.max(0.0)] } else { [lower, upper] }
+}
+
 /// Positions of pinion teeth whose pitches are off by up to a value, and close after a turn.
 fn around(random: &mut Random, drawn: &Drawn, z: usize, value: f64) -> Vec<f64> {
     let mut steps = vec![0.0; z];
@@ -262,13 +282,15 @@ fn around(random: &mut Random, drawn: &Drawn, z: usize, value: f64) -> Vec<f64> 
             steps[1 + random.below(u32::try_from(z - 1).unwrap()) as usize] = -value;
         }
         Extent::Each => {
-            let half = z / 2;
-            for index in 0..half {
-                let step = value_within(random, value);
-                (steps[index], steps[half + index]) = (step, -step);
-            }
-            for index in (1..z).rev() {
-                steps.swap(index, random.below(u32::try_from(index + 1).unwrap()) as usize);
+            let [lower, upper] = steps_within(drawn);
+            steps.fill_with(|| value_within(random, [lower, upper]));
+            // all go towards the one end or the other until they close
+            let sum: f64 = steps.iter().sum();
+            let end = if sum > 0.0 { lower } else { upper };
+            let farther: f64 = steps.iter().map(|step| (step - end).abs()).sum();
+            if farther > 0.0 {
+                let share = sum.abs() / farther;
+                steps.iter_mut().for_each(|step| *step += share * (end - *step));
             }
         }
         _ => {
