@@ -13,10 +13,10 @@ use crate::formula::over_pin::OverPin;
 use crate::formula::{
     FormulaPage, IDEAL_PIN, Law, Model, OVER_PIN, PartDeviation, ROLLER_CHANGE, ideal_pin, roller_change,
 };
-use crate::judge::Interval;
-use crate::judge::bound::Basis;
+use crate::judge::bound::{Basis, Bound};
+use crate::judge::{Interval, Limit, Verdict};
 use crate::quantity::{Angle, AngleUnit, DomainError, Length, LengthUnit, QuantityError, Unit};
-use crate::report::{Calculation, Format, ResultUnit, WorstCase, formula_note, noted};
+use crate::report::{Calculation, Format, ResultUnit, WorstCase, WorstCaseResult, formula_note, noted};
 
 pub(super) const ABOUT: &str = "Compute one formula: just the number and its unit";
 
@@ -168,7 +168,7 @@ struct GivenValue {
     #[expect(clippy::option_option, reason = "tells an absent flag, the bare flag, and the flag with a value apart")]
     inverse: Option<Option<String>>,
     /// On which teeth the error is: adds what it can do wherever it is. Unless given, that of a measured error in a spec.
-    #[arg(long, value_enum, conflicts_with = "inverse")]
+    #[arg(long, value_enum)]
     extent: Option<Extent>,
 }
 
@@ -429,6 +429,32 @@ impl Asked<'_> {
         }
     }
 
+    /// The error that a size is, which may be a slope deviation over a length.
+    fn error(&self, size: DeviationValue) -> Result<DeviationValue, DomainError> {
+        match (&self.question, size) {
+            (Question::SlopeDeviation { length, .. }, DeviationValue::Length(slope)) => lead_slope(slope, *length),
+            _ => Ok(size),
+        }
+    }
+
+    /// The largest size up to that of the answer at which errors of either sign are within what is asked.
+    fn largest(&self, answer: DeviationValue, is_within: impl Fn(DeviationValue) -> bool) -> DeviationValue {
+        /// 1e-11°.
+        const NAS: i64 = 36;
+        let (steps, size): (i64, fn(i64) -> DeviationValue) = match answer.abs() {
+            DeviationValue::Length(length) => (length.fm(), |fm| Length::from_fm(fm).into()),
+            DeviationValue::Angle(angle) => (angle.nas() / NAS, |steps| Angle::from_nas(NAS * steps).into()),
+            slope @ DeviationValue::Slope(_) => return slope,
+        };
+        let holds = |steps: i64| [steps, -steps].iter().all(|steps| self.error(size(*steps)).is_ok_and(&is_within));
+        let (mut inside, mut outside) = (0, steps + 1);
+        while outside - inside > 1 {
+            let middle = inside + (outside - inside) / 2;
+            *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
+        }
+        size(inside)
+    }
+
     /// Prints the answer with all that there is to say of it, and what the error can do if it is asked on which teeth it is.
     fn print(&self, output: &mut Output, common: &Common, doubts: &[OptionDoubt]) -> Result<Status, Failure> {
         let mut notes = sensible(output, doubts)?;
@@ -448,12 +474,8 @@ impl Asked<'_> {
         if matches!(self.question, Question::SlopeDeviation { .. }) {
             calculation.unit = by_symbol(Unit::Length(LengthUnit::Micrometre));
         }
-        let mut rests_on = Vec::new();
-        if let Question::DeltaCd(error) = self.question {
-            let (worst_case, because) = self.worst_case(error)?;
-            calculation.worst_case = Some(worst_case);
-            rests_on = because;
-        }
+        let (worst_case, rests_on) = self.worst_case(result)?;
+        calculation.worst_case = Some(worst_case);
         notes.splice(0..0, rests_on.iter().cloned());
         let printed = common.print(output, Calculation { notes, ..calculation })?;
         let is_asked = self.given.extent.is_some();
@@ -468,20 +490,35 @@ impl Asked<'_> {
                 output.remark(&noted(note));
             }
         }
-        let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.range.is_err());
+        let is_open = printed.worst_case.is_some_and(|worst_case| worst_case.result.is_err());
         Ok(if is_open && is_asked { Status::Undecided } else { Status::Pass })
     }
 
-    /// What an error can do, and what that rests on; nothing more is known of the pair.
-    fn worst_case(&self, error: DeviationValue) -> Result<(WorstCase, Vec<String>), Failure> {
+    /// What an error can do, or how large it may be beside the answer of the formula, and what that rests on; nothing more is
+    /// known of the pair.
+    fn worst_case(&self, answer: DeviationValue) -> Result<(WorstCase, Vec<String>), Failure> {
         let kind = self.law.kind();
         let extent = self.given.extent.unwrap_or(kind.usual_extent());
         if !extent.fits(kind.counts()) {
             return Err(usage(format!("--extent {extent}: {}", Extent::NO_TOTAL)));
         }
-        let bound = Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);
-        let range = Interval::of(bound.combined.range).map_err(DomainError::from)?;
-        Ok((WorstCase { kind, extent, range }, bound.notes.iter().filter_map(formula_note).collect()))
+        let range_of = |bound: &Bound| Interval::of(bound.combined.range).map_err(DomainError::from);
+        let bound_of = |error| Basis::default().bound_of(&[PartDeviation::new(self.law, error).with_extent(extent)]);
+        let error = if let Question::DeltaCd(error) = self.question { error } else { self.error(answer)? };
+        let bound = bound_of(error);
+        let range = range_of(&bound)?;
+        let result = match self.question {
+            Question::DeltaCd(_) => range.map(WorstCaseResult::DeltaCd),
+            Question::Error(delta_cd) | Question::SlopeDeviation { delta_cd, .. } => {
+                let limit = Limit::symmetric(delta_cd.abs());
+                let is_within = |error| {
+                    let range = range_of(&bound_of(error)).ok().and_then(Result::ok);
+                    range.is_some_and(|range| limit.judge(range) == Verdict::Pass)
+                };
+                range.map(|_| WorstCaseResult::Error(self.largest(answer, is_within)))
+            }
+        };
+        Ok((WorstCase { kind, extent, result }, bound.notes.iter().filter_map(formula_note).collect()))
     }
 }
 

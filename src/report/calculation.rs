@@ -27,21 +27,30 @@ pub struct Calculation {
     pub decimals: Option<usize>,
     /// Whether the result is the largest value allowed, so that it must not be rounded up.
     pub is_bound: bool,
-    /// What the error can do, of ΔCD of an error.
+    /// What the error can do wherever it is, or how large it may be there.
     pub worst_case: Option<WorstCase>,
     /// Remarks on the result's validity.
     pub notes: Vec<String>,
 }
 
 /// What an error can do wherever it is, of a pair of which nothing is known but what its formula needs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
     /// The kind of error.
     pub kind: DeviationKind,
     /// On which teeth it is.
     pub extent: Extent,
-    /// The lowest and the highest ΔCD.
-    pub range: Result<Interval, NoBound>,
+    /// What that comes to.
+    pub result: Result<WorstCaseResult, NoBound>,
+}
+
+/// What is asked of a worst case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WorstCaseResult {
+    /// The lowest and the highest ΔCD of an error.
+    DeltaCd(Interval),
+    /// The largest error of either sign within a ΔCD.
+    Error(DeviationValue),
 }
 
 impl WorstCase {
@@ -130,23 +139,34 @@ impl Calculation {
         if lower == upper { end(upper) } else { format!("{} … {}", end(lower).trim_end_matches(&unit), end(upper)) }
     }
 
-    /// What the error can do and on which teeth; `None` if no error is asked about.
+    fn worst_case_text(&self, result: WorstCaseResult) -> String {
+        match result {
+            WorstCaseResult::DeltaCd(range) => self.range_text(range),
+            WorstCaseResult::Error(error) => format!("at most {} of either sign", self.value_text(error)),
+        }
+    }
+
+    /// What the error can do, or how large it may be, and on which teeth; `None` of a formula that is of no error.
     #[must_use]
     pub fn worst_case_remark(&self) -> Option<String> {
         let worst_case = self.worst_case?;
         let on = worst_case.on();
-        Some(match worst_case.range {
-            Ok(range) => format!("worst case: {} ({on})", self.range_text(range)),
+        Some(match worst_case.result {
+            Ok(result) => format!("worst case: {} ({on})", self.worst_case_text(result)),
             Err(open) => format!("worst case: open ({on}): {open}"),
         })
     }
 
-    /// Whether the worst case is more than the value itself.
+    /// Whether the worst case is more than the value itself, or leaves less of it.
     #[must_use]
     pub fn is_worse(&self) -> bool {
-        let alone =
-            |Interval { lower, upper }: Interval| lower == upper && self.result == DeviationValue::Length(upper);
-        self.worst_case.is_some_and(|worst_case| !worst_case.range.is_ok_and(alone))
+        let is_alone = |result| match result {
+            WorstCaseResult::DeltaCd(Interval { lower, upper }) => {
+                lower == upper && self.result == DeviationValue::Length(upper)
+            }
+            WorstCaseResult::Error(error) => error == self.result.abs(),
+        };
+        self.worst_case.is_some_and(|worst_case| !worst_case.result.is_ok_and(is_alone))
     }
 
     /// The number and its unit.
@@ -208,7 +228,12 @@ impl Report for Calculation {
         }
         if let Some(worst_case) = self.worst_case {
             json["extent"] = worst_case.extent.name().into();
-            json["range_mm"] = json!(worst_case.range.ok());
+            match worst_case.result {
+                Ok(WorstCaseResult::DeltaCd(range)) => json["range_mm"] = json!(range),
+                Ok(WorstCaseResult::Error(error)) => json[format!("worst_case_{key}")] = base_value(error).1.into(),
+                Err(_) if self.is_bound => json[format!("worst_case_{key}")] = Value::Null,
+                Err(_) => json["range_mm"] = Value::Null,
+            }
         }
         json["notes"] = self.notes.clone().into();
         json
@@ -216,9 +241,12 @@ impl Report for Calculation {
 
     fn rows(&self) -> Vec<Vec<String>> {
         let value = base_value(self.result).0;
-        let range =
-            if self.worst_case.is_some() { "extent lower_mm=range_mm/lower upper_mm=range_mm/upper" } else { "" };
-        let names = format!("formula model {value} value unit {range}");
+        let worst_case = match self.worst_case {
+            None => String::new(),
+            Some(_) if self.is_bound => format!("extent worst_case_{value}"),
+            Some(_) => "extent lower_mm=range_mm/lower upper_mm=range_mm/upper".to_owned(),
+        };
+        let names = format!("formula model {value} value unit {worst_case}");
         fact::rows(&json!({ "calculations": [self.json()] }), "calculations", &names)
     }
 
@@ -228,9 +256,9 @@ impl Report for Calculation {
             .text("formula", |(model, _)| self.formula.equation(model.unwrap_or_default()))
             .text("model", |(model, _)| model.map(Model::name))
             .number("value", |(_, value)| self.value_text(*value));
-        let range = |range| self.range_text(range);
+        let text = |result| self.worst_case_text(result);
         let worst_case = Table::of(self.worst_case)
-            .number("worst case", |worst_case| worst_case.range.map_or_else(|_| "open".to_owned(), range))
+            .number("worst case", |worst_case| worst_case.result.map_or_else(|_| "open".to_owned(), text))
             .text("on", WorstCase::on);
         let notes = self.notes.iter().cloned().map(Block::Remark);
         std::iter::once(values.block()).chain(worst_case.block_if_any()).chain(notes).collect()

@@ -246,6 +246,44 @@ fn a_pasted_part_is_not_called_as_the_spec_is() {
     assert_eq!(from_input["title"], "pasted part", "{from_input}");
 }
 
+/// The largest error of the worst case, put back, uses up the ΔCD that was asked of, and no more.
+#[test]
+fn an_inverse_says_what_the_worst_case_leaves() {
+    let (lead, angles) = (["--face-width", "19.7"], ["--pressure-angle", "19.9", "--helix-angle", "12"]);
+    let of_lead = [&lead[..], &angles[..]].concat();
+    for (formula, gear, extents) in [
+        ("over-roller", &[][..], &["all", "each", "one"][..]),
+        ("radial", &[], &["all", "part"]),
+        ("pitch", &angles, &["one"]),
+        ("pinion-pitch", &angles, &["one"]),
+        ("pinion-lead", &angles, &["all", "each"]),
+        ("lead", &of_lead, &["all", "each", "one"]),
+    ] {
+        for extent in extents {
+            let ask = |question: &[&str]| {
+                let ended =
+                    run(&[&["calc", formula], question, gear, &["--extent", extent, "-f", "json"]].concat(), "");
+                (ended.code == Some(0)).then(|| ended.json()).unwrap_or_else(|| panic!("{formula}: {}", ended.stderr))
+            };
+            let answer = ask(&["--inverse", "0.05"]);
+            let (key, unit) = if formula == "lead" { ("deg", "deg") } else { ("mm", "mm") };
+            let value = |name: &str| answer[format!("{name}_{key}")].as_f64().expect("a number");
+            let largest = value("worst_case_value");
+            assert!(largest <= value("value") && largest > 0.9 * value("value"), "{formula} {extent}: {answer}");
+            let farthest = |error: f64| {
+                let range = &ask(&[&format!("{error}{unit}")])["range_mm"];
+                let end = |name: &str| range[name].as_f64().expect("a number").abs();
+                end("lower").max(end("upper"))
+            };
+            let either = |error: f64| farthest(error).max(farthest(-error));
+            assert!(either(largest) <= 0.05 && either(largest * 1.000_001) > 0.05, "{formula} {extent}: {answer}");
+        }
+    }
+    let open = run(&["calc", "pitch", "--inverse", "0.05", "--pressure-angle", "20", "--extent", "all"], "");
+    assert_eq!((open.code, open.stdout.as_str()), (Some(2), "0.036397 mm\n"));
+    assert!(open.stderr.contains("worst case: open (every pitch)"), "{}", open.stderr);
+}
+
 #[test]
 fn a_block_of_more_parts_than_are_shown_is_refused() {
     let folder = Folder::new("pasted-many");
