@@ -18,14 +18,14 @@ use super::signals::{self, Interruption};
 use super::stream::{self, Stdin};
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
-use super::teeth::{WorstTeeth, judged, mesh_of, with_known_teeth};
+use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{batch, function, mesh, monte_carlo, spec_files};
 use crate::batch::{
     Batch, Layout, Outcome, Part, PartError, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth,
     TeethRequest,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::Unjudged;
+use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::{LimitTarget, Stack};
 use crate::mesh::TOLERANCE_MM;
 use crate::report::chart::Chart;
@@ -157,7 +157,7 @@ impl Args {
         }
         page.sections.push(Section::new(BY_FORMULA, blocks));
         if !spec.errors.is_empty() || spec.has_deviations() {
-            let (section, of_yoke) = self.mesh(&known, worst.as_ref(), output)?;
+            let (section, of_yoke) = self.mesh(&known, report.evaluation, worst.as_ref(), output)?;
             page.sections.push(section);
             return Ok(status.max(of_yoke));
         }
@@ -187,8 +187,9 @@ impl Args {
         }
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
+        let by_formula = Section::new(BY_FORMULA, report.blocks());
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &basis)?;
-        for mut section in [Section::new(BY_FORMULA, report.blocks()), self.mesh(&spec, worst.as_ref(), output)?.0] {
+        for mut section in [by_formula, self.mesh(&spec, report.evaluation, worst.as_ref(), output)?.0] {
             section.heading = format!("{}: part {}", section.heading, part.id);
             section.blocks.retain(|block| !matches!(block, Block::Verdict(..)));
             page.sections.push(section);
@@ -196,8 +197,15 @@ impl Args {
         Ok(())
     }
 
-    /// The exact mesh, if the spec has the geometry, and what came of the limits on what a yoke does.
-    fn mesh(&self, spec: &Spec, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<(Section, Status), Failure> {
+    /// The exact mesh, if the spec has the geometry, beside what its errors were judged to be, and what came of the limits on
+    /// what a yoke does.
+    fn mesh(
+        &self,
+        spec: &Spec,
+        judged: Evaluation,
+        worst: Option<&WorstTeeth>,
+        output: &mut Output,
+    ) -> Result<(Section, Status), Failure> {
         const HEADING: &str = "Exact mesh along the stroke";
         let of_yoke = if spec.function_limits.is_empty() { Status::Pass } else { Status::Undecided };
         let unsolved = |why: String| Ok((Section::new(HEADING, vec![Block::Note(why)]), of_yoke));
@@ -221,7 +229,6 @@ impl Args {
                 return unsolved(format!("The mesh has no solution: {error}."));
             }
         };
-        let judged = judged(spec, &self.judge)?;
         let function = function::part(spec, &input, &curve, self.stroke.travel(spec)?, &judged)?;
         let yoke = function.map(|part| YokeSection::Known(Box::new(part)));
         let report = MeshReport { yoke, ..mesh::solved(spec, &input, curve, judged)? };
