@@ -19,13 +19,13 @@ impl FormulaPage {
         Self { name, aliases, text }
     }
 
-    /// Whether the paper has it, by the source that the text names.
+    /// Whether the paper has the formula, by the source that the text names.
     #[must_use]
     pub fn is_of_paper(&self) -> bool {
         !self.text.contains("\nSource: not in the paper")
     }
 
-    /// Its equation by a model, as it stands in the text: `ΔCD = |Δp| cos β_r / (2 tan α_n)`.
+    /// The equation of a model, as it stands in the text: `ΔCD = |Δp| cos β_r / (2 tan α_n)`.
     #[must_use]
     pub fn equation(&self, model: Model) -> &'static str {
         let mut block =
@@ -43,7 +43,7 @@ pub(crate) const IDEAL_PIN: FormulaPage = FormulaPage::new("ideal-pin", &["pin"]
 pub(crate) const OVER_PIN: FormulaPage = FormulaPage::new("over-pin", &[], include_str!("over_pin.md"));
 pub(crate) const ROLLER_CHANGE: FormulaPage = FormulaPage::new("roller-change", &[], include_str!("roller_change.md"));
 
-/// Every formula: those of no error, then one for each kind of error.
+/// Every formula: first those of measures over pins, then one for each kind of error.
 pub const CATALOGUE: &[FormulaPage; 9] = &[
     IDEAL_PIN,
     OVER_PIN,

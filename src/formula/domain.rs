@@ -1,5 +1,5 @@
-//! The quantities that the formulas take, and the values that each may have. Checked by the formulas, shown by the JSON
-//! Schema and the command line; each bound stands here only.
+//! The quantities that the formulas take, and the values that each may have. The formulas check these bounds, the JSON
+//! Schema and the command line show them; each bound stands here only.
 
 use std::ops::Bound;
 

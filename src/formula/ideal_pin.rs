@@ -36,7 +36,7 @@ pub(super) fn space_width_fm(normal_module: Length, tooth_thickness: Option<Leng
     })
 }
 
-/// ∂(π m_n − s_n)/∂m_n: half of π if the tooth thickness follows the module.
+/// ∂(π m_n − s_n)/∂m_n: π, or π/2 if the tooth thickness follows the module.
 pub(super) fn space_per_module(thickness_is_given: bool) -> f64 {
     if thickness_is_given { std::f64::consts::PI } else { 0.5 * std::f64::consts::PI }
 }

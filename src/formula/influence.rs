@@ -1,4 +1,4 @@
-//! The quantities that ΔCD follows from. Named by derivatives and by uncertainties; holds no value.
+//! The names of the quantities that ΔCD follows from, for derivatives and uncertainties; they hold no value.
 
 use crate::deviation::{DeviationKind, Part};
 
@@ -27,7 +27,7 @@ pub enum Influence {
 }
 
 impl Influence {
-    /// All of them.
+    /// Every influence.
     pub const ALL: [Self; 14] = [
         Self::Error(DeviationKind::RackOverRoller),
         Self::Error(DeviationKind::RackPitch),
@@ -53,13 +53,13 @@ impl Influence {
         }
     }
 
-    /// The quantity of the gear whose size stands under a key of a spec.
+    /// The influence whose size a spec gives by this key.
     #[must_use]
     pub fn of_gear(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|influence| !matches!(influence, Self::Error(_)) && influence.key() == key)
     }
 
-    /// Its key, its words, and whether it is an angle.
+    /// Key, name in words, and whether the influence is an angle.
     const fn facts(self) -> (&'static str, &'static str, bool) {
         match self {
             Self::Error(kind @ DeviationKind::RackOverRoller) => ("errors.rack_over_roller", kind.name(), false),
@@ -79,13 +79,13 @@ impl Influence {
         }
     }
 
-    /// Its key in specs and results: `errors.rack_pitch`, `pair.normal_pressure_angle`.
+    /// The influence's key in specs and results: `errors.rack_pitch`, `pair.normal_pressure_angle`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.facts().0
     }
 
-    /// Whether it is an angle (degrees); otherwise it is a length (mm).
+    /// Whether the influence is an angle (degrees); else it is a length (mm).
     #[must_use]
     pub const fn is_angle(self) -> bool {
         self.facts().2

@@ -1,6 +1,6 @@
 //! The law of each kind of error: how ΔCD follows from the error, and the error from ΔCD.
 //!
-//! The only place with the gain of an error. `eval`, tables, budgets, uncertainties and simulations all call it.
+//! Only this file computes the gain of an error; `eval`, tables, budgets, uncertainties and random parts call it.
 //!
 //! | shape | ΔCD | errors |
 //! |---|---|---|
@@ -10,8 +10,8 @@
 //! | sine | G \|sin Δβ\|, G = k / (2 cos β_r tan α_n) | lead of the rack, exact model |
 //! | tangent | G \|tan Δβ\|, G = k / (2 tan α_n) | lead of the rack, paper model |
 //!
-//! In the paper's model cos β is 1; it has no formula for the lead of the pinion, where both models are the exact one. The
-//! shapes are derived in [`mesh::relations`](crate::mesh::relations).
+//! In the paper's model cos β is 1. The paper has no formula for the lead of the pinion, so both models take the exact one.
+//! [`mesh::relations`](crate::mesh::relations) derives the shapes.
 
 pub use super::catalogue::page_of;
 use super::{FormulaPage, Influence, Model, Sensitivity, domain};
@@ -39,9 +39,9 @@ use crate::trig;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     kind: DeviationKind,
-    /// What the gain follows from; `None` for a shift.
+    /// The gear data that the gain follows from; `None` for a shift.
     geometry: Option<Geometry>,
-    /// Of the exact and the paper's model: per step, or in femtometres per unit of sine or tangent.
+    /// Gains of the exact and of the paper's model: per step, or in femtometres per unit of sine or tangent.
     gains: [f64; 2],
 }
 
@@ -67,9 +67,9 @@ enum Shape {
 
 pub(crate) const RADIANS_PER_DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// mm of ΔCD per mm of step, or the same per mm of face width and unit of sine or tangent: cos β / (2 tan α_n) of a
-/// pitch error, 1 / (2 cos β tan α_n) of the rack's lead error; in the paper's model cos β is 1. Of the pinion's lead, in
-/// both models, 1 / (2 sin α_t), tan α_t = tan α_n / cos β: the same as cos β_b / (2 sin α_n).
+/// mm of ΔCD per mm of step, or per mm of face width and unit of sine or tangent: cos β / (2 tan α_n) for a pitch
+/// error, 1 / (2 cos β tan α_n) for the rack's lead error; in the paper's model cos β is 1. For the pinion's lead both
+/// models have 1 / (2 sin α_t), tan α_t = tan α_n / cos β, which equals cos β_b / (2 sin α_n).
 #[must_use]
 pub(crate) fn unit_gain(kind: DeviationKind, model: Model, tan_alpha: f64, cos_beta: f64) -> f64 {
     match (kind, model) {
@@ -150,7 +150,7 @@ impl Law {
         Ok(Self { kind, geometry: Some(geometry), gains })
     }
 
-    /// The law for gear data in degrees and mm that lie on no grid, as they are drawn; outside the domain ΔCD is NaN.
+    /// The law for randomly drawn gear data in degrees and mm, which lie on no grid; outside the domain ΔCD is NaN.
     #[must_use]
     pub(crate) fn drawn(self, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
         let is_valid = domain::NORMAL_PRESSURE_ANGLE.contains(pressure_angle)
@@ -171,7 +171,7 @@ impl Law {
         self.kind
     }
 
-    /// The gear data behind it; `None` if it needs none.
+    /// The gear data behind the law; `None` if it needs none.
     #[must_use]
     pub const fn geometry(self) -> Option<Geometry> {
         self.geometry
@@ -196,8 +196,8 @@ impl Law {
     /// ΔCD of an error: within 1e-12 mm + 8 ulp of the true value (see `explain precision`).
     ///
     /// # Errors
-    /// [`DomainError`] if the error is outside its domain or no length or angle as the law needs it, or if the result
-    /// is beyond the largest length.
+    /// [`DomainError`] if the error is outside its domain, is a length where the law needs an angle or the reverse, or if the
+    /// result is beyond the largest length.
     #[inline]
     pub fn delta_cd(self, error: impl Into<DeviationValue>, model: Model) -> Result<Length, DomainError> {
         let error = error.into();
@@ -214,7 +214,7 @@ impl Law {
         }
     }
 
-    /// ΔCD of lengths that are errors; `None` where one has none, or the law takes no length.
+    /// ΔCD of errors that are lengths; `None` if one ΔCD is too large for the grid, or if the law takes no length.
     #[cfg(feature = "batch")]
     pub(crate) fn delta_cds(self, errors: &DeviationValues, model: Model) -> Option<Vec<Length>> {
         let DeviationValues::Lengths(lengths) = errors else { return None };
@@ -226,7 +226,7 @@ impl Law {
         }
     }
 
-    /// The same of a lead, or why there is none.
+    /// ΔCD of a pinion's or rack's lead error, or why it has none.
     fn of_turn_or_too_large(self, error: DeviationValue, model: Model) -> Result<Length, DomainError> {
         let function = match (self.shape(model), error) {
             (Shape::Step, DeviationValue::Length(length)) => (length.fm() as f64).abs(),
@@ -235,7 +235,7 @@ impl Law {
         Ok(Length::nearest(self.gain(model) * function, "ΔCD")?)
     }
 
-    /// ΔCD in mm of an error in mm or degrees, for draws that lie on no grid. Not checked against the domain.
+    /// ΔCD in mm of a randomly drawn error in mm or degrees, which lies on no grid. Does not check the domain.
     #[must_use]
     #[inline]
     pub fn delta_cd_mm(self, error: f64, model: Model) -> f64 {
@@ -248,8 +248,8 @@ impl Law {
         }
     }
 
-    /// ∂ΔCD/∂error in mm per mm, or mm per degree, at an error in mm or degrees; with the sign of the error, and
-    /// one-sided (positive) at the kink of a magnitude at 0.
+    /// ∂ΔCD/∂error in mm per mm or per degree, at an error in mm or degrees. It has the sign of the error; at the kink of
+    /// a magnitude at 0 it is the derivative to the right, which is positive.
     #[must_use]
     pub fn slope(self, error: f64, model: Model) -> f64 {
         let per_degree = self.gain(model) / FM_PER_MM * RADIANS_PER_DEGREE;
@@ -265,7 +265,8 @@ impl Law {
         if error < 0.0 { -magnitude } else { magnitude }
     }
 
-    /// ∂(ln ΔCD)/∂x for each of the gear's x that the gain follows from, per mm or degree: the same for every error.
+    /// ∂(ln ΔCD)/∂x for each quantity x of the gear that the gain follows from, per mm or degree. It is the same for every
+    /// size of the error.
     #[must_use]
     pub fn relative_sensitivities(self, model: Model) -> Vec<(Influence, f64)> {
         let Some(Geometry { pressure_angle, helix_angle, face_width }) = self.geometry else { return Vec::new() };
@@ -290,7 +291,7 @@ impl Law {
         all
     }
 
-    /// ∂ΔCD/∂input by the error, and by the gear data that the gain follows from, at this error.
+    /// ∂ΔCD/∂input at this error, where the inputs are the error and the gear data that the gain follows from.
     ///
     /// # Errors
     /// [`DomainError`] as for [`delta_cd`](Self::delta_cd).
@@ -311,8 +312,8 @@ impl Law {
         Ok(std::iter::once(own).chain(of_gear).collect())
     }
 
-    /// The largest error whose ΔCD does not exceed `delta_cd`, not negative where the sign does not matter: on the
-    /// grid, an angle in decimals of a degree, so that it holds when it is read back as printed.
+    /// The largest error whose ΔCD does not exceed `delta_cd`; where the sign does not matter, the positive one. It lies
+    /// on the grid, an angle in decimals of a degree, so that it holds when it is read back as printed.
     ///
     /// # Errors
     /// [`DomainError`] if `delta_cd` is negative where the error can only push the pinion away, or if no error reaches
@@ -336,8 +337,8 @@ impl Law {
         largest_within(delta_cd, what, farthest, |steps| self.delta_cd(error(steps), model)).map(error)
     }
 
-    /// The largest helix slope deviation f_Hβ over an evaluation length whose ΔCD does not exceed `delta_cd`, not
-    /// negative: on the grid, so that it holds when it is read back as printed.
+    /// The largest helix slope deviation f_Hβ over an evaluation length whose ΔCD does not exceed `delta_cd`. It is not
+    /// negative, and lies on the grid, so that it holds when it is read back as printed.
     ///
     /// # Errors
     /// [`DomainError`] if this is not the law of the rack's lead error, the length is not above 0, `delta_cd` is negative, or no
@@ -348,23 +349,23 @@ impl Law {
         length: Length,
         model: Model,
     ) -> Result<Length, DomainError> {
-        /// In femtometres: 1 m, up to which every unit shows a length to its last digit.
+        /// 1 m in femtometres: up to this length every unit shows each digit of the grid.
         const FARTHEST: i64 = 1_000_000_000_000_000;
         let reached = |fm: i64| self.delta_cd(lead_slope(Length::from_fm(fm), length)?, model);
-        // no f_Hβ is large enough to be refused where none at all is not
+        // an error at f_Hβ = 0 comes from the law or the length
         reached(0)?;
         largest_within(delta_cd, "helix slope deviation up to 1 m", FARTHEST, reached).map(Length::from_fm)
     }
 
-    /// Its page in the [`CATALOGUE`](super::CATALOGUE).
+    /// The law's page in the [`CATALOGUE`](super::CATALOGUE).
     #[must_use]
     pub fn page(self) -> &'static FormulaPage {
         page_of(self.kind)
     }
 }
 
-/// The last step whose ΔCD does not exceed `delta_cd`, where it grows with the steps; an error if that of the farthest
-/// does not either.
+/// The last step whose ΔCD does not exceed `delta_cd`, where ΔCD grows with the steps; an error if ΔCD of the farthest
+/// step does not exceed it either.
 fn largest_within(
     delta_cd: Length,
     error: &'static str,
@@ -391,7 +392,7 @@ fn largest_within(
     Ok(inside)
 }
 
-/// The sine or tangent that ΔCD is in proportion to.
+/// The sine or tangent to which ΔCD is proportional.
 fn of_turn(kind: DeviationKind, shape: Shape, error: DeviationValue) -> Result<f64, DomainError> {
     Ok(match (shape, error) {
         (Shape::Sine, DeviationValue::Angle(angle)) => {

@@ -1,9 +1,10 @@
 //! The closed formulas: what one manufacturing error does to the operating centre distance.
 //!
 //! The formulas of the paper *Effects of Gear Manufacturing Errors on Rack and Pinion Steering Meshing*, sections 2.1 and
-//! 2.2, and one for the pinion's lead, which it does not have; each with a page of its equation, symbols, units, domain and source. Those of ΔCD are [laws](Law): value, inverse
-//! (the largest error that stays within a ΔCD) and sensitivities (∂ΔCD/∂input) in one place. The [evaluation](crate::evaluation) evaluates
-//! and combines them; they take validated quantities and know nothing of files or tables.
+//! 2.2, and one for the pinion's lead, which the paper does not have. Each has a page with its equation, symbols, units,
+//! domain and source. The formulas of ΔCD are [laws](Law): value, inverse (the largest error that stays within a ΔCD) and
+//! sensitivities (∂ΔCD/∂input) in one place. The [evaluation](crate::evaluation) evaluates and combines them. Formulas
+//! take validated quantities and know nothing of files or tables.
 //!
 //! | error | ΔCD | law |
 //! |---|---|---|
@@ -14,7 +15,7 @@
 //! | pinion single pitch error | `\|f_p\| cos β_p / (2 tan α_n)` | [`Law::pinion_pitch`] |
 //! | pinion helix slope deviation | `\|f_Hβ\| cos β_b / (2 sin α_n)` | [`Law::pinion_lead`] |
 //!
-//! The exact ones are derived in [`mesh::relations`](crate::mesh::relations).
+//! [`mesh::relations`](crate::mesh::relations) derives the exact formulas.
 //!
 //! # Precision
 #![doc = include_str!("precision.md")]
@@ -41,7 +42,7 @@ pub use part_deviation::{PartDeviation, ToleranceEnds};
 use crate::quantity::Length;
 
 named! {
-    /// Which reading of a formula to use, where the paper's differs from the exact one.
+    /// Which formula to use where the paper's differs from the exact one.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
     pub enum Model {
@@ -50,15 +51,13 @@ named! {
         /// The pressure angle is taken in the plane in which the error was measured.
         #[default]
         Exact = "exact",
-        /// As the paper prints it.
-        ///
-        /// Of the pinion's lead, which the paper has no formula for, the exact formula.
+        /// As the paper prints it; for the pinion's lead, for which the paper has no formula, the exact one.
         Paper = "paper",
     }
 }
 
 impl Model {
-    /// The one that it is compared with.
+    /// The other model, with which results of this one are compared.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
@@ -85,7 +84,7 @@ impl Sensitivity {
         Self { input, value: Some(value) }
     }
 
-    /// Degrees are the unit of angles here, radians that of derivatives: ∂/∂degree = π/180 ∂/∂radian.
+    /// Converts a derivative by radians to one by degrees: ∂/∂degree = π/180 ∂/∂radian.
     fn by_angle(input: Influence, per_radian: f64) -> Self {
         Self::new(input, per_radian * law::RADIANS_PER_DEGREE)
     }

@@ -52,14 +52,14 @@ impl OverPin {
     pub fn measure(&self) -> Result<Length, DomainError> {
         let space = self.checked_space_fm()?;
         let alpha = self.normal_pressure_angle;
-        // the flanks' apex below the reference plane, and the pin's top above the apex
+        // the apex of the flanks lies below the reference plane, the top of the pin above the apex
         let depth = space / (2.0 * trig::tan_of(alpha));
         let height = 0.5 * femtometres(self.pin_diameter) * one_and_cosecant(alpha);
         let above_reference_plane = Length::nearest(height - depth, "the measure M over the pin")?;
         Ok(Length::sum([self.datum, above_reference_plane], "the measure M over the pin")?)
     }
 
-    /// The doubt about the pin: it rests on flanks near the reference plane, and below the tips.
+    /// Doubts that the pin rests on the flanks: the contact has to lie near the reference plane and below the tips.
     #[must_use]
     pub fn doubted_pin(&self, addendum: Option<Length>) -> Option<Doubt> {
         let alpha = self.normal_pressure_angle;
@@ -115,7 +115,7 @@ mod tests {
             (1.5, 3.0, 17.0, "18.149"),
             (2.5, 5.0, 24.0, "25.915"),
             (4.0, 8.0, 39.0, "42.064"),
-            // printed as 52.396, which is a misprint: it fits neither the formula nor its neighbours
+            // the table prints 52.396, a misprint: it fits neither the formula nor the values beside it
             (6.0, 12.0, 49.0, "53.596"),
             (8.0, 16.0, 79.0, "85.128"),
         ] {

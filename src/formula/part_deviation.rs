@@ -5,10 +5,10 @@ use super::{Law, Model, Sensitivity};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::quantity::{DomainError, Length};
 
-/// The ends of a tolerance: plus and minus a value, or two of their own.
+/// The ends of a tolerance: plus and minus one value, or two values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToleranceEnds {
-    /// The end farther from 0; with the other sign the other end, too, unless there is a nearer one.
+    /// The end farther from 0. If `nearer` is `None`, the other end is the same value with the other sign.
     pub farther: DeviationValue,
     /// The other end, where it is not as far from 0.
     pub nearer: Option<DeviationValue>,
@@ -42,13 +42,13 @@ pub struct PartDeviation {
     value: DeviationValue,
     extent: Extent,
     is_tolerance: bool,
-    /// Of a tolerance that is not the same either way, the end nearer to 0.
+    /// For a tolerance that is not symmetric, the end nearer to 0.
     nearer_end: Option<DeviationValue>,
     total: Option<Length>,
 }
 
 impl PartDeviation {
-    /// An error that was measured or given, on the teeth that [`DeviationKind::usual_extent`] says.
+    /// An error that was measured or given, on the teeth that [`DeviationKind::usual_extent`] names.
     #[must_use]
     pub fn new(law: Law, value: impl Into<DeviationValue>) -> Self {
         Self {
@@ -61,15 +61,15 @@ impl PartDeviation {
         }
     }
 
-    /// A permissible deviation in place of a measured one: any from minus to plus `value`, each tooth its own unless another
-    /// extent is given.
+    /// A permissible deviation in place of a measured one: any value from −`value` to +`value`, different on each tooth unless
+    /// another extent is given.
     #[must_use]
     pub fn within(law: Law, value: impl Into<DeviationValue>) -> Self {
         Self { law, value: value.into(), extent: Extent::Each, is_tolerance: true, nearer_end: None, total: None }
     }
 
-    /// A permissible deviation that is not the same either way: any from one end to the other, each tooth its own unless
-    /// another extent is given.
+    /// A permissible deviation that is not symmetric: any value between its ends, different on each tooth unless another extent
+    /// is given.
     #[must_use]
     pub fn between(law: Law, ends: ToleranceEnds) -> Self {
         Self { nearer_end: ends.nearer, ..Self::within(law, ends.farther) }
@@ -87,7 +87,7 @@ impl PartDeviation {
         Self { total: Some(total), ..self }
     }
 
-    /// The limit of the total cumulative deviation beside it, if there is one.
+    /// The limit of the total cumulative deviation F_p, if the tolerance has one.
     #[must_use]
     pub const fn total(&self) -> Option<Length> {
         self.total
@@ -135,7 +135,7 @@ impl PartDeviation {
         self.law
     }
 
-    /// The error's value; of a permissible deviation, the end that is farthest from 0.
+    /// The error's value; for a permissible deviation, the end that is farther from 0.
     #[must_use]
     pub const fn value(&self) -> DeviationValue {
         self.value

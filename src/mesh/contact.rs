@@ -104,13 +104,13 @@ pub(super) struct FlankContact {
     pub(super) cos_nu: f64,
     /// Whether the base helix angle fits the plane, so that the contact line is a generator.
     pub(super) fits: bool,
-    /// Whether it does and [`FlankContact::slides`] holds.
+    /// Whether the helix angle fits and [`FlankContact::slides`] holds.
     pub(super) slides: bool,
     /// r_b/sin ν.
     pub(super) scale: f64,
     /// See [`FlankContact::far_loss`].
     pub(super) far_loss: f64,
-    /// What bounds it from afar.
+    /// Constants of the quick bound.
     pub(super) reach: Reach,
     /// 1/κ, or 0 without a helix.
     pub(super) inverse_kappa: f64,
@@ -150,7 +150,7 @@ pub(super) struct Touch {
     pub(super) other: Option<(Spot, f64)>,
     /// At a vertex of the patch: a generator beyond it and the demand's rate per rate of the gap there.
     pub(super) vertex: Option<(f64, f64)>,
-    /// Whether it is where the rack's tip edge ends the contact line.
+    /// Whether the contact is where the rack's tip edge ends the contact line.
     pub(super) at_rack_edge: bool,
 }
 
@@ -210,11 +210,11 @@ const DEMAND: f64 = 2e-15;
 /// Iterations after which a maximum over generators is given up refining; the bracket halves at least every third.
 const MAX_EVALUATIONS: u32 = 200;
 
-/// Where the way across the rack turns its derivative tells nothing: look this far (rad) beside it.
+/// Where the coordinate across the rack has an extreme, its derivative says nothing: look this far (rad) beside it.
 const BESIDE: f64 = 1e-3;
 
 impl FlankContact {
-    /// The same with everything that follows from what was given.
+    /// The flank pair with the constants that follow from its geometry.
     pub(super) fn completed(self, tip_radius: f64, eccentricity: f64) -> Self {
         let mut contact = Self {
             scale: self.base_radius / self.sin_nu,
@@ -307,7 +307,7 @@ impl FlankContact {
         (flank.lo <= flank.hi).then_some(flank)
     }
 
-    /// What touches where no generator does along its whole length, in closed form; `None` where that is not sure.
+    /// The touch at a corner, where no generator touches along its whole length, in closed form; `None` where that is not sure.
     fn end_of_line(&self, pose: &Pose, floor: f64, hint: Option<Hint>) -> Option<Touch> {
         let zero = pose.c - self.nu;
         let at_rack_edge = hint.map_or(zero + 0.5 * (self.start_roll + self.tip_roll) > 0.0, |hint| hint.at_rack_edge);
@@ -324,7 +324,7 @@ impl FlankContact {
         let tie = 8.0 * DEMAND * self.scale;
         let root = if self.fits { self.reach_of_root(pose) } else { f64::INFINITY };
         let harmless = root <= best.map_or(floor, |best| best.demand.max(floor));
-        // what is not looked at is still part of the bound
+        // the part that is not searched still counts in the bound
         let bounded =
             |best: Touch| Touch { demand: if harmless { best.demand.max(root) } else { best.demand }, ..best };
         let climb = |best: Option<Touch>, lo: f64, hi: f64| {
@@ -360,8 +360,8 @@ impl FlankContact {
     }
 
     /// Off δ = 0 the demand rises along a generator by tilt − (r_b κ/sin ν)(1 − cos δ) per w. Where that changes its
-    /// sign, at this δ to either side, the best point jumps from one end of the generator to the other, and there
-    /// may be a peak on either side. `None` if it does not.
+    /// sign, at this δ to either side, the best point jumps from one end of the generator to the other, and there may be a
+    /// peak on either side. `None` if the sign does not change.
     fn jump(&self) -> Option<f64> {
         let share = self.tilt * self.sin_nu / (self.base_radius * self.kappa);
         (share > 0.0 && share < 2.0).then(|| 2.0 * trig::asin((0.5 * share).sqrt()))

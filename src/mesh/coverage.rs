@@ -1,5 +1,5 @@
-//! Which strokes a measured rack covers: those at which every flank that can carry was measured. Called for tables of a
-//! rack's spaces; a space that was not measured is neither nominal nor judged.
+//! Which strokes a measured rack covers: those at which every flank that can carry was measured. Used for tables of a
+//! rack's spaces: a space that was not measured is not taken as nominal, and its strokes are not judged.
 //!
 //! A flank of tooth k carries at strokes from k p_x + s_1 to k p_x + s_2, whatever its deviation, as long as that is small:
 //! s_1 and s_2 are found on the mesh of a nominal pair, on a fixed support, in which that flank stands out by 0.1 mm.
@@ -11,7 +11,7 @@ use super::{FlankSide, Mesh, MeshError, Support};
 use crate::deviation::{PinionFlanks, RackFlanks, RackTooth};
 use crate::gear::Pair;
 
-/// How far a flank stands out: more than any that is worth measuring.
+/// How far the flank stands out, mm: more than any measured flank does.
 const PROUD_MM: f64 = 0.1;
 /// Strokes that are tried in each pitch.
 const STEPS: i32 = 64;
@@ -25,7 +25,7 @@ pub struct CarryingStrokes {
 }
 
 impl CarryingStrokes {
-    /// Those of a pair.
+    /// The strokes at which the flanks of a pair carry.
     ///
     /// # Errors
     /// Whatever the mesh of the pair gives.
@@ -62,7 +62,7 @@ fn without(range: Range<f64>, taken: Range<f64>) -> impl Iterator<Item = Range<f
     [before, after].into_iter().filter(|part| part.start < part.end)
 }
 
-/// The strokes at which one flank of tooth 0 carries that stands out, each end up to a step too far.
+/// The strokes at which a flank of tooth 0 that stands out carries; either end may be up to one step too far.
 fn carrying(pair: &Pair, side: FlankSide, proud_mm: f64) -> Result<Range<f64>, MeshError> {
     let mut tooth = RackTooth::default();
     match side {
@@ -92,8 +92,8 @@ mod tests {
     use super::*;
     use crate::gear::{PairData, example};
 
-    /// A flank that hardly stands out carries where the pair's path of contact says: the right one at c ± ε/2, the left
-    /// one at −c ± ε/2.
+    /// A flank that hardly stands out carries along the pair's path of contact: the right one at c ± ε/2, the left one at
+    /// −c ± ε/2.
     #[test]
     fn flanks_carry_along_the_path_of_contact() {
         let examples = [(20, 0.0, 0.0), (20, 0.0, 0.4), (20, -0.3, 0.4), (12, 0.2, 0.3), (20, -0.35, 0.35)];

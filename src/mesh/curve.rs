@@ -1,5 +1,4 @@
-//! The centre distance over a range of strokes, with every kink. Made by [`Mesh::curve`], read by reports and plots;
-//! solves nothing itself.
+//! The centre distance over a range of strokes, with every kink. [`Mesh::curve`] makes it, reports and plots read it.
 
 use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
@@ -26,10 +25,10 @@ pub struct Curve {
     pub kinks: Vec<Kink>,
     /// The promised tolerance, mm.
     pub tolerance_mm: f64,
-    /// Strokes solved to find them.
+    /// How many strokes were solved to find the kinks.
     pub solved: usize,
-    /// Whether the tolerance holds everywhere; `false` if refining was given up at [`Mesh::curve`]'s limit of work, or
-    /// at a stroke whose own residual is larger than the tolerance.
+    /// Whether the tolerance holds everywhere; `false` if refining ended at [`Mesh::curve`]'s limit of work, or at a stroke
+    /// whose residual is larger than the tolerance.
     pub resolved: bool,
 }
 
@@ -85,8 +84,8 @@ impl Mesh {
         Ok(curve)
     }
 
-    /// The same curve in pieces of some `PIECE` first steps, in rising order; each begins behind the last point of the
-    /// one before. Memory does not depend on how long the stroke is.
+    /// The curve in pieces of some `PIECE` first steps, in rising order; each begins behind the last point of the one before.
+    /// Memory does not depend on how long the stroke is.
     ///
     /// # Errors
     /// Those of [`Mesh::curve`], and the first one of `take`.
@@ -147,7 +146,7 @@ impl Mesh {
         let mut curve = Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, solved: 1, resolved: true };
         for block in parallel::map(parallel::cores(), first.len().div_ceil(block), || (), refined).0 {
             let block = block?;
-            // its first point is the last one's last
+            // the first point of a piece is the last point of the one before
             curve.points.extend(&block.points[1..]);
             curve.kinks.extend(block.kinks);
             curve.solved += block.solved - 1;
@@ -157,8 +156,8 @@ impl Mesh {
     }
 }
 
-/// How many flank pairs may be searched in refining a block: many times what pairs that somebody would build take. A kink
-/// is located whatever the tolerance, while the points that bends take go with the tolerance's inverse root.
+/// How many flank pairs may be searched in refining a block: many times what realistic pairs take. The work for a kink does
+/// not depend on the tolerance; the points for bends go with the inverse root of the tolerance.
 fn searches(steps: usize, blocks: usize, tolerance_mm: f64) -> f64 {
     let (steps, blocks) = (steps as f64, blocks as f64);
     steps * (FOR_KINKS + FOR_BENDS * (FINE / tolerance_mm).sqrt().min(MOST_POINTS)) + FOR_KINKS_IN_ALL / blocks
@@ -191,7 +190,7 @@ impl Refiner<'_> {
         }
         self.curve.solved += 1;
         let m = self.sampler.at(middle)?;
-        // where a solve says that its own error is larger, halving resolves nothing
+        // where the residual of a solve is larger than the tolerance, halving resolves nothing
         if m.residual_mm.abs() > self.tolerance {
             self.curve.resolved = false;
             self.keep(&m, false);
@@ -205,7 +204,7 @@ impl Refiner<'_> {
             self.keep(b, false);
             return Ok(());
         }
-        // a kink that no longer shows is located well enough
+        // a kink that bends the curve by less than the tolerance is located well enough
         if kinked && depth >= HARMLESS_DEPTH && sagitta <= HARMLESS * self.tolerance {
             self.finish(a, b, true);
             return Ok(());
@@ -231,7 +230,7 @@ impl Refiner<'_> {
         } else if let Some(last) = self.curve.points.last_mut()
             && self.curve.kinks.last().is_none_or(|kink| kink.stroke_mm != last.stroke_mm)
         {
-            // of crowded points the last one stays, so that an end or a kink's near side is never lost
+            // of crowded points keep the last, so that an end or the near side of a kink is never lost
             *last = *point;
         }
     }
@@ -241,7 +240,7 @@ impl Refiner<'_> {
 mod tests {
     use super::*;
 
-    /// What a curve may take goes with its length and with the inverse root of its tolerance, within bounds.
+    /// The work that a curve may take goes with its length and with the inverse root of its tolerance, within bounds.
     #[test]
     fn a_curve_may_take_as_many_searches_as_its_points_need() {
         let near = |found: f64, expected: f64| (found - expected).abs() <= 1e-9 * expected;

@@ -1,9 +1,9 @@
-//! What one side of the mesh asks for: the largest demand of all flank pairs in reach. Called by the solver at each
-//! rotation tried; balances nothing, that is the solver's.
+//! What one side of the mesh asks for: the largest demand of all flank pairs in reach. The solver calls it at each
+//! rotation that it tries, and balances both sides.
 //!
-//! Most pairs in reach are seen from afar not to carry; the others are touched, each from where it was touched last.
-//! Without that place the mesh takes up to 2.3 times as long on crossed pairs; and without what a pair asked for there, which
-//! bounds what it asks for nearby, a rack that rolls takes twice as long.
+//! A quick bound shows that most pairs in reach do not carry. The others are searched, each from where it touched last:
+//! without that place the mesh takes up to 2.3 times as long on crossed pairs. The demand at that place bounds the demand
+//! nearby: without this bound a rack that rolls takes twice as long.
 
 use std::ops::RangeInclusive;
 
@@ -24,7 +24,7 @@ pub(super) struct Position {
     pub(super) place: f64,
     /// Angle of the pinion tooth of the same number at offset 0.
     pub(super) angle: f64,
-    /// Angle of pinion tooth 0 less that.
+    /// Angle of pinion tooth 0 less `tooth_angle`.
     pub(super) to_first: f64,
 }
 
@@ -54,7 +54,7 @@ struct Turn<'a> {
 #[derive(Default)]
 struct Best {
     demand: Option<Demand>,
-    /// Demands closer than this are the same, and of the same ones the first tooth's counts, not the first that was asked.
+    /// Demands closer than this are equal; of equal ones the first tooth's counts, in whichever order they were searched.
     tie: f64,
     is_first_of_ties: bool,
     /// A rack tooth that has no thickness or is out of order.
@@ -62,7 +62,8 @@ struct Best {
 }
 
 impl Best {
-    /// What a tooth must reach to be known exactly, and what it must exceed to carry: names of carriers must not flicker.
+    /// The demand from which a tooth is searched exactly, and the demand that it must exceed to carry: the names of carriers
+    /// must not flicker.
     fn bar(&self, tooth: i64) -> (f64, f64) {
         match &self.demand {
             None => (f64::NEG_INFINITY, f64::NEG_INFINITY),
@@ -73,7 +74,7 @@ impl Best {
 }
 
 impl Sampler<'_> {
-    /// The rack tooth nearest to the pinion's axis, wherever its deviations have put it.
+    /// The rack tooth nearest to the pinion's axis, its displacement by deviations included.
     pub(super) fn locate(&mut self, stroke_mm: f64) -> Result<Position, MeshError> {
         let Constants { pitch, angular_pitch, angle_per_mm, stroke_limit, .. } = self.constants;
         if stroke_mm.abs() > stroke_limit || stroke_mm.is_nan() {
@@ -87,7 +88,7 @@ impl Sampler<'_> {
             if steps == 0 {
                 break;
             }
-            // next to a gap so many steps lead too far: then one
+            // next to a gap so many steps lead too far: then take one
             let nearer = [steps, steps.signum()].into_iter().find_map(|steps| {
                 let tooth = (tooth - steps).clamp(-(1 << 52), 1 << 52);
                 let place = reduced(tooth, pitch, stroke_mm);
@@ -148,7 +149,7 @@ impl Sampler<'_> {
         Ok(best)
     }
 
-    /// The highest of so many flank pairs.
+    /// The highest demand of these flank pairs.
     fn best(&mut self, turn: &Turn<'_>, pairs: RangeInclusive<i64>) -> Best {
         let tie = TIE * self.constants.default_rate;
         let mut best = Best { tie, is_first_of_ties: self.mesh.support() != Support::Fixed, ..Best::default() };
@@ -156,7 +157,7 @@ impl Sampler<'_> {
         let is_partial = self.looks == Looks::AtPeaks;
         let [favourite, known @ ..] =
             carried.map(|tooth| Some(tooth.wrapping_sub(turn.first)).filter(|n| pairs.contains(n)));
-        // the pair that carried last first: it sets the mark that the others must reach
+        // first the pair that carried last: it sets the mark that the others must reach
         let mut look = |n: i64| self.look(turn, n, &mut best);
         favourite.into_iter().for_each(&mut look);
         if is_partial {
@@ -167,7 +168,7 @@ impl Sampler<'_> {
         best
     }
 
-    /// Looks at one flank pair, n teeth from the rack's nearest one: whether it may ask for more, and for how much.
+    /// Searches the flank pair n teeth from the rack's nearest tooth, if it may ask for more than the mark.
     fn look(&mut self, turn: &Turn<'_>, n: i64, best: &mut Best) {
         let Constants { pitch, angular_pitch, .. } = self.constants;
         let Turn { side, position, angle, first, .. } = *turn;
@@ -185,7 +186,7 @@ impl Sampler<'_> {
         }
     }
 
-    /// Where and when one flank pair touches, unless it is known from the last time that another one does before.
+    /// Searches where one flank pair touches, unless the bound from its last search shows that it cannot carry.
     fn touch(&mut self, side: FlankSide, tooth: i64, place: f64, pose: &Pose, best: &mut Best) {
         let (constants, roll, looks) = (self.constants, self.roll.angle, self.looks);
         let (floor, mark) = best.bar(tooth);
@@ -200,7 +201,7 @@ impl Sampler<'_> {
             && let Some((plain, added)) = prepared.plain.as_deref()
             && best.demand.is_some()
         {
-            // of a carrier all of the flank has to be known, of others only that they ask for less
+            // for a carrier all of the flank counts; for others it is enough to know that they ask for less
             let most = plain.touch(pose, floor - added, seen.map(|seen| seen.hint));
             let most = most.map(|touch| Touch { demand: touch.demand + added, ..touch });
             if most.as_ref().is_none_or(|most| most.demand < floor) {
@@ -216,7 +217,7 @@ impl Sampler<'_> {
         } else {
             contact.touch(pose, floor, seen.map(|seen| seen.hint))
         };
-        // a clipped demand is an upper bound, which is all that is asked of it
+        // a clipped demand is an upper bound, which is enough here
         let now = touch.as_ref().map(|touch| Seen::new(touch, pose, roll));
         *at_peaks = now;
         if !is_partial {

@@ -29,8 +29,8 @@ pub struct PinionReading {
     pub tooth: u32,
     /// Distance of the ball's centre from the tooth system's axis, mm, in the space after the tooth.
     pub radius_mm: f64,
-    /// How much higher the space sits, mm: half of what it is narrower over tan α_t, as the involute gives it from the
-    /// radius. To first order the radius less its nominal value, for a ball that touches at the reference circle.
+    /// How much higher the space sits, mm: half of the missing width over tan α_t, by the involute from the radius. To first
+    /// order it is the radius less its nominal value, for a ball that touches at the reference circle.
     pub radial_mm: f64,
     /// Position of the ball's centre less its nominal one, as arc at the reference circle towards higher index, mm.
     pub position_mm: f64,
@@ -54,8 +54,7 @@ impl RackReading {
 }
 
 impl PinionReading {
-    /// The row of measured data that says the same. Left and right pitches are not in it: they would tell part of
-    /// the same twice.
+    /// The reading as a row of measured data, without left and right pitches: the position has part of them already.
     #[must_use]
     pub fn row(&self) -> PinionToothRow {
         PinionToothRow {
@@ -129,9 +128,9 @@ impl Mesh {
     /// Puts a ball into every space of the pinion and reads the flanks' pitches at the reference circle.
     ///
     /// The centre lies at r_b / cos α_K with inv α_K = D/(2 r_b cos β_b) − η_b, η_b half the space's angle at the base
-    /// circle. Read relative to the tooth system's own axis, at mid-width. The radial value is evaluated from the
-    /// radius by the same relation, so it is what relation and mesh mean by it for any ball: fed back as measured data
-    /// with the position, it gives the same flanks.
+    /// circle. It is read relative to the tooth system's own axis, at mid-width. The radial value follows from the radius by
+    /// the same relation, so it does not depend on the ball: fed back as measured data with the position, it gives the same
+    /// flanks.
     ///
     /// # Errors
     /// [`MeshError::NotPositive`] unless the diameter is positive, finite, and large enough not to fall

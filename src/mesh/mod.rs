@@ -27,8 +27,8 @@
 //! 6. `sample`: one stroke after the other, or many on all cores; `curve`: a range of strokes with its kinks, `summary`:
 //!    its figures; `rates`: how fast it moves, and what slides; `coverage`, `measure`: which strokes teeth carry at, and what a ball between them reads.
 //!
-//! Steps 2 to 5 end at rounding: no tolerance is asked for below a curve's. The closed forms and bounds change no result;
-//! each says how much slower the mesh is without it.
+//! Steps 2 to 5 end at rounding; only a curve has a tolerance. The closed forms and bounds change no result; each says how
+//! much slower the mesh is without it.
 //!
 //! # Use
 //! Called by the command line, the reports and anyone who has a [`Pair`](crate::gear::Pair) and its deviations. A
@@ -65,9 +65,9 @@ pub use roll::LARGEST_ROLL_RAD;
 pub use sampler::Sampler;
 pub use summary::Summary;
 
-/// First and last stroke where nobody says them, mm.
+/// First and last stroke by default, mm.
 pub const STROKE_MM: (f64, f64) = (0.0, 50.0);
 
-/// How closely a curve is followed unless the user says otherwise, mm.
+/// Tolerance of a curve by default, mm.
 pub const TOLERANCE_MM: f64 = 1e-6;
 pub(crate) use summary::largest_swing;

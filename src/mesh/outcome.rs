@@ -1,4 +1,4 @@
-//! What a solve at one stroke says, or why it cannot say anything. Made by the solver, read by everyone.
+//! The result of a solve at one stroke, or why there is none. The solver makes it, every user of the mesh reads it.
 
 use super::ContactKind;
 use crate::quantity::Rounded;
@@ -59,13 +59,13 @@ pub struct MeshPoint {
     pub delta_cd_mm: f64,
     /// Rotation of the pinion since s = 0, positive as the stroke rises, rad; nominally 2π s / (z p_x).
     pub pinion_angle_rad: f64,
-    /// Its difference from nominal, rad: the transmission error.
+    /// The rotation's difference from nominal, rad: the transmission error.
     pub transmission_error_rad: f64,
     /// Roll of the rack about its own axis, rad; 0 with a fixed support.
     pub roll_rad: f64,
-    /// What carries on right rack flanks.
+    /// The pair that carries on right rack flanks.
     pub right: Carrier,
-    /// What carries on left rack flanks.
+    /// The pair that carries on left rack flanks.
     pub left: Carrier,
     /// Difference of the centre distances that both sides ask for at the last rotation tried, mm; the
     /// result is corrected for it to first order.
@@ -83,14 +83,14 @@ impl MeshPoint {
         self.ending == Ending::Converged
     }
 
-    /// Whether ΔCD is certain: both sides ask for the same to [`SOLVED_MM`], and no other roll of the rack can be lower.
+    /// Whether ΔCD is certain: both sides ask for the same within [`SOLVED_MM`], and no other roll of the rack can be lower.
     #[must_use]
     pub fn is_solved(&self) -> bool {
         matches!(self.ending, Ending::Converged | Ending::BracketExhausted) && self.residual_mm.abs() < SOLVED_MM
     }
 }
 
-/// What a sampler has done since it was made: how much work an answer took, not how long.
+/// The work of a sampler since it was made, in counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Work {
     /// Strokes solved, or found to have no solution.
@@ -99,7 +99,7 @@ pub struct Work {
     pub rotations: u64,
     /// Flank pairs whose constants were made.
     pub prepared: u64,
-    /// Flank pairs in reach at some rotation, each time they were.
+    /// Flank pairs in reach, counted at each rotation.
     pub in_reach: u64,
     /// Of those, the ones that could be the highest and were searched.
     pub searched: u64,

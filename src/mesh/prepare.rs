@@ -95,13 +95,13 @@ impl Mesh {
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     pub(super) contact: FlankContact,
-    /// Of a flank with form: the same without, and what that may ask for less at most.
+    /// For a flank with form: the flank without form, and by how much less that may ask for at most.
     pub(super) plain: Option<Box<(FlankContact, f64)>>,
     /// The flank's start angle less the tooth's.
     pub(super) start: f64,
     /// Demand per displacement of the tooth, away from its own side.
     pub(super) per_shift: f64,
-    /// How all this changes with the rack's roll.
+    /// How these constants change with the rack's roll.
     pub(super) rates: RollRates,
     /// Mean displacement of the rack tooth along X, mm.
     pub(super) center: f64,
@@ -156,7 +156,7 @@ struct RolledTooth {
 const NO_HELIX: f64 = 1e-12;
 
 impl Prepared {
-    /// Whether this pair is certain not to ask for more than the mark.
+    /// Whether this pair certainly asks for no more than the mark.
     pub(super) fn stays_below(&self, pose: &Pose, mark: f64) -> bool {
         match &self.plain {
             Some(plain) => plain.0.stays_below(pose, mark - plain.1),
@@ -280,7 +280,7 @@ impl Mesh {
         };
         let across =
             Across { t: -sin_s * roll.cos, w: cos_s * roll.cos, z: roll.sin, half_width: 0.5 * rack.face_width_mm };
-        // all of it by the roll: the normal turns, y' = −z and z' = y
+        // derivatives by the roll: the normal turns, y' = −z and z' = y
         let inverse_rate = -inverse * inverse * rolled_y;
         let level = 1.0 / (roll.cos * roll.cos);
         let rates = RollRates {
@@ -306,7 +306,7 @@ impl Mesh {
         (along * along + across * across).sqrt()
     }
 
-    /// The amounts that stand back, if there are any.
+    /// The amounts of flank form, if there are any.
     fn form(&self, roll: &Roll, normal: [f64; 3], per_height: f64) -> Option<Form> {
         let (rack, pinion) = (self.rack.form(), self.pinion.form());
         (!rack.is_plain() || !pinion.is_plain()).then(|| Form {

@@ -6,10 +6,10 @@ use super::demand::Demand;
 use super::sampler::Sampler;
 use super::{FlankSide, MeshPoint, SOLVED_MM, Support};
 
-/// The mesh at a solved stroke, for each mm of travel. At a kink each side has its own: those of what carries there.
+/// The rates of the mesh at a solved stroke, for each mm of travel. At a kink each side has its own rates.
 ///
-/// With D_R and D_L the centre distances that the right and the left carrier ask for, by the pinion's rotation θ and by the
-/// place x of the rack along X (which falls as the stroke s rises), both ask for the same all along:
+/// D_R and D_L are the centre distances that the right and the left carrier ask for, as functions of the pinion's rotation θ
+/// and of the rack's place x along X (which falls as the stroke s rises). Both ask for the same all along:
 ///
 /// ```text
 /// dθ/ds   = (∂D_R/∂x − ∂D_L/∂x) / (∂D_R/∂θ − ∂D_L/∂θ)
@@ -113,7 +113,7 @@ mod tests {
         meshes
     }
 
-    /// Rates are what neighbouring strokes differ by, and what touches neither parts nor enters.
+    /// Rates are the differences of neighbouring strokes, and flanks that touch neither separate nor penetrate.
     #[test]
     fn rates_are_those_of_neighbouring_strokes_and_contacts_only_slide() {
         const H: f64 = 1e-4;
@@ -151,7 +151,7 @@ mod tests {
         assert!(compared > 800 && edges > 300, "{compared} {edges}");
     }
 
-    /// Of flanks on flanks: N_R + N_L = F / sin α_n, and lengthwise they slide with |sin Σ| / cos β_p at the pitch point.
+    /// Flank on flank: N_R + N_L = F / sin α_n, and flanks slide lengthwise with |sin Σ| / cos β_p at the pitch point.
     #[test]
     fn lines_slide_as_the_pitch_point_does_and_a_little_more() {
         for (beta_r, beta_p) in [(0.0, 0.35), (0.2, 0.3), (0.2, -0.5)] {

@@ -14,24 +14,23 @@
 //! f(φ) ≥ f(φ_0) + f'(φ_0) (φ − φ_0) − C/2 (φ − φ_0)²
 //! ```
 //!
-//! from either end; an interval whose bound is above the lowest bottom so far is done with, and the others are divided
-//! where the bounds of both ends meet. Where the same points touch at both ends the cubic through both values and slopes
+//! from either end. An interval whose bound is above the lowest bottom so far is finished; the others are divided where
+//! the bounds of both ends meet. Where the same points touch at both ends the cubic through both values and slopes
 //! bounds more closely. In an interval that falls at one end and rises at the other, the bottom is
 //! narrowed down by the intersection of both tangents, which meets a kink quadratically, or by the secant of the
 //! derivative where both ends have the same contacts.
 //!
-//! Bounds need no solution: at any rotation the tangents of both sides meet at what they ask for together, and what was
-//! looked at of a side, teeth that carried and known peaks, is what it asks for at least. So most rolls take one rotation,
-//! from what is expected there ([`course`]), and only bottoms are solved with all teeth and all of their flanks; where that
-//! gives more than was bounded, the search goes on. The search begins around the last stroke's bottom: what is found does
-//! not depend on it by more than rounding, unless C is too small.
+//! A bound needs no solution: at any rotation the tangents of both sides meet at what both ask for together, and teeth that
+//! carried and known peaks are a lower bound of what a side asks for. So most rolls take one rotation, from what is
+//! expected there ([`course`]), and only bottoms are solved with all teeth and all of their flanks; where that gives more
+//! than the bound, the search goes on. The search begins around the last stroke's bottom: the result does not depend on
+//! that by more than rounding, unless C is too small.
 //!
 //! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
 //! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
-//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where slopes
-//! show that it bends down by more, that counts. Where teeth hardly
-//! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a
-//! valley may be missed, by micrometres in pairs made for it.
+//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where slopes show a
+//! larger curvature, that one counts. Where teeth hardly enter and two rotations may hold the pinion, the centre distance
+//! bends down sharply from one to the other: there a valley may be missed, by micrometres in pairs made for it.
 
 pub(super) mod course;
 mod valleys;
@@ -51,12 +50,11 @@ const INTERVALS: i32 = 7;
 const SAFETY: f64 = 20.0;
 /// Intervals divided at one stroke; mostly fewer than 20 are, and 60 were the most among random pairs.
 const MAX_DIVISIONS: u32 = 200;
-/// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and on random pairs as one would build them 3,200 were
-/// the most.
+/// Flank pairs searched at one stroke; mostly fewer than 1,000 are, and at most 3,200 on realistic random pairs.
 const MAX_SEARCHES: u64 = 20_000;
 /// The search goes on this far beside a bottom that is not known to be the lowest place there.
 const BESIDE: f64 = 1e-5;
-/// Rotations of one look at a roll, and factors by which a bracket around the expected bottom grows at most.
+/// Most rotations for the bound at one roll, and most factors by which a bracket around the expected bottom grows.
 const MOST_LOOKS: u32 = 4;
 const MOST_GROWN: u32 = 4;
 /// After so many bottoms at which something else asks for more, all of a stroke's rolls are solved.
@@ -66,7 +64,7 @@ const LEFT_OUT: f64 = 1e-13;
 const SHARE_LEFT_OUT: f64 = 0.02;
 /// Evaluations of one valley; a bisection of the whole range to rounding takes 50.
 const MAX_EVALUATIONS: u32 = 80;
-/// Rounds until the centre distance that the end faces are placed with is the one that follows; two mostly do.
+/// Most rounds until the centre distance that places the end faces agrees with the result; two are usually enough.
 const MAX_ROUNDS: u32 = 20;
 /// At smaller rolls (rad) the slope needs the centre distance as well as the value needs it at this one.
 const LEAST_LEVER: f64 = 1e-7;
@@ -88,13 +86,13 @@ impl Sampler<'_> {
             found = found.or_level(self.at_roll(stroke_mm, 0.0, depth_mm)?);
         }
         if found.angle.abs() >= LARGEST_ROLL_RAD && found.slope * found.angle < 0.0 {
-            // it goes on falling where no search was made
+            // the centre distance still falls at the end of the range that is searched
             found.doubt();
         }
         Ok(found.point)
     }
 
-    /// The lowest bottom of all valleys at a stroke, as far as so many searches of flank pairs tell; of several as deep the
+    /// The lowest bottom of all valleys at a stroke, within a limit of searches of flank pairs; of several equally low ones the
     /// one with the smallest roll.
     fn lowest(&mut self, stroke_mm: f64, depth_mm: f64, searches: u64) -> Result<Rolled, MeshError> {
         let curvature = self.curvature(depth_mm);
@@ -194,7 +192,7 @@ impl Sampler<'_> {
         search.node(angle, solved)
     }
 
-    /// A bottom between a falling and a rising end, and what is left to search beside it.
+    /// A bottom between a falling and a rising end, and the intervals beside it that are left to search.
     fn valley(&mut self, stroke: &AtStroke, search: &mut Search, [falling, rising]: [Rolled; 2]) {
         let Narrowed { low, high, is_closed } = self.narrow([falling, rising], stroke);
         let bottom = if low.value <= high.value { low } else { high };
@@ -219,7 +217,7 @@ impl Sampler<'_> {
                 search.open(from, left);
                 search.open(right, to);
             }
-            // something else asks for more there
+            // another tooth or peak asks for more there
             exact => {
                 self.course.surprises += 1;
                 let middle = search.node(angle, exact);
@@ -229,8 +227,7 @@ impl Sampler<'_> {
         }
     }
 
-    /// What no centre distance bends down by, mm/rad²: the largest distance of a point of the rack's flanks from its roll
-    /// axis, with [`SAFETY`].
+    /// The curvature C, mm/rad²: [`SAFETY`] times the largest distance of a point of the rack's flanks from its roll axis.
     fn curvature(&self, depth_mm: f64) -> f64 {
         let rack = self.mesh.pair().rack();
         let height = depth_mm.abs() + rack.addendum_mm.max(self.mesh.pair().normal_module_mm());
@@ -268,7 +265,7 @@ impl Sampler<'_> {
             if angle <= low.angle || angle >= high.angle {
                 break;
             }
-            // where the mesh ends in between, what is known so far counts
+            // where the mesh ends in between, take what is known so far
             let may = self.work.searched <= stroke.most_searched;
             let here = may.then(|| self.at_least(stroke, angle, None).ok()).flatten();
             let Some(here) = here.filter(Rolled::is_balanced) else {
@@ -330,8 +327,8 @@ impl Sampler<'_> {
         Ok(rolled)
     }
 
-    /// A centre distance that a roll asks for at least: by one rotation, or a few, from what is expected there. With the
-    /// lowest bottom that is known, only as exactly as it needs to be.
+    /// A lower bound of the centre distance at a roll, by one rotation or a few, from what is expected there. If the lowest
+    /// known bottom is given, the bound is only as exact as the comparison needs.
     fn at_least(&mut self, stroke: &AtStroke, angle: f64, best: Option<f64>) -> Result<Rolled, MeshError> {
         let AtStroke { stroke_mm, depth_mm, curvature, .. } = *stroke;
         let expected = self.course.at(angle, f64::INFINITY).filter(|_| self.course.surprises <= MOST_SURPRISES);
@@ -368,7 +365,7 @@ impl Sampler<'_> {
 
     /// Keeps where a roll was solved.
     fn keep(&mut self, rolled: &Rolled) {
-        // where nothing balances, nothing is known of where the next roll does
+        // where nothing balances, nothing is known about the rotation at the next roll
         self.last = self.last.filter(|_| rolled.is_balanced());
         let Some((offset, displacement)) = self.last else { return };
         let turned = offset - displacement * self.constants.angle_per_mm;

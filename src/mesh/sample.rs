@@ -15,7 +15,7 @@ const BLOCK: u64 = 512;
 const ROLLING_BLOCK: u64 = 16;
 
 impl Sampler<'_> {
-    /// Solves one stroke. Near the last one it is faster; the result differs from a fresh start by rounding only.
+    /// Solves one stroke, faster near the last one. The result differs from that of a fresh start by rounding only.
     ///
     /// # Errors
     /// [`MeshError`] says why there is no mesh here.
@@ -53,8 +53,8 @@ impl Mesh {
         points
     }
 
-    /// Solves `count` strokes on all cores, makes something of each block of points while still there, and hands
-    /// what was made over in the order of the strokes. Memory is bounded however many strokes there are.
+    /// Solves `count` strokes on all cores, applies `make` to each block of points there, and gives the results to `take` in the
+    /// order of the strokes. Memory does not depend on the number of strokes.
     ///
     /// # Errors
     /// The first one of `take`, after which nothing more is solved.

@@ -1,5 +1,5 @@
-//! What is kept from one stroke to the next: the flank pairs as they were prepared and where each was touched last. Read
-//! and written by the solver and by what one side asks for; solves nothing.
+//! What is kept from one stroke to the next: the prepared flank pairs, and where each touched last. `solve` and `demand`
+//! read and write it; it solves nothing.
 
 use super::contact::{ContactKind, Hint, Peaks, Pose, Surface, Touch};
 use super::prepare::{Prepared, Roll};
@@ -13,49 +13,50 @@ pub struct Sampler<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) constants: Constants,
     cache: [Vec<Option<Slot>>; 2],
-    /// The rack's present roll; flank pairs are prepared anew for it when they are next asked.
+    /// The rack's present roll; a flank pair is prepared for it when it is next searched.
     pub(super) roll: Roll,
     /// Centre distance assumed where a rolled rack's end faces need one.
     pub(super) assumed: f64,
     /// Rotation offset and rack displacement of the last solution.
     pub(super) last: Option<(f64, f64)>,
-    /// Rack teeth that carried, right and left, the last one first. That is asked first, since most others then are seen
-    /// from afar to ask for less: without it the mesh takes 6 times as long.
+    /// Rack teeth that carried, right and left, the last one first. That tooth is searched first, because `reach` then shows
+    /// for most others that they ask for less: without this the mesh takes 6 times as long.
     pub(super) carried: [[i64; KNOWN]; 2],
     /// For a rack that rolls: how the last solution changes with the roll.
     pub(super) rolling: Rolling,
-    /// For a rack that rolls: the rolls that were looked at.
+    /// For a rack that rolls: the rolls that were tried.
     pub(super) course: Course,
     pub(super) looks: Looks,
     pub(super) work: Work,
 }
 
-/// Teeth that carried, as many as are kept of a side.
+/// The teeth of one side that carried last; only so many are kept.
 pub(super) const KNOWN: usize = 8;
 
-/// Where a side is looked at.
+/// Which part of a side is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Looks {
-    /// At all flanks in reach, and all of each.
+    /// All flanks in reach, and all of each flank.
     Everywhere,
-    /// At flanks that carried, and where the peaks of those with form were: what is found is what the side asks for at least.
+    /// Only flanks that carried, and flanks with form only where their peaks were: the result is a lower bound of what the side
+    /// asks for.
     AtPeaks,
 }
 
-/// A flank pair, with what it asked for when it was last searched and where that was.
+/// A flank pair, with its demand at the last search and the place of that search.
 #[derive(Debug, Clone)]
 pub(super) struct Slot {
     pub(super) tooth: i64,
-    /// The rack's roll that it is prepared for.
+    /// The rack's roll for which the pair is prepared.
     pub(super) roll: f64,
     pub(super) prepared: Prepared,
     pub(super) seen: Option<Seen>,
-    /// Of a flank with form its peaks, and what the highest of the known ones asked for.
+    /// For a flank with form: its peaks, and the demand of the highest known peak.
     pub(super) peaks: Peaks,
     pub(super) at_peaks: Option<Seen>,
 }
 
-/// What a flank pair asked for, at most, and where it did.
+/// An upper bound of the demand of a flank pair, and the position for which it holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub(super) demand: f64,
@@ -67,7 +68,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Whether this pair asks for less than the floor now, because demands change only so fast.
+    /// Whether the pair must ask for less than the floor at this position, because a demand changes only so fast.
     pub(super) fn stays_below(&self, pose: &Pose, roll: f64, floor: f64, constants: &Constants) -> bool {
         self.demand
             + LIPSCHITZ * constants.default_rate * (pose.c - self.c).abs()
@@ -98,7 +99,7 @@ const LIPSCHITZ: f64 = 4.0;
 pub(super) struct Rolling {
     /// Derivatives of the centre distance by the roll, and by the one assumed.
     pub(super) rate: [f64; 2],
-    /// The same of the rotation at which both sides ask for the same.
+    /// Derivatives of the rotation at which both sides ask for the same.
     pub(super) turn: [f64; 2],
     /// What touches on both sides.
     pub(super) at: Option<[Contact; 2]>,
@@ -109,15 +110,15 @@ pub(super) struct Rolling {
 pub(super) struct Contact {
     pub(super) tooth: i64,
     pub(super) kind: ContactKind,
-    /// The edges that it is on.
+    /// The edges on which the contact lies.
     pub(super) edges: [Option<ContactKind>; 2],
     pub(super) at_high_end: bool,
     pub(super) surface: Surface,
 }
 
 impl Rolling {
-    /// 1 less the share of a change of the assumed centre distance that the end faces feed back: that is small, and a
-    /// share of [`MOST_FED_BACK`] and more is not believed.
+    /// 1 less the share of a change of the assumed centre distance that the end faces feed back. The share is small; one
+    /// of [`MOST_FED_BACK`] and more is not believed.
     pub(super) fn remaining(&self) -> f64 {
         let fed_back = self.rate[1];
         if fed_back < MOST_FED_BACK { 1.0 - fed_back } else { 1.0 }
@@ -142,7 +143,7 @@ pub(super) struct Constants {
     pub(super) stroke_limit: f64,
     pub(super) default_rate: f64,
     pub(super) tolerance: f64,
-    /// No demand changes faster than this with the rack's roll, mm/rad.
+    /// Upper bound of how fast a demand changes with the rack's roll, mm/rad.
     pub(super) roll_reach: f64,
 }
 
@@ -168,7 +169,7 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// What was done so far.
+    /// The work done so far.
     #[must_use]
     pub const fn work(&self) -> Work {
         self.work
@@ -194,7 +195,7 @@ impl<'a> Sampler<'a> {
         slot
     }
 
-    /// Prepares a flank pair; what was seen of it at another roll is kept.
+    /// Prepares a flank pair; keeps what is known of it from another roll.
     #[cold]
     fn fill(&mut self, side: FlankSide, tooth: i64, index: usize) {
         self.work.prepared += 1;
@@ -215,7 +216,7 @@ impl Constants {
         let alpha = pinion.transverse_pressure_angle_rad;
         let sin = trig::sin(alpha);
         let scale = pinion.base_radius_mm / sin;
-        // beyond the involute's end by η a flank stays clear by (r_b/sin ν) τ η²/2; leave half a module of that
+        // beyond the end of the involute by η a flank stays clear by (r_b/sin ν) τ η²/2: search until that is half a module
         let margin = (mesh.pair().normal_module_mm() / (scale * pinion.tip_roll_rad)).sqrt().min(1.0);
         let kappa = trig::tan(pinion.helix_angle_rad).abs() / pinion.reference_radius_mm;
         let contact = mesh.prepare(FlankSide::Right, 0, &Roll::NONE).contact;

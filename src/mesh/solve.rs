@@ -10,21 +10,21 @@ use super::{Carrier, Ending, FlankSide, MeshError, MeshPoint, Support};
 /// Rotations tried at most; Newton needs two or three, a bisection of the whole range 60.
 const MAX_ITERATIONS: u32 = 120;
 
-/// Rotations after which the bracket is only halved: what is left of [`MAX_ITERATIONS`] takes it down to rounding.
+/// Rotations after which the bracket is only halved: the rest of [`MAX_ITERATIONS`] halves it down to rounding.
 const PATIENCE: u32 = 50;
 
-/// Rotations after which the end of the bracket is tried that Newton's steps lead to: mostly three find the solution.
+/// Rotations after which the end of the bracket that Newton's steps lead to is tried; mostly three find the solution.
 const UNTIL_END: u32 = 8;
 
 /// Newton's step and the secant's are taken where what both sides ask for approaches by at least this share of
 /// r_b / sin α_t per rad.
 const LEAST_SLOPE: f64 = 1e-3;
 
-/// How often the peaks of flanks with form are balanced and what they ask for checked, before all of the flank is looked at
-/// for each rotation.
+/// How often the known peaks of flanks with form are balanced and checked, before the whole flank is searched at each
+/// rotation.
 const MOST_CHECKED: u32 = 4;
 
-/// Peaks that ask for what all of the flank does, but for this share of r_b / sin α_t, are its highest: rounding.
+/// Known peaks are the highest of the flank if their demand is that of the whole flank within this share of r_b / sin α_t.
 const CHECKED: f64 = 1e-13;
 
 /// Both sides at the last rotation tried.
@@ -32,7 +32,7 @@ struct Balance {
     right: Demand,
     left: Demand,
     offset: f64,
-    /// From there to where the tangents of both sides cross; 0 where they tell nothing.
+    /// The step to where the tangents of both sides cross; 0 where they say nothing.
     step: f64,
     iterations: u32,
     ending: Ending,
@@ -48,7 +48,7 @@ impl Sampler<'_> {
         if right.touch.is_on_tip() && left.touch.is_on_tip() {
             return Err(MeshError::TipOnTip { stroke_mm, right: right.tooth, left: left.tooth });
         }
-        // where both tangents cross; without a step the larger demand, which certainly suffices
+        // where both tangents cross; without a step the larger demand, at which no flank penetrates
         let a = if step == 0.0 { right.value.max(left.value) } else { right.value + right.rate * step };
         self.last = Some((offset, displacement));
         if self.mesh.support() != Support::Fixed {
@@ -96,9 +96,9 @@ impl Sampler<'_> {
         Ok(Some((self.point(stroke_mm, self.assumed + moved, &balance), [step, moved])))
     }
 
-    /// The rotation at which both sides ask for the same. Of flanks with form, and of a rack that may roll, that is where the
-    /// known peaks and teeth do, if no other place asks for more there: at every other rotation all places ask for no less
-    /// than those. Where peaks come and go with the rotation they do not balance, and all is looked at from the start.
+    /// The rotation at which both sides ask for the same. With flank form, and with a rack that may roll, that is where the
+    /// known peaks and teeth ask for the same, if no other place asks for more there. Where peaks come and go with the rotation
+    /// they do not balance, and everything is searched from the start.
     fn balanced(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
         let is_at_peaks = match self.mesh.support() {
             Support::Fixed => self.mesh.has_form(),
@@ -121,7 +121,7 @@ impl Sampler<'_> {
         self.balance(position, displacement)
     }
 
-    /// The same by Newton's method in a bracket; the rack's nearest tooth is displaced by so much.
+    /// The balance of both sides by Newton's method in a bracket; the rack's nearest tooth is displaced by `displacement`.
     fn balance(&mut self, position: &Position, displacement: f64) -> Result<Balance, MeshError> {
         let Constants { tolerance, angle_per_mm, angular_pitch, default_rate, .. } = self.constants;
         let guess = displacement * angle_per_mm;
@@ -140,7 +140,7 @@ impl Sampler<'_> {
             if !slope.is_finite() || slope >= -LEAST_SLOPE * default_rate {
                 slope = -2.0 * default_rate;
             }
-            // where edges meet the derivative may belong to one of them only: the secant knows better
+            // where edges meet the derivative may belong to one of them only: take the secant
             if let Some((at, value)) = before.filter(|_| iterations > 3) {
                 let secant: f64 = (excess - value) / (offset - at);
                 if secant < -LEAST_SLOPE * default_rate && secant.is_finite() {
@@ -171,7 +171,7 @@ impl Sampler<'_> {
                 return Ok(Balance { right, left, offset: end, step: 0.0, iterations, ending });
             }
             let mut next = offset + step;
-            // Newton's step, unless it leaves the bracket or has been given its chance
+            // Newton's step, unless it leaves the bracket or was tried too often
             if next <= low || next >= high || iterations % 8 == 0 || iterations > PATIENCE {
                 next = 0.5 * (low + high);
             }
@@ -182,7 +182,7 @@ impl Sampler<'_> {
         }
     }
 
-    /// What both sides ask for at a rotation that is not on the way to the solution.
+    /// The demands of both sides at a rotation that is no step of the solution.
     fn glance(&mut self, position: &Position, offset: f64) -> Option<[Demand; 2]> {
         let carried = self.carried;
         let demands = self.demands(position, offset);
@@ -263,7 +263,7 @@ mod tests {
         RackDeviation { teeth: ToothRange::ALL, kind }
     }
 
-    /// Wherever the search for the rotation starts, within the bracket or beyond, it ends at the same place soon.
+    /// The search for the rotation ends at the same place soon, wherever it starts, within the bracket or beyond.
     #[test]
     fn any_start_leads_to_the_same_rotation() {
         let (mut rotations, mut solved, mut most) = (0, 0, 0);
@@ -301,7 +301,7 @@ mod tests {
             for step in -8..8 {
                 let stroke = 0.91 * f64::from(step);
                 let here = shifted.at(stroke + shift * p).expect("contact");
-                // the pinion has turned by its part of the shift more
+                // the pinion has turned further by the share of the shift
                 let turned = stroke + shift * p;
                 assert!(here.converged() && here.delta_cd_mm.abs() < 0.06, "{shift} {here:?}");
                 let tooth = here.right.rack_tooth;
@@ -386,8 +386,8 @@ mod tests {
         assert!(given_up > 10, "{given_up}");
     }
 
-    /// What was seen of a pair elsewhere, at another stroke, rotation, roll or place of the end faces, never hides that
-    /// it carries here. Steep tooth lines on a large pinion let a demand change faster than its base circle turns.
+    /// The bound of a pair from another stroke, rotation, roll or place of the end faces never hides that the pair carries
+    /// here. With steep tooth lines on a large pinion a demand changes faster than its base circle turns.
     #[test]
     fn what_was_asked_for_elsewhere_hides_nothing() {
         for (teeth, lead) in [(20, 0.006), (200, 0.05)] {

@@ -20,13 +20,13 @@ pub struct Summary {
     /// Largest − smallest ΔCD, mm: the pair's own variation. With a master for one part, over at least one turn of the
     /// pinion, this is the total radial composite deviation F_i'' of the other.
     pub peak_to_peak_mm: f64,
-    /// Largest peak-to-peak of ΔCD within any stroke of one pitch, mm: from tooth to tooth, of the pair likewise.
+    /// Largest peak-to-peak of ΔCD within any stroke of one pitch, mm: the pair's own variation from tooth to tooth.
     pub tooth_to_tooth_mm: f64,
     /// Largest |dΔCD/ds| between neighbouring points.
     pub largest_rate: f64,
     /// Peak-to-peak of the transmission error, rad of the pinion.
     pub transmission_error_rad: f64,
-    /// The same as travel of the rack, mm.
+    /// Peak-to-peak of the transmission error as travel of the rack, mm.
     pub transmission_error_mm: f64,
 }
 
@@ -59,12 +59,12 @@ impl Curve {
             // from the first value, so that a constant curve has exactly its value as mean
             area +=
                 width * 0.5 * ((ends[0].delta_cd_mm - first.delta_cd_mm) + (ends[1].delta_cd_mm - first.delta_cd_mm));
-            // closer points tell more of rounding than of the curve
+            // between closer points rounding hides the slope of the curve
             if width > 1e-5 * pitch {
                 largest_rate = largest_rate.max(((ends[1].delta_cd_mm - ends[0].delta_cd_mm) / width).abs());
             }
         }
-        // values that differ by rounding only are reached where they are reached first
+        // of values that differ by rounding only, the first stroke counts
         let first_at = |value: f64| {
             self.points.iter().find(|point| (point.delta_cd_mm - value).abs() <= TIE_MM).unwrap_or(first).stroke_mm
         };
@@ -85,7 +85,7 @@ impl Curve {
     }
 }
 
-/// Largest difference of two values whose places are no further apart than a window, by two monotone queues; the places rise.
+/// Largest difference of two values whose places are at most a window apart, by two monotone queues; the places rise.
 pub(crate) fn largest_swing(values: impl Iterator<Item = (f64, f64)>, window: f64) -> f64 {
     let mut swing: f64 = 0.0;
     let (mut lows, mut highs) = (std::collections::VecDeque::new(), std::collections::VecDeque::new());

@@ -1,29 +1,28 @@
-//! The maximum over generators of a flank pair: a bracketed climb on the derivative. Called by
-//! [`FlankContact::touch`], with flank form for each peak by itself; bounded in its evaluations, and ends with the best
-//! generator seen.
+//! The maximum over generators of a flank pair: a bracketed climb on the derivative. [`FlankContact::touch`] calls it, with
+//! flank form once for each peak. The number of evaluations is bounded; the result is the best generator found.
 //!
 //! The demand is smooth except where the bound on w changes from one edge to another; there its derivative jumps. Where
 //! both ends of the bracket lie on one edge the secant of the derivative is taken, where they lie on different edges
 //! the intersection of both tangents, which meets such a corner quadratically. For a concave function that
-//! intersection also is an upper bound, which ends the climb once it is as low as the best value. Halving the bracket
-//! instead takes 3.3 times as long with lead errors, and without the step over a corner ([`UNEVEN`]) and the early end
-//! below the floor it is 3.3 times.
+//! intersection also is an upper bound, which ends the climb once it is as low as the best value. With lead errors, halving
+//! the bracket instead takes 3.3 times as long; so does leaving out both the step over a corner ([`UNEVEN`]) and the early
+//! end below the floor.
 
 use super::{ContactKind, DEMAND, FlankContact, Generator, MAX_EVALUATIONS, Pose, Range, Spot, Touch};
 
 /// First step off the start of the flank, rad.
 const INSIDE: f64 = 1e-3;
 
-/// Roll angle (rad) up to which the derivative, which goes with it, tells nothing.
+/// Up to this roll angle (rad) the derivative, which is proportional to it, says nothing.
 const SILENT: f64 = 1e-9;
 
-/// A meeting point nearer to one end than this share of the way to the other says little of the other end's side.
+/// A meeting point nearer to one end than this share of the interval says little about the other end.
 const UNEVEN: f64 = 0.1;
 
-/// Brackets this short (rad) let tangents speak for the function: its square times any curvature is below rounding.
+/// In brackets this short (rad) tangents stand for the function: their square times any curvature is below rounding.
 const NARROW: f64 = 1e-7;
 
-/// A generator, and what it asks for.
+/// A generator and its demand.
 #[derive(Clone, Copy)]
 pub(super) struct Sample {
     pub(super) x: f64,
@@ -31,14 +30,14 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Derivative of the demand, or, off the flank, of the way to it.
+    /// Derivative of the demand; off the flank, of the way to the flank.
     pub(super) fn slope(&self) -> f64 {
         match self.generator {
             Generator::Some { slope, .. } | Generator::None { slope, .. } => slope,
         }
     }
 
-    /// Makes it the best if it asks for more.
+    /// Keeps the generator as the best if it asks for more.
     fn raise(&self, best: &mut Option<Touch>) {
         if let Generator::Some { demand, rate, w, kind, surface, .. } = self.generator
             && best.is_none_or(|best| demand > best.demand)
@@ -59,7 +58,7 @@ impl Sample {
     }
 }
 
-/// What is searched, and what is known before.
+/// What to search, and what is known beforehand.
 #[derive(Clone, Copy)]
 pub(super) struct Search {
     /// All or part of the flank.
@@ -69,7 +68,7 @@ pub(super) struct Search {
     pub(super) floor: f64,
     /// The generator to begin with.
     pub(super) start: Option<f64>,
-    /// The ends of the range, if they were asked before.
+    /// The ends of the range, if they were evaluated before.
     pub(super) known: Option<[Sample; 2]>,
 }
 
@@ -78,7 +77,7 @@ enum Next {
     Try(f64),
     Done,
     Nothing,
-    /// All is below the floor: at most this.
+    /// Everything is below the floor; the value is an upper bound.
     Below(f64),
 }
 
@@ -182,7 +181,7 @@ impl<'a> Climb<'a> {
         } else if slope < 0.0 && x > lo {
             self.run = self.run.min(0) - 1;
         } else {
-            // at an end of the flank that still leads outward: the end is a vertex, which moves with the flank
+            // the derivative at an end of the flank still leads outward: the end is a vertex, which moves with the flank
             return Next::Done;
         }
         let bracket = Range { lo: self.below.map_or(lo, |s| s.x), hi: self.above.map_or(hi, |s| s.x) };
@@ -207,7 +206,7 @@ impl<'a> Climb<'a> {
         (self.contact.nu - self.pose.c) + x + self.contact.kappa * w
     }
 
-    /// Whether no other generator asks for more by what counts; flank form may bend the demand less.
+    /// Whether no other generator asks for more by more than the tolerance; flank form may bend the demand less.
     fn is_top(&self, sample: &Sample) -> bool {
         let Generator::Some { w, slope, .. } = sample.generator else { return false };
         let roll = self.roll(sample.x, w);
@@ -218,7 +217,7 @@ impl<'a> Climb<'a> {
     /// Which way the top lies.
     fn slope(&mut self, sample: &Sample) -> f64 {
         match (sample.generator, self.best) {
-            // off the flank the way leads to where it was met, though the nearest edge may be another one
+            // off the flank the way leads back to where the flank was met, though another edge may be nearer
             (Generator::None { .. }, Some(best)) => best.spot.delta - sample.x,
             // on the base circle itself the derivative is rounding: the flank lies at greater δ, so look there once
             (Generator::Some { w, .. }, _)
@@ -332,7 +331,7 @@ impl<'a> Climb<'a> {
     }
 
     /// Between a generator off the flank and one on it that both lead towards its vertex: Newton's step on the gap
-    /// says where the vertex is, to the step's square. That far inside it, and then outside it, both ends come close.
+    /// gives the vertex to the square of the step. Steps that far inside and then outside bring both ends close.
     fn vertex(&self, off: f64, on: f64, step: f64, slope: f64) -> Next {
         let (vertex, inward) = (off + step, (on - off).signum());
         // this near the vertex a generator off the flank counts as on it
@@ -388,7 +387,7 @@ impl<'a> Climb<'a> {
                 // flank form may bend the derivative so much that the best generator's is not the peak's
                 self.contact.form.is_some() && (0.0..=1.0).contains(&share)
             } else {
-                // a higher place may have been met on the way, which none lies higher near: it is named as it was met
+                // a higher place may have been met on the way, and none near it is higher: name the contact as it was met
                 h.x - l.x <= 1e-6 && (touch.spot.delta - l.x).abs() <= 1e-6
             }
         {

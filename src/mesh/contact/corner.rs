@@ -1,8 +1,8 @@
-//! The ends of the contact line in closed form: where the flanks fit but their line of contact lies beyond what the
-//! faces, the pinion's tip and its root leave of both. Called by [`FlankContact::touch`] before any search; says
-//! nothing where it is not sure. Where the rack's tip edge ends the line: [`rack_corner`](super::rack_corner).
+//! The touch in closed form where the flanks fit, but the line of contact lies beyond the part of the flanks that the
+//! faces, the pinion's tip and its root leave. [`FlankContact::touch`] calls it before any search; it gives no answer where
+//! it is not sure. Where the rack's tip edge ends the line, see [`rack_corner`](super::rack_corner).
 //!
-//! It is there for speed: with the search alone the mesh takes 2.1 times as long on the steering pair with pitch errors.
+//! It saves time: with the search alone the mesh takes 2.1 times as long on the steering pair with pitch errors.
 //!
 //! # The demand in roll angle and generator
 //! If the base helix angle fits the plane, w drops out: at the roll angle τ on the generator δ the flank's plane asks
@@ -50,7 +50,7 @@ pub(super) const MAX_STEPS: u32 = 12;
 /// A step shorter than this, in rad, leaves an error below rounding.
 pub(super) const SETTLED: f64 = 1e-8;
 
-/// What ends the edge of constant roll angle at a place.
+/// Which end face ends the edge of constant roll angle.
 #[derive(Clone, Copy, PartialEq)]
 enum EdgeEnd {
     PinionEnd,
@@ -102,7 +102,7 @@ impl FlankContact {
         (self.kappa * self.across.t).max(0.0)
     }
 
-    /// What generators with γ < 0 or γ > π/2 ask for less than the contact line.
+    /// By how much generators with γ < 0 or γ > π/2 ask for less than the contact line.
     pub(in crate::mesh) fn far_loss(&self) -> f64 {
         let above = FRAC_PI_2 - self.nu;
         self.scale * (self.nu - self.sin_nu).min(above * above * above / 12.0)
@@ -144,8 +144,8 @@ impl FlankContact {
         (place.y.abs() - k).abs() <= NEAR * k && place.w.abs() < self.half_face
     }
 
-    /// How what such a corner asks for changes as the rack's flank asks for so much more, and as the flank's points have so
-    /// much more as their coordinate across the rack.
+    /// How the demand of such a corner changes with a shift of the rack's flank and with a shift of the flank's points across
+    /// the rack.
     pub(super) fn corner_rate(&self, pose: &Pose, spot: &Spot, [shift, across]: [f64; 2]) -> f64 {
         let place = self.place(pose, self.roll_of(pose, spot), spot.w);
         let w = if self.is_at_rack_end(&place) { -across / place.y_by_w } else { 0.0 };
@@ -227,7 +227,7 @@ impl FlankContact {
         (low.max(-self.half_face), high.min(self.half_face))
     }
 
-    /// The touch at the flank's end, unless more than it could touch.
+    /// The touch at the flank's end, unless another point could touch.
     fn settled(&self, pose: &Pose, floor: f64, place: &Place, held: EdgeEnd) -> Option<Touch> {
         let Place { w, generator: Turned { delta, .. }, along, demand, by_delta, y_by_w, .. } = *place;
         let rest = self.rest(pose, delta < 0.0);
@@ -256,7 +256,7 @@ mod tests {
     use crate::mesh::contact::tests::{NO_FLOOR, Random, contacts, looks};
     use crate::mesh::contact::{Across, ContactKind, FlankContact, Hint, Pose};
 
-    /// The search knows nothing of these formulas. Where they are not sure it has to be made; that must stay rare.
+    /// The closed forms agree with the search, which shares no code with them, and cases in which they are not sure are rare.
     #[test]
     fn corners_are_what_the_search_finds() {
         for (narrow, least, most) in [(false, [1309, 1535, 1335], 964), (true, [1496, 1377, 1513], 770)] {
@@ -299,7 +299,7 @@ mod tests {
         }
     }
 
-    /// What is found does not depend on where it was before; from there it takes fewer steps.
+    /// The result does not depend on the hint; with it the search takes fewer steps.
     #[test]
     fn a_hint_changes_nothing() {
         for (narrow, most) in [(false, [38_630, 27_190, 39_340, 86_350]), (true, [37_100, 20_570, 29_350, 72_260])] {
@@ -350,8 +350,7 @@ mod tests {
         }
     }
 
-    /// A pair that is not looked at closer asks for no more than the mark; nearly all others do ask for more, or
-    /// almost.
+    /// A pair that the quick bound leaves out asks for no more than the mark; nearly all others ask for more, or almost.
     #[test]
     fn what_stays_below_asks_for_less() {
         for (narrow, least) in [(false, [4, 1642, 3475]), (true, [3, 2004, 3256])] {

@@ -18,8 +18,8 @@ use super::{
 };
 use crate::deviation::{PinionForm, RackForm};
 
-/// Flank form of both parts: how far the material stands back along the normal, mm, and how that acts on what a point
-/// asks for. It is a property of each part: of the rolled rack, places are those in the rack itself.
+/// Flank form of both parts: how far the material stands back along the normal, mm, and what that does to the demand of a
+/// point. Form belongs to each part: for a rolled rack, places are those in the rack itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct Form {
     pub(in crate::mesh) rack: RackForm,
@@ -36,8 +36,8 @@ pub(in crate::mesh) struct Form {
 }
 
 impl Form {
-    /// By how much a flank asks for more than without form at most: crowning and relief only remove, a negative slope of the
-    /// profile adds up to its amount along the normal.
+    /// By how much more than without form a flank may ask for at most: crowning and relief only remove, a negative profile
+    /// slope adds up to its amount along the normal.
     pub(in crate::mesh) fn most_added(&self) -> f64 {
         (-self.pinion.profile_slope_mm).max(0.0) * self.per_normal.max(self.per_normal_on_tip)
     }
@@ -54,13 +54,13 @@ pub(in crate::mesh) struct FormRates {
     pub(in crate::mesh) per_normal_on_tip: f64,
 }
 
-/// The least of what these ask for counts.
+/// The smallest demand of these surfaces counts.
 const SURFACES: [Surface; 3] = [Surface::Flank, Surface::Relieved, Surface::Tip];
 
 /// Bounds on w nearer to each other than this share of the face width are a vertex.
 const SMALLEST: f64 = 1e-9;
 
-/// What decides on the demands of the surfaces at a point of the pinion, and all that the rack's roll changes.
+/// The quantities at a point of the pinion that give the demands of the surfaces, all of which the rack's roll changes.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     /// What the planes of flank and tip ask for.
@@ -80,7 +80,7 @@ struct Place {
 }
 
 impl Place {
-    /// Where nothing of the rack changes.
+    /// Rates where nothing of the rack changes.
     fn new(form: &Form, pose: &Pose, [flank, tip, across]: [Polynomial; 3], w: Polynomial, roll: Polynomial) -> Self {
         Self {
             flank,
@@ -115,10 +115,10 @@ struct Rates {
     roll: f64,
 }
 
-/// What holds the place of the largest demand on a generator.
+/// What determines the place of the largest demand on a generator.
 #[derive(Debug, Clone, Copy)]
 enum PeakHeldBy {
-    /// Nothing along it: the surfaces ask for the same all along.
+    /// Nothing: the surfaces ask for the same along the whole generator.
     Level,
     Low,
     High,
@@ -133,19 +133,19 @@ struct Peak {
     w: f64,
     held: PeakHeldBy,
     surfaces: [Polynomial; 3],
-    /// The one of them that asks for the least there, of two that cross the first.
+    /// The surface that asks for the least there; of two that cross, the first.
     least: usize,
 }
 
 impl FlankContact {
-    /// What the surfaces ask for; without relief the relieved one is the flank.
+    /// The demand of each surface; without relief the relieved surface is the flank.
     fn surfaces(&self, form: &Form, at: &Place) -> [Polynomial; 3] {
         let plain = self.surface(form, at, Surface::Flank);
         let relieved = if form.has_relief() { self.surface(form, at, Surface::Relieved) } else { plain };
         [plain, relieved, self.surface(form, at, Surface::Tip)]
     }
 
-    /// What one of them asks for.
+    /// The demand of one surface.
     fn surface(&self, form: &Form, at: &Place, surface: Surface) -> Polynomial {
         let axial = at.w * (1.0 / self.half_face);
         let profile = (at.roll - Polynomial::from(self.start_roll)) * (1.0 / (self.tip_roll - self.start_roll));
@@ -176,7 +176,7 @@ impl FlankContact {
         Place::new(form, pose, lines.map(|of| line(of.q, of.p)), line(1.0, 0.0), line(self.kappa, at.t0))
     }
 
-    /// A place on a generator where all changes as told.
+    /// A place on a generator with the given rates.
     fn changing(&self, on: &OnGenerator<'_>, w: f64, rates: &Rates) -> Place {
         let values = [0, 1, 2].map(|i| Polynomial::line(rates.lines[i], on.lines[i].at(w)));
         let roll = Polynomial::line(rates.roll, on.at.t0 + self.kappa * w);
@@ -188,7 +188,7 @@ impl FlankContact {
         let OnGenerator { form, pose, at, lines, lo, hi } = on;
         let surfaces = self.surfaces(form, &self.along(form, pose, at, lines));
         let demand = |w: f64| surfaces.iter().map(|surface| surface.at(w)).fold(f64::INFINITY, f64::min);
-        // what asks for no more than rounding beyond the middle is as good: flanks without crowning touch along a line
+        // if no point asks for more than the middle by more than rounding, take the middle: flanks without crowning touch along a line
         let middle = lo.w + 0.5 * (hi.w - lo.w);
         let tie = DEMAND * self.scale;
         let at_middle = demand(middle);
@@ -231,7 +231,7 @@ impl FlankContact {
         Peak { demand, w, held, surfaces, least }
     }
 
-    /// How the largest demand on a generator changes where its place does, and its ends as told.
+    /// How the largest demand on a generator changes with the rates of its place and of its ends.
     fn rate(&self, form: &Form, peak: &Peak, place: &Place, ends: [f64; 2]) -> f64 {
         let rate = |index: usize| self.surface(form, place, SURFACES[index]).b;
         let along = |index: usize| peak.surfaces[index].slope_at(peak.w);

@@ -7,9 +7,10 @@ use crate::trig;
 /// The demand of one generator.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Generator {
-    /// It has points over the rack tooth.
+    /// The generator has points over the rack tooth.
     Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, surface: Surface },
-    /// It has none: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with c by `rate`.
+    /// The generator has no such points: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with
+    /// c by `rate`.
     None { gap: f64, slope: f64, rate: f64 },
 }
 
@@ -101,9 +102,9 @@ impl FlankContact {
         }
     }
 
-    /// What bounds w on a generator beside the pinion's end faces, each from below and above: the ends of its involute,
-    /// the rack's end faces. Where a generator runs along the rack no w keeps it within the end faces: then the
-    /// last is the gap that is left.
+    /// Bounds of w on a generator, from below and above: the ends of its involute, and the rack's end faces. (The pinion's end
+    /// faces bound w, too.) Where a generator runs along the rack, no w keeps it within the end faces: then the last value is
+    /// the gap that is left.
     pub(super) fn edges(&self, pose: &Pose, at: &Coordinates) -> [Option<(Bound, Bound)>; 2] {
         // without a helix the generator lies at one roll angle; the caller keeps that within bounds
         let involute = (self.kappa != 0.0).then(|| {

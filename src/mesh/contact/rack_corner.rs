@@ -19,7 +19,7 @@
 //!
 //! So the crossing touches, if both faces are over each other there.
 //!
-//! It is there for speed: with the search instead the mesh takes up to 4.7 times as long (crossed axes, z = 30).
+//! It saves time: with the search instead the mesh takes up to 4.7 times as long (crossed axes, z = 30).
 
 use super::corner::{MAX_STEPS, Place, SETTLED, Turned};
 use super::{ContactKind, FlankContact, Hint, Pose, Spot, Surface, Touch};

@@ -14,7 +14,7 @@ pub(in crate::mesh) struct RollRates {
     pub(in crate::mesh) form: FormRates,
 }
 
-/// The same for a position: of `pose.shift`, and of `pose.across` by the roll and by the centre distance.
+/// How a position changes: `pose.shift` by the roll, `pose.across` by the roll and by the centre distance.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::mesh) struct PoseRates {
     pub(in crate::mesh) shift: f64,

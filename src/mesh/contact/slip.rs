@@ -27,7 +27,7 @@ pub(in crate::mesh) struct Motion {
     pub(in crate::mesh) pinion_angle: f64,
 }
 
-/// A mean over a line along which the speed changes by less than this share of it is its value in the middle.
+/// Where the speed changes along a line by less than this share, its mean is its value in the middle.
 const EVEN: f64 = 1e-6;
 
 impl FlankContact {
@@ -57,7 +57,7 @@ impl FlankContact {
         [-sign * along, sign * pinion_angle * at.xi.at(w) - delta_cd, -sign * sin]
     }
 
-    /// The same at a contact; where two edges meet, at their meeting point.
+    /// The sliding velocity at a contact; where two edges meet, at their meeting point.
     fn velocity_at(&self, pose: &Pose, touch: &Touch, motion: &Motion) -> [f64; 3] {
         let of = |spot: &Spot| self.velocity(&self.coordinates(pose, spot.delta), spot.w, motion);
         let (first, Some((spot, share))) = (of(&touch.spot), &touch.other) else { return of(&touch.spot) };
@@ -81,7 +81,7 @@ impl FlankContact {
         Some((touch.demand, hi - lo, mean_length(from, to)))
     }
 
-    /// The part of that velocity along the normal, as a share of it: nothing but rounding.
+    /// The share of the sliding velocity along the normal: only rounding.
     #[cfg(test)]
     pub(in crate::mesh) fn approach(&self, pose: &Pose, touch: &Touch, motion: &Motion) -> f64 {
         let normal = self.normal(pose, touch);
@@ -119,7 +119,7 @@ fn mean_length(from: [f64; 3], to: [f64; 3]) -> f64 {
 mod tests {
     use super::mean_length;
 
-    /// Of vectors along one line, across it, and against the mean of many between.
+    /// Checks vectors along one line and across it against the mean of many in between.
     #[test]
     fn the_mean_length_is_that_of_all_between() {
         for (from, to, expected) in [

@@ -1,10 +1,10 @@
 //! Where the search for the lowest roll begins: what was solved at this stroke and at the last one. Written and read by
 //! [`roll`](super); no result depends on it by more than rounding.
 
-/// A bracket around the expected bottom reaches at least this far, and as far where nothing is known of how bottoms move.
+/// A bracket around the expected bottom reaches at least this far, and exactly this far where no movement is known.
 const NEAREST: f64 = 1e-6;
 pub(super) const AROUND: f64 = 1e-3;
-/// What was solved at another stroke is as far away as a roll this much farther.
+/// A roll solved at another stroke counts as this much farther away.
 const OTHER_STROKE: f64 = 0.01;
 
 /// Where the search at one stroke begins: what is known of rolls at this stroke and at the last one.
@@ -14,7 +14,7 @@ pub(in crate::mesh) struct Course {
     pub(super) before: Vec<Start>,
     /// The bottoms of the last stroke and of the one before.
     pub(super) bottoms: [Option<f64>; 2],
-    /// How often something else asked for more at a bottom of this stroke.
+    /// How often another tooth or peak asked for more at a bottom of this stroke.
     pub(super) surprises: u32,
 }
 
@@ -34,7 +34,7 @@ impl Course {
         self.surprises = 0;
     }
 
-    /// What is to be expected at a roll from one within so much.
+    /// The solution expected at a roll, from one that was solved within so much.
     pub(super) fn at(&self, angle: f64, within: f64) -> Option<[f64; 2]> {
         let near = |start: &Start, more: f64| (start.angle - angle).abs() + more;
         let here = self.here.iter().map(|start| (near(start, 0.0), start));
@@ -43,7 +43,7 @@ impl Course {
         (away <= within).then(|| [0, 1].map(|i| start.at[i] + start.rate[i] * (angle - start.angle)))
     }
 
-    /// Where the bottom is to be expected, and within how much.
+    /// Where the bottom is expected, and within how much.
     pub(super) fn bottom(&self) -> Option<(f64, f64)> {
         let [last, earlier] = self.bottoms;
         let moved = earlier.zip(last).map_or(AROUND, |(earlier, last)| (last - earlier).abs());

@@ -1,5 +1,5 @@
-//! What is known of the valleys of the centre distance over the roll at one stroke: rolls that were solved, the intervals
-//! between them, and how low it may be there. Written by the search in [`roll`](super); solves nothing.
+//! What is known of the valleys of the centre distance over the roll at one stroke: the rolls that were solved, the
+//! intervals between them, and a lower bound in each. The search in [`roll`](super) writes it; it solves nothing.
 
 use crate::mesh::sampler::Rolling;
 use crate::mesh::{Ending, MeshError, MeshPoint};
@@ -10,15 +10,15 @@ pub(super) const SMALLEST_GAP: f64 = 1e-10;
 pub(super) const FOURTH: f64 = 1000.0;
 /// Sides that are this far apart (mm) where the solve ends meet at no rotation.
 pub(super) const APART: f64 = 1e-6;
-/// Rolls this far apart tell by their slopes how much a centre distance bends down; it may bend so many times as much.
+/// From rolls this far apart the slopes tell the curvature; a curvature so many times as large is allowed for.
 const TELLING: f64 = 5e-4;
 const BENDS_MORE: f64 = 1.5;
 /// Valleys as deep within this (mm): the first one is taken, so that the roll does not flicker.
 pub(super) const TIE: f64 = 1e-11;
-/// Positions as low are of one valley if their rolls are this near.
+/// Positions equally low belong to one valley if their rolls are this near.
 const ONE_VALLEY: f64 = 1e-5;
-/// Brackets this short let the tangents at both ends speak for the two sides of a kink: its square times any
-/// curvature is below what counts.
+/// In brackets this short the tangents at both ends stand for the two sides of a kink: the square of its length times any
+/// curvature is negligible.
 pub(super) const SHORT: f64 = 2e-7;
 
 /// The solution at one roll.
@@ -29,7 +29,7 @@ pub(super) struct Rolled {
     pub(super) slope: f64,
     pub(super) point: MeshPoint,
     pub(super) rolling: Rolling,
-    /// Whether it is the solution; if not, it is no lower than this.
+    /// Whether this is the solution at the roll; if not, it is a lower bound.
     pub(super) is_exact: bool,
 }
 
@@ -39,12 +39,12 @@ impl Rolled {
         self.point.ending != Ending::Unbalanced
     }
 
-    /// The rack that is not rolled, if it is as low.
+    /// The position of the rack without roll, if it is as low.
     pub(super) fn or_level(self, level: Self) -> Self {
         if level.is_balanced() && level.value <= self.value + TIE { level } else { self }
     }
 
-    /// At a kink either side's contacts could be named; always those of the lower roll, so that names do not flicker.
+    /// At a kink the contacts of either side could be named: take those of the lower roll, so that names do not flicker.
     pub(super) fn named_as(mut self, low: &Self, high: &Self) -> Self {
         if low.rolling.at != high.rolling.at {
             self.point.right = low.point.right;
@@ -57,12 +57,12 @@ impl Rolled {
         self.point.residual_mm.abs() < other.point.residual_mm.abs()
     }
 
-    /// How low it may be within so much beside this roll.
+    /// A lower bound of the centre distance within so much beside this roll.
     fn lowest_beside(&self, width: f64, curvature: f64) -> f64 {
         self.value - (self.slope.abs() + 0.5 * curvature * width) * width
     }
 
-    /// It is not known to be the lowest.
+    /// Marks the position as not known to be the lowest.
     pub(super) fn doubt(&mut self) {
         if self.point.ending == Ending::Converged {
             self.point.ending = Ending::RollNotFound;
@@ -99,7 +99,7 @@ pub(super) struct Interval {
 /// What is known of the valleys at one stroke.
 #[derive(Debug, Default)]
 pub(super) struct Search {
-    /// What no centre distance is thought to bend down by, mm/rad².
+    /// The assumed curvature C, mm/rad².
     pub(super) curvature: f64,
     /// The smallest centre distance so far, mm.
     pub(super) best: Option<f64>,
@@ -107,7 +107,7 @@ pub(super) struct Search {
     pub(super) lowest: Vec<Rolled>,
     /// Intervals that may hold a lower one.
     pub(super) intervals: Vec<Interval>,
-    /// If there is none: why there is no mesh at some roll, and the position that was nearest to balance.
+    /// If no position is known: why there is no mesh at some roll, and the position nearest to balance.
     pub(super) failure: Option<MeshError>,
     pub(super) unbalanced: Option<Rolled>,
 }
@@ -154,7 +154,7 @@ impl Search {
                 let bound = ends.fold(bound, f64::min);
                 (meet.clamp(low.angle + 0.1 * width, high.angle - 0.1 * width), bound)
             }
-            // the mesh ends in here, perhaps below all that was found
+            // the mesh ends in this interval, perhaps below every position found
             _ if width <= SMALLEST_GAP => return,
             (Some(end), None) | (None, Some(end)) => (middle, end.lowest_beside(width, curvature)),
             (None, None) => return,
@@ -162,8 +162,8 @@ impl Search {
         self.intervals.push(Interval { low, high, meet, bound });
     }
 
-    /// Slopes that fall between two rolls tell how much a centre distance bends down at least: where that is more than was
-    /// thought, all intervals are bounded anew.
+    /// Slopes that fall between two rolls give a lower bound of the curvature: where it is more than assumed, all intervals are
+    /// bounded again.
     fn learn(&mut self, low: &Node, high: &Node) {
         let (Some(from), Some(to)) = (low.solution, high.solution) else { return };
         let width = to.angle - from.angle;
@@ -176,14 +176,14 @@ impl Search {
         }
     }
 
-    /// The interval with the lowest bound, if that is below what was found.
+    /// The interval with the lowest bound, if the bound is below the lowest position found.
     pub(super) fn lowest_interval(&mut self) -> Option<Interval> {
         let bounds = self.intervals.iter().map(|interval| interval.bound).enumerate();
         let (index, bound) = bounds.min_by(|a, b| a.1.total_cmp(&b.1))?;
         self.best.is_none_or(|best| bound < best + TIE).then(|| self.intervals.swap_remove(index))
     }
 
-    /// What was found is not known to be the lowest.
+    /// Marks the result as not known to be the lowest.
     pub(super) fn unfinished(&mut self) {
         self.lowest.iter_mut().for_each(Rolled::doubt);
     }
@@ -202,7 +202,7 @@ impl Search {
     }
 }
 
-/// Where the tangents of a falling and a rising end meet, and how low that is.
+/// Where the tangents of a falling and a rising end meet, and the centre distance there.
 pub(super) fn tangents(low: &Rolled, high: &Rolled) -> (f64, f64) {
     let width = high.angle - low.angle;
     let meet = low.angle + ((high.value - low.value) - high.slope * width) / (low.slope - high.slope);
@@ -214,8 +214,8 @@ pub(super) fn is_apart(point: &MeshPoint) -> bool {
     point.residual_mm.abs() > APART
 }
 
-/// Where the bounds from both ends of an interval meet, and how low that is; next to a roll at which no rotation balances
-/// both sides the derivatives say little, and it is what the steeper end allows below the lower one.
+/// Where the bounds from both ends of an interval meet, and the centre distance there. Next to a roll at which no rotation
+/// balances both sides the derivatives say little: there the bound is what the steeper end allows below the lower one.
 pub(super) fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, f64) {
     let width = high.angle - low.angle;
     // both parabolas have the same square: their difference is a straight line
@@ -229,16 +229,16 @@ pub(super) fn lower_bound(low: &Rolled, high: &Rolled, curvature: f64) -> (f64, 
         let bound = if is_apart(&low.point) || is_apart(&high.point) {
             low.value.min(high.value) - (steepest + 0.5 * curvature * width) * width
         } else {
-            // it bends down by more than was thought: nothing is known of what lies between
+            // the curvature is larger than assumed: nothing is known of what lies between
             f64::NEG_INFINITY
         };
         (low.angle + 0.5 * width, bound)
     }
 }
 
-/// How low it is between two rolls with the same contact, which follows the cubic that has both values and slopes but for
-/// x² (w − x)²/24 times its fourth derivative: that is less than x² w²/24 times it from either end to the middle. Only what
-/// lies between counts: both ends are known.
+/// A lower bound between two rolls with the same contact. The centre distance follows the cubic through both values and
+/// slopes, except for x² (w − x)²/24 times its fourth derivative, which is less than x² w²/24 times it from either end to
+/// the middle.
 pub(super) fn smooth_bound(low: &Rolled, high: &Rolled, curvature: f64) -> f64 {
     let width = high.angle - low.angle;
     if low.rolling.at != high.rolling.at || is_apart(&low.point) || is_apart(&high.point) {
@@ -259,12 +259,12 @@ pub(super) fn smooth_bound(low: &Rolled, high: &Rolled, curvature: f64) -> f64 {
     half(low, high, 1.0).min(half(high, low, -1.0))
 }
 
-/// Where the derivatives of two ends with the same contact say that it is level.
+/// Where the centre distance is level, by the derivatives of two ends with the same contact.
 pub(super) fn level_between(low: &Rolled, high: &Rolled) -> f64 {
     low.angle - (high.angle - low.angle) * low.slope / (high.slope - low.slope)
 }
 
-/// The lowest place between two ends next to a bottom, one kink or none.
+/// The lowest place between two ends next to a bottom, with one kink or none.
 pub(super) fn lowest_between(low: &Rolled, high: &Rolled) -> Option<f64> {
     let angle = if low.rolling.at == high.rolling.at { level_between(low, high) } else { tangents(low, high).0 };
     (low.angle..=high.angle).contains(&angle).then_some(angle)

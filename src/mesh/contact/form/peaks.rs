@@ -4,16 +4,17 @@
 //! demand is not seen to be concave. That does not show every peak: the long form of this module's tests counts the random
 //! contacts that have a higher one.
 //!
-//! All of a flank is looked at once for each position that is told, and on the way there only its known [`Peaks`]: what any
-//! place asks for is what the flank asks for at least, so that a position that is balanced for some places, and at which no
-//! other place asks for more, is that of all.
+//! The whole flank is searched once for each result, and on the way there only its known [`Peaks`]: any place gives a lower
+//! bound of the flank's demand, so a position that balances some places, and at which no other place asks for more, is the
+//! solution.
 
 use std::iter::once;
 
 use super::super::climb::{Sample, Search};
 use super::super::{FlankContact, Generator, Pose, Range, Touch};
 
-/// Parts that each half of a flank is divided into to see its peaks, and the finer ones where no generator has points over the rack.
+/// Parts into which each half of a flank is divided to find its peaks, and the finer ones where no generator has points over
+/// the rack.
 const GRIDS: [u32; 2] = [6, 32];
 
 /// How often such a part is halved where its ends do not tell whether a peak lies between.
@@ -36,12 +37,12 @@ const ONE_PEAK: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::mesh) struct Peaks {
     at: [Option<f64>; KEPT],
-    /// Whether all of the flank was looked at: without, no peaks say nothing.
+    /// Whether the whole flank was searched: otherwise an empty list says nothing.
     pub(in crate::mesh) are_known: bool,
 }
 
 impl Peaks {
-    /// The highest of these.
+    /// The highest of these peaks.
     fn of(mut found: Vec<Touch>) -> Self {
         found.sort_by(|a, b| b.demand.total_cmp(&a.demand));
         let mut peaks = Self { are_known: true, ..Self::default() };
@@ -51,7 +52,7 @@ impl Peaks {
         peaks
     }
 
-    /// Keeps one more; whether it is another one, and there is room.
+    /// Keeps one more peak; returns whether it is a new one and there is room.
     fn add(&mut self, delta: f64) -> bool {
         let is_known = self.at.iter().flatten().any(|known| (known - delta).abs() <= ONE_PEAK);
         match self.at.iter_mut().find(|peak| peak.is_none()) {
@@ -73,14 +74,14 @@ impl FlankContact {
         GRIDS.into_iter().find_map(|cells| self.highest(pose, flank, cells, known, peaks))
     }
 
-    /// The largest demand at the peaks that are known, wherever they are now: what the flank asks for at least. `None` if
-    /// none is known or left.
+    /// The largest demand at the known peaks, which follow the position: a lower bound of the flank's demand. `None` if no peak
+    /// is known or left.
     pub(in crate::mesh) fn touch_at_peaks(&self, pose: &Pose, floor: f64, peaks: &mut Peaks) -> Option<Touch> {
         self.climbed(pose, self.generators(pose)?, floor, peaks)
     }
 
-    /// The highest of the known peaks, which move to where they are now; one that is now no other than one before it is kept
-    /// where it was.
+    /// The highest of the known peaks, each moved to its present place; a peak that merges with one before it keeps its old
+    /// place.
     fn climbed(&self, pose: &Pose, flank: Range, mut floor: f64, peaks: &mut Peaks) -> Option<Touch> {
         let (mut best, mut moved) = (None::<Touch>, Peaks { at: [None; KEPT], ..*peaks });
         for start in peaks.at.into_iter().flatten() {
@@ -133,7 +134,7 @@ impl FlankContact {
         while let Some((low, high, depth)) = between.pop() {
             if let Some(delta) = low.peak_before(&high) {
                 let peak = consider(Range { lo: low.x, hi: high.x }, Some(delta), Some([low, high]));
-                // there may be another one on either side
+                // there may be another peak on either side
                 if let Some(peak) = peak.filter(|_| depth < DIVISIONS) {
                     let before = BESIDE.iter().rev().map(|beside| peak - beside);
                     let places = before.chain(BESIDE.iter().map(|beside| peak + beside));

@@ -23,7 +23,7 @@ impl Polynomial {
         2.0 * self.a * w + self.b
     }
 
-    /// Where it is zero; what is not finite is no such place.
+    /// The places where the polynomial is zero; only finite ones.
     pub(super) fn roots(&self) -> [f64; 2] {
         let root = (self.b * self.b - 4.0 * self.a * self.c).sqrt();
         let far = -0.5 * (self.b + root.copysign(self.b));
