@@ -1,8 +1,7 @@
 #![doc = include_str!("class.md")]
 //!
-//! The spec resolves `{ class = 7 }` to an error with it, and `class` prints with it what ΔCD a grade allows.
-//! It takes permissible values ([`Permissible`]) and prepared formulas; it must not choose a standard or
-//! a rack's diameter.
+//! With this the spec resolves `{ class = 7 }` to an error, and `class` prints the ΔCD that a grade allows. It takes
+//! permissible values ([`Permissible`]) and prepared formulas; it must not choose a standard or a rack's diameter.
 
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::law::lead_slope;
@@ -17,9 +16,9 @@ use crate::trig;
 pub enum RackDiameter {
     /// The reference diameter of the mating pinion.
     Pinion,
-    /// That of a wheel whose circumference is the toothed length: L/π.
+    /// The diameter of a wheel whose circumference is the toothed length: L/π.
     Developed,
-    /// A given one.
+    /// A diameter that is given.
     Given(Length),
 }
 
@@ -39,7 +38,7 @@ named! {
     }
 }
 
-/// An error that is given as a class, and what it came to.
+/// An error that is given as a class, with the permissible value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorClass {
     /// The kind of error.
@@ -51,12 +50,12 @@ pub struct ErrorClass {
     /// The permissible error: the deviation, for a lead error of the rack its angle over the face width, for a runout half
     /// of it.
     pub value: DeviationValue,
-    /// Of a pitch, the total cumulative deviation F_p that the same grade permits, if the standard gives it.
+    /// For a pitch, the total cumulative deviation F_p that the same grade permits, if the standard gives it.
     pub total: Option<Permissible>,
 }
 
 impl ErrorClass {
-    /// What it came to, in one line: `f_pt = 14 µm by ISO 1328-1:1995, grade 7, d = 14.675 mm (given)`.
+    /// The permissible value in one line: `f_pt = 14 µm by ISO 1328-1:1995, grade 7, d = 14.675 mm (given)`.
     #[must_use]
     pub fn in_words(&self) -> String {
         let Permissible { standard, grade, .. } = self.permissible;
@@ -88,8 +87,8 @@ impl ErrorClass {
     }
 }
 
-/// The deviation that limits a kind of error; `None` of an over-roller measure: that is a size, and no standard here
-/// limits it.
+/// The deviation that limits a kind of error; `None` for an over-roller measure, which is a size that no standard here
+/// limits.
 #[must_use]
 pub const fn deviation_of(kind: DeviationKind) -> Option<Deviation> {
     match kind {
@@ -136,7 +135,7 @@ pub fn developed_diameter(toothed_length: Length) -> Result<Length, DomainError>
     Ok(Length::nearest(toothed_length.mm() / std::f64::consts::PI * 1e12, "the developed diameter L/π")?)
 }
 
-/// What a deviation's ΔCD needs beside the deviation.
+/// What the ΔCD of a deviation needs besides the deviation.
 #[derive(Debug, Clone)]
 pub struct Meshing {
     /// The part that deviates.
@@ -172,8 +171,8 @@ impl Meshing {
     }
 }
 
-/// How a ΔCD follows from a deviation: by the formula of an error of that size; by it as a bound, which needs all of the
-/// deviation in the worst place; or as the peak-to-peak variation that the deviation is. `None` if no formula gives it.
+/// How ΔCD follows from a deviation: by the formula of an error of that size; by the formula as a bound, with the whole
+/// deviation in the worst place; or as the deviation's own peak-to-peak value. `None` if no formula gives it.
 #[must_use]
 pub const fn effect(deviation: Deviation) -> Option<&'static str> {
     match deviation {
@@ -197,13 +196,13 @@ pub enum NoEffect {
     /// A value is outside its domain.
     #[error(transparent)]
     Domain(#[from] DomainError),
-    /// The standard has no such value.
+    /// The standard has no value for this deviation.
     #[error(transparent)]
     Standard(#[from] StandardError),
 }
 
 impl NoEffect {
-    /// Whether another grade may have one.
+    /// Whether another grade may have an effect.
     #[must_use]
     pub const fn is_of_grade(&self) -> bool {
         matches!(self, Self::Standard(StandardError::Grade { .. } | StandardError::Unconfirmed { .. }))
@@ -218,7 +217,7 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
     match deviation {
         Deviation::Runout | Deviation::RadialComposite | Deviation::ToothRadialComposite => Ok(amount),
         Deviation::SinglePitch => Ok(meshing.law(DeviationKind::RackPitch)?.delta_cd(amount, model)?),
-        // either flank side deviates by itself
+        // each flank side deviates by itself
         Deviation::SectorPitch | Deviation::TotalPitch => {
             let of_one_side = meshing.law(DeviationKind::RackPitch)?.delta_cd(amount, model)?;
             Ok(of_one_side + of_one_side)
@@ -236,8 +235,8 @@ pub fn delta_cd(deviation: Deviation, amount: Length, meshing: &Meshing, model: 
     }
 }
 
-/// The tolerance that a permissible deviation is of a kind of error: on each tooth any from minus to plus it, of a pitch
-/// capped by F_p.
+/// The tolerance of a kind of error by a permissible deviation: on each tooth any value from minus to plus it, for a pitch
+/// with F_p as the limit of the sum.
 ///
 /// # Errors
 /// [`NoEffect`] if something that the law needs is missing or outside its domain.
@@ -290,7 +289,7 @@ mod tests {
         assert_eq!(format!("{:.6}", developed_diameter(length("100")).unwrap().mm()), "31.830989");
     }
 
-    /// F_r = 43 µm, f_pt = 18 µm and F_p = 54 µm are those of a commercial program's printed report.
+    /// F_r = 43 µm, f_pt = 18 µm and F_p = 54 µm come from the printed report of a commercial program.
     #[test]
     fn tolerances_of_a_class() {
         let wheel = Wheel {

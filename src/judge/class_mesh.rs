@@ -1,7 +1,7 @@
 //! What a permissible deviation does in the exact mesh: one part with that deviation alone, the other perfect.
 //!
-//! `class` calls it where the spec describes the pair fully. Each deviation is put on the teeth as the one that
-//! measures it would find it.
+//! `class` calls it where the spec describes the pair fully. Each deviation is put on the teeth so that its measurement would
+//! find it.
 
 use crate::deviation::{
     DeviationError, FIRST_ODD_TOOTH, Part, PinionDeviation, PinionDeviationKind, PinionFlanks, PinionForm,
@@ -18,7 +18,7 @@ use crate::trig;
 pub struct ArrangedDeviation {
     /// The part that has it.
     pub part: Part,
-    /// Which one it is.
+    /// The kind of deviation.
     pub deviation: Deviation,
     /// Its size, mm.
     pub amount_mm: f64,
@@ -29,10 +29,9 @@ pub struct ArrangedDeviation {
 }
 
 impl ArrangedDeviation {
-    /// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, along a stroke of
-    /// 50 mm or a turn of the pinion and a few teeth, whichever is longer; mm. With it how the deviation is put on the teeth, in
-    /// words. `None` if no arrangement on the teeth stands for it, or it leaves no mesh, or none that is solved at
-    /// every stroke.
+    /// The largest |ΔCD|, or the difference of the largest and the smallest where that is more, mm, along a stroke of 50 mm or a
+    /// turn of the pinion and a few teeth, whichever is longer; and in words how the deviation is put on the teeth. `None` if
+    /// no arrangement on the teeth stands for the deviation, or if the mesh is not solved at every stroke.
     #[must_use]
     pub fn largest_delta_cd_mm(&self, pair: &Pair) -> Option<(f64, &'static str)> {
         const TOLERANCE_MM: f64 = 1e-6;
@@ -86,7 +85,7 @@ impl ArrangedDeviation {
                 ("one pitch step, half way round", shares(&|tooth| if tooth >= teeth / 2 { 1.0 } else { 0.0 }))
             }
             Deviation::SectorPitch => {
-                // a turn closes: what k pitches add up, the others take back evenly
+                // a turn closes: the other pitches take back evenly what k pitches add up
                 let others = (teeth - pitches).max(1) as f64;
                 let share = |tooth: i64| (tooth as f64 / pitches as f64).min((teeth - tooth) as f64 / others);
                 ("spread evenly over its k pitches, and back over the others", shares(&share))
@@ -147,7 +146,7 @@ mod tests {
         assert!(value.is_some_and(|value| (value - expected).abs() < 1e-4), "{value:?} {expected}");
     }
 
-    /// What can be put on teeth is solved, and nothing else.
+    /// Deviations that can be put on teeth are solved, the others are not.
     #[test]
     fn each_arrangement_is_solved() {
         let both = [Deviation::SinglePitch, Deviation::SectorPitch, Deviation::HelixSlope, Deviation::Runout];
@@ -160,8 +159,8 @@ mod tests {
         }
     }
 
-    /// Of pitches that add up to 20 µm, each is a k-th part, and with tan α_n = 1/2 that is its ΔCD; what the pinion's
-    /// other pitches take back is hardly felt.
+    /// If k pitches add up to 20 µm, each has a k-th part, and with tan α_n = 1/2 that is its ΔCD. What the pinion's other pitches
+    /// take back hardly matters.
     #[test]
     fn a_sector_is_as_bad_as_one_of_its_pitches() {
         for part in [Part::Rack, Part::Pinion] {
@@ -177,9 +176,8 @@ mod tests {
         near(solved(21, Part::Pinion, Deviation::SinglePitch, 1), AMOUNT_MM);
     }
 
-    /// A helix slope over the whole face lifts by as much as it is on the rack and by 1/(2 sin α_n), √5/2 times as much,
-    /// on the pinion; of a profile slope the flank at the pinion's tip asks for that, and the one on the other side for a
-    /// part of it.
+    /// A helix slope over the whole face lifts by its own value on the rack, and by 1/(2 sin α_n), √5/2 times as much, on the
+    /// pinion. With a profile slope the flank at the pinion's tip asks for that, and the flank on the other side for a part of it.
     #[test]
     fn slopes_of_flanks() {
         near(solved(12, Part::Rack, Deviation::HelixSlope, 1), AMOUNT_MM);
@@ -188,14 +186,14 @@ mod tests {
         assert!(found.is_some_and(|found| found > 0.03 && found < AMOUNT_MM * f64::sqrt(5.0)), "{found:?}");
     }
 
-    /// A large pinion takes more than 50 mm for its turn.
+    /// A large pinion needs more than 50 mm for its turn.
     #[test]
     fn the_stroke_is_a_whole_turn() {
         near(solved(30, Part::Pinion, Deviation::Runout, 1), AMOUNT_MM);
     }
 
-    /// A sector of one pitch is a single pitch deviation, also where three teeth carry at a time, on faces so wide that
-    /// the first one's left flank and the last one's right flank do.
+    /// A sector of one pitch is a single pitch deviation, also where three teeth carry at a time, on faces so wide that the left
+    /// flank of the first and the right flank of the last carry.
     #[test]
     fn a_sector_ends_where_it_ends() {
         let mut data = example(20, -0.35, 0.35);

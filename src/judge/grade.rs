@@ -29,7 +29,7 @@ pub struct ObtainedGrade {
 }
 
 impl ObtainedGrade {
-    /// Whether it exceeds the values that are known here, while the standard has coarser grades.
+    /// Whether the value exceeds the grades that are known here, while the standard has coarser ones.
     #[must_use]
     pub fn is_beyond_what_is_known(&self) -> bool {
         self.reached.is_none() && self.coarsest.grade < *self.coarsest.standard.grades().end()
@@ -68,7 +68,7 @@ pub fn obtained(
     Ok(ObtainedGrade { part, deviation, measured, origin: origin.to_owned(), reached, coarsest })
 }
 
-/// The overall grade: the coarsest of those reached; `None` if one is beyond every grade, or there is none.
+/// The overall grade: the coarsest of those reached; `None` if a deviation is beyond every grade, or there is none.
 #[must_use]
 pub fn overall(obtained: &[ObtainedGrade]) -> Option<u8> {
     let grades: Option<Vec<u8>> =
@@ -76,12 +76,12 @@ pub fn overall(obtained: &[ObtainedGrade]) -> Option<u8> {
     grades?.into_iter().max()
 }
 
-/// What one grade does to the centre distance.
+/// One grade and its ΔCD.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GradeStep {
     /// The grade.
     pub grade: u8,
-    /// The combination of every deviation's ΔCD, or why there is none.
+    /// The combination of the ΔCD of all deviations, or why there is none.
     pub combined: Result<Combined<Interval>, NoEffect>,
 }
 
@@ -95,7 +95,7 @@ pub struct GradeSearch {
 }
 
 impl GradeSearch {
-    /// Combines the tolerances that `errors` gives for each grade of `standard`, of a pair of which this is known.
+    /// Combines the tolerances that `errors` gives for each grade of `standard`, with what is known of the pair.
     ///
     /// # Errors
     /// [`QuantityError`] if a sum is beyond the largest length.
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(overall(&[]), None);
     }
 
-    /// Of DIN 3962, qualities 1 to 6 of a pitch are known, the coarsest 7 µm, and the standard has 12.
+    /// Of DIN 3962 qualities 1 to 6 of a pitch are known, the coarsest with 7 µm; the standard has 12.
     #[test]
     fn beyond_what_is_known_is_not_beyond_the_standard() {
         let small = Wheel {

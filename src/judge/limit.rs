@@ -1,5 +1,4 @@
-//! Limits of ΔCD and the verdict against them. Built by the spec layer, asked by everything that judges; an equal value
-//! is inside.
+//! Limits of ΔCD and the verdict. The spec layer builds them, everything that judges uses them; an equal value is inside.
 
 use std::fmt;
 
@@ -7,7 +6,7 @@ use super::Interval;
 use crate::deviation::DeviationKind;
 use crate::quantity::{Length, Rounded};
 
-/// Permitted values: from `lower` to `upper`, both inside; an end that is not given is open.
+/// Permitted values from `lower` to `upper`, both included; an end that is not given is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Limit {
     /// The lowest permitted value.
@@ -16,7 +15,7 @@ pub struct Limit {
     pub upper: Option<Length>,
 }
 
-/// What a limit is on.
+/// The quantity that a limit is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LimitTarget {
     /// The combined ΔCD.
@@ -26,7 +25,7 @@ pub enum LimitTarget {
 }
 
 impl LimitTarget {
-    /// The key that specs and results call it by.
+    /// The limit's key in specs and results.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -50,23 +49,23 @@ impl fmt::Display for LimitTarget {
 pub struct NearestEnd {
     /// The result's own end on that side.
     pub result: Length,
-    /// How far that is inside; negative outside.
+    /// How far the result's end is inside; negative outside.
     pub inside_by: Length,
-    /// The end.
+    /// The end of the limit.
     pub end: Length,
-    /// Whether it is the upper one.
+    /// Whether it is the upper end.
     pub is_upper: bool,
 }
 
 impl NearestEnd {
-    /// The end as specs call it: `upper`.
+    /// The end's key in specs: `upper`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         if self.is_upper { "upper" } else { "lower" }
     }
 }
 
-/// Of a result that is outside: `is 0.0077 mm above the limit 0.05 mm`, to as many decimals as tell it.
+/// The words for a result that is outside: `is 0.0077 mm above the limit 0.05 mm`, with as many decimals as are needed.
 impl fmt::Display for NearestEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let by = self.inside_by.abs();
@@ -94,7 +93,7 @@ named! {
 }
 
 impl Limit {
-    /// The ends that it has, the lower one first.
+    /// The ends that are given, the lower one first.
     pub fn ends(self) -> impl Iterator<Item = Length> {
         self.lower.into_iter().chain(self.upper)
     }
@@ -105,7 +104,7 @@ impl Limit {
         Self { lower: Some(-magnitude.abs()), upper: Some(magnitude.abs()) }
     }
 
-    /// With both ends moved inwards by so much.
+    /// The limit with both ends moved inwards.
     pub(super) fn narrowed(self, at_lower: Length, at_upper: Length) -> Self {
         Self { lower: self.lower.map(|end| end + at_lower), upper: self.upper.map(|end| end - at_upper) }
     }
@@ -118,7 +117,7 @@ impl Limit {
         above.into_iter().chain(below)
     }
 
-    /// The end that a result is nearest to, or furthest beyond; `None` of a limit without ends.
+    /// The end that a result is nearest to, or furthest beyond; `None` for a limit without ends.
     #[must_use]
     #[inline]
     pub fn nearest(&self, result: Interval) -> Option<NearestEnd> {
@@ -153,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_result_on_the_limit_is_inside() {
-        // as binary numbers, many of these differences exceed their limit
+        // in binary numbers many of these differences exceed their limit
         for step in 0..=1500 {
             let nominal: Length = "25.0000".parse().unwrap();
             let measured: Length = format!("25.{step:04}").parse().unwrap();

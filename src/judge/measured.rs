@@ -1,5 +1,5 @@
-//! A rack measured space by space, or a pinion tooth by tooth, and what each deviation does by its formula. Built by
-//! the spec layer from a table, written by the reports.
+//! A rack measured space by space, or a pinion tooth by tooth, with ΔCD of each deviation by its formula. The spec layer
+//! builds it from a table, the reports write it.
 
 use crate::deviation::{DeviationKind, DeviationValue, Part};
 use crate::formula::Model;
@@ -10,7 +10,7 @@ use crate::quantity::Length;
 pub enum Feature {
     /// Measure over the pin less its nominal value.
     OverPin,
-    /// Distance from the space before less the pitch.
+    /// Distance from the previous space less the pitch.
     Pitch,
     /// Helix angle deviation of a space.
     Lead,
@@ -27,7 +27,7 @@ pub enum Feature {
 }
 
 impl Feature {
-    /// What people call it, what results call it, and the error whose formula takes it.
+    /// The feature in words, its key in results, and the error whose formula takes it.
     const fn facts(self) -> (&'static str, &'static str, DeviationKind) {
         match self {
             Self::OverPin => ("over-pin", "over_pin", DeviationKind::RackOverRoller),
@@ -41,19 +41,19 @@ impl Feature {
         }
     }
 
-    /// What people call it.
+    /// The feature in words.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.facts().0
     }
 
-    /// What results call it.
+    /// The feature's key in results.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.facts().1
     }
 
-    /// The error whose formula takes it.
+    /// The error whose formula takes the feature.
     #[must_use]
     pub const fn error(self) -> DeviationKind {
         self.facts().2
@@ -99,7 +99,7 @@ impl MeasuredPart {
         effects.reduce(|a, b| if b.1.delta_cd.abs() > a.1.delta_cd.abs() { b } else { a })
     }
 
-    /// The lowest and highest ΔCD of a feature; an error that pushes acts between nothing and its largest value.
+    /// The lowest and highest ΔCD of a feature; an error that pushes acts between 0 and its largest value.
     #[must_use]
     pub fn range_of(&self, feature: usize) -> Option<(Length, Length)> {
         let effects =
@@ -108,8 +108,8 @@ impl MeasuredPart {
         Some(if self.features[feature].error().always_acts() { (low, high) } else { (Length::ZERO, high) })
     }
 
-    /// The range of all together: the sum of those of the features. Left and right flanks of a pinion deviate by
-    /// themselves, so that both count.
+    /// The range of all features: the sum of their ranges. Left and right flanks of a pinion deviate by themselves, so both
+    /// count.
     #[must_use]
     pub fn range(&self) -> (Length, Length) {
         let ranges = (0..self.features.len()).filter_map(|feature| self.range_of(feature));

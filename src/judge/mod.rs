@@ -1,13 +1,13 @@
-//! What errors do at worst, and what limits say of it.
+//! The worst that errors can do, and the verdict of limits on it.
 //!
 //! [`bound`] computes ranges of ΔCD that no placement of the errors leaves, [`reached`] finds placements that come near their
-//! ends; a [`Stack`] is how errors combine, a [`Limit`] what the sum may be, a [`Rule`] how much uncertainty a verdict bears.
-//! A [`Prediction`] is what the formulas say of deviations per tooth, a [`MeasuredPart`] of measured ones; [`strokes`] are those
-//! at which deviated teeth can carry. [`mod@class`], [`class_mesh`] and [`grade`] say what a class of a standard comes to, by the
-//! formulas and by the mesh, and which grade a part obtains.
-//! Sums and comparisons are exact: a result equal to a limit in decimal arithmetic is inside it.
+//! ends. A [`Stack`] says how errors combine, a [`Limit`] what the sum may be, a [`Rule`] how a verdict treats uncertainty.
+//! A [`Prediction`] has the formulas' ΔCD of deviations per tooth, a [`MeasuredPart`] that of measured ones; [`strokes`] finds
+//! the strokes at which deviated teeth can carry. [`mod@class`], [`class_mesh`] and [`grade`] say what ΔCD a class of a standard
+//! allows, by the formulas and by the mesh, and which grade a part reaches. Sums and comparisons are exact: a result equal
+//! to a limit in decimal arithmetic is inside it.
 //!
-//! Called by whoever gives a verdict; knows nothing of files or words of a report.
+//! Every command that gives a verdict calls it; it knows nothing of files or words of a report.
 
 pub mod bound;
 pub mod class;

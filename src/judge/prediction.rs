@@ -1,8 +1,7 @@
-//! What the formulas say about deviations per tooth: the range of ΔCD to hold the exact mesh against.
+//! The formulas' range of ΔCD for deviations per tooth, for comparison with the exact mesh.
 //!
-//! Each deviation is taken as the formula of its kind of error takes it, without regard to which teeth are
-//! in contact when: what is on every tooth acts always, what is on some of them acts between nothing and
-//! its value. Values are good to a nanometre, for comparison beside a curve.
+//! Each deviation goes through the formula of its kind of error, whichever teeth are in contact: a deviation on every tooth
+//! always acts, one on some teeth acts between 0 and its value. Values are good to a nanometre.
 
 use super::bound::{HelixOfPinion, pinion_helix_slope_mm};
 use super::reached::Run;
@@ -18,10 +17,10 @@ use crate::mesh::FlankSide;
 use crate::quantity::{Angle, DomainError, Length};
 use crate::trig;
 
-/// What one deviation contributes by its formula.
+/// The contribution of one deviation by its formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicted {
-    /// What it is: `rack pitch, teeth 8..`.
+    /// The deviation in words: `rack pitch, teeth 8..`.
     pub what: String,
     /// The lowest ΔCD, mm.
     pub lower_mm: f64,
@@ -29,17 +28,17 @@ pub struct Predicted {
     pub upper_mm: f64,
 }
 
-/// An error, and the teeth that it is put on.
+/// An error and the teeth that it is on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedError {
     /// The error.
     pub error: PartDeviation,
-    /// Where it sits; nowhere if there is no run.
+    /// Where the error is; nowhere if there is no run.
     pub runs: Vec<Run>,
 }
 
 impl PlacedError {
-    /// What it does by its formula: on every tooth always, on some between nothing and its value.
+    /// The error's contribution by its formula: on every tooth always its value, on some teeth between 0 and its value.
     ///
     /// # Errors
     /// [`DomainError`] if a run has a value that the formula does not take.
@@ -53,7 +52,7 @@ impl PlacedError {
             let mm = self.error.with_value(value).delta_cd(Model::Exact)?.mm();
             ends.extend(if self.is_everywhere(run, pair) { [mm, mm] } else { [mm, 0.0] });
         }
-        // on no tooth it does nothing
+        // an error on no tooth has no effect
         let (lower_mm, upper_mm) = extremes(ends.into_iter()).unwrap_or_default();
         Ok(Predicted { what: self.in_words(pair), lower_mm, upper_mm })
     }
@@ -132,7 +131,7 @@ impl Prediction {
         Self::default()
     }
 
-    /// What errors do on the teeth that they are put on.
+    /// The contributions of errors on the teeth that they are put on.
     ///
     /// # Errors
     /// As [`PlacedError::predicted`].
@@ -146,7 +145,7 @@ impl Prediction {
         self.terms.iter().fold((0.0, 0.0), |(low, high), term| (low + term.lower_mm, high + term.upper_mm))
     }
 
-    /// A value that always acts if it is on all teeth, and sometimes if it is on some.
+    /// A value that acts always if it is on all teeth, else between 0 and the value.
     fn signed(&mut self, what: String, everywhere: bool, value: f64) {
         let (lower_mm, upper_mm) = if everywhere { (value, value) } else { (value.min(0.0), value.max(0.0)) };
         self.terms.push(Predicted { what, lower_mm, upper_mm });
@@ -165,7 +164,7 @@ impl Prediction {
                 RackDeviationKind::Left(value) => self.signed(what("left flank"), all, value * gains.rack),
                 RackDeviationKind::Right(value) => self.signed(what("right flank"), all, value * gains.rack),
                 RackDeviationKind::Pitch(value) => self.signed(what("pitch"), false, value.abs() * gains.rack),
-                // a shift of every tooth is none
+                // shifting all teeth alike changes nothing
                 RackDeviationKind::Shift(_) if all => self.signed(what("shift"), true, 0.0),
                 RackDeviationKind::Shift(value) => self.signed(what("shift"), false, value.abs() * gains.rack),
                 RackDeviationKind::Lead(value) => self.signed(what("lead"), all, trig::sin(*value).abs() * gains.lead),
@@ -188,9 +187,9 @@ impl Prediction {
                 PinionDeviationKind::Right(value) => self.signed(what("right flank"), all, value * gains.pinion),
                 PinionDeviationKind::Shift(_) if all => self.signed(what("shift"), true, 0.0),
                 PinionDeviationKind::Shift(value) => self.signed(what("pitch"), false, value.abs() * gains.pinion),
-                // helices of single teeth are for the exact mesh
+                // only the exact mesh takes helices of single teeth
                 PinionDeviationKind::Lead(_) => {}
-                // a radial error that goes through both signs in a turn
+                // an eccentricity is a radial error that goes through both signs in a turn
                 PinionDeviationKind::Eccentricity(value) => {
                     let what = "pinion eccentricity".to_owned();
                     self.terms.push(Predicted { what, lower_mm: -value.abs(), upper_mm: value.abs() });
@@ -228,8 +227,7 @@ impl Prediction {
     }
 
     /// Adds the measured teeth of a pinion: radial values as they are; the largest step between neighbouring
-    /// positions and the largest single pitch deviation of either flank side, which deviate by themselves and add up; the largest
-    /// lead.
+    /// positions and the largest single pitch deviation of either flank side, which are independent and add up; the largest lead.
     #[must_use]
     pub fn pinion_rows(mut self, pair: &Pair, rows: &[PinionToothRow]) -> Self {
         if rows.is_empty() {

@@ -1,6 +1,6 @@
 #![doc = include_str!("rule.md")]
 //!
-//! Called after an evaluation with the uncertainty of its results; propagates nothing itself.
+//! Called after an evaluation, with the uncertainty of its results; propagates nothing itself.
 
 use super::{Interval, Limit, Verdict};
 use crate::quantity::{Length, LengthUnit, QuantityError, plain};
@@ -12,7 +12,7 @@ pub const ISO_14253_FACTOR: f64 = 1.65;
 /// Conformance probability of ISO 14253-1.
 pub const ISO_14253_PROBABILITY: f64 = 0.95;
 
-/// How a verdict is reached.
+/// The rule by which a verdict is reached.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Rule {
@@ -26,13 +26,13 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Whether it can decide nothing without an uncertainty.
+    /// Whether the rule needs an uncertainty.
     #[must_use]
     pub const fn needs_uncertainty(&self) -> bool {
         matches!(self, Self::Iso14253)
     }
 
-    /// Its name for people.
+    /// The rule's name for people.
     #[must_use]
     pub fn in_words(&self) -> String {
         match self {
@@ -42,7 +42,7 @@ impl Rule {
         }
     }
 
-    /// The limit within which a value passes by this rule, as far as no uncertainty is needed to tell.
+    /// The limit within which a value passes by this rule, as far as that does not depend on an uncertainty.
     #[must_use]
     pub fn accepted(&self, limit: &Limit) -> Limit {
         let Self::Guard(band) = *self else { return *limit };
@@ -64,13 +64,13 @@ impl std::fmt::Display for Rule {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RuleError {
-    /// None that is known.
+    /// No known rule has this name.
     #[error("`{0}` is not a decision rule: write simple, iso14253 or guard=VALUE")]
     Unknown(String),
-    /// A guard band that is no length.
+    /// The guard band is not a length.
     #[error(transparent)]
     NoLength(#[from] QuantityError),
-    /// A guard band below 0.
+    /// The guard band is below 0.
     #[error("the guard band {0} is negative: it must be 0 or more")]
     Negative(Length),
 }
@@ -107,7 +107,7 @@ pub struct Ends {
     pub lower_standard_mm: f64,
     /// Standard uncertainty of the upper end.
     pub upper_standard_mm: f64,
-    /// Correlation of both.
+    /// Correlation of both ends.
     pub correlation: f64,
     /// How the lower end is distributed.
     pub lower_tail: Tail,
@@ -120,8 +120,8 @@ pub struct Ends {
 pub struct Tail {
     /// Effective degrees of freedom of its standard uncertainty; `None` where that is not known.
     pub dof: Option<f64>,
-    /// How many magnitudes so near to 0 are in it that either sign of them may count; `None` where inputs are correlated, so that
-    /// other signs may be wider.
+    /// The number of magnitudes in this end so near to 0 that either sign may count; `None` where inputs are correlated, because
+    /// other signs may then spread wider.
     pub folds: Option<u8>,
     /// How many other strokes of a mesh may hold this end.
     pub rivals: u32,
@@ -131,9 +131,9 @@ impl Tail {
     /// A normal distribution.
     pub const NORMAL: Self = Self { dof: Some(f64::INFINITY), folds: Some(0), rivals: 0 };
 
-    /// The probability, at most, that the end lies so many standard uncertainties beyond its value, Q: either sign of n
-    /// magnitudes, and each stroke that rivals, makes another normal end that is as far at most. Student's t for finite degrees of freedom. Nothing lies
-    /// beyond a limit that is not there.
+    /// Upper bound of the probability Q that the end lies so many standard uncertainties beyond its value. Either sign of n
+    /// magnitudes, and each rival stroke, makes another normal end that is at most as far. Student's t for finite degrees of
+    /// freedom. Without a limit nothing lies beyond it.
     fn beyond(self, distance: Option<f64>) -> Option<f64> {
         let Some(distance) = distance else { return Some(0.0) };
         let (folds, dof) = (self.folds?, self.dof?);
@@ -165,7 +165,7 @@ impl Ends {
         self.lower_tail.dof.is_none() || self.upper_tail.dof.is_none()
     }
 
-    /// Whether its conformance is known exactly: otherwise it is at least so probable.
+    /// Whether the probability of conformance is exact: otherwise it is a lower bound.
     #[must_use]
     pub fn is_normal(&self) -> bool {
         [self.lower_tail, self.upper_tail] == [Tail::NORMAL; 2]
@@ -174,7 +174,7 @@ impl Ends {
     /// How far both ends are inside their limits, in standard uncertainties; `None` where there is no limit.
     fn distances(&self, limit: &Limit) -> (Option<f64>, Option<f64>) {
         let reduced = |distance: f64, standard: f64| match standard {
-            // on the limit is inside
+            // a value on the limit is inside
             0.0 if distance >= 0.0 => f64::INFINITY,
             0.0 => f64::NEG_INFINITY,
             _ => distance / standard,
@@ -184,8 +184,8 @@ impl Ends {
         (below, above)
     }
 
-    /// The probability that both ends lie inside `limit`, both taken as jointly normal; at least that, if they are not.
-    /// `None` where nothing is known of an end that correlated inputs have, and where "at least" says nothing.
+    /// The probability that both ends lie inside `limit`, if both are jointly normal, else a lower bound of it. `None` where
+    /// the distribution of an end with correlated inputs is not known, and where the lower bound says nothing.
     #[must_use]
     pub fn conformance(&self, limit: &Limit) -> Option<f64> {
         let (h, k) = self.distances(limit);
@@ -194,13 +194,13 @@ impl Ends {
             return (least > 0.0).then_some(least);
         }
         let [h, k] = [h, k].map(|distance| distance.unwrap_or(f64::INFINITY));
-        // the lower end must not be too low and the upper one not too high: of opposite sense
+        // the lower end must not be too low, the upper one not too high: opposite directions
         let rho = -self.correlation;
         let is_one = rho < -1.0 + 1e-9;
         Some(if is_one { (normal_cdf(h) - normal_cdf(-k)).max(0.0) } else { bivariate_normal_cdf(h, k, rho) })
     }
 
-    /// Whether 95 % stand behind a verdict that the guard band of one limit gives: both limits may be near, the ends need not
+    /// Whether a verdict by the guard band of one limit has a probability of 95 %: both limits may be near, and the ends need not
     /// be normal.
     fn proves(&self, verdict: Verdict, limit: &Limit) -> bool {
         match verdict {
@@ -224,14 +224,14 @@ impl Ends {
 pub struct Conformance {
     /// The probability of conformance p_c.
     pub probability: f64,
-    /// Whether it was counted in a simulation; otherwise it follows from the linear result.
+    /// Whether p_c was counted in a simulation; otherwise it follows from the linear result.
     pub simulated: bool,
-    /// Whether it is at least so probable: ends that are not normally distributed.
+    /// Whether p_c is a lower bound, because an end is not normally distributed.
     pub is_least: bool,
 }
 
 impl Conformance {
-    /// As simulated, else by the linear result; `None` where neither tells anything.
+    /// p_c as simulated, else by the linear result; `None` where neither gives one.
     #[must_use]
     pub fn of(limit: &Limit, ends: Option<&Ends>, simulated: Option<f64>) -> Option<Self> {
         match (counting(ends, simulated), ends) {
@@ -269,8 +269,8 @@ pub struct Decision {
     pub verdict: Verdict,
 }
 
-/// Decides about one limit: `result` from its lower to its upper end is exact, `ends` is the same with its uncertainty,
-/// `simulated` the probability of conformance if it was simulated. Without either `iso14253` decides nothing.
+/// Decides about one limit. `result` is exact from its lower to its upper end, `ends` has the uncertainty of both,
+/// `simulated` is the probability of conformance by simulation. Without `ends` and `simulated` `iso14253` decides nothing.
 ///
 /// # Errors
 /// [`QuantityError`] if a guard band is beyond the range of numbers.
@@ -285,8 +285,8 @@ pub fn decide(
     Ok(Decision { guard, conformance: Conformance::of(limit, ends, simulated), verdict })
 }
 
-/// A simulated probability, which counts unless what was drawn cancels, or another stroke of a mesh may hold an end: draws move
-/// the ends only.
+/// The simulated probability, if it counts. It does not where the draws cancel, or where another stroke of a mesh may hold an
+/// end, because draws move the ends only.
 fn counting(ends: Option<&Ends>, simulated: Option<f64>) -> Option<f64> {
     let has_rivals = |ends: &Ends| ends.lower_tail.rivals + ends.upper_tail.rivals > 0;
     simulated.filter(|_| !ends.is_some_and(|ends| ends.is_unknown() || has_rivals(ends)))
@@ -329,7 +329,7 @@ pub(crate) fn verdict(
     Ok((if is_proven { verdict } else { Verdict::Indeterminate }, guard))
 }
 
-/// Holds a result, from its lower to its upper end, against a limit with guard bands: inside the limit moved inwards it
+/// Compares a result, from its lower to its upper end, with a limit and its guard bands: inside the limit moved inwards it
 /// passes, outside the limit moved outwards it fails.
 fn judge(limit: &Limit, result: Interval, guard: Option<(Length, Length)>) -> Verdict {
     let Some((at_lower, at_upper)) = guard else { return limit.judge(result) };

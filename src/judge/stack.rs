@@ -1,6 +1,6 @@
 #![doc = include_str!("stack.md")]
 //!
-//! Called by the evaluation and by whoever judges many parts; judges nothing.
+//! The evaluation and batches call it; it judges nothing.
 
 use std::fmt;
 
@@ -8,12 +8,12 @@ use crate::judge::bound::{Combined, NoBound, Range};
 use crate::quantity::{FM_PER_MM, Length, QuantityError};
 
 named! {
-    /// How errors are combined to the result that is judged.
+    /// How errors combine to the result that is judged.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
     #[non_exhaustive]
     pub enum Stack {
-        /// The worst case: what these errors can do wherever on the teeth they are.
+        /// The worst case: the bound for errors anywhere on the teeth.
         ///
         /// No placement of these errors on the teeth leaves it.
         #[default]
@@ -21,7 +21,7 @@ named! {
         Range = "range",
         /// Tolerances as three standard deviations around the bound of what was measured; no bound.
         ///
-        /// Statistical: all but a few of many such parts, at any one stroke.
+        /// Statistical: it holds all but a few of many such parts, at any one stroke.
         Rss = "rss",
     }
 }
@@ -46,7 +46,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The nearest decimals of a range: errors that are decimals themselves then meet a decimal limit exactly.
+    /// The nearest decimals of a range: errors in decimals then meet a decimal limit exactly.
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if an end is beyond the largest length.
@@ -56,7 +56,7 @@ impl Interval {
         Ok(Self { lower: nearest(range.lower)?, upper: nearest(range.upper)? })
     }
 
-    /// The same of a range that may be open.
+    /// The nearest decimals of a range that may be open.
     ///
     /// # Errors
     /// [`QuantityError::Overflow`] if an end is beyond the largest length.
@@ -91,8 +91,7 @@ impl Combined<Range> {
 }
 
 impl<T> Combined<T> {
-    /// The combination that is judged where one is asked for: without anything that scatters there is no statistical one, and
-    /// the worst case is judged.
+    /// The combination that is judged: the worst case also where the statistical one is asked for and nothing scatters.
     #[must_use]
     pub fn judged(&self, asked: Stack) -> Stack {
         match self.rss {
@@ -101,7 +100,7 @@ impl<T> Combined<T> {
         }
     }
 
-    /// A combination.
+    /// The combination of a kind.
     ///
     /// # Errors
     /// [`NoBound`] if there is none.

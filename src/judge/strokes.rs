@@ -1,5 +1,5 @@
-//! Which strokes say what deviated teeth can do, and the extremes of the exact mesh over them. Called where both parts'
-//! teeth are known; knows no limits.
+//! The strokes at which deviated teeth can carry, and the extremes of the exact mesh over them. Used where the teeth of both
+//! parts are known; knows no limits.
 
 use std::collections::BTreeSet;
 use std::ops::Range as Strokes;
@@ -43,10 +43,9 @@ pub enum StrokesError {
     Mesh(#[from] MeshError),
 }
 
-/// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, for a
-/// turn of the pinion if that has some; of a measured rack those at which every flank that can carry was measured. Of the
-/// rack it takes the deviations, and the spaces that were measured, none if no table was; of the pinion whether it has
-/// teeth that deviate.
+/// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, and over a
+/// turn of the pinion if its teeth deviate. For a measured rack, the strokes at which every flank that can carry was
+/// measured. `spaces` are the measured ones, empty without a table.
 ///
 /// # Errors
 /// [`StrokesError`] if measured spaces cover no stroke.
@@ -95,12 +94,12 @@ pub struct Extremes {
     pub lower: CurveExtreme,
     /// The highest one.
     pub upper: CurveExtreme,
-    /// Whether every stroke is solved: otherwise ΔCD may be lower or higher.
+    /// Whether every stroke is solved; if not, ΔCD may be lower or higher.
     pub solved: bool,
 }
 
 impl Default for Extremes {
-    /// Of no curve.
+    /// The extremes of no curve.
     fn default() -> Self {
         let none = |delta_cd_mm| CurveExtreme { stroke_mm: 0.0, delta_cd_mm };
         Self { lower: none(f64::INFINITY), upper: none(f64::NEG_INFINITY), solved: true }
@@ -108,7 +107,7 @@ impl Default for Extremes {
 }
 
 impl Extremes {
-    /// Takes a point of a curve: where it is.
+    /// Counts a point of a curve.
     fn take(&mut self, point: &MeshPoint) -> CurveExtreme {
         let MeshPoint { stroke_mm, delta_cd_mm, .. } = *point;
         self.solved &= point.is_solved();
@@ -122,7 +121,7 @@ impl Extremes {
         here
     }
 
-    /// What is held against limits, mm: what the coarse curve of a rack that may roll may miss counts.
+    /// The range that limits judge, mm, with what the coarse curve of a rack that may roll may miss.
     #[must_use]
     pub fn judged(&self, mesh: &Mesh) -> KnownTeeth {
         let missed_mm = if mesh.support() == Support::Fixed { 0.0 } else { ROLLING_TOLERANCE_MM };
@@ -139,28 +138,28 @@ impl Extremes {
     }
 }
 
-/// The curve of known teeth is followed this closely, that of a rack that may roll, which is slow, less; and judged to so
-/// many parts of a millimetre.
+/// Tolerances of the curve of known teeth, and of the slower curve of a rack that may roll, and the resolution of the judged
+/// values.
 const TOLERANCE_MM: f64 = 1e-7;
 const ROLLING_TOLERANCE_MM: f64 = 1e-5;
 const JUDGED_PARTS: f64 = 1e9;
 
-/// How closely the curve of known teeth is followed: the promised error between points, mm.
+/// The tolerance of the curve of known teeth between points, mm.
 #[must_use]
 pub fn tolerance_mm(mesh: &Mesh) -> f64 {
     if mesh.support() == Support::Fixed { TOLERANCE_MM } else { ROLLING_TOLERANCE_MM }
 }
 
-/// A curve is followed so many times less closely first, and again where its extremes can be.
+/// A curve is computed first with a tolerance so many times as large, then again where its extremes can be.
 const COARSER: f64 = 100.0;
 
-/// The lowest and the highest ΔCD over strokes, to a tolerance in mm. Of a curve only those pieces are kept that may hold an
-/// extreme.
+/// The lowest and the highest ΔCD over strokes, to a tolerance in mm. Only pieces of a curve that may hold an extreme are
+/// kept.
 ///
 /// # Errors
 /// [`MeshError`] of a stroke that has no solution.
 pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Result<Extremes, MeshError> {
-    // where the rack may roll a stroke costs more than points that are saved
+    // where the rack may roll, a stroke costs more than the points that are saved
     let coarse_mm = if mesh.support() == Support::Fixed { COARSER * tolerance_mm } else { tolerance_mm };
     let mut found = Extremes::default();
     // between two points the curve leaves the chord by no more than the tolerance
@@ -193,7 +192,7 @@ pub fn extremes(mesh: &Mesh, strokes: &[Strokes<f64>], tolerance_mm: f64) -> Res
     Ok(found)
 }
 
-/// Pieces in rising order, those that touch as one.
+/// Pieces in rising order; pieces that touch become one.
 fn joined(pieces: impl Iterator<Item = Strokes<f64>>) -> Vec<Strokes<f64>> {
     let mut joined: Vec<Strokes<f64>> = Vec::new();
     for piece in pieces {
@@ -210,7 +209,7 @@ mod tests {
     use super::*;
     use crate::deviation::{PinionFlanks, RackDeviationKind, RackFlanks, ToothRange};
 
-    /// A step far along the rack is found where it is.
+    /// A step far along the rack is found at its place.
     #[test]
     fn a_step_at_any_tooth_is_judged() {
         let pair = crate::reproduction::pair().unwrap();

@@ -1,4 +1,4 @@
-//! What is given of a pair beside its errors, ready for errors of any size. Made once for a spec; computes no range itself.
+//! What is given of a pair besides its errors, ready for errors of any size. Made once for a spec; computes no range itself.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,14 +13,14 @@ use crate::formula::PartDeviation;
 pub struct Basis {
     /// The pair's geometry.
     pub geometry: GivenGeometry,
-    /// What the pair without errors does, if its geometry is not known.
+    /// The curve of the pair without errors, if its geometry is not known.
     pub own_curve: OwnCurve,
-    /// What the teeth do that are known one by one; the errors are then those of the other part.
+    /// The curve of teeth that are known one by one; the errors are then those of the other part.
     pub known_teeth: Option<KnownTeeth>,
-    /// What the exact mesh makes of the errors and the known teeth together, where every error is on all teeth alike, so
-    /// that nothing is left to place.
+    /// The exact mesh of the errors and the known teeth together, where every error is on all teeth alike, so that nothing is
+    /// left to place.
     pub all_placed: Option<Range>,
-    /// Whether the rack is free to roll; of a known pair its support says so.
+    /// Whether the rack is free to roll; for a known pair its support says so.
     pub rolls: bool,
     /// Normal module, if it is known without the geometry, mm.
     pub normal_module_mm: Option<f64>,
@@ -31,17 +31,17 @@ pub struct Basis {
 /// What is given of the pair's geometry.
 #[derive(Debug, Clone, Default)]
 pub enum GivenGeometry {
-    /// Nothing but what the errors' own laws need.
+    /// Only what the laws of the errors need.
     #[default]
     Unknown,
-    /// Somebody states that a tooth of the rack, and one of the pinion, always carries with both flanks:
-    /// ε ≥ 1 + 2|c| and ε ≥ 1 + |1 − 2c|.
+    /// The statement that a tooth of the rack, and one of the pinion, always carries with both flanks: ε ≥ 1 + 2|c| and
+    /// ε ≥ 1 + |1 − 2c|.
     BothFlanks,
-    /// All of it.
+    /// The whole geometry.
     Known(KnownPairs),
 }
 
-/// A pair with known geometry: what is known of it for errors of each size, made when such errors are first asked about.
+/// A pair with known geometry, with what follows from it for errors of each size, computed when it is first needed.
 #[derive(Debug, Clone)]
 pub struct KnownPairs {
     given: Arc<GivenPair>,
@@ -52,14 +52,14 @@ pub struct KnownPairs {
 const SMALLEST_MM: [f64; 4] = [1e-3, 1.189_207_115e-3, 1.414_213_562e-3, 1.681_792_831e-3];
 const STEPS: usize = 81;
 
-/// The errors of a step: either way, of the pinion alone, too.
+/// The largest errors of a step, either way, and of the pinion alone.
 fn reach(step: usize) -> Reach {
     let size = SMALLEST_MM[step % SMALLEST_MM.len()] * (1_u64 << (step / SMALLEST_MM.len())) as f64;
     Reach { range: Range { lower: -size, upper: size }, of_pinion_mm: size }
 }
 
 impl KnownPairs {
-    /// Of this pair; nothing is computed yet.
+    /// A known pair for which nothing is computed yet.
     #[must_use]
     pub fn new(given: GivenPair) -> Self {
         Self { given: Arc::new(given), steps: Arc::new(std::array::from_fn(|_| OnceLock::new())) }
@@ -71,10 +71,11 @@ impl KnownPairs {
         &self.given
     }
 
-    /// What is known for these errors beside known teeth, of the first step that holds them: the same for the same errors, whatever else was asked.
+    /// What is known for these errors beside known teeth, from the smallest step that holds them: the answer for an error does
+    /// not depend on earlier ones.
     ///
     /// # Errors
-    /// [`NoBound`] if errors as large leave no pair.
+    /// [`NoBound`] if errors of this size leave no pair.
     pub(super) fn for_errors(
         &self,
         errors: &[ExtendedError],
@@ -112,14 +113,14 @@ impl Basis {
         Ok(Knowledge { basis: self, pair })
     }
 
-    /// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
+    /// The bound of some errors: on whatever teeth their extents allow, the exact mesh stays inside it.
     #[must_use]
     pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
         let bound = match self.knowledge(errors) {
             Ok(knowledge) => bound(errors, &knowledge),
             Err(open) => Bound::open(errors.len(), open),
         };
-        // what an error does alone does not depend on how large the others are
+        // the effect of an error alone does not depend on the size of the others
         Bound { errors: errors.iter().map(|error| self.alone(error)).collect(), ..bound }
     }
 
@@ -141,7 +142,7 @@ impl Basis {
         range_of(error, &self.knowledge(std::slice::from_ref(error))?)
     }
 
-    /// Its sums alone.
+    /// The sums of the bound, without each error's own range.
     #[must_use]
     pub fn together(&self, errors: &[ExtendedError]) -> Combined<Range> {
         match self.knowledge(errors) {

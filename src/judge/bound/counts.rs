@@ -3,7 +3,7 @@
 use super::field::ContactPath;
 use super::levels::{Levels, SLACK};
 
-/// Steps of a part one way.
+/// The direction of the steps of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepDirection {
     RackGrows,
@@ -34,7 +34,7 @@ pub(super) struct Counts {
     /// On the nominal path, and how much less each further step lifts because edges stand back, mm.
     nominal: f64,
     stands_back: Vec<f64>,
-    /// At most, beside other errors, and in the gaps of lines.
+    /// The most that can act at once, beside other errors and in the gaps of lines.
     beside_others: f64,
     in_gaps: f64,
 }
@@ -59,14 +59,14 @@ impl Counts {
         }
     }
 
-    /// What steps in line lift at most. One more that only edges reach lifts less by what those stand back.
+    /// What steps in line lift at most. A further step that only edges reach lifts less, by what the edges stand back.
     pub(super) fn most(&self, step: f64) -> f64 {
         let mut count = self.nominal;
         let mut most = count * step;
         for &stands_back in &self.stands_back {
             count += 1.0;
             most = most.max(count * step - stands_back);
-            // what is still farther out adds a step at most, and stands back by more
+            // a step still farther out adds one step at most, and stands back by more
             if stands_back > step {
                 break;
             }
@@ -79,7 +79,7 @@ impl Counts {
         (self.beside_others * step).max(self.most(step))
     }
 
-    /// How far steps in line may lower, whichever flanks carry: those on edges, too, where lines leave gaps.
+    /// How far steps in line may lower ΔCD, whichever flanks carry: flanks on edges, too, where lines leave gaps.
     pub(super) fn least_raw(&self, step: f64) -> f64 {
         self.in_gaps * step
     }

@@ -1,5 +1,4 @@
-//! An error with its extent and the gear data that its effect follows from. Made by whoever reads errors, read by the
-//! bound; computes no range.
+//! An error with its extent and the gear data that its effect follows from. The bound reads it; it computes no range.
 
 use super::NoBound;
 use crate::deviation::{DeviationKind, DeviationValue, Extent, MAX_LEAD_RAD, MAX_LENGTH_MM, Part};
@@ -17,13 +16,13 @@ pub struct ExtendedError {
     pub(in crate::judge) effect: ErrorEffect,
     /// How far it extends.
     pub(crate) extent: Extent,
-    /// Whether its sign is not known: it is any from minus to plus the value, wherever it is.
+    /// Whether the sign is not known: the error then is anything from minus to plus the value.
     pub(in crate::judge) either_sign: bool,
-    /// Of a tolerance that is not the same either way, the end nearer to 0; the value is the other one.
+    /// For a tolerance that is not symmetric, the end nearer to 0; the value is the other end.
     pub(in crate::judge) nearer_end: Option<f64>,
 }
 
-/// What an error does.
+/// The effect of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::judge) enum ErrorEffect {
     /// Both flanks of a space stand out so that the space sits higher by the value.
@@ -52,7 +51,7 @@ pub(in crate::judge) struct RackLines {
 }
 
 impl RackLines {
-    /// Those of a pair.
+    /// The gear data of a pair.
     pub(super) fn of_pair(pair: &Pair) -> Self {
         let rack = pair.rack();
         let tan_alpha = trig::tan(pair.normal_pressure_angle_rad());
@@ -66,7 +65,7 @@ impl RackLines {
 }
 
 impl ExtendedError {
-    /// An error of nothing, for lists of a fixed length.
+    /// An error without effect, for lists of a fixed length.
     pub(crate) const NONE: Self = Self {
         part: Part::Rack,
         value: 0.0,
@@ -76,8 +75,8 @@ impl ExtendedError {
         nearer_end: None,
     };
 
-    /// An error of a kind with a [`Law`]. Signed if it is measured; of a tolerance
-    /// ([`Extent::Each`], [`Extent::Total`]) the magnitude counts.
+    /// An error of a kind with a [`Law`]. A measured error has a sign; for a tolerance ([`Extent::Each`], [`Extent::Total`])
+    /// the magnitude counts.
     ///
     /// # Errors
     /// [`NoBound::NotOfItsKind`] if value and law or extent do not fit, [`NoBound::TooLarge`] for a value that is not finite,
@@ -119,7 +118,7 @@ impl ExtendedError {
         }
     }
 
-    /// The error of a part; the sign of a tolerance is not known.
+    /// The error of a part's deviation; a tolerance has no known sign.
     ///
     /// # Errors
     /// [`NoBound`] as [`ExtendedError::new`].
@@ -131,15 +130,15 @@ impl ExtendedError {
         Ok(error.total().map_or(extended, |total| extended.within_total(total.mm())))
     }
 
-    /// Whether it is on every tooth alike, so that nothing of it is left to place. The pitches of a pinion sum to zero over a
-    /// turn: not all of them can be off the same way.
+    /// Whether the error is on every tooth alike, so that nothing is left to place. The pitches of a pinion sum to zero over a
+    /// turn: they cannot all be off the same way.
     #[must_use]
     pub const fn is_on_all_teeth(&self) -> bool {
         let closes = matches!((self.part, self.effect), (Part::Pinion, ErrorEffect::Pitch { .. }));
         matches!(self.extent, Extent::All) && !self.either_sign && !closes
     }
 
-    /// The same error of a gear whose data lie on no grid, as they are drawn or varied, in degrees and mm.
+    /// The error with randomly drawn or varied gear data, which lie on no grid, in degrees and mm.
     pub(crate) fn of_gear(mut self, law: Law, pressure_angle: f64, helix_angle: f64, face_width_mm: f64) -> Self {
         match &mut self.effect {
             ErrorEffect::Pitch { gain, .. } | ErrorEffect::PinionLead { gain } => {
@@ -154,7 +153,7 @@ impl ExtendedError {
         self
     }
 
-    /// The same error if its sign is not known; of each tooth, and in total, it never is.
+    /// The error without a known sign. With the extents `each` and `total` the sign is never known.
     pub(in crate::judge) fn of_either_sign(self) -> Self {
         Self { either_sign: matches!(self.extent, Extent::One | Extent::Part | Extent::All), ..self }
     }
@@ -178,8 +177,7 @@ impl ExtendedError {
         [self.value.min(nearer), self.value.max(nearer)]
     }
 
-    /// A tolerance that is not the same either way, as its middle, which all teeth have that it is on, and plus and minus half
-    /// its width.
+    /// A tolerance that is not symmetric, as its middle, which is on all its teeth, and plus and minus half its width.
     pub(in crate::judge) fn split(&self) -> Option<[Self; 2]> {
         self.nearer_end?;
         let [lower, upper] = self.ends();
@@ -188,25 +186,25 @@ impl ExtendedError {
         Some([middle, self.measured(0.5 * (upper - lower))])
     }
 
-    /// The same error with a value that is no tolerance of two ends.
+    /// The error with one value in place of a tolerance of two ends.
     fn measured(self, value: f64) -> Self {
         Self { nearer_end: None, ..self.with_value(value) }
     }
 
-    /// Whether its value is a tolerance: each tooth has its own, or that of all is any of it.
+    /// Whether the value is a tolerance: either each tooth has its own value in it, or all teeth have one.
     #[inline]
     pub(crate) fn is_tolerance(&self) -> bool {
         self.either_sign || matches!(self.extent, Extent::Each | Extent::Total)
     }
 
-    /// Whether it is a tolerance that leaves more than one value.
+    /// Whether the error is a tolerance with more than one possible value.
     #[inline]
     pub(crate) fn scatters(&self) -> bool {
         let [lower, upper] = self.ends();
         self.is_tolerance() && lower < upper
     }
 
-    /// The same pitch tolerance without a limit of its total.
+    /// The pitch tolerance without a limit of its total.
     pub(super) fn uncapped(mut self) -> Self {
         if let ErrorEffect::Pitch { cap, .. } = &mut self.effect {
             *cap = None;
@@ -214,7 +212,7 @@ impl ExtendedError {
         self
     }
 
-    /// The same error at a share of its value; of two ends, −1 is the lower one and +1 the upper one.
+    /// The error at a share of its value; for two ends, −1 is the lower and +1 the upper end.
     pub(super) fn scaled(self, share: f64) -> Self {
         let value = match self.split() {
             None => share * self.value,
@@ -223,13 +221,13 @@ impl ExtendedError {
         self.measured(value)
     }
 
-    /// The same error with another value, in mm or rad.
+    /// The error with another value, in mm or rad.
     pub(crate) fn with_value(self, value: f64) -> Self {
         Self { value, ..self }
     }
 
-    /// The same pitch tolerance, with the total cumulative deviation F_p of either flank side limited, too: the error does
-    /// no more than [`Extent::Total`] of F_p.
+    /// The pitch tolerance with a limit F_p on the total cumulative deviation of either flank side: the error then does no more
+    /// than [`Extent::Total`] of F_p.
     #[must_use]
     pub fn within_total(mut self, total_mm: f64) -> Self {
         if let ErrorEffect::Pitch { cap, .. } = &mut self.effect {
@@ -239,7 +237,7 @@ impl ExtendedError {
     }
 }
 
-/// The helix angle deviation at the reference cylinder, rad, that a helix slope deviation f_Hβ over the face width is.
+/// The helix angle deviation at the reference cylinder, rad, of a helix slope deviation f_Hβ over the face width.
 #[must_use]
 pub fn pinion_lead_angle_rad(pair: &Pair, deviation_mm: f64) -> f64 {
     let pinion = pair.pinion();
@@ -247,8 +245,8 @@ pub fn pinion_lead_angle_rad(pair: &Pair, deviation_mm: f64) -> f64 {
     trig::atan(trig::tan(pinion.helix_angle_rad) + slope) - pinion.helix_angle_rad
 }
 
-/// The helix slope deviation f_Hβ, mm, over a pinion's face width that a helix angle deviation Δβ at the reference cylinder
-/// is: b cos α_t (tan(β + Δβ) − tan β). The inverse of [`pinion_lead_angle_rad`].
+/// The helix slope deviation f_Hβ, mm, over a pinion's face width of a helix angle deviation Δβ at the reference cylinder:
+/// b cos α_t (tan(β + Δβ) − tan β). The inverse of [`pinion_lead_angle_rad`].
 #[must_use]
 pub fn pinion_helix_slope_mm(pinion: HelixOfPinion, deviation_rad: f64) -> f64 {
     let HelixOfPinion { normal_pressure_angle_rad, helix_angle_rad, face_width_mm } = pinion;
@@ -271,7 +269,7 @@ pub struct HelixOfPinion {
 }
 
 impl HelixOfPinion {
-    /// That of a pair.
+    /// The gear data of a pair.
     #[must_use]
     pub fn of(pair: &Pair) -> Self {
         Self {

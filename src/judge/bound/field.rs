@@ -8,7 +8,7 @@
 //! y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ,    Z = a − r_b (cos α_t + τ sin α_t)
 //! ```
 //!
-//! for a right flank; a left one is the same turned half about Z: p, y change sign.
+//! for a right flank. A left flank is a right one turned by half a turn about Z: p and y change sign.
 
 use std::f64::consts::PI;
 
@@ -28,19 +28,19 @@ pub struct ContactPath {
 }
 
 impl ContactPath {
-    /// Of a pair without errors.
+    /// The path of contact of a pair without errors.
     #[must_use]
     pub fn nominal(pair: &Pair) -> Self {
         Field::nominal(pair).path()
     }
 
-    /// Whether a tooth of the rack always carries on both flanks: then no shifts of whole teeth sink the pinion.
+    /// Whether a tooth of the rack always carries on both flanks: then shifts of whole teeth cannot sink the pinion.
     #[must_use]
     pub fn has_both_flanks_of_a_rack_tooth(&self) -> bool {
         self.ratio >= 1.0 + 2.0 * self.offset.abs()
     }
 
-    /// Whether a tooth of the pinion always does.
+    /// Whether a tooth of the pinion always carries on both flanks.
     #[must_use]
     pub fn has_both_flanks_of_a_pinion_tooth(&self) -> bool {
         self.ratio >= 1.0 + (1.0 - 2.0 * self.offset).abs()
@@ -83,7 +83,7 @@ impl Spot {
         }
     }
 
-    /// The point at this share of the way to another one; everything is linear in roll angle and place.
+    /// The point at this share of the way to another point; everything is linear in roll angle and place.
     fn towards(&self, other: &Self, share: f64) -> Self {
         let between = |a: f64, b: f64| a + share * (b - a);
         Self {
@@ -97,14 +97,14 @@ impl Spot {
 }
 
 impl Field {
-    /// Of a pair without errors.
+    /// The field of a pair without errors.
     pub(in crate::judge) fn nominal(pair: &Pair) -> Self {
         let low = Profile::new(pair, line_distance(pair), 0.0).lowest_line();
         Self::new(pair, Rolls { low, high: pair.pinion().tip_roll_rad }, 0.0)
     }
 
-    /// Of points with roll angles within `rolls`, between the pinion's end faces, and between the rack's if those are
-    /// `wider` mm farther out on either side.
+    /// The field of points with roll angles within `rolls`, between the pinion's end faces, and between the rack's end faces
+    /// moved out by `wider` mm.
     pub(in crate::judge) fn new(pair: &Pair, rolls: Rolls, wider: f64) -> Self {
         if rolls.low > rolls.high {
             return Self { corners: Vec::new() };
@@ -122,17 +122,17 @@ impl Field {
         Self { corners: clip(&self.corners, inside, Spot::towards) }
     }
 
-    /// Those that pass between two strokes, in pitches.
+    /// The points that pass between two strokes, in pitches.
     pub(in crate::judge) fn between(&self, strokes: Range) -> Self {
         self.clipped(|spot| spot.stroke - strokes.lower).clipped(|spot| strokes.upper - spot.stroke)
     }
 
-    /// Those of lines between two roll angles.
+    /// The points of contact lines between two roll angles.
     pub(in crate::judge) fn within(&self, rolls: Rolls) -> Self {
         self.clipped(|spot| spot.roll - rolls.low).clipped(|spot| rolls.high - spot.roll)
     }
 
-    /// The least and the most of a linear function; `None` of an empty field.
+    /// The least and the greatest value of a linear function; `None` for an empty field.
     pub(in crate::judge) fn extremes(&self, function: impl Fn(&Spot) -> f64) -> Option<Range> {
         let ranges = self.corners.iter().map(function).map(|value| Range { lower: value, upper: value });
         ranges.reduce(|a, b| Range { lower: a.lower.min(b.lower), upper: a.upper.max(b.upper) })
@@ -145,19 +145,19 @@ impl Field {
     }
 }
 
-/// The centre distance at which lines of contact fit, mm: nominal teeth that are thicker than the standard ones move it.
+/// The centre distance at which lines of contact fit, mm: teeth thicker than standard ones move it.
 pub(in crate::judge) fn line_distance(pair: &Pair) -> f64 {
     pair.nominal_center_distance_mm() + thickness_offset(pair)
 }
 
-/// ΔCD of nominal teeth that are thicker than the standard ones, mm.
+/// ΔCD of nominal teeth that are thicker than standard ones, mm.
 pub(in crate::judge) fn thickness_offset(pair: &Pair) -> f64 {
     let thicker = pair.rack().tooth_thickness_mm - 0.5 * PI * pair.normal_module_mm();
     let cos_p = trig::cos(pair.pinion().helix_angle_rad);
     thickness_offset_mm(thicker + thickness_deviation(pair) * cos_p, trig::tan(pair.normal_pressure_angle_rad()))
 }
 
-/// How much thicker the pinion's teeth are than standard ones, as an arc at the reference circle, mm.
+/// How much thicker than standard the pinion's teeth are, as an arc at the reference circle, mm.
 pub(in crate::judge) fn thickness_deviation(pair: &Pair) -> f64 {
     let pinion = pair.pinion();
     let tan_n = trig::tan(pair.normal_pressure_angle_rad());
@@ -170,8 +170,8 @@ pub(in crate::judge) fn mm_per_rad(pair: &Pair) -> f64 {
     0.5 * pair.normal_module_mm() * f64::from(pair.pinion().teeth) / trig::tan(pair.normal_pressure_angle_rad())
 }
 
-/// How far errors move a contact line on a flank, rad of roll angle: a flank by e / (m_n z / 2), and the rotation by as
-/// much.
+/// How far errors move a contact line on a flank, rad of roll angle: e / (m_n z / 2) by the flank, and as much by the
+/// rotation.
 pub(super) fn shift_rad(pair: &Pair, delta_cd_mm: f64) -> f64 {
     2.0 * delta_cd_mm / mm_per_rad(pair)
 }

@@ -1,5 +1,5 @@
-//! What is known about a pair: its path of contact, its own error-free curve, how much of the faces carries. Made once
-//! for a pair and as much error as it is asked about; knows no single error.
+//! What is known about a pair: its path of contact, its own error-free curve, how much of the faces carries. Made once for
+//! a pair and a size of errors; knows no single error.
 
 use std::f64::consts::PI;
 use std::ops::Range as Strokes;
@@ -19,7 +19,7 @@ use crate::gear::{GeometryError, Pair, PairData, PinionData, RackData};
 use crate::mesh::{Mesh, MeshPoint, SOLVED_MM, Support};
 use crate::trig;
 
-/// Everything that is given of a pair but its errors.
+/// Everything that is given of a pair except its errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GivenPair {
     /// Its nominal geometry.
@@ -36,29 +36,29 @@ pub struct GivenPair {
 #[derive(Debug)]
 pub struct KnownPair {
     pub(super) given: GivenPair,
-    /// The errors that this holds for.
+    /// The errors for which this holds.
     pub(super) reach: Reach,
     /// The path without errors.
     pub(super) nominal: ContactPath,
     /// Where lines of contact carry whatever the errors.
     pub(super) line: ContactPath,
-    /// Where flanks carry that stand out by so much: in rising order.
+    /// Where flanks that stand out carry, by how much they stand out, in rising order.
     pub(super) levels: Levels,
     pub(super) own: Own,
     /// How many steps act at once, of each [`StepDirection`].
     counts: Vec<Counts>,
-    /// How much less one space of the rack, and of the pinion, lifts because edges stand back.
+    /// By how much less one space of the rack, and of the pinion, lifts because edges stand back.
     space_stands_back: [f64; 2],
     /// What flanks of two teeth lift together, where some are undercut: computed when it is first asked for.
     pub(super) undercut: Option<OnceLock<UndercutTable>>,
-    /// Leads at the nodes that were asked for.
+    /// Leads at the nodes that were needed so far.
     pub(super) leads: LeadTables,
     /// Half the rack's width, and half the pinion's, over which profiles alone always carry; `None` if they do not.
     pub(super) rack_sections: Option<f64>,
     pub(super) pinion_sections: Option<f64>,
 }
 
-/// What error-free parts do.
+/// The curve of error-free parts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Own {
     pub(super) range: Range,
@@ -71,7 +71,7 @@ pub(super) struct Own {
 }
 
 impl Own {
-    /// Of a pair that stays at a ΔCD, mm.
+    /// The curve of a pair that stays at a ΔCD, mm.
     pub(super) fn at(delta_cd_mm: f64) -> Self {
         let range = Range { lower: delta_cd_mm, upper: delta_cd_mm };
         Self { range, of_lines: delta_cd_mm, unshifted_upper: delta_cd_mm, upper_of_sunk_flanks: delta_cd_mm }
@@ -87,22 +87,22 @@ pub struct KnownTeeth {
     pub solved: bool,
 }
 
-/// How far errors may move ΔCD altogether.
+/// How far all errors together may move ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
-    /// By how much at most they may lower and raise it.
+    /// By how much they may lower and raise ΔCD at most.
     pub range: Range,
-    /// How far those of the pinion alone may move it either way, mm.
+    /// How far the errors of the pinion alone may move ΔCD either way, mm.
     pub of_pinion_mm: f64,
 }
 
 impl Reach {
-    /// Either way, mm.
+    /// The larger of both directions, mm.
     pub(super) fn largest(&self) -> f64 {
         self.range.upper.max(-self.range.lower)
     }
 
-    /// Together with what known teeth do, which may be those of either part.
+    /// The reach together with known teeth of either part.
     pub(super) fn with(self, teeth: Option<KnownTeeth>) -> Self {
         let Some(KnownTeeth { range, .. }) = teeth else { return self };
         let of_teeth = range.upper.max(-range.lower).max(0.0);
@@ -113,7 +113,7 @@ impl Reach {
         }
     }
 
-    /// Whether it holds another one.
+    /// Whether this reach contains another one.
     pub(super) fn holds(&self, other: &Self) -> bool {
         other.range.lower >= self.range.lower
             && other.range.upper <= self.range.upper
@@ -121,13 +121,13 @@ impl Reach {
     }
 }
 
-/// Tolerance of an own curve, mm: of one that is told apart by sides, and of a rack that may roll, which is slow.
+/// Tolerances of an own curve, mm: for a curve by sides, and for a rack that may roll, which is slow.
 const ROLLING_CURVE_MM: f64 = 1e-5;
 const SIDES_CURVE_MM: f64 = 1e-6;
-/// Flanks are shortened this many times as far as they shift, which also covers that a shorter tip falls off less steeply.
+/// Flanks are shortened this many times as far as they shift; this also covers that a shorter tip falls off less steeply.
 const SHORTENING: f64 = 2.0;
-/// Where teeth take over from each other errors hold them apart, so that both sides sink further than either curve has
-/// it: by this many times what a side changes on the way of a shift. Found by trials, not proven.
+/// Where teeth take over from each other errors hold them apart, so that both sides sink further than either curve shows: by
+/// this many times the change of a side along a shift. Found by trials, not proven.
 const SWINGS: f64 = 4.0;
 
 impl GivenPair {
@@ -138,7 +138,7 @@ impl GivenPair {
         Self { pair, rack_form, pinion_form, support: Support::Fixed }
     }
 
-    /// The same with some of the pair's sizes changed.
+    /// The pair with some of its sizes changed.
     ///
     /// # Errors
     /// [`GeometryError`] if that leaves no pair.
@@ -163,7 +163,7 @@ impl KnownPair {
     /// rack that may roll.
     ///
     /// # Errors
-    /// [`NoBound`] if errors as large leave no flanks or the pair does not mesh.
+    /// [`NoBound`] if errors of this size leave no flanks, or the pair does not mesh.
     pub fn new(given: GivenPair, reach: Reach) -> Result<Self, NoBound> {
         let mut known = Self::of_lines(given, reach);
         if known.nominal.ratio <= 0.0 {
@@ -181,7 +181,7 @@ impl KnownPair {
         Ok(known)
     }
 
-    /// What lines of contact alone say; not yet what the curve does, and how much acts at once.
+    /// What follows from lines of contact alone, before the curve and the counts of what acts at once.
     fn of_lines(given: GivenPair, reach: Reach) -> Self {
         let pair = &given.pair;
         let range = Range { lower: reach.range.lower.min(0.0), upper: reach.range.upper.max(0.0) };
@@ -211,7 +211,7 @@ impl KnownPair {
         known
     }
 
-    /// Counts what errors of any size take from the levels.
+    /// Counts how many steps act at once, from the levels.
     fn count(&mut self) {
         self.counts =
             StepDirection::ALL.into_iter().map(|way| Counts::new(way, &self.levels, &self.line, self.gap())).collect();
@@ -225,7 +225,7 @@ impl KnownPair {
         &self.counts[way as usize]
     }
 
-    /// How much less one space of a part lifts because edges stand back, mm.
+    /// By how much less one space of a part lifts because edges stand back, mm.
     pub(super) const fn space_stands_back(&self, part: Part) -> f64 {
         self.space_stands_back[part as usize]
     }
@@ -256,7 +256,7 @@ impl KnownPair {
         let points = own_curve(&mesh, 0.0..pair.rack().pitch_mm, ROLLING_CURVE_MM)?;
         let lowest = points.iter().map(|point| point.delta_cd_mm).fold(offset, f64::min);
         if self.line.ratio >= 1.0 && !self.given.has_form() && lowest > offset - SOLVED_MM {
-            // flanks on lines ask for least where the rack does not roll, and nothing is between points
+            // flanks on lines ask for the least where the rack does not roll, and nothing lies between points
             return Ok(offset);
         }
         Ok(lowest - ROLLING_CURVE_MM - self.form_moved())
@@ -350,7 +350,7 @@ fn excess(pair: &Pair, deeper_mm: f64) -> f64 {
     Profile::new(pair, line_distance(pair), deeper_mm).largest_excess()
 }
 
-/// The curve of a pair without errors.
+/// The own curve of the pair, without errors.
 fn own_curve(mesh: &Mesh, strokes: Strokes<f64>, tolerance_mm: f64) -> Result<Vec<MeshPoint>, NoBound> {
     let points = mesh.curve(strokes.start, strokes.end, tolerance_mm).map_err(|_| NoBound::NoFlanks)?.points;
     if points.iter().all(MeshPoint::is_solved) { Ok(points) } else { Err(NoBound::NotSolved) }
@@ -369,10 +369,10 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, NoBound> {
     let side =
         |point: &MeshPoint, sign: f64| point.delta_cd_mm - offset + sign * per_rad * point.transmission_error_rad;
     let mut both = Range { lower: f64::INFINITY, upper: f64::NEG_INFINITY };
-    // how much a side changes within the window; by so much the other side's flanks come to touch higher or lower
+    // how much a side changes within the window: by so much the other side's flanks touch higher or lower
     let mut swing = 2.0 * SIDES_CURVE_MM;
     for point in &points {
-        // between points the curve is straight, so that what is next to the window is looked at, too
+        // between points the curve is straight, so the points next to the window count, too
         let near = points.partition_point(|other| other.stroke_mm < point.stroke_mm - window).saturating_sub(1);
         let end = points.partition_point(|other| other.stroke_mm <= point.stroke_mm + window) + 1;
         for other in &points[near..end.min(points.len())] {
@@ -386,8 +386,7 @@ fn both_sides(mesh: &Mesh, shift_rad: f64) -> Result<Range, NoBound> {
     Ok(Range { lower: both.lower - SWINGS * swing, upper: both.upper + SIDES_CURVE_MM })
 }
 
-/// The same pair with less of its flanks: what is left of them when errors raise the pinion and
-/// move ΔCD by so much.
+/// The pair with shorter flanks: the part of them that is left when errors raise the pinion and move ΔCD by this reach.
 fn shortened(pair: &Pair, raised: f64, moved: f64) -> PairData {
     let pinion = pair.pinion();
     let shift = SHORTENING * shift_rad(pair, moved);
@@ -400,7 +399,7 @@ fn shortened(pair: &Pair, raised: f64, moved: f64) -> PairData {
     data
 }
 
-/// The numbers that make this pair.
+/// The data from which this pair is made.
 fn data_of(pair: &Pair) -> PairData {
     let (rack, pinion) = (pair.rack(), pair.pinion());
     PairData {

@@ -1,6 +1,6 @@
-//! What turned tooth lines do: the leads of all errors of a part are added as angles first. A turn moves a flank at each
-//! point by what is linear in the point's place; the field of contact says which points there are at a stroke. Read by the
-//! bound; knows no other error.
+//! The effect of turned tooth lines. The leads of all errors of a part are first added as angles. A turn moves a flank at
+//! each point by a linear function of the point's place; the field of contact says which points there are at a stroke. The
+//! bound reads it; it knows no other error.
 
 use super::error::{ErrorEffect, RackLines};
 use super::field::{Field, Spot, line_distance, shift_rad};
@@ -28,7 +28,7 @@ pub(super) struct Leads {
     /// Angles of the rack, or ΔCD of a pinion's lead over its whole face.
     values: Range,
     pub(super) lines: Option<RackLines>,
-    /// Whether they are on one tooth only.
+    /// Whether the leads are on one tooth only.
     one_tooth: bool,
     /// The extent, where there is only one lead.
     pub(super) extent: Option<Extent>,
@@ -41,14 +41,14 @@ const SMALLEST_COSINE: f64 = 0.1;
 /// Parts of a cell's roll angles in which undercut is looked at.
 const STRIPS: i32 = 8;
 
-/// What is sought of the flanks that carry.
+/// Which extreme of the flanks that carry is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LeadEnd {
-    /// How much they ask for at most.
+    /// The most that they ask for.
     Upper,
-    /// The same with what undercut lifts them beyond their lines.
+    /// The most that they ask for, with what undercut lifts them beyond their lines.
     UpperWithUndercut,
-    /// How much they give way at most.
+    /// The most that they give way.
     Lower,
 }
 
@@ -62,7 +62,7 @@ impl LeadEnd {
 }
 
 impl Leads {
-    /// No lead of a part.
+    /// A part without a lead.
     pub(super) fn none(part: Part) -> Self {
         Self {
             part,
@@ -74,8 +74,8 @@ impl Leads {
         }
     }
 
-    /// With one error of the part more; one that is no lead adds nothing, the rack's lines are those of the last one. Beside others a lead whose sign is not known counts as if every
-    /// tooth had its own.
+    /// Adds one more error of the part. An error that is no lead adds nothing; the rack's tooth lines are those of the last lead.
+    /// Beside other leads, a lead whose sign is not known counts as if every tooth had its own.
     #[inline]
     pub(super) fn with(self, error: &ExtendedError) -> Self {
         let is_first = self.values.lower == 0.0 && self.values.upper == 0.0;
@@ -85,7 +85,7 @@ impl Leads {
             ErrorEffect::PinionLead { gain } => self.with_values(values_of(error, gain), extent, None),
             ErrorEffect::Size | ErrorEffect::Pitch { .. } => return self,
         };
-        // the table of leads knows tolerances that are the same either way
+        // the table of leads has symmetric tolerances only
         let extent = leads.extent.filter(|_| error.nearer_end.is_none());
         Self { unsigned: (is_first && error.either_sign).then_some(*error), extent, ..leads }
     }
@@ -108,7 +108,7 @@ impl Leads {
         candidates(self.values, self.lines.as_ref())
     }
 
-    /// What flanks ask for that are turned by a value; the pinion's face has half this width.
+    /// What flanks turned by a value ask for; `half_face` is half the pinion's face width.
     fn turned(&self, value: f64, half_face: f64) -> Slopes {
         self.lines.map_or_else(
             || Slopes::of_pinion(value, half_face),
@@ -116,12 +116,12 @@ impl Leads {
         )
     }
 
-    /// Their range for any pair whose flanks touch up to this height over and under the reference plane.
+    /// The range of the leads for any pair whose flanks touch up to this height over and under the reference plane.
     pub(super) fn of_any_pair(&self, height: f64) -> ErrorRange {
         of_any_pair(self.values, self.lines.as_ref(), height)
     }
 
-    /// Their range for a pair.
+    /// The range of the leads for a pair.
     pub(super) fn of_pair(&self, known: &KnownPair) -> ErrorRange {
         if self.values.lower == 0.0 && self.values.upper == 0.0 {
             return ErrorRange::either_way(0.0);
@@ -140,13 +140,13 @@ impl Leads {
         ErrorRange { raw_lower_mm, lower_mm, upper_mm, raw_upper_mm, upper_with_undercut_mm, in_contact: 0 }
     }
 
-    /// What a single lead asks for, between the nodes on either side of it: a bound of a line in the slopes of flanks is convex
-    /// in them, so that its chord holds it, and what the slopes bend between two nodes is added. Of several leads, themselves.
+    /// What a single lead asks for, from the nodes on either side of it. The bound is convex in the slopes of flanks, so its chord
+    /// holds it; the curvature of the slopes between two nodes is added. Several leads are computed themselves.
     fn asked(&self, known: &KnownPair) -> LeadDemand {
         let Some(extent) = self.extent else { return self.asked_itself(known) };
         let value =
             if extent == Extent::Each || self.values.upper > 0.0 { self.values.upper } else { self.values.lower };
-        // with other lines than the pair's, as they are drawn or varied: the lead with the same gain
+        // tooth lines that are drawn or varied differ from the pair's: take the lead with the same gain
         let of_pair = RackLines::of_pair(&known.given.pair).gain();
         let value = value * self.lines.map_or(1.0, |lines| lines.gain() / of_pair);
         let spacing = known.leads.spacing[self.part as usize];
@@ -182,10 +182,10 @@ impl Leads {
             .get_or_init(|| Self::none(self.part).with_values(within(value, extent), extent, lines).asked_itself(known))
     }
 
-    /// How much the slopes of flanks that are turned by up to this bend at most, in mm of ΔCD per rad².
+    /// Upper bound of the curvature of the slopes of flanks turned by up to this angle, in mm of ΔCD per rad².
     fn bend(&self, known: &KnownPair, turned: f64) -> f64 {
         let Some(lines) = self.lines else { return 0.0 };
-        // sin D / (cos(β + D) t) and tan(β + D) sin D − (1 − cos D), each twice derived, with their sines at most 1
+        // the second derivatives of sin D / (cos(β + D) t) and tan(β + D) sin D − (1 − cos D), with sines of at most 1
         let cos = trig::cos(lines.helix.abs() + turned).max(SMALLEST_COSINE);
         let (across, up) = (4.0 / (cos * cos * cos * lines.tan_alpha), 5.0 / (cos * cos * cos));
         let pair = &known.given.pair;
@@ -207,7 +207,7 @@ impl Leads {
     fn most(&self, known: &KnownPair, sought: LeadEnd) -> f64 {
         let cells = self.cells(known, sought);
         let same_time = at_same_time(&cells);
-        // what teeth ask for that are not turned
+        // the demand of teeth that are not turned
         let of_others = match sought {
             LeadEnd::UpperWithUndercut if self.one_tooth => at_same_time(&Self::none(self.part).cells(known, sought)),
             _ => [0.0; CELLS as usize],
@@ -220,14 +220,14 @@ impl Leads {
                 same_time[time(index)]
             }
         };
-        // a left flank is a right one turned half about: that of the same rack tooth, or of the same pinion tooth a pitch on
+        // a left flank is a right one turned half about: of the same rack tooth, or of the same pinion tooth a pitch further
         let turn = if self.one_tooth && self.part == Part::Pinion { CELLS } else { 0 };
         let sums = cells.iter().map(|cell| 0.5 * (at(cell.index) + at(turn - cell.index - 1)));
         let most = sums.fold(f64::NEG_INFINITY, f64::max);
         if most.is_finite() { most } else { self.at_any_time(known, known.levels.last()) }
     }
 
-    /// What a right flank asks for at most in each part of its path.
+    /// The most that a right flank asks for in each part of its path.
     pub(super) fn cells(&self, known: &KnownPair, sought: LeadEnd) -> Vec<Cell> {
         let last = known.levels.last();
         let (start, end) = (last.path.offset - 0.5 * last.path.ratio, last.path.offset + 0.5 * last.path.ratio);
@@ -242,7 +242,7 @@ impl Leads {
         let (first, last) = ((start * f64::from(CELLS)).floor() as i32, (end * f64::from(CELLS)).ceil() as i32);
         let cells = (first..last).map(|index| {
             let mut found = f64::NEG_INFINITY;
-            // what lies off its contact line asks for less by what it stands back
+            // a point off the contact line asks for less by what it stands back
             let mut stands_back = 0.0;
             for level in known.levels.iter() {
                 if most - stands_back < found {
@@ -267,12 +267,12 @@ impl Leads {
         cells.collect()
     }
 
-    /// The most that they ask for or give way anywhere on the flanks.
+    /// The most that the leads ask for or give way anywhere on the flanks.
     fn at_any_time(&self, known: &KnownPair, level: &Level) -> f64 {
         let asked = self.candidates().map(|value| {
             let turned = self.turned(value, half_face(known));
             let loose = turned.loose(known, level.off_line);
-            // what an empty field asks for is not known
+            // the demand of an empty field is not known
             let range = level.field.extremes(|spot| turned.at(spot));
             range.map_or(f64::INFINITY, |range| {
                 (range.upper.max(-range.lower) + loose).min(turned.at_most(known, level))
@@ -281,7 +281,8 @@ impl Leads {
         asked.into_iter().fold(0.0, f64::max)
     }
 
-    /// What they keep up at least: where sections always carry, both sides touch at the ends of those at every stroke.
+    /// The least that the leads hold up: where sections always carry, both sides touch at the ends of the sections at every
+    /// stroke.
     fn kept(&self, known: &KnownPair) -> Option<f64> {
         let half = match self.part {
             Part::Rack => known.rack_sections?,
@@ -299,7 +300,7 @@ impl Leads {
     }
 }
 
-/// From what to what a lead turns tooth lines, so many times; those that it is not on, by nothing.
+/// The range of turns of a lead, so many times; 0 for teeth that it is not on.
 #[inline]
 pub(super) fn values_of(error: &ExtendedError, gain: f64) -> Range {
     if error.nearer_end.is_none() && !error.either_sign {
@@ -312,7 +313,7 @@ pub(super) fn values_of(error: &ExtendedError, gain: f64) -> Range {
     }
 }
 
-/// From what to what a lead of this value and extent turns tooth lines.
+/// The range of turns of a lead of this value and extent.
 #[inline]
 fn within(value: f64, extent: Extent) -> Range {
     match extent {
@@ -322,20 +323,20 @@ fn within(value: f64, extent: Extent) -> Range {
     }
 }
 
-/// The values at which what a flank asks for can be extreme: both ends, none at all, and the turn that brings a rack's
-/// tooth line across the rack, where heights count least.
+/// The values at which a flank's demand can be extreme: both ends, 0, and the turn that brings a rack's tooth line across
+/// the rack, where heights count least.
 fn candidates(values: Range, lines: Option<&RackLines>) -> [f64; 4] {
     let Range { lower, upper } = values;
     let level = lines.map_or(lower, |lines| -lines.helix);
     [lower, upper, 0.0_f64.clamp(lower, upper), level.clamp(lower, upper)]
 }
 
-/// What leads of these values do to any pair whose flanks touch up to this height over and under the reference plane.
+/// The effect of leads of these values on any pair whose flanks touch up to this height over and under the reference plane.
 pub(super) fn of_any_pair(values: Range, lines: Option<&RackLines>, height: f64) -> ErrorRange {
     ErrorRange::either_way(most_of_any_pair(values, lines, height))
 }
 
-/// How far they move ΔCD either way, mm.
+/// How far the leads move ΔCD either way, mm.
 #[inline]
 pub(super) fn most_of_any_pair(values: Range, lines: Option<&RackLines>, height: f64) -> f64 {
     let asked = |value: f64| match lines {
@@ -353,7 +354,7 @@ pub(super) fn most_of_any_pair(values: Range, lines: Option<&RackLines>, height:
     }
 }
 
-/// What undercut lifts of a pair.
+/// How far undercut lifts a pair.
 pub(super) fn undercut(known: &KnownPair) -> Option<&UndercutTable> {
     let cells = || Leads::none(Part::Rack).cells(known, LeadEnd::UpperWithUndercut);
     known.undercut.as_ref().map(|table| table.get_or_init(|| UndercutTable::new(&cells())))
@@ -364,7 +365,7 @@ fn time(index: i32) -> usize {
     index.rem_euclid(CELLS) as usize
 }
 
-/// What any right flank asks for at most in each part of a pitch.
+/// The most that any right flank asks for in each part of a pitch.
 fn at_same_time(cells: &[Cell]) -> [f64; CELLS as usize] {
     let mut most = [f64::NEG_INFINITY; CELLS as usize];
     for cell in cells {
@@ -374,21 +375,21 @@ fn at_same_time(cells: &[Cell]) -> [f64; CELLS as usize] {
 }
 
 impl Slopes {
-    /// Of a rack flank whose tooth line turns by an angle, rad.
+    /// The demand of a rack flank whose tooth line turns by an angle, rad.
     pub(in crate::judge) fn of_rack(turn: f64, tan_alpha: f64, helix: f64) -> Self {
         let (sin, cos) = trig::sin_cos(turn);
-        // the same where teeth are straight
+        // straight teeth
         let (sin_turned, cos_turned) = if helix == 0.0 { (sin, cos) } else { trig::sin_cos(helix + turn) };
         let fall = sin_turned / cos_turned * sin - (1.0 - cos);
         Self { across: sin / (cos_turned * tan_alpha), up: -fall, along: 0.0 }
     }
 
-    /// Of a pinion flank whose lead is this ΔCD over the whole face, mm; half of the face is so wide.
+    /// The demand of a pinion flank whose lead is this ΔCD over the whole face, mm; `half_face` is half the face width.
     pub(in crate::judge) fn of_pinion(value: f64, half_face: f64) -> Self {
         Self { across: 0.0, up: 0.0, along: value / half_face }
     }
 
-    /// Of both turned flanks that meet.
+    /// The demand of two turned flanks that meet.
     pub(in crate::judge) fn with(&self, other: &Self) -> Self {
         let Self { across, up, along } = *other;
         Self { across: self.across + across, up: self.up + up, along: self.along + along }
@@ -398,7 +399,7 @@ impl Slopes {
         self.across * spot.y + self.up * spot.z + self.along * spot.w
     }
 
-    /// What no point within the end faces exceeds; of an empty field nothing is known.
+    /// An upper bound for all points within the end faces; infinite for an empty field.
     fn at_most(&self, known: &KnownPair, level: &Level) -> f64 {
         let heights = level.field.extremes(|spot| spot.z.abs()).map_or(f64::INFINITY, |range| range.upper);
         let half_width = 0.5 * known.given.pair.rack().face_width_mm;
@@ -426,7 +427,7 @@ impl Slopes {
         (0..STRIPS).filter_map(strip).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What a point may ask for besides that lies off its contact line or at another centre distance.
+    /// What a point off its contact line, or at another centre distance, may ask for in addition.
     fn loose(&self, known: &KnownPair, off_line: f64) -> f64 {
         let skew = trig::sin(known.given.pair.shaft_angle_rad()).abs() * off_line;
         self.across.abs() * skew + self.up.abs() * (off_line + known.reach.largest())

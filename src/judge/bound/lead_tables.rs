@@ -1,4 +1,4 @@
-//! What leads ask for and give way, at values from one node to the next. Filled when it is first needed.
+//! Tables of what leads ask for and give way, node by node. A node is computed when it is first needed.
 
 use std::sync::OnceLock;
 
@@ -7,22 +7,22 @@ use crate::deviation::Part;
 use crate::gear::Pair;
 use crate::trig;
 
-/// What leads ask for at most and give way at most, at the nodes of a table: each is computed when it is first needed, for
-/// rows of a batch ask again and again.
+/// The most that leads ask for and give way, at the nodes of a table. Each node is computed once, because the rows of a
+/// batch need it again and again.
 #[derive(Debug, Default)]
 pub(super) struct LeadTables {
-    /// From one node to the next: rad of the rack, mm of the pinion.
+    /// Distance of the nodes: rad for the rack, mm for the pinion.
     pub(super) spacing: [f64; 2],
     nodes: Vec<OnceLock<LeadDemand>>,
 }
 
-/// Nodes of a table: as many as this to either side of nothing.
+/// Nodes of a table on either side of 0.
 pub(super) const NODES_A_SIDE: i32 = 128;
 const NODES: usize = 2 * NODES_A_SIDE as usize + 1;
 /// A table for each part and extent.
 const TABLES: usize = 2 * Extent::EVERY.len();
 
-/// What leads ask for at most, alone and with undercut, what they give way at most, and either way at any one time.
+/// The most that leads ask for, alone and with undercut, the most that they give way, and either at any one stroke.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LeadDemand {
     pub(super) most: f64,
@@ -32,7 +32,7 @@ pub(super) struct LeadDemand {
 }
 
 impl LeadTables {
-    /// Of a pair: as far as leads within its reach go.
+    /// The tables of a pair, as far as leads within its reach go.
     pub(super) fn new(pair: &Pair, largest_mm: f64) -> Self {
         /// Faces that cover each other in part leave more to a lead than its formula says.
         const FARTHER: f64 = 4.0;
@@ -42,7 +42,7 @@ impl LeadTables {
         Self { spacing, nodes: (0..TABLES * NODES).map(|_| OnceLock::new()).collect() }
     }
 
-    /// The node so far from that of nothing.
+    /// The node at this distance from the node of 0.
     pub(super) fn node(&self, part: Part, extent: Extent, index: i32) -> &OnceLock<LeadDemand> {
         let table = Extent::EVERY.len() * part as usize + extent as usize;
         &self.nodes[NODES * table + (index + NODES_A_SIDE) as usize]

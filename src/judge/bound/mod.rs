@@ -1,8 +1,7 @@
 #![doc = include_str!("bound.md")]
 //!
-//! Called by whoever judges errors whose teeth are not known. [`ExtendedError`] is an error with its [`Extent`],
-//! [`Basis`] what is known of the pair, and [`Basis::bound`] gives a [`Bound`]. It must not
-//! know files, limits or reports.
+//! Used where errors are judged whose teeth are not known. [`ExtendedError`] is an error with its [`Extent`], [`Basis`] is
+//! what is known of the pair, and [`Basis::bound`] gives a [`Bound`]. It must not know files, limits or reports.
 
 mod basis;
 mod counts;
@@ -34,7 +33,7 @@ pub use sum::{Bound, Combined};
 use crate::deviation::Extent;
 use crate::formula::Influence;
 
-/// A range of ΔCD in mm, computed in f64: whoever holds it against decimal limits takes the nearest decimals.
+/// A range of ΔCD in mm, computed in f64. Before a comparison with decimal limits, take the nearest decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Range {
     /// The lower end.
@@ -50,20 +49,20 @@ impl Range {
     }
 }
 
-/// What one error can do.
+/// The range of ΔCD that one error can cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorRange {
-    /// The lowest ΔCD that it can add to other errors.
+    /// The lowest ΔCD that the error can add to other errors.
     pub raw_lower_mm: f64,
     /// The lowest ΔCD of this error alone.
     pub lower_mm: f64,
     /// The highest ΔCD of this error alone.
     pub upper_mm: f64,
-    /// The highest ΔCD that it can add to other errors.
+    /// The highest ΔCD that the error can add to other errors.
     pub raw_upper_mm: f64,
-    /// The highest ΔCD of this error and what undercut lifts at the same stroke; infinite where that is not looked at.
+    /// The highest ΔCD of this error and undercut at the same stroke; infinite where that is not computed.
     pub upper_with_undercut_mm: f64,
-    /// How many steps between teeth add up in it, at most; 0 where none are counted.
+    /// The most steps between teeth that add up; 0 where none are counted.
     pub in_contact: u32,
 }
 
@@ -90,12 +89,12 @@ impl ErrorRange {
         Self::within(value, value)
     }
 
-    /// What one error does, or none.
+    /// The range of one error, or of none.
     fn or_nothing(self) -> Self {
         self.or(Self { upper_with_undercut_mm: f64::NEG_INFINITY, ..Self::either_way(0.0) })
     }
 
-    /// What one error or another one does.
+    /// The range of either of two errors.
     fn or(self, other: Self) -> Self {
         Self {
             raw_lower_mm: self.raw_lower_mm.min(other.raw_lower_mm),
@@ -107,7 +106,7 @@ impl ErrorRange {
         }
     }
 
-    /// With no end farther from 0 than this.
+    /// The range with its ends clipped to at most this distance from 0.
     fn limited(self, limit: f64) -> Self {
         Self {
             raw_lower_mm: self.raw_lower_mm.max(-limit),
@@ -118,25 +117,25 @@ impl ErrorRange {
         }
     }
 
-    /// With its ends in order: where contact is rare, what carries on lines and what edges stand back can cross.
+    /// The range with its ends in order: where contact is rare, the share of lines and that of edges can cross.
     #[inline]
     fn ordered(self) -> Self {
         Self { lower_mm: self.lower_mm.min(self.upper_mm), upper_mm: self.upper_mm.max(self.lower_mm), ..self }
     }
 
-    /// What it can do alone.
+    /// The range of the error alone.
     #[must_use]
     pub const fn alone(self) -> Range {
         Range { lower: self.lower_mm, upper: self.upper_mm }
     }
 }
 
-/// What a pair without errors does whose geometry is not all known.
+/// The curve of a pair without errors whose geometry is not completely known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OwnCurve {
-    /// ΔCD stays at this, mm: its teeth are no more than thicker than the standard ones, or thinner.
+    /// ΔCD stays at this value, mm: its teeth differ from standard ones in thickness only.
     At(f64),
-    /// It moves: flanks have form, or are undercut, and how far that goes only the whole geometry tells.
+    /// ΔCD moves: flanks have form or are undercut, and only the whole geometry tells how far.
     Unknown,
 }
 
@@ -146,7 +145,7 @@ impl Default for OwnCurve {
     }
 }
 
-/// What is known beside the errors, for errors of some size.
+/// What is known besides the errors, for errors of some size.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Knowledge<'a> {
     basis: &'a Basis,
@@ -159,7 +158,7 @@ impl Knowledge<'_> {
         self.pair.map_or(self.basis.rolls, |known| known.given.rolls())
     }
 
-    /// Whether a tooth of either part is stated to carry with both flanks always.
+    /// Whether the spec states that a tooth of either part always carries with both flanks.
     fn has_both_flanks(&self) -> bool {
         matches!(self.basis.geometry, GivenGeometry::BothFlanks) && !self.rolls()
     }
@@ -169,10 +168,10 @@ impl Knowledge<'_> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoBound {
-    /// Pitches add up over the teeth in contact, and how many those are is not known.
+    /// Pitches add up over the teeth in contact, whose number is not known.
     #[error("errors of many pitches add up over the teeth in contact: the pair's geometry is missing")]
     TeethInContactUnknown,
-    /// The pair without errors moves ΔCD by itself, and how far is not known.
+    /// The pair without errors moves ΔCD by itself, by an unknown amount.
     #[error(
         "the pair without errors is not at ΔCD = 0, for its flanks have form or are undercut, or are thicker by an \
          unknown amount: its geometry is missing"
@@ -181,13 +180,13 @@ pub enum NoBound {
     /// The errors are larger than those that the known pair was made for.
     #[error("the errors are larger than what the pair's geometry was prepared for")]
     BeyondReach,
-    /// An error is no deviation that a bound can be given for: a lead of 45° and more.
+    /// An error is too large for a bound, such as a lead of 45° and more.
     #[error("an error is too large for a bound: it is no deviation of teeth that mesh")]
     TooLarge,
-    /// An error is not of the dimension that its formula takes, or is in total what does not accumulate.
+    /// An error has another dimension than its formula takes, or the extent `total` for a kind that does not accumulate.
     #[error("an error has a value or an extent that its formula does not take")]
     NotOfItsKind,
-    /// Errors as large leave nothing of the pair's flanks.
+    /// Errors of this size leave nothing of the pair's flanks.
     #[error("errors as large as these leave no flanks that mesh")]
     NoFlanks,
     /// The exact mesh that a bound starts from is not certain.
@@ -195,22 +194,22 @@ pub enum NoBound {
         "the mesh is not solved at every stroke that is judged, as `mesh` shows: check the tip diameter and the addendum"
     )]
     NotSolved,
-    /// A statistical sum has nothing that scatters: every error was measured.
+    /// Nothing scatters in a statistical sum: every error was measured.
     #[error("nothing scatters: a measured error enters with its bound, and only tolerances spread")]
     NothingScatters,
-    /// Edges alone carry, of which no bound is known.
+    /// Only edges carry, for which no bound is known.
     #[error("the flanks of this pair touch nowhere but at their edges: check the addendum and the tip diameter")]
     EdgesOnly,
 }
 
-/// What the height is from within which flanks are taken to touch.
+/// The source of the height within which flanks are taken to touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeightFrom {
     /// A quarter of the face width: the module is not known.
     FaceWidth,
     /// 1.5 normal modules.
     Module,
-    /// The rack's addendum, which is higher than either.
+    /// The rack's addendum, where it is higher than either.
     Addendum,
 }
 
@@ -219,25 +218,25 @@ pub enum HeightFrom {
 pub struct AssumedHeight {
     /// The height, mm.
     pub mm: f64,
-    /// What it is from.
+    /// The source of the height.
     pub from: HeightFrom,
 }
 
-/// What a bound rests on, and what would narrow it.
+/// What a bound assumes, and what would narrow it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
     /// The pair's geometry would narrow the range.
     GeometryNarrows,
-    /// So would the statement that both flanks of a tooth always carry.
+    /// The statement that both flanks of a tooth always carry would narrow the range, too.
     BothFlanksNarrows,
     /// The pair without errors is taken to stay at this ΔCD, mm: undercut or a contact ratio below 1 are not known.
     OwnCurveAt(f64),
     /// The known pair without errors is in this range, which the sum counts.
     OwnRange(Range),
-    /// The sum counts what the teeth do that are known one by one: ΔCD in this range.
+    /// The sum counts the teeth that are known one by one: their ΔCD is in this range.
     KnownTeeth(Range),
-    /// Where this is off by its uncertainty there is no range, so that nothing tells how uncertain the range is.
+    /// If this size is off by its uncertainty there is no range, so the uncertainty of the range is not known.
     OpenWithin(Influence),
     /// There is no range without the pair's geometry.
     GeometryNeeded,

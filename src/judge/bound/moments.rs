@@ -1,26 +1,26 @@
-//! How far what scatters moves ΔCD at one stroke, for a statistical sum. Bounds nothing.
+//! How far scattering errors move ΔCD at one stroke, for a statistical sum. This is no bound.
 
 use super::error::ErrorEffect;
 use super::single::range_of;
 use super::{ErrorRange, ExtendedError, Extent, Knowledge, NoBound, Range};
 
-/// Of a normal x whose tolerance is 3σ, |x| has this mean and 3 of its standard deviations are this, as shares of the
-/// tolerance: √(2/π)/3 and √(1 − 2/π).
+/// For a normal x whose tolerance is 3σ: the mean of |x|, and three standard deviations of |x|, as shares of the tolerance:
+/// √(2/π)/3 and √(1 − 2/π).
 const FOLDED_MEAN: f64 = 0.265_961_520_267_621_8;
 const FOLDED_SPREAD: f64 = 0.602_810_289_179_865_6;
 
-/// What independent tolerances do together, mm.
+/// The joint effect of independent tolerances, mm.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Scatter {
-    /// Sum of squares of what three standard deviations of each lower and raise, if it acts with its sign.
+    /// Sums of squares of what three standard deviations of each tolerance lower and raise ΔCD, if each acts with its sign.
     signed: Range,
-    /// The same of what they raise, and the sum of their means, if all that can only push does so at every stroke.
+    /// Sum of squares of what they raise ΔCD, and sum of their means, if every error that can only push does so at every stroke.
     pushing: f64,
     pushing_mean: f64,
 }
 
 impl Scatter {
-    /// With one tolerance more, which is three standard deviations of a normal distribution.
+    /// Adds one more tolerance, which is three standard deviations of a normal distribution.
     ///
     /// # Errors
     /// [`NoBound`] if there is no range that it could scatter over.
@@ -36,22 +36,22 @@ impl Scatter {
         })
     }
 
-    /// Where all but a few values lie, about 0: what can only push acts with its sign where one pair of flanks carries, and
-    /// pushes where several do, so that the farther of both counts.
+    /// The range of all but a few values, about 0. An error that can only push acts with its sign where one pair of flanks
+    /// carries, and pushes where several carry: the farther of both ends counts.
     pub(super) fn range(&self) -> Range {
         let pushed = self.pushing_mean + self.pushing.sqrt();
         Range { lower: -self.signed.lower.sqrt(), upper: pushed.max(self.signed.upper.sqrt()) }
     }
 }
 
-/// How far three standard deviations of a tolerance lower and raise ΔCD beside other errors: as far as its bound says, but
-/// steps that are each their own add up as their squares do.
+/// How far three standard deviations of a tolerance lower and raise ΔCD beside other errors: as far as its bound, except that
+/// independent steps add up as squares.
 fn three_deviations(error: &ExtendedError, knowledge: &Knowledge) -> Result<Range, NoBound> {
     let of = |range: ErrorRange| Range { lower: range.raw_lower_mm, upper: range.raw_upper_mm };
     let range = of(range_of(error, knowledge)?);
     let ErrorEffect::Pitch { gain, .. } = error.effect else { return Ok(range) };
     let step = gain * error.value.abs();
-    // how many add up, the pair's geometry says; the total caps them
+    // the pair's geometry says how many add up; the total caps them
     let uncapped = range_of(&error.uncapped(), knowledge).map(of);
     Ok(match (error.extent, uncapped) {
         (Extent::Each, Ok(uncapped)) => Range {

@@ -1,4 +1,4 @@
-//! What steps between teeth do: how many of them act at once. Read by the bound; knows no other error.
+//! The effect of steps between teeth: how many of them act at once. The bound reads it; it knows no other error.
 
 use super::counts::StepDirection;
 use super::known::KnownPair;
@@ -6,10 +6,10 @@ use super::levels::SLACK;
 use super::{ErrorRange, Extent};
 use crate::deviation::Part;
 
-/// Steps that move ΔCD by `least` to `most` mm each, of a pair.
+/// The effect of steps that move ΔCD by `least` to `most` mm each, for a known pair.
 pub(super) fn of_pair(part: Part, extent: Extent, [least, most]: [f64; 2], known: &KnownPair) -> ErrorRange {
     let of = |step| one_way(part, step, known);
-    // what steps do is convex in them to either side of none
+    // the effect of steps is convex in them on either side of 0
     let ends = of(least).or(of(most));
     let range = if least < 0.0 && most > 0.0 {
         let range = ends.or_nothing();
@@ -19,7 +19,7 @@ pub(super) fn of_pair(part: Part, extent: Extent, [least, most]: [f64; 2], known
     };
     let step = most.max(-least);
     let range = match extent {
-        // one step only, or a run that need not be where the teeth are in contact
+        // only one step, or a run that may lie outside the teeth in contact
         Extent::One => range.or_nothing().limited(step),
         Extent::Part => range.or_nothing(),
         Extent::All | Extent::Each | Extent::Total => range,
@@ -56,7 +56,7 @@ fn keeps_whole_teeth(part: Part, known: &KnownPair) -> bool {
         }
 }
 
-/// One step, of any pair.
+/// The effect of one step, for any pair.
 pub(super) fn one_of_any_pair(step: f64, both_flanks: bool) -> ErrorRange {
     let lower_mm = if both_flanks { 0.0 } else { -step };
     ErrorRange { lower_mm, ..ErrorRange::either_way(step) }

@@ -1,6 +1,6 @@
-//! What one flank pair asks for where its contact line lies beyond its flanks: at the pinion's tip, at the start of the
-//! involute, at the rack's tip edge. Used to lengthen a path of contact and to bound what undercut lifts; knows no face
-//! width, which only takes points of contact away.
+//! The demand of one flank pair where its contact line lies beyond its flanks: at the pinion's tip, at the start of the
+//! involute, at the rack's tip edge. Used to lengthen a path of contact and to bound what undercut lifts. Knows no face
+//! width, because that only removes points of contact.
 //!
 //! A flank pair whose contact line would lie at the roll angle t asks for ν(t) more than that line:
 //!
@@ -22,17 +22,17 @@ pub(in crate::judge) struct Profile {
     tip_roll: f64,
     /// Rack addendum less centre distance, mm.
     tip_plane: f64,
-    /// What is asked for at the tip plane counts so many times.
+    /// Factor of the demand at the tip plane.
     tip_counts: f64,
 }
 
-/// Roll angles are searched this far beyond a flank's ends, rad: at more its neighbours carry.
+/// Roll angles are searched this far beyond a flank's ends, rad: farther out its neighbours carry.
 const FAR: f64 = 1.0;
-/// Halvings of a search: to 1e-9 rad, and to the safe side of what is searched.
+/// Halvings of a search: to 1e-9 rad, rounded to the safe side.
 const HALVINGS: u32 = 32;
 
 impl Profile {
-    /// Of a pair at a centre distance, or as much below it as the rack's teeth stand out more by `deeper_mm`.
+    /// The profiles of a pair at a centre distance, with rack teeth that stand out more by `deeper_mm`.
     pub(in crate::judge) fn new(pair: &Pair, center_distance_mm: f64, deeper_mm: f64) -> Self {
         let pinion = pair.pinion();
         Self {
@@ -45,8 +45,8 @@ impl Profile {
         }
     }
 
-    /// Of one side of a pair whose other side touches along its lines at least. Both sides share what they ask for by their
-    /// flanks, and the tip plane is only asked for half as much: what it asks for counts twice.
+    /// The profiles of one side of a pair whose other side touches at least along its lines. Both sides share the demand of their
+    /// flanks, but not that of the tip plane, which therefore counts twice.
     pub(in crate::judge) fn beside_lines(self) -> Self {
         Self { tip_counts: 2.0, ..self }
     }
@@ -61,8 +61,8 @@ impl Profile {
         self.tip_counts * (self.tip_plane + self.base_radius * (cos + roll * sin))
     }
 
-    /// ν: what the flank pair asks for beyond its contact line at the roll angle t. Past the generator nearest to the
-    /// line, A falls and B rises, so that the best one is where they meet.
+    /// ν: what the flank pair asks for beyond its contact line at the roll angle t. Past the generator nearest to the line, A
+    /// falls and B rises, so the maximum is where they meet.
     pub(in crate::judge) fn beyond_line(&self, t: f64) -> f64 {
         let first = 0.0_f64.clamp(self.start_roll - t, self.tip_roll - t);
         let last = (self.tip_roll - t).min(1.0);
@@ -75,7 +75,7 @@ impl Profile {
             let (flank, tip) = ends(delta);
             tip < flank
         });
-        // the larger of both at either end: never too little
+        // the larger of both at either end: on the safe side
         ends(low).0.min(ends(high).1)
     }
 
@@ -86,13 +86,13 @@ impl Profile {
         rack_tip.max(self.start_roll)
     }
 
-    /// The largest ν: above 0 where the rack reaches below the base circle. It is that of the involute's start, where the
-    /// flank and the tip plane ask for the same: a higher point of the involute loses more by A than it gains by B.
+    /// The largest ν: above 0 where the rack reaches below the base circle. It is reached at the start of the involute, where
+    /// flank and tip plane ask for the same: a higher point of the involute loses more by A than it gains by B.
     pub(in crate::judge) fn largest_excess(&self) -> f64 {
         self.highest_line().map_or(0.0, |roll| self.by_flank(self.start_roll, self.start_roll - roll).max(0.0))
     }
 
-    /// The roll angle of the contact line beyond which a flank pair asks for most; `None` where none asks for more.
+    /// The roll angle of the contact line at which a flank pair asks for most beyond it; `None` if it never asks for more.
     fn highest_line(&self) -> Option<f64> {
         let flank = |delta: f64| self.by_flank(self.start_roll, delta).max(0.0);
         let reaches = |delta: f64| self.by_tip(self.start_roll, delta) >= flank(delta);
@@ -129,19 +129,20 @@ impl Profile {
         if self.beyond_line(roll) >= -error { roll } else { self.lowest_line() }
     }
 
-    /// How far a point of contact lies from the contact line at most when the pair carries so, mm.
+    /// The largest distance of a point of contact from the contact line when the pair carries so, mm.
     pub(in crate::judge) fn off_line(&self, error: f64) -> f64 {
         let scale = self.base_radius / trig::sin(self.alpha_t);
         self.base_radius * (2.0 * error * self.tip_roll.max(0.1) / scale).sqrt()
     }
 }
 
-/// The end of what holds from 0 on, rounded up.
+/// The end of the range from 0 in which a condition holds, rounded up.
 fn last_within(farthest: f64, holds: impl Fn(f64) -> bool) -> f64 {
     end_between(0.0, farthest, holds).high
 }
 
-/// The end of what holds from the first roll angle on and not at the last one, from below and from above.
+/// The end of the range in which a condition holds, from below and from above: it holds at the first roll angle and not at
+/// the last.
 fn end_between(first: f64, last: f64, holds: impl Fn(f64) -> bool) -> Rolls {
     let (mut low, mut high) = (first, last);
     for _ in 0..HALVINGS {

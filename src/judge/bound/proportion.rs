@@ -1,5 +1,5 @@
-//! Errors of which each row of a table has other values. Where the pair is not known, what an error does is in proportion to
-//! its size, by its sign, and is computed once. Gives the same numbers as the bound of the errors as they are.
+//! Errors whose values differ from row to row of a table. Where the pair is not known, the effect of an error is proportional
+//! to its size, by its sign, and is computed once. The results equal those of the bound.
 
 use super::error::{ErrorEffect, RackLines};
 use super::known::Own;
@@ -8,7 +8,7 @@ use super::single::{assumed_height, range_of};
 use super::sum::{Combined, Sum, larger, own, parts_with_several_leads};
 use super::{Basis, ErrorRange, ExtendedError, GivenGeometry, Knowledge, NoBound, Range};
 
-/// Errors whose values change, and what follows from each whatever its value.
+/// Errors whose values change, with what does not depend on the value.
 #[derive(Debug, Clone)]
 pub struct ChangingErrors<'a> {
     basis: &'a Basis,
@@ -16,15 +16,15 @@ pub struct ChangingErrors<'a> {
     in_proportion: Option<InProportion>,
 }
 
-/// Errors of a pair that is not known, where all do what is in proportion to their sizes.
+/// Errors of a pair that is not known, whose effects are proportional to their sizes.
 #[derive(Debug, Clone)]
 struct InProportion {
     own: Own,
-    /// What one mm of each error does up and down.
+    /// The effect of one mm of each error, up and down.
     per_mm: Vec<[PerMm; 2]>,
 }
 
-/// What one mm of an error adds to the sums; of a pair that is not known, no upper end is lower than its raw one.
+/// What one mm of an error adds to the sums. For a pair that is not known, no upper end is lower than its raw one.
 #[derive(Debug, Clone, Copy)]
 struct PerMm {
     raw_lower: f64,
@@ -46,8 +46,8 @@ impl<'a> ChangingErrors<'a> {
         self.errors.iter().zip(values).map(|(error, value)| error.with_value(value)).collect()
     }
 
-    /// Calls `take` with what all can do together in each of so many rows, as [`Basis::together`]; `values` holds a column
-    /// per error, mm or rad.
+    /// Calls `take` with the joint range of all errors in each row, as [`Basis::together`]; `values` holds a column per error,
+    /// mm or rad.
     #[inline]
     pub fn each_together(&self, rows: usize, values: &[Vec<f64>], mut take: impl FnMut(usize, Combined<Range>)) {
         let Some(InProportion { own, per_mm }) = &self.in_proportion else {
@@ -72,7 +72,7 @@ impl<'a> ChangingErrors<'a> {
     }
 }
 
-/// Rows whose sums stay near at hand.
+/// Rows that are summed together, so that the sums stay in the cache.
 const STRIP: usize = 256;
 
 /// The sums of some rows, column by column: several rows are added up at once.
@@ -90,7 +90,7 @@ impl Default for Sums {
 }
 
 impl Sums {
-    /// Adds what an error of these values does, whose size in mm is `size` of a value: it is in proportion to that.
+    /// Adds the effect of an error with these values, which is proportional to its size in mm, `size` of a value.
     #[inline]
     fn add(&mut self, values: &[f64], [above, below]: &[PerMm; 2], size: impl Fn(f64) -> f64) {
         for (row, value) in values.iter().enumerate().take(STRIP) {
@@ -101,7 +101,7 @@ impl Sums {
         }
     }
 
-    /// What all do together in a row.
+    /// The joint range of all errors in a row.
     #[inline]
     fn together(&self, row: usize, own: Own) -> Combined<Range> {
         let mut sum = Sum::default();
@@ -111,7 +111,7 @@ impl Sums {
 }
 
 impl InProportion {
-    /// `None` where ends are not in proportion, or not all have one.
+    /// `None` where ends are not proportional, or an error has none.
     fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Option<Self> {
         let is_any_pair = !matches!(knowledge.basis.geometry, GivenGeometry::Known(_))
             && knowledge.basis.known_teeth.is_none()
@@ -135,7 +135,7 @@ impl InProportion {
     }
 }
 
-/// How large a lead of this value is, mm: what it does to a pair that is not known is in proportion to it.
+/// The size of a lead of this value, mm: its effect on a pair that is not known is proportional to it.
 #[inline(never)]
 fn size_of_lead(lines: &RackLines, error: &ExtendedError, value: f64, basis: &Basis) -> f64 {
     let height = assumed_height(lines, &Knowledge { basis, pair: None }).mm;

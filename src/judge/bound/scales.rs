@@ -1,5 +1,5 @@
-//! The bound of errors that are shares of given ones, for many shares: a table of each error's range. Read by
-//! simulations; computes no range of its own.
+//! The bound of errors that are shares of given errors, for many shares: a table of each error's range. Simulations read it;
+//! it computes no range of its own.
 
 use super::known::Own;
 use super::single::range_of;
@@ -21,15 +21,15 @@ struct Scale {
     ranges: Vec<ErrorRange>,
 }
 
-/// Intervals of a table. Ranges are convex in the error between 0 and its value, up to what a lead's angle bends: chords
-/// hold them.
+/// Intervals of a table. Ranges are convex in the error between 0 and its value, except for the curvature of a lead's angle,
+/// so chords contain them.
 const INTERVALS: usize = 16;
 
 impl Basis {
     /// The ranges of these errors, each at every share of its value.
     ///
     /// # Errors
-    /// [`NoBound`] if there is no bound, or it is not known what the pair does without errors.
+    /// [`NoBound`] if there is no bound, or if the curve of the pair without errors is not known.
     pub fn scales(&self, errors: &[PartDeviation]) -> Result<Scales, NoBound> {
         let extended: Result<Vec<_>, _> = errors.iter().map(ExtendedError::of).collect();
         let extended = extended?;

@@ -1,4 +1,4 @@
-//! What one error can do alone. Reads what steps and leads do from the rooms beside it; adds nothing up.
+//! The range of one error alone, from the files on steps and leads; adds nothing up.
 
 use super::error::{ErrorEffect, RackLines};
 use super::known::{KnownPair, flanks_apart};
@@ -14,16 +14,16 @@ use crate::trig;
 const MODULES_HIGH: f64 = 1.5;
 const SHARE_OF_WIDTH_HIGH: f64 = 0.25;
 
-/// What one error can do alone.
+/// The range of one error alone.
 #[inline]
 pub(super) fn range_of(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let Some([one, other]) = error.signs() else { return range_of_signed(error, knowledge) };
     let ends = range_of_signed(&one, knowledge)?.or(range_of_signed(&other, knowledge)?);
-    // an error that is on some teeth is not on others
+    // an error on some teeth leaves others without it
     Ok(if error.may_be_nothing() { ends.or_nothing() } else { ends })
 }
 
-/// The same of an error with a sign.
+/// The range of an error with a sign.
 #[inline]
 fn range_of_signed(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let range = match knowledge.pair {
@@ -33,7 +33,7 @@ fn range_of_signed(error: &ExtendedError, knowledge: &Knowledge) -> Result<Error
     Ok(supported(range, knowledge).ordered())
 }
 
-/// What an error does whose pair is not known.
+/// The range of an error whose pair is not known.
 #[inline]
 fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRange, NoBound> {
     let ExtendedError { value, extent, .. } = *error;
@@ -56,7 +56,7 @@ fn of_any_pair(error: &ExtendedError, knowledge: &Knowledge) -> Result<ErrorRang
     })
 }
 
-/// What an error does in a known pair.
+/// The range of an error in a known pair.
 fn of_pair(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
     let ExtendedError { part, extent, .. } = *error;
     match error.effect {
@@ -67,7 +67,7 @@ fn of_pair(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
     }
 }
 
-/// A space that sits higher by e: both its flanks carry for a while, or never.
+/// The range of a space that sits higher by e: both its flanks carry for a while, or never.
 #[inline]
 fn size(error: &ExtendedError) -> ErrorRange {
     let ExtendedError { value, extent, .. } = *error;
@@ -106,8 +106,8 @@ fn one_space(error: &ExtendedError, known: &KnownPair) -> ErrorRange {
     ErrorRange { lower_mm: alone * value, ..sometimes }
 }
 
-/// What a total cumulative deviation of either flank side does, which may deviate apart; a pinion's are measured from the
-/// mean of the turn.
+/// The range of a total cumulative deviation of the flank sides, which may deviate apart. A pinion's is measured from the mean
+/// of the turn.
 #[inline]
 fn total(gain: f64, deviation: f64, pinion_teeth: Option<u32>) -> f64 {
     2.0 * gain * deviation * (1.0 - pinion_teeth.map_or(0.0, |teeth| 1.0 / f64::from(teeth)))
@@ -124,8 +124,8 @@ fn pitch_range(error: &ExtendedError, gain: f64, cap: Option<f64>, known: &Known
     ErrorRange { upper_with_undercut_mm: with_undercut(error, gain, limit, known), ..range.limited(limit) }
 }
 
-/// From what to what each step of an error moves ΔCD, mm. A pinion's steps close, and those within a total turn back: not
-/// all of them go one way.
+/// The range by which each step of an error moves ΔCD, mm. The steps of a pinion close over a turn, and those within a total
+/// turn back: not all of them go one way.
 fn steps_of(error: &ExtendedError, gain: f64) -> [f64; 2] {
     let ExtendedError { part, value, extent, effect, .. } = *error;
     let is_within_total = matches!(effect, ErrorEffect::Pitch { cap: Some(_), .. });
@@ -141,7 +141,7 @@ fn steps_of(error: &ExtendedError, gain: f64) -> [f64; 2] {
     [gain * least, gain * most]
 }
 
-/// What steps lift together with undercut, up to a limit of the steps.
+/// How far steps lift together with undercut, up to a limit of the steps.
 fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair) -> f64 {
     let ExtendedError { part, value, extent, .. } = *error;
     let Some(table) = undercut(known).filter(|_| extent != Extent::Total) else { return f64::INFINITY };
@@ -158,7 +158,7 @@ fn with_undercut(error: &ExtendedError, gain: f64, limit: f64, known: &KnownPair
     })
 }
 
-/// What the leads of a part do.
+/// The range of the leads of a part.
 #[inline]
 pub(super) fn of_leads(leads: &Leads, knowledge: &Knowledge) -> ErrorRange {
     match leads.signs() {
@@ -185,7 +185,7 @@ pub(super) fn assumed_height(lines: &RackLines, knowledge: &Knowledge) -> Assume
     higher.map_or(assumed, |mm| AssumedHeight { mm, from: HeightFrom::Addendum })
 }
 
-/// A rack that may roll sinks by more than one that may not, and nothing keeps it from its raw lower end.
+/// The lower end for a rack that may roll: it sinks further than one that may not, so its raw lower end counts.
 #[inline]
 fn supported(range: ErrorRange, knowledge: &Knowledge) -> ErrorRange {
     if !knowledge.rolls() {

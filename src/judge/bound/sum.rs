@@ -1,4 +1,4 @@
-//! The bound of each error and of their sum. Reads what the errors do from the rooms beside it; solves no mesh.
+//! The bound of each error and of their sum, from the files beside it; solves no mesh.
 
 use super::error::ErrorEffect;
 use super::field::thickness_offset;
@@ -15,31 +15,31 @@ use crate::deviation::Part;
 /// The bound of errors whose teeth are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
-    /// What each error can do alone, in the order given; the pair's own curve not counted.
+    /// The range of each error alone, in the order given, without the pair's own curve.
     pub errors: Vec<Result<ErrorRange, NoBound>>,
-    /// What all can do together.
+    /// The joint range of all errors.
     pub combined: Combined<Range>,
-    /// What it rests on.
+    /// What the bound assumes.
     pub notes: Vec<Note>,
 }
 
 /// The combinations of several errors, as ranges or as the nearest decimals of these.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Combined<T> {
-    /// The worst case: what all can do together, the pair's own curve counted.
+    /// The worst case: the joint range of all errors, with the pair's own curve.
     pub range: Result<T, NoBound>,
-    /// The statistical combination, no bound: what tolerances do at one stroke, as three standard deviations of each, around
-    /// the bound of what was measured.
+    /// The statistical combination, which is no bound: tolerances at one stroke, as three standard deviations of each, around the
+    /// bound of what was measured.
     pub rss: Result<T, NoBound>,
 }
 
-/// Errors move points of contact over the known teeth, whose own leads and steps they then meet elsewhere: by this share
-/// of what both do together. Found by trials, not proven.
+/// Errors move points of contact over the known teeth and so change the effect of their leads and steps: by this share of the
+/// joint effect. Found by trials, not proven.
 const MOVED: f64 = 2e-3;
-/// Pairs are prepared for so much more than errors need.
+/// Pairs are prepared for so much more than the errors need.
 const SPARE_MM: f64 = 1e-6;
 
-/// The bound of some errors: whatever teeth they are on, as their extents allow, the exact mesh stays inside it.
+/// The bound of some errors: on whatever teeth their extents allow, the exact mesh stays inside it.
 pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     let combined = together(errors, knowledge);
     let each = errors.iter().map(|error| range_of(error, knowledge)).collect();
@@ -47,28 +47,28 @@ pub(super) fn bound(errors: &[ExtendedError], knowledge: &Knowledge) -> Bound {
     Bound { errors: each, combined, notes: notes(errors, knowledge, needs_geometry) }
 }
 
-/// What errors of both parts add up to, mm.
+/// The sums of errors of both parts, mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sum {
     pub(super) raw_lower: f64,
     pub(super) raw_upper: f64,
-    /// The raw ends of those that sink, and of those that lift.
+    /// The raw ends of errors that sink, and of errors that lift.
     sinks: f64,
     lifts: f64,
-    /// How much better the lower end of one error is than its raw one, at most, and how much lower its upper end.
+    /// The most by which the lower end of one error is above its raw one, and its upper end below its raw one.
     pub(super) better: f64,
     spared: f64,
-    /// How much lower the upper end of one error is with what undercut lifts at the same stroke than its raw one without,
-    /// at most.
+    /// The most by which the upper end of one error, with what undercut lifts at the same stroke, is below its raw end without
+    /// undercut.
     spared_with_undercut: f64,
-    /// Of the pinion's errors, either way.
+    /// How far the pinion's errors move ΔCD either way.
     of_pinion: f64,
     /// The raw upper end of the pinion's errors, without signs: how far these shift flanks that lift.
     pinion_lifts: f64,
 }
 
 impl Default for Sum {
-    /// Of no errors.
+    /// The sums of no errors.
     fn default() -> Self {
         Self {
             raw_lower: 0.0,
@@ -85,7 +85,7 @@ impl Default for Sum {
 }
 
 impl Sum {
-    /// Of some errors. Several leads of a part are added as angles.
+    /// The sums of some errors. Several leads of a part are added as angles.
     #[inline]
     fn of(errors: &[ExtendedError], knowledge: &Knowledge) -> Result<Self, NoBound> {
         let several = parts_with_several_leads(errors);
@@ -125,10 +125,10 @@ impl Sum {
         Reach { range, of_pinion_mm: self.of_pinion }
     }
 
-    /// Beside teeth that are known one by one, which may carry with edges anywhere: a flank that is raised by e asks for
-    /// no less there, but for no more either, because its tip plane stays. So what lifts raises no lower end, what
-    /// lowers no upper one. Every end is raw, and what undercut and gaps do counts once more: errors may shift them
-    /// against what the known teeth do.
+    /// The range beside teeth that are known one by one, which may carry with edges anywhere. A flank that is raised by e asks
+    /// for no less there, but perhaps for no more either, because its tip plane stays. So an error that lifts raises no lower
+    /// end, and one that lowers lowers no upper end. Every end is raw, and undercut and gaps count once more, because errors
+    /// may shift them against the known teeth.
     fn beside(&self, teeth: KnownTeeth, own: Own, knowledge: &Knowledge) -> Range {
         let offset = knowledge.pair.map_or(0.0, |known| thickness_offset(&known.given.pair));
         let moved = MOVED * self.reach().with(Some(teeth)).largest();
@@ -138,13 +138,13 @@ impl Sum {
         }
     }
 
-    /// Around the known teeth, or the pair's own curve.
+    /// The range around the known teeth, or around the pair's own curve.
     fn around(&self, own: Own, knowledge: &Knowledge) -> Range {
         knowledge.basis.known_teeth.map_or_else(|| self.with_own(own), |teeth| self.beside(teeth, own, knowledge))
     }
 
-    /// Of the lower ends one is taken, all others are raw; likewise of the upper ends. Flanks that sink ask for no more
-    /// than without errors, and for less only if the rack's tips, which stay, do not carry in their place.
+    /// The range in which one lower end is not raw and all others are; likewise for the upper ends. Flanks that sink ask for no
+    /// more than without errors, and for less only if the rack's tips, which stay, do not carry in their place.
     #[inline]
     pub(super) fn with_own(&self, own: Own) -> Range {
         let lifted = self.raw_upper - self.spared;
@@ -163,7 +163,7 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The pair's own range, if these errors are within what the pair is known for.
+/// The pair's own range, if these errors are within the reach of what is known.
 pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     match knowledge.pair {
         Some(known) if !known.reach.holds(&sum.reach().with(knowledge.basis.known_teeth)) => Err(NoBound::BeyondReach),
@@ -175,7 +175,7 @@ pub(super) fn own(sum: &Sum, knowledge: &Knowledge) -> Result<Own, NoBound> {
     }
 }
 
-/// What errors do together.
+/// The joint range of errors.
 pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combined<Range> {
     let sum = Sum::of(errors, knowledge);
     let own = sum.and_then(|sum| own(&sum, knowledge));
@@ -192,8 +192,8 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
     Combined { range, rss }
 }
 
-/// Where ΔCD lies at one stroke for all but a few parts: what scatters, around the bound of what was measured and of the
-/// pair itself. Nothing goes beyond the worst case.
+/// The range of ΔCD at one stroke for all but a few parts: the scatter, around the bound of what was measured and the curve of
+/// the pair. It never exceeds the worst case.
 fn statistical(errors: &[ExtendedError], knowledge: &Knowledge, own: Own, worst: Range) -> Result<Range, NoBound> {
     let (mut scattered, mut measured): (Vec<_>, Vec<_>) = errors.iter().copied().partition(ExtendedError::scatters);
     for error in &mut scattered {
@@ -212,10 +212,10 @@ fn statistical(errors: &[ExtendedError], knowledge: &Knowledge, own: Own, worst:
 }
 
 impl KnownPair {
-    /// How far these errors move ΔCD by what is known of this pair, and a little more.
+    /// How far these errors move ΔCD by what is known of this pair, with a small reserve.
     pub(super) fn reached(&self, errors: &[ExtendedError]) -> Reach {
         let knowledge = Knowledge { basis: &Basis::default(), pair: Some(self) };
-        // nothing is open where the geometry is known
+        // no range is open where the geometry is known
         let Reach { range, of_pinion_mm } = Sum::of(errors, &knowledge).map_or(self.reach, |sum| sum.reach());
         let Range { lower, upper } = range;
         Reach {
@@ -225,7 +225,7 @@ impl KnownPair {
     }
 }
 
-/// How far errors move ΔCD at least, whatever the pair, mm: no need to ask what is known of a pair for smaller ones.
+/// The least by which errors move ΔCD whatever the pair, mm: a pair need not be prepared for less.
 pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
     let least = |error: &ExtendedError| match error.effect {
         ErrorEffect::Size => error.value.abs(),
@@ -236,14 +236,14 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
 }
 
 impl Bound {
-    /// Of errors that have none.
+    /// The combination of errors without a bound.
     pub(super) fn open(errors: usize, open: NoBound) -> Self {
         let combined = Combined { range: Err(open), rss: Err(open) };
         Self { errors: vec![Err(open); errors], combined, notes: Vec::new() }
     }
 }
 
-/// Which parts have more than one lead.
+/// Whether each part has more than one lead.
 pub(super) fn parts_with_several_leads(errors: &[ExtendedError]) -> [bool; 2] {
     let mut leads = [0_usize; 2];
     for error in errors.iter().filter(|error| error.effect.is_lead()) {

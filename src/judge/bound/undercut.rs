@@ -1,5 +1,5 @@
-//! What undercut lifts at the stroke at which an error does: both need not come together. Made once for a pair with
-//! undercut; knows no error's size.
+//! How far undercut lifts at the stroke at which an error lifts, because both need not come together. Made once for a pair
+//! with undercut; knows no error's size.
 //!
 //! A right flank of tooth i and a left one of tooth j, n = i − j apart, lift together by ½(ν'(p) + ν'(−p − n)) at most beyond
 //! their lines, over all places p on the path of the first, where lines carry at every stroke. Steps between both lift in
@@ -7,17 +7,17 @@
 
 use crate::deviation::Part;
 
-/// Parts of a pitch in which the field of contact is looked at.
+/// Parts of a pitch into which the field of contact is divided.
 pub(super) const CELLS: i32 = 96;
 
-/// What a right flank asks for at most in one part of its path.
+/// The most that a right flank asks for in one part of its path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
     pub(super) index: i32,
     pub(super) most: f64,
 }
 
-/// What two flanks lift together beyond their lines, by the teeth between them.
+/// How far two flanks lift together beyond their lines, by the teeth between them.
 #[derive(Debug)]
 pub(super) struct UndercutTable {
     /// The teeth from the left flank's to the right one's, and the most that both ask for, mm.
@@ -44,8 +44,8 @@ impl UndercutTable {
         Self { apart: teeth.filter_map(|teeth| Some(FlanksApart { teeth, most: most(teeth)? })).collect() }
     }
 
-    /// What steps of a part lift together with undercut, mm: so many of them one way between two flanks, negative where they
-    /// lower, lift by `gain` of the number.
+    /// How far steps of a part lift together with undercut, mm: steps one way between two flanks (negative where they lower)
+    /// lift by `gain` of their number.
     pub(super) fn with_steps(&self, part: Part, gain: impl Fn(f64) -> f64) -> f64 {
         let steps = |teeth: i32| match part {
             Part::Rack => f64::from(teeth),
@@ -55,7 +55,7 @@ impl UndercutTable {
         self.apart.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What both flanks of one space that sits higher by `value` mm lift together with undercut, or one of them.
+    /// How far one or both flanks of a space that sits higher by `value` mm lift together with undercut.
     pub(super) fn with_one_space(&self, part: Part, value: f64) -> f64 {
         let teeth = match part {
             Part::Rack => -1,

@@ -1,11 +1,11 @@
-//! How far errors whose teeth are not known really push ΔCD: placements at the worst places, each in the exact mesh.
+//! How far errors whose teeth are not known can really push ΔCD: the worst placements found, each in the exact mesh.
 //!
-//! Called by whoever wants to know how much of a [bound](super::bound) is used. A placement that reaches beyond a limit proves
-//! that parts with these errors may fail; one that does not proves nothing.
+//! This shows how much of a [bound](super::bound) is used. A placement beyond a limit proves that parts with these errors may
+//! fail; a placement inside proves nothing.
 //!
-//! One mesh in which a single tooth stands out says what flanks ask for along their path of contact. By that the search knows
-//! what a placement is about to do: for an upper end every error is put where it raises two flanks that carry together, for a
-//! lower end where all flanks that carry sink. The few placements that promise most are solved exactly; only that counts.
+//! One mesh in which a single tooth stands out says what flanks ask for along their path of contact. From it the search
+//! estimates each placement: for an upper end every error is put where it raises two flanks that carry together, for a lower
+//! end where all flanks that carry sink. The few most promising placements are solved exactly, and only these count.
 //!
 //! Assumes a rack that does not roll. It must not know files, limits or reports.
 
@@ -42,25 +42,25 @@ pub struct Reached {
     pub upper: Placement,
 }
 
-/// Errors on teeth of both parts. They hold for strokes within a few pitches of the one named.
+/// Errors on teeth of both parts, for strokes within a few pitches of the named one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement {
-    /// Where ΔCD is what was found, mm.
+    /// The stroke of the extreme, mm.
     pub stroke_mm: f64,
     /// The rack's flanks.
     pub rack: RackFlanks,
     /// The pinion's flanks.
     pub pinion: PinionFlanks,
-    /// Where each error sits, in the order given. An error that is on no run deviates nowhere.
+    /// Where each error is, in the order given. An error without a run is on no tooth.
     pub errors: Vec<Vec<Run>>,
 }
 
 /// Placements that are solved for each end, at most.
 const PLACEMENTS: usize = 8;
-/// Strokes that are solved on either side of the one expected, pitches, and to which tolerance of ΔCD, mm.
+/// Range of strokes solved on either side of the expected one, pitches, and the tolerance of ΔCD, mm.
 const NEAR: f64 = 0.1;
 const TOLERANCE_MM: f64 = 1e-5;
-/// The same for the placement that is best.
+/// Range and tolerance for the best placement.
 const WIDE: f64 = 0.5;
 const FINE_MM: f64 = 1e-7;
 
@@ -90,7 +90,8 @@ struct Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// One end and its placement. The candidates are solved in the order of what is expected of them, until no other is expected to be better.
+    /// One end and its placement. The candidates are solved in the order of their estimates, until no other is expected to be
+    /// better.
     fn end(&mut self, which: RangeEnd) -> Result<(f64, Placement), ReachedError> {
         let sign = which.sign();
         let mut best: Option<(Candidate, CurveExtreme)> = None;

@@ -1,4 +1,4 @@
-//! Both parts' flanks with errors put on. Filled by the search, which knows what an error's extent allows; knows no extent.
+//! The flanks of both parts with errors on their teeth. The search fills them; they know no extent of an error.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -11,7 +11,7 @@ use crate::judge::bound::{GivenPair, pinion_lead_angle_rad};
 use crate::mesh::{FlankSide, Mesh, MeshError};
 use crate::trig;
 
-/// Why nothing is found.
+/// Why no placement is found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReachedError {
@@ -21,7 +21,7 @@ pub enum ReachedError {
     /// The pair does not mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// No stroke has a solution without residual.
+    /// No stroke is solved.
     #[error("no stroke near {stroke_mm} mm is solved")]
     Unsolved {
         /// The stroke.
@@ -29,7 +29,7 @@ pub enum ReachedError {
     },
 }
 
-/// Rack teeth that errors are put on: all that carry within a few pitches of stroke 0, and many more.
+/// Rack teeth that may have errors: all that carry within a few pitches of stroke 0, and many more.
 pub const TEETH: RangeInclusive<i64> = -30..=36;
 
 /// The flanks of both parts that errors have moved.
@@ -45,7 +45,7 @@ pub(in crate::judge) struct Placed {
 struct MovedFlank {
     /// Along X, or along the reference circle of the pinion, mm.
     shift: f64,
-    /// Of the rack, along Z, mm.
+    /// For the rack, along Z, mm.
     lift: f64,
     /// Turn of the rack's flank, rad; slope deviation f_Hβ of the pinion's, mm.
     turn: f64,
@@ -65,16 +65,16 @@ pub(in crate::judge) struct BySide {
 }
 
 impl BySide {
-    /// The same for both.
+    /// One value for both flanks.
     pub(in crate::judge) const fn both(value: f64) -> Self {
         Self { left: value, right: value }
     }
 }
 
-/// What a flank of a rack tooth asks for, with the pinion flank that it meets.
+/// The demand of a flank of a rack tooth with the pinion flank that it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct FlankDemand {
-    /// Of both sides, mm of ΔCD.
+    /// Demand by the errors of both parts, mm of ΔCD.
     pub(super) by_mm: f64,
     /// Turn of the rack's flank, rad.
     pub(super) rack_turn_rad: f64,
@@ -96,13 +96,13 @@ impl FlankDemand {
 }
 
 impl Placed {
-    /// Without errors.
+    /// Flanks without errors.
     pub(in crate::judge) fn new(pair: &Pair) -> Self {
         let none = MovedTooth::default();
         Self { pair: *pair, rack: vec![none; TEETH.count()], pinion: vec![none; pair.pinion().teeth as usize] }
     }
 
-    /// The teeth of a part that errors are put on.
+    /// The teeth of a part that have errors.
     pub(in crate::judge) fn teeth(&self, part: Part) -> RangeInclusive<i64> {
         match part {
             Part::Rack => TEETH,
@@ -169,8 +169,8 @@ impl Placed {
         Ok(Mesh::new(self.pair, rack, pinion, given.support)?)
     }
 
-    /// What a flank of a rack tooth asks for. The right one meets the left flank of the pinion's tooth with the same number, the
-    /// left one the right flank of the tooth before.
+    /// The demand of a flank of a rack tooth. The right flank meets the left flank of the pinion tooth with the same number, the
+    /// left flank meets the right flank of the tooth before.
     pub(super) fn asked(&self, side: FlankSide, tooth: i64) -> FlankDemand {
         let of = |part, tooth| self.index(part, tooth).map_or(MovedTooth::default(), |index| self.moved(part)[index]);
         let (rack, pinion, sign) = match side {

@@ -1,4 +1,4 @@
-//! Which placements are worth an exact mesh: those that the sketch expects most of. Solves no mesh.
+//! Which placements are worth an exact mesh: those with the best estimates by the sketch. Solves no mesh.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::sketch::{STEPS, Sketch};
 use crate::judge::bound::{ExtendedError, GivenPair};
 use crate::mesh::FlankSide;
 
-/// Which end of the range is looked for.
+/// Which end of the range is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RangeEnd {
     Lower,
@@ -16,7 +16,7 @@ pub(super) enum RangeEnd {
 }
 
 impl RangeEnd {
-    /// What is looked for is the largest of this times ΔCD.
+    /// The search maximises this factor times ΔCD.
     pub(super) const fn sign(self) -> f64 {
         match self {
             Self::Lower => -1.0,
@@ -25,7 +25,7 @@ impl RangeEnd {
     }
 }
 
-/// A placement of all errors, and what the sketch expects of it.
+/// A placement of all errors with its estimate by the sketch.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     /// The stroke, in steps of the sketch.
@@ -42,14 +42,14 @@ pub(super) struct Search<'a> {
     /// Rack teeth that can carry.
     teeth: Vec<i64>,
     seats: Vec<Seat>,
-    /// Of each seat what its choices do.
+    /// The effects of each seat's choices.
     effects: Vec<Vec<Flanks>>,
 }
 
-/// What the flanks of the rack teeth ask for, of both [`SIDES`].
+/// The demands of the rack teeth's flanks on both [`SIDES`].
 struct Flanks([Vec<FlankDemand>; 2]);
 
-/// The flanks that can carry at a stroke, of both [`SIDES`].
+/// The flanks that can carry at a stroke on both [`SIDES`].
 struct Carrying {
     stroke: i64,
     flanks: [Vec<usize>; 2],
@@ -63,7 +63,7 @@ impl Flanks {
         flanks.for_each(|(own, other)| own.add(other, times));
     }
 
-    /// What tells two of them apart at some flanks.
+    /// The key by which two choices differ at some flanks.
     fn key(&self, carrying: &Carrying) -> Vec<[u64; 3]> {
         let bits = |asked: &FlankDemand| {
             [asked.by_mm, asked.rack_turn_rad, asked.pinion_slope_mm].map(|v| (v + 0.0).to_bits())
@@ -108,7 +108,7 @@ impl<'a> Search<'a> {
         runs
     }
 
-    /// So many different placements, the most promising one first.
+    /// Up to so many different placements, the most promising one first.
     pub(super) fn candidates(&self, which: RangeEnd, count: usize) -> Vec<Candidate> {
         let mut candidates: Vec<Candidate> = (0..STEPS)
             .flat_map(|stroke| {
@@ -136,12 +136,12 @@ impl<'a> Search<'a> {
         Carrying { stroke, flanks }
     }
 
-    /// What a flank asks for.
+    /// The demand of a flank.
     fn asked(&self, side: FlankSide, stroke: i64, index: usize, asked: &FlankDemand) -> f64 {
         self.sketch.asked(side, stroke, self.teeth[index], asked).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// The highest ΔCD for each two flanks that may carry together: what each error adds to these two counts alone.
+    /// The highest ΔCD for every two flanks that may carry together: only what each error adds to these two counts.
     fn highest(&self, carrying: &Carrying) -> Vec<Candidate> {
         let stroke = carrying.stroke;
         let one = |places: [usize; 2]| {
@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
         0.5 * (right + left)
     }
 
-    /// The placement with the lowest ΔCD at a stroke that is found from any two errors at their best.
+    /// The placement with the lowest ΔCD at a stroke, searched from every two errors at their best.
     fn lowest(&self, carrying: &Carrying) -> Option<Candidate> {
         if carrying.flanks.iter().any(Vec::is_empty) {
             return None;
@@ -238,7 +238,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The two choices that are best together.
+    /// The best two choices together.
     fn set_two(&self, carrying: &Carrying, open: &[Vec<usize>], choices: &mut [usize], [first, second]: [usize; 2]) {
         let mut rest = self.sum(choices);
         rest.add(&self.effects[first][choices[first]], -1.0);
@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Less than this, mm, is no gain.
+/// A gain below this, mm, does not count.
 const LEAST_GAIN_MM: f64 = 1e-9;
 
 /// The choices that differ at flanks that carry.
@@ -265,7 +265,7 @@ fn distinct(effects: &[Flanks], carrying: &Carrying) -> Vec<usize> {
     (0..effects.len()).filter(|&index| seen.insert(effects[index].key(carrying))).collect()
 }
 
-/// The first of those that are as good as the best.
+/// The first of the choices that equal the best.
 fn largest(values: impl Iterator<Item = f64>) -> usize {
     let mut best = (0, f64::NEG_INFINITY);
     for (index, value) in values.enumerate() {

@@ -1,5 +1,4 @@
-//! Where an error may sit, as its extent allows: the choices that the search has, and how a choice is put on the teeth.
-//! Knows no contact.
+//! Where an error may be, by its extent: the choices of the search, and how a choice is put on the teeth. Knows no contact.
 
 use std::ops::RangeInclusive;
 
@@ -14,12 +13,12 @@ use crate::mesh::FlankSide;
 /// A value on successive spaces, steps or teeth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Run {
-    /// The first one. Space k is the one after tooth k, step k the pitch before tooth k. Those of a pinion are counted on
-    /// around the turn: −1 is z − 1.
+    /// The first one. Space k lies after tooth k, step k is the pitch before tooth k. Numbers of a pinion continue around the
+    /// turn: −1 is z − 1.
     pub first: i64,
     /// The last one, included.
     pub last: i64,
-    /// The flanks that it is on: both if `None`. Right flanks of a pinion face higher tooth numbers.
+    /// The flanks that have the value: both if `None`. Right flanks of a pinion face higher tooth numbers.
     pub side: Option<FlankSide>,
     /// Height of a space, length of a step, or displacement of a flank with a total deviation (towards higher numbers), mm;
     /// turn of a rack's tooth line, rad; slope deviation f_Hβ of a pinion, mm.
@@ -29,15 +28,15 @@ pub struct Run {
 /// An error, or one flank side of it, and the places where it may be.
 #[derive(Debug, Clone)]
 pub(super) struct Seat {
-    /// Its place among the errors.
+    /// The index of the error.
     pub(super) error: usize,
     pub(super) choices: Vec<Vec<Run>>,
 }
 
-/// A rack's space, step or tooth that never carries at the strokes looked at, and the one after it.
+/// A rack's space, step or tooth that never carries at the strokes of the search, and the one after it.
 const FAR: i64 = *TEETH.end() - 2;
 
-/// What is needed to place an error of one part.
+/// What placing an error of one part needs.
 struct Places {
     part: Part,
     /// Spaces or teeth that matter.
@@ -69,14 +68,14 @@ impl Run {
         }
     }
 
-    /// How far its steps move a tooth.
+    /// How far the steps move a tooth.
     fn moves(&self, tooth: i64) -> f64 {
         let steps = (tooth - self.first + 1).clamp(0, self.count().max(0)) as f64;
         steps * self.value
     }
 }
 
-/// The seats of every error, if these rack teeth can carry at the strokes looked at.
+/// The seats of every error, if these rack teeth can carry at the strokes of the search.
 pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, carrying: &RangeInclusive<i64>) -> Vec<Seat> {
     let seats = errors.iter().enumerate().flat_map(|(index, error)| {
         let choices = choices(error, &balance(errors, error), &Places::new(error.part, carrying, pair));
@@ -85,7 +84,7 @@ pub(super) fn seats(errors: &[ExtendedError], pair: &Pair, carrying: &RangeInclu
     seats.collect()
 }
 
-/// The lead of either sign that takes back the leads which all teeth of the same part have.
+/// The sign of a lead that cancels the leads on all teeth of the same part.
 fn balance(errors: &[ExtendedError], error: &ExtendedError) -> Vec<f64> {
     if !error.effect.is_lead() {
         return Vec::new();
@@ -118,7 +117,7 @@ impl Places {
         Self { part, teeth: first - 1..=last, steps: first..=last, z: i64::from(pair.pinion().teeth) }
     }
 
-    /// One that does not matter, if there is one.
+    /// A space or tooth that does not matter, if there is one.
     fn far(&self, near: &RangeInclusive<i64>, count: i64) -> Option<i64> {
         match self.part {
             Part::Rack => Some(FAR),
@@ -129,13 +128,13 @@ impl Places {
         }
     }
 
-    /// Each of them that differs from the others, with one that does not matter.
+    /// Each space or tooth that matters, and one that does not.
     fn single(&self, near: &RangeInclusive<i64>) -> Vec<i64> {
         let on_turn = |&place: &i64| self.part == Part::Rack || place - near.start() < self.z;
         near.clone().filter(on_turn).chain(self.far(near, 1)).collect()
     }
 
-    /// All runs of at least and at most so many.
+    /// All runs with a length between these two.
     fn runs(&self, near: &RangeInclusive<i64>, least: i64, value: f64) -> Vec<Run> {
         let most = if self.part == Part::Rack { i64::MAX } else { self.z - 1 };
         let mut runs = Vec::new();
@@ -153,7 +152,7 @@ impl Places {
         }
     }
 
-    /// Of a value that a space or a tooth has for itself.
+    /// The choices of a value that each space or tooth has for itself.
     fn of_teeth(&self, value: f64, extent: Extent) -> Vec<Vec<Run>> {
         let one = |run: Run| vec![run];
         match extent {
@@ -163,7 +162,7 @@ impl Places {
                 far.into_iter().chain(self.runs(&self.teeth, 2, value)).map(one).collect()
             }
             Extent::All => vec![one(self.every(value))],
-            // each tooth its own, or both flank sides: not of one value
+            // each tooth has its own value, or both flank sides have: not one value
             Extent::Each | Extent::Total => Vec::new(),
         }
     }
@@ -192,7 +191,7 @@ impl Places {
                 runs.into_iter().chain([Run::of(FAR, FAR + 1, value)]).map(|run| vec![run]).collect()
             }
             (Part::Pinion, Extent::One) => self.step_and_back(value),
-            // pitches of a pinion close, so that not every one can be off the same way
+            // the pitches of a pinion close over a turn, so they cannot all be off the same way
             (Part::Pinion, _) => self.there_and_back(value, 1..=self.z / 2),
         };
         if let Some(cap) = cap {
@@ -203,7 +202,7 @@ impl Places {
         vec![choices]
     }
 
-    /// A step of the pinion, and one that takes it back.
+    /// A step of the pinion and another one that takes it back.
     fn step_and_back(&self, value: f64) -> Vec<Vec<Run>> {
         let mut steps = self.single(&self.steps);
         steps.extend(self.far(&self.steps, 2).map(|far| far + 1));
@@ -215,11 +214,11 @@ impl Places {
         choices
     }
 
-    /// So many steps of the pinion in line, and as many that take them back, at once or as late as possible.
+    /// Some steps of the pinion in line, and as many that take them back, at once or as late as possible.
     fn there_and_back(&self, value: f64, counts: RangeInclusive<i64>) -> Vec<Vec<Run>> {
         let near = self.steps.end() - self.steps.start() + 1;
         let mut choices = Vec::new();
-        // what is longer than the window does not differ
+        // runs longer than the window do not differ
         for count in counts.filter(|&count| count <= near + 1) {
             for first in self.steps.start() - self.z + 1..=*self.steps.end() {
                 let mut backs = vec![first + count, first + self.z - count];
@@ -232,7 +231,7 @@ impl Places {
         choices
     }
 
-    /// Steps between two values: a run of one among others of the other one, or of next to none.
+    /// Steps between two values: a run of one value among steps of the other value, or among nearly 0.
     fn of_each_pitch(&self, [least, most]: [f64; 2]) -> Vec<Vec<Run>> {
         let (first, last) = (*self.steps.start(), *self.steps.end());
         let nothing = 0.0_f64.clamp(least, most);
@@ -250,7 +249,7 @@ impl Places {
         choices
     }
 
-    /// With the other steps of a turn, which take back what these add up to, if they can.
+    /// Adds the other steps of a turn, which take back the sum of these if they can.
     fn closed(&self, mut runs: Vec<Run>, [least, most]: [f64; 2]) -> Option<Vec<Run>> {
         if self.part == Part::Rack {
             return Some(runs);
@@ -285,7 +284,7 @@ fn limit(runs: &mut [Run], cap: f64) {
     }
 }
 
-/// Puts an error where a choice says.
+/// Puts an error on the teeth of a choice.
 pub(super) fn put(placed: &mut Placed, error: &ExtendedError, runs: &[Run]) {
     let part = error.part;
     match error.effect {

@@ -1,8 +1,8 @@
-//! What one flank pair asks for along its path of contact: from one exact mesh in which a single rack tooth stands out.
-//! Tells the search which placements are worth an exact mesh of their own; no result comes from here.
+//! The demand of one flank pair along its path of contact, from one exact mesh in which a single rack tooth stands out. It
+//! tells the search which placements are worth an exact mesh of their own; no result comes from here.
 //!
-//! With ν(p) for what the flank pair of tooth 0 asks for at the stroke p beyond its error, the flank pair of tooth i asks
-//! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the most that right and left flanks ask for.
+//! Let ν(p) be what the flank pair of tooth 0 asks for at the stroke p beyond its error. Then the flank pair of tooth i asks
+//! for its error + ν(s − i) at the stroke s, and ΔCD is half the sum of the largest demands of right and of left flanks.
 
 use super::placed::{BySide, FlankDemand, Placed, ReachedError};
 use crate::deviation::{DeviationKind, Part};
@@ -16,14 +16,14 @@ use crate::judge::bound::{ExtendedError, GivenPair, Range};
 use crate::mesh::{FlankSide, MeshPoint, Sampler};
 use crate::trig;
 
-/// Strokes looked at in each pitch.
+/// Strokes in each pitch.
 pub(super) const STEPS: i64 = 32;
-/// The tooth stands out by so many times what errors do, mm of ΔCD: so much of its edges is seen.
+/// The tooth stands out by so many times the effect of the errors, mm of ΔCD, so that its edges carry, too.
 const TIMES: f64 = 2.0;
 const LEAST_MM: f64 = 0.005;
 /// A tooth that stands out by more modules has another path of contact.
 const MOST_MODULES: f64 = 0.05;
-/// Strokes beyond the path of contact at which edges may carry, and the farthest at all, pitches.
+/// How far beyond the path of contact edges may carry, and the largest distance of all, pitches.
 const BEYOND: f64 = 1.0;
 const FARTHEST: f64 = 12.0;
 /// Width of the part of the field of contact that stands for a stroke, pitches.
@@ -40,7 +40,7 @@ pub(super) struct Sketch {
 /// At one stroke of a rack tooth's path.
 #[derive(Debug)]
 struct Sample {
-    /// What its flanks ask for beyond their errors, mm; `None` where others carry.
+    /// The demand of its flanks beyond their errors, mm; `None` where others carry.
     right: Option<f64>,
     left: Option<f64>,
     /// Where the right flank touches; left empty if no error turns tooth lines.
@@ -48,7 +48,7 @@ struct Sample {
 }
 
 impl Sketch {
-    /// Of a pair, for errors of this size.
+    /// The sketch of a pair for errors of this size.
     pub(super) fn new(given: &GivenPair, errors: &[ExtendedError]) -> Result<Self, ReachedError> {
         let pair = given.pair;
         let path = ContactPath::nominal(&pair);
@@ -85,8 +85,8 @@ impl Sketch {
         (-high).div_euclid(STEPS)..=(STEPS - low).div_euclid(STEPS)
     }
 
-    /// What a flank asks for at a stroke, mm; `None` if it does not carry there. A left flank is a right one turned half about the
-    /// vertical.
+    /// The demand of a flank at a stroke, mm; `None` if it does not carry there. A left flank is a right one turned by half a
+    /// turn about the vertical.
     pub(super) fn asked(&self, side: FlankSide, stroke: i64, tooth: i64, asked: &FlankDemand) -> Option<f64> {
         let place = stroke - STEPS * tooth;
         let sample = self.sample(place)?;
@@ -128,7 +128,7 @@ fn carrier(point: &MeshPoint, side: FlankSide) -> i64 {
     }
 }
 
-/// What the errors raise if each acts once, mm.
+/// The sum of what the errors raise if each acts once, mm.
 fn size(errors: &[ExtendedError]) -> f64 {
     let of_one = |error: &ExtendedError| match error.effect {
         ErrorEffect::Size => error.value.abs(),
@@ -139,7 +139,7 @@ fn size(errors: &[ExtendedError]) -> f64 {
     errors.iter().map(of_one).sum()
 }
 
-/// Where a right flank touches at a stroke; at the end of its path if it carries by an edge.
+/// Where a right flank touches at a stroke; the end of its path if an edge carries.
 fn spots(field: &Field, path: &ContactPath, stroke: f64) -> Field {
     let half = (0.5 * path.ratio - WIDTH).max(0.0);
     let stroke = stroke.clamp(path.offset - half, path.offset + half);
