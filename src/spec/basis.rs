@@ -1,5 +1,5 @@
-//! What a spec says about its pair that a bound can rest on: all of its geometry, a statement, or nothing. Computes no
-//! bound, and requires nothing.
+//! What a spec says about its pair for a bound: the whole geometry, a statement, or nothing. Computes no bound and requires
+//! no key.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,7 @@ use crate::quantity::Length;
 use crate::trig;
 use crate::uncertainty::Influence;
 
-/// The keys of a pair's geometry, but for how its rack is held.
+/// The keys of a pair's geometry, without the support of its rack.
 pub const GEOMETRY_KEYS: [&str; 7] = [
     keys::PAIR_NORMAL_MODULE.any.path,
     keys::PAIR_NORMAL_PRESSURE_ANGLE.any.path,
@@ -29,7 +29,7 @@ impl Spec {
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
     pub fn basis(&self) -> Result<Basis, Diagnostics> {
-        // a part that is given both ways is said before
+        // first report a part that is given in both ways
         self.refuse_both_ways(&self.kinds())?;
         if self.has_deviations() && self.known_teeth.is_none() {
             let message = "the spec knows teeth one by one: their mesh has to be solved before anything is judged";
@@ -38,7 +38,7 @@ impl Spec {
         Ok(Basis { known_teeth: self.known_teeth, ..self.pair_basis()? })
     }
 
-    /// The same of the nominal pair, whatever is wrong with its teeth: for tolerances.
+    /// The basis of the nominal pair, without its deviated teeth: for tolerances.
     ///
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.
@@ -62,10 +62,10 @@ impl Spec {
         })
     }
 
-    /// What the spec's pair does without errors, as far as single keys tell.
+    /// The curve of the spec's pair without errors, as far as single keys tell.
     fn own_curve(&self) -> OwnCurve {
         let has_form = !self.rack_form().is_plain() || !self.pinion_form().is_plain();
-        // without the pair, only the nominal measure over a roller takes the thickness of the rack for what it may be
+        // without the pair, only the nominal measure over a roller uses the thickness of the rack
         let thickness = [Influence::ToothThickness, Influence::NormalModule, Influence::NormalPressureAngle];
         let pinion_is_thicker = !self.or_zero(keys::PINION_TOOTH_THICKNESS_DEVIATION).is_zero();
         let is_thicker = pinion_is_thicker || self.get(keys::RACK_TOOTH_THICKNESS).is_some();
@@ -78,7 +78,7 @@ impl Spec {
         self.thickness_offset_mm().map_or(OwnCurve::Unknown, OwnCurve::At)
     }
 
-    /// ΔCD of teeth that are thicker than the standard ones; `None` if what that follows from is missing.
+    /// ΔCD of teeth that are thicker than standard ones; `None` if a key for it is missing.
     fn thickness_offset_mm(&self) -> Option<f64> {
         let of_rack = match self.get(keys::RACK_TOOTH_THICKNESS) {
             Some(thickness) => thickness.mm() - FRAC_PI_2 * self.get(keys::PAIR_NORMAL_MODULE)?.mm(),
@@ -112,7 +112,7 @@ impl Spec {
         }
     }
 
-    /// Refuses errors of a part whose teeth are known one by one: which of both counts is not for the program to say.
+    /// Refuses errors of a part whose teeth are known one by one: the user has to say which of both counts.
     ///
     /// # Errors
     /// A diagnostic that names the error.
@@ -132,7 +132,7 @@ impl Spec {
         GEOMETRY_KEYS.into_iter().chain(depth).filter(|path| self.values.at(path).is_none()).collect()
     }
 
-    /// Why a roll axis is refused: nothing says whether the rack may roll about it.
+    /// Why a roll axis is refused: no key says whether the rack may roll about it.
     pub(super) fn roll_axis_alone(&self) -> Option<Diagnostic> {
         let depth = self.place(keys::SUPPORT_ROLL_AXIS_DEPTH).filter(|_| self.place(keys::SUPPORT_ROLL).is_none())?;
         let message = "`roll_axis_depth` needs `roll`: nothing says whether the rack may roll";
@@ -145,7 +145,7 @@ impl Spec {
         self.get(keys::SUPPORT_ROLL).is_some_and(|roll| roll != "fixed")
     }
 
-    /// The pair with all that is given of it but its errors; `None` if a key is missing.
+    /// The pair with everything that is given except its errors; `None` if a key is missing.
     ///
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, or that `[pair] contact` contradicts.

@@ -1,5 +1,5 @@
-//! `[table]`: what the columns of a table with a row per part hold, and what that means. Called by the batch's plan and
-//! the reader of pasted blocks; reads no table.
+//! `[table]`: what the columns of a table with a row per part hold, and what that means. The plan of a batch and the reader of
+//! pasted blocks call it; it reads no table.
 
 use crate::table::{GivenColumn, Layout, ValueKind, Want};
 use std::ops::Range;
@@ -23,13 +23,13 @@ use crate::uncertainty::Influence;
 pub struct TableSection {
     /// `[table.columns]`, in the paper's order.
     pub columns: Vec<(DeviationKind, Located<BatchColumn>)>,
-    /// The contract that the reader obeys.
+    /// The contract for the reader of tables.
     pub layout: Arc<Layout>,
-    /// The file that says it, if it is another than the spec.
+    /// The file of the contract, if it is not the spec.
     pub source: Option<Arc<Source>>,
-    /// Where the spec says it; `None` if it does not.
+    /// Where the contract stands in the spec; `None` if it does not.
     pub place: Option<Range<usize>>,
-    /// Whether the spec calls it `[table]`, as it did before.
+    /// Whether the spec uses the section's old name `[batch]`.
     pub is_called_batch: bool,
 }
 
@@ -38,7 +38,7 @@ pub struct TableSection {
 pub struct BatchColumn {
     /// The column's name in the header.
     pub name: Option<String>,
-    /// The unit of its numbers; of a lead error, a unit of length means the helix slope deviation f_Hβ.
+    /// The unit of its numbers. For a lead error, a unit of length means the helix slope deviation f_Hβ.
     pub unit: Option<Located<Unit>>,
     /// The evaluation length of f_Hβ, in the entry of a lead error only.
     pub length: Option<Located<Length>>,
@@ -79,7 +79,7 @@ impl SectionReader<'_> {
         Some(Located { value: unit?, span: value.span() })
     }
 
-    /// The texts of a list; none if it is not there.
+    /// The texts of a list; empty if there is no list.
     pub(super) fn texts(&mut self, name: &str) -> Vec<Located<String>> {
         let Some(value) = self.table.get(name) else { return Vec::new() };
         let DeValue::Array(list) = value.get_ref() else {
@@ -95,7 +95,7 @@ impl SectionReader<'_> {
 }
 
 impl Spec {
-    /// Columns of which `[errors]` gives the values another extent. Beside a value of its own its extent is of that value.
+    /// Columns to whose values `[errors]` gives another extent. Beside a value in `[errors]` an extent belongs to that value.
     pub(super) fn other_extents(&self) -> Vec<Diagnostic> {
         let of_tables = self.extents.iter().filter(|(kind, _)| said_of(&self.errors, *kind).is_none());
         let contradicted = of_tables.filter_map(|(kind, in_errors)| {
@@ -112,10 +112,10 @@ impl Spec {
         contradicted.collect()
     }
 
-    /// The same spec with the `[table]` of a file of its own.
+    /// The spec with the `[table]` of a file of its own.
     ///
     /// # Errors
-    /// Every problem found in that file; and if the spec has one, too.
+    /// Every problem in that file; or that the spec has a `[table]`, too.
     pub fn with_layout(&self, name: &str, text: &str) -> Result<Self, Diagnostics> {
         let table = super::table::file(name, text)?;
         if self.table.place.is_some() {
@@ -144,7 +144,7 @@ impl Spec {
         said_of(&self.table.columns, kind)
     }
 
-    /// What the spec says of a table before it is read. What the user says of the file is added to it.
+    /// The spec's layout of a table, before the table is read; the user's options are added to it.
     #[must_use]
     pub fn want(&self) -> Want {
         Want {
@@ -160,7 +160,7 @@ impl Spec {
         }
     }
 
-    /// What the spec says of the column of an error.
+    /// The spec's layout of the column of an error.
     fn given(&self, kind: DeviationKind) -> GivenColumn {
         let column = self.batch_column(kind).map(|column| &column.value);
         let stated = column.and_then(|column| column.kind.as_ref()).map(|stated| stated.value);
@@ -177,8 +177,7 @@ impl Spec {
         }
     }
 
-    /// The same spec for tables that have columns of these errors: their values are on the teeth that `[table.columns]` says,
-    /// if it says so.
+    /// The spec for tables that have columns of these errors: with the extents of `[table.columns]`, where it gives them.
     #[must_use]
     pub fn for_columns(&self, in_table: &[DeviationKind]) -> Self {
         let mut spec = self.clone();
@@ -193,7 +192,7 @@ impl Spec {
         spec
     }
 
-    /// Where the values of errors are, in words, as far as the spec says so: `rack_pitch each (every pitch, any sign)`.
+    /// The extents of errors in words, where the spec gives them: `rack_pitch each (every pitch, any sign)`.
     #[must_use]
     pub fn extents_in_words(&self, errors: &[DeviationKind]) -> Option<String> {
         let stated = errors.iter().filter_map(|kind| {
@@ -209,7 +208,7 @@ impl Spec {
         self.every_part.contains(&kind) || self.asked_errors().contains(&kind)
     }
 
-    /// The errors that the spec asks of each part, those of columns first, each in its order.
+    /// The errors that the spec asks for of each part: first those with columns, each group in its order.
     fn asked_errors(&self) -> Vec<DeviationKind> {
         let columns = self.table.columns.iter().map(|(kind, column)| (column.span.start, *kind));
         let errors = self.errors.iter().map(|(kind, error)| (error.span.start, *kind));
@@ -227,7 +226,7 @@ impl Spec {
         asked
     }
 
-    /// The errors whose value in `[errors]` is that of every part, but for those that a table has.
+    /// The errors whose value in `[errors]` holds for every part, without those that a table has.
     ///
     /// # Errors
     /// Diagnostics for gear data that a formula needs, or a value that it does not take.
@@ -240,14 +239,14 @@ impl Spec {
         Self { errors, nominals: Vec::new(), unmeasured: Vec::new(), ..self.clone() }.part_deviations()
     }
 
-    /// The errors that the spec asks for and a table lacks: without them the sum is not that of a part.
+    /// The errors that the spec asks for and a table lacks: without them there is no sum for a part.
     #[must_use]
     pub fn lacking(&self, in_table: &[DeviationKind]) -> Vec<DeviationKind> {
         self.asked_errors().into_iter().filter(|kind| !in_table.contains(kind)).collect()
     }
 
-    /// The nominal value that is taken from the numbers of an error's column, if they are measured values: if
-    /// `[table.columns]` or `[errors]` gives a nominal value, or the roller from which it follows. Others are deviations.
+    /// The nominal value to subtract from the numbers of an error's column, if they are measured values: that is, if
+    /// `[table.columns]` or `[errors]` gives a nominal value, or the roller from which it follows. Otherwise they are deviations.
     ///
     /// # Errors
     /// Diagnostics for gear data that a computed nominal value needs, or a kind of column that contradicts
@@ -314,7 +313,7 @@ impl Spec {
         law.map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
 
-    /// Where the spec speaks of an error.
+    /// Where the spec mentions an error.
     fn place_of(&self, kind: DeviationKind) -> Option<Range<usize>> {
         let column = self.batch_column(kind).filter(|_| self.table.source.is_none()).map(|column| column.span.clone());
         let error = || said_of(&self.errors, kind).map(|error| error.span.clone());

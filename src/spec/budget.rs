@@ -37,7 +37,7 @@ pub enum WrittenTolerance {
 }
 
 impl BudgetSection {
-    /// On which teeth an error may be: each, with a value of its own, unless it says otherwise.
+    /// On which teeth an error may be: by default on each, with different values.
     #[must_use]
     pub fn extent(&self, kind: DeviationKind) -> Extent {
         said_of(&self.extents, kind).map_or(Extent::Each, |extent| extent.value)
@@ -74,7 +74,7 @@ fn tolerance(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Loca
         }
         _ => {}
     }
-    // what was measured is no tolerance
+    // a measured value is not a tolerance
     let is_tolerance = |key: &str| matches!(key, "value" | "class" | "f_h_beta" | "length" | keys::EXTENT);
     if let DeValue::Table(table) = value.get_ref()
         && !table.iter().all(|(key, _)| is_tolerance(key.get_ref()))
@@ -99,8 +99,8 @@ fn has_extent(table: &DeTable<'_>) -> bool {
 }
 
 impl Spec {
-    /// The errors of the budget: those in `[budget]`, or all of the paper's, free, if it names none. With them, what
-    /// classes came to.
+    /// The errors of the budget: those in `[budget]`, or all of the paper's, free, if it names none; and the permissible values
+    /// of its classes.
     ///
     /// # Errors
     /// Diagnostics for gear data that a formula needs, and classes that have no value.
@@ -129,7 +129,7 @@ impl Spec {
         if refused.is_empty() { Ok((entries, classes)) } else { Err(Diagnostics(refused)) }
     }
 
-    /// What an entry comes to; a class is added to `classes`.
+    /// Resolves an entry; a class is added to `classes`.
     fn budget_entry(
         &self,
         kind: DeviationKind,

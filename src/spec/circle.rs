@@ -1,5 +1,5 @@
-//! The circle on which the pinion's pitch, and arcs of its teeth, were measured. f_p is an arc, so that it is to the diameter of its circle on every
-//! circle as on the one on which it was measured. Called once the spec is read, and by what takes values of a table.
+//! The circle on which the pinion's pitch, and arcs of its teeth, were measured. f_p is an arc, so it is proportional to the
+//! diameter of its circle. Used once the spec is read, and for the values of a table.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use crate::uncertainty::Influence;
 /// The circle on which the pinion's pitches were measured, beside the reference circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PitchCircle {
-    /// Its diameter d_M.
+    /// The circle's diameter d_M.
     pub measured_at: Length,
     /// Diameter of the reference circle d = m_n z / cos β_p, mm.
     pub reference_mm: f64,
@@ -41,7 +41,7 @@ impl PitchCircle {
         }
     }
 
-    /// The same of the values of a column.
+    /// The values of a column, scaled in the same way.
     #[must_use]
     pub fn scaled_all(&self, measured: &DeviationValues) -> DeviationValues {
         match measured {
@@ -52,7 +52,7 @@ impl PitchCircle {
         }
     }
 
-    /// What was done, in words.
+    /// The conversion in words.
     fn remark(&self, what: &str) -> String {
         format!(
             "{what}: measured at d_M = {}, scaled by d/d_M = {} to the reference circle of d = {} mm",
@@ -64,8 +64,7 @@ impl PitchCircle {
 }
 
 impl Spec {
-    /// Scales to the reference circle what was measured on another one, and finds on which circle values of tables were
-    /// measured.
+    /// Scales values that were measured on another circle to the reference circle, and finds the circle of the values of tables.
     pub(super) fn scale_to_reference_circle(&mut self) -> Result<(), Diagnostics> {
         self.scale_arcs()?;
         self.scale_pitch()
@@ -103,7 +102,7 @@ impl Spec {
     fn scale_pitch(&mut self) -> Result<(), Diagnostics> {
         let kind = DeviationKind::PinionPitch;
         let of_column = self.batch_column(kind).and_then(|column| column.value.measured_at.clone());
-        // a place in a file of its own is none in the spec
+        // a place in another file is not a place in the spec
         let of_column = of_column.map(|given| match self.table.source {
             Some(_) => Located { span: 0..0, ..given },
             None => given,
@@ -128,7 +127,7 @@ impl Spec {
                     WrittenError::Tolerance(ends) => {
                         ends.nearer.iter_mut().chain([&mut ends.farther]).for_each(|end| circle.scale_value(end));
                     }
-                    // what these permit or measure is of no circle
+                    // classes and over-roller measures belong to no circle
                     WrittenError::OverRoller { .. } | WrittenError::Class(_) => {}
                 }
             }
@@ -140,7 +139,7 @@ impl Spec {
         Ok(())
     }
 
-    /// On which circle the pinion's pitch was measured, if it is among these errors, and arcs of its teeth, in words.
+    /// The circle on which the pinion's pitch (if it is among these errors) and arcs of its teeth were measured, in words.
     #[must_use]
     pub fn circles_in_words(&self, errors: &[DeviationKind]) -> Vec<String> {
         let of_pitch = self.pitch_circle.filter(|_| errors.contains(&DeviationKind::PinionPitch));
@@ -149,7 +148,7 @@ impl Spec {
         of_pitch.into_iter().chain(of_arcs).collect()
     }
 
-    /// The circle, between base circle and tips, where the pinion's involute is.
+    /// Checks that the circle lies between base circle and tips, where the pinion has its involute.
     fn circle(&self, given: &Located<Length>) -> Result<PitchCircle, Diagnostics> {
         let mut problems = Problems::default();
         let need = || ("`measured_at`".to_owned(), Some((given.span.clone(), "d = m_n z / cos β_p".to_owned())));

@@ -1,5 +1,5 @@
-//! `{ class = 7 }` and `[tolerance]`: what a class in a spec comes to. Called where errors are resolved; it finds the
-//! size of the wheel and asks [`standard`](crate::standard), and chooses neither a standard nor a rack's diameter.
+//! `{ class = 7 }` and `[tolerance]`: the permissible value of a class in a spec. Called where errors are resolved. It finds
+//! the size of the wheel and asks [`standard`](crate::standard); it chooses neither a standard nor a rack's diameter.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::quantity::{DomainError, Length};
 use crate::standard::{Size, StandardError, Wheel};
 
 impl Spec {
-    /// The errors that the spec gives as classes, and what they come to.
+    /// The errors that the spec gives as classes, with their permissible values.
     ///
     /// # Errors
     /// A diagnostic for each key that is missing, and for each class that has no value.
@@ -44,13 +44,13 @@ impl Spec {
         }
     }
 
-    /// What a grade permits of a kind of error, if the spec says enough for it.
+    /// The permissible value of a grade for a kind of error, if the spec says enough for it.
     #[must_use]
     pub fn class_of(&self, kind: DeviationKind, grade: u8) -> Option<ErrorClass> {
         self.class(kind, grade, &(0..0), &mut Problems::default())
     }
 
-    /// What `{ class = grade }` of a kind of error comes to; `None` if a key is missing or the class is refused.
+    /// The permissible value of `{ class = grade }` for a kind of error; `None` if a key is missing or the class is refused.
     pub(super) fn class(
         &self,
         kind: DeviationKind,
@@ -73,7 +73,7 @@ impl Spec {
         };
         let mut wheel = self.wheel(part);
         let mut diameter = None;
-        // a size is asked for only where the standard needs it
+        // a size is required only where the standard needs it
         let permissible = loop {
             match limiting.permissible(deviation, grade, &wheel) {
                 Ok(permissible) => break permissible,
@@ -108,7 +108,7 @@ impl Spec {
         Some(ErrorClass { kind, permissible, diameter, value, total })
     }
 
-    /// The diameter with which a standard is entered for a part; `None` if a key is missing or it is refused.
+    /// The diameter with which a standard is entered for a part; `None` if a key is missing or the diameter is refused.
     fn diameter(
         &self,
         part: Part,

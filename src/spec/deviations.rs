@@ -59,10 +59,10 @@ pub(super) fn pinion(reader: &mut SectionReader<'_>) -> Vec<Located<PinionDeviat
     })
 }
 
-/// The most tables of `[[….deviation]]`: each is a tooth that the mesh solves.
+/// The most tables of `[[….deviation]]`: each adds teeth that the mesh solves.
 const MOST_DEVIATIONS: usize = 1000;
 
-/// Reads each table of `[[….deviation]]`; one that holds nothing but teeth is a mistake.
+/// Reads each table of `[[….deviation]]`; a table with no key but `teeth` is a mistake.
 fn each_table<T>(
     reader: &mut SectionReader<'_>,
     section: &'static Section,
@@ -140,7 +140,7 @@ impl SectionReader<'_> {
 
     /// Reports keys without which the table means nothing.
     pub(super) fn refuse_missing_keys(&mut self) {
-        // a table without keys has no place of its own; its section's name is in the message
+        // a table without keys has no place of its own, so the message names its section
         let span = self.table.iter().next().map_or(0..0, |(key, value)| key.span().start..value.span().end);
         for key in self.section.keys.iter().filter(|key| !self.table.contains_key(key.name())) {
             let message = format!("`{}` needs `{}`", self.section.name, key.name());
@@ -160,7 +160,7 @@ impl SectionReader<'_> {
         found
     }
 
-    /// A range of teeth; every tooth if there is none.
+    /// A range of teeth; every tooth if none is given.
     fn teeth(&mut self, key: Key<ToothRange>) -> Option<ToothRange> {
         if self.table.contains_key(key.any.name()) { Some(self.get(key)?.value) } else { Some(ToothRange::ALL) }
     }

@@ -1,5 +1,5 @@
-//! `[errors]` as written: a deviation each, or what one follows from. Called by [`Spec::parse`](super::Spec::parse) and
-//! by the reader of `[budget]`; computes no ΔCD and asks for no gear data.
+//! `[errors]` as written: each entry is a deviation, or the values from which it follows. [`Spec::parse`](super::Spec::parse)
+//! and the reader of `[budget]` call it; it computes no ΔCD and needs no gear data.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ pub enum WrittenError {
 }
 
 impl WrittenError {
-    /// Whether it is permitted, and not the value of a part.
+    /// Whether the entry is a permissible deviation, not the value of a part.
     pub(super) const fn is_permitted(&self) -> bool {
         matches!(self, Self::Tolerance(_) | Self::Class(_))
     }
@@ -55,7 +55,7 @@ impl From<&PartDeviation> for WrittenError {
     }
 }
 
-/// What is read of each kind of error that there is something of.
+/// The entries that are found, by kind of error.
 pub(super) fn of_each<T>(mut read: impl FnMut(DeviationKind) -> Option<T>) -> Vec<(DeviationKind, T)> {
     DeviationKind::ALL.into_iter().filter_map(|kind| Some((kind, read(kind)?))).collect()
 }
@@ -79,7 +79,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>, spec: &mut Spec) {
     spec.of_readings = DeviationKind::ALL.into_iter().filter(has_readings).collect();
 }
 
-/// Whether an entry has nothing but this key, or none, and what makes no value.
+/// Whether an entry has only this key, or none, besides keys that make no value.
 fn stands_alone(kind: DeviationKind, entry: &DeTable<'_>, key: Option<&str>) -> bool {
     let own = |name: &str| Some(name) == key;
     key.is_none_or(|key| entry.contains_key(key))
@@ -115,7 +115,7 @@ fn read_entry(reader: &mut SectionReader<'_>, kind: DeviationKind, spec: &mut Sp
     Some(())
 }
 
-/// On which teeth an error is, if that is written.
+/// On which teeth an error is, if the entry says so.
 pub(super) fn read_extent(reader: &mut SectionReader<'_>, kind: DeviationKind) -> Option<Located<Extent>> {
     let value = reader.entry(kind.key())?.get(keys::EXTENT)?;
     read_extent_value(reader, kind, value)
@@ -137,7 +137,7 @@ pub(super) fn read_extent_value(
     reader.refuse(Diagnostic::error(Code::BadErrorEntry, message), value.span())
 }
 
-/// Whether a key of an entry stands beside a value and makes none: of an uncertainty, the extent, or a pitch's circle.
+/// Whether a key of an entry goes with a value and makes none: keys of an uncertainty, the extent, the circle of a pitch.
 fn is_beside(kind: DeviationKind, key: &str) -> bool {
     key == keys::EXTENT || keys::UNCERTAINTY_KEYS.contains(&key) || has_circle(kind) && key == keys::MEASURED_AT
 }
@@ -147,13 +147,13 @@ pub(super) fn has_circle(kind: DeviationKind) -> bool {
     kind == DeviationKind::PinionPitch
 }
 
-/// What the entry of an error gives.
+/// The content of an error's entry.
 #[derive(Default)]
 pub(super) struct Entry {
     /// The error; `None` beside a nominal value alone.
     pub(super) value: Option<WrittenError>,
     nominal: Option<Located<DeviationValue>>,
-    /// Of f_Hβ.
+    /// The evaluation length of f_Hβ.
     evaluation_length: Option<Length>,
 }
 
@@ -197,7 +197,7 @@ fn value_of(
     }
 }
 
-/// A value of an error under a key of its entry, or the two ends of its tolerance, each of which `read` reads.
+/// A value of an error under a key of its entry, or the two ends of its tolerance; `read` reads each of them.
 fn value_or_ends<'t>(
     reader: &mut SectionReader<'_>,
     (kind, entry): (DeviationKind, &DeTable<'_>),
@@ -260,7 +260,7 @@ pub(super) fn is_of_a_part(form: &[&str]) -> bool {
     form != ["class"] && form != ["nominal"]
 }
 
-/// The form that the keys of an entry make, if they make one.
+/// The form of an entry with these keys, if they make one.
 fn error_form(
     reader: &mut SectionReader<'_>,
     kind: DeviationKind,
@@ -333,7 +333,7 @@ fn read_error_table(
     };
     let is_tolerance = form == ["value"] && entry.get("value").is_some_and(|value| value.get_ref().is_table());
     if !form.contains(&"length") && !is_tolerance {
-        // of a nominal value alone, that of the measured values to come
+        // with a nominal value alone, the uncertainty is that of the measured values to come
         let place = entry.get("nominal").filter(|_| form == ["nominal"]).map_or(span.clone(), Spanned::span);
         note(reader, place, None);
     }
@@ -388,7 +388,7 @@ fn forms_in_words(forms: &[&[&str]]) -> String {
         let keys: Vec<_> = form.iter().map(|name| format!("{name} = …")).collect();
         format!("{{ {} }}", keys.join(", "))
     };
-    // a nominal value alone is for tables of measured values, and no error by itself
+    // a nominal value alone serves tables of measured values, and is no error by itself
     let tables: Vec<_> = forms.iter().filter(|form| ***form != ["nominal"]).map(table).collect();
     format!("a deviation, or {}", tables.join(" or "))
 }

@@ -1,5 +1,5 @@
-//! The problems of a spec: the first hundred, and how many there are. Filled by the readers of the sections; a spec that is
-//! wrong in a million places is refused as soon as one that is wrong in a few.
+//! The problems of a spec: the first hundred, and how many there are. The readers of the sections fill it. A spec with a
+//! million mistakes is refused as fast as one with a few.
 
 use crate::diagnostic::Diagnostic;
 
@@ -14,7 +14,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// How many there are.
+    /// The number of all problems.
     pub(super) fn len(&self) -> usize {
         self.count
     }
@@ -31,7 +31,7 @@ impl Found {
         }
     }
 
-    /// Those that are put into words, ordered by `key`, and one that counts all others.
+    /// The problems that are put into words, ordered by `key`, and one more that counts the others.
     pub(super) fn sorted<K: Ord>(mut self, key: impl Fn(&Diagnostic) -> K) -> Vec<Diagnostic> {
         self.first.sort_by_key(key);
         let more = self.count - self.first.len();

@@ -279,7 +279,7 @@ section! {
     }
 }
 
-/// What a page says of the parts, in its order.
+/// The keys that a page shows of the parts, in its order.
 pub const REPORT_KEYS: [Key<String>; 5] = [REPORT_PART, REPORT_DATE, REPORT_INSPECTOR, REPORT_ORDER, REPORT_DRAWING];
 
 /// The sections in the order in which they are documented.

@@ -18,7 +18,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>) -> Vec<(LimitTarget, Located<
         .collect()
 }
 
-/// What stands behind the sign of a limit that is the same either way.
+/// The value behind the sign `±` of a symmetric limit.
 pub(super) fn magnitude(text: &str) -> Option<&str> {
     ["±", "+-", "+/-"].iter().find_map(|sign| text.trim().strip_prefix(sign)).map(str::trim)
 }

@@ -1,5 +1,4 @@
-//! The measured spaces of a rack, or teeth of a pinion, and what each does by the formulas. Called for pasted
-//! blocks and reports.
+//! The measured spaces of a rack, or teeth of a pinion, with ΔCD of each by the formulas. Used for pasted blocks and reports.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +12,7 @@ use crate::table::{Measured, PinionTooth, RackSpace, Teeth};
 use crate::trig;
 
 impl Spec {
-    /// The same spec with a part as measured and nothing else wrong with it.
+    /// The spec with a part as measured, and without its other errors.
     #[must_use]
     pub fn measured_only(&self, part: Part) -> Self {
         let mut spec = Self { errors: Vec::new(), ..self.clone() };
@@ -30,13 +29,13 @@ impl Spec {
         spec
     }
 
-    /// Whether the spec says that something is wrong with a part, which a measured table replaces.
+    /// Whether the spec gives errors of a part, which a measured table replaces.
     #[must_use]
     pub fn has_other_deviations(&self, part: Part) -> bool {
         self.knows_teeth(part) || self.errors.iter().any(|(kind, _)| kind.part() == part)
     }
 
-    /// What a measured rack or pinion does by the formulas.
+    /// A measured rack or pinion by the formulas.
     ///
     /// # Errors
     /// Diagnostics for missing keys, or a value that its formula does not take.

@@ -1,6 +1,5 @@
-//! What a spec means for the exact mesh: the pair, its deviations, and the rack's support. Called by the subcommands
-//! that solve the mesh or simulate; it gets the text of measured tables from its caller, opens no file and solves
-//! nothing.
+//! What a spec means for the exact mesh: the pair, its deviations, and the rack's support. The subcommands that solve the
+//! mesh or simulate call it and give it the text of measured tables; it opens no file and solves nothing.
 
 mod rows;
 
@@ -33,14 +32,14 @@ use crate::trig;
 pub enum Origin {
     /// Deviations per tooth: `deviation` and `measured`; none at all is a perfect pair.
     Teeth,
-    /// One value per error, from `[errors]`: put on the teeth as the formulas understand them, those with another extent too.
+    /// One value per error, from `[errors]`, on the teeth that the formulas assume, also for errors with another extent.
     Errors {
-        /// The errors whose extent asks for other teeth.
+        /// The errors whose extent names other teeth.
         elsewhere: Vec<DeviationKind>,
     },
-    /// The same, all of them on every tooth alike: nothing is left to place.
+    /// One value per error, each on every tooth alike: nothing is left to place.
     AllTeeth,
-    /// The same, on the worst teeth that a search finds.
+    /// One value per error, on the worst teeth that a search finds.
     WorstTeeth(Vec<PlacedError>),
 }
 
@@ -49,11 +48,11 @@ pub enum Origin {
 pub struct MeshInput {
     /// Ready to be solved.
     pub mesh: Mesh,
-    /// Where its deviations come from.
+    /// Where the deviations come from.
     pub origin: Origin,
     /// The errors of `[errors]` that are on no teeth, because the spec knows those of the other part one by one.
     pub left_out: Vec<DeviationKind>,
-    /// What the geometry does badly.
+    /// Warnings about the geometry.
     pub warnings: Vec<GeometryWarning>,
     /// The rack's deviations other than measured tables, for the formulas.
     pub rack_deviations: Vec<RackDeviation>,
@@ -65,11 +64,11 @@ pub struct MeshInput {
     pub rack_rows: Vec<RackSpaceRow>,
     /// The measured rows of the pinion.
     pub pinion_rows: Vec<PinionToothRow>,
-    /// The spaces of a measured rack of which everything was measured that its table has a column for.
+    /// The spaces of a measured rack that have a value in every column of its table.
     pub whole_spaces: BTreeSet<i64>,
-    /// The first space in a row of measured ones of which something was not measured, and the line that tells it.
+    /// The first space between measured ones that lacks a value, and its line.
     pub unmeasured_space: Option<(i64, u64)>,
-    /// The first tooth of a measured pinion of which something was not measured.
+    /// The first tooth of a measured pinion that lacks a value.
     pub unmeasured_tooth: Option<i64>,
 }
 
@@ -89,7 +88,7 @@ impl MeshInput {
         if !self.rack_rows.is_empty() && self.whole_spaces.is_empty() {
             return Err(StrokesError::NotMeasured);
         }
-        // what every tooth has alike does not change along a turn
+        // deviations of all teeth alike do not change along a turn
         let changes = |deviation: &PinionDeviation| {
             let is_centred = !matches!(deviation.kind, PinionDeviationKind::Eccentricity(_));
             !(is_centred && deviation.teeth == ToothRange::ALL)
@@ -117,7 +116,7 @@ impl Spec {
         Pair::new(&data).map_err(|error| self.bad_geometry(&error).into())
     }
 
-    /// The same unchecked; `None` if a key is missing.
+    /// The nominal pair without a check; `None` if a key is missing.
     fn pair_data(&self, what: &str, problems: &mut Problems) -> Option<PairData> {
         let who = || (what.to_owned(), None);
         let module = problems.take(self, keys::PAIR_NORMAL_MODULE, who);
@@ -149,7 +148,7 @@ impl Spec {
         })
     }
 
-    /// The mesh of the pair with everything that the spec says is wrong with it.
+    /// The mesh of the pair with all its errors and deviations.
     ///
     /// Without deviations per tooth, the values in `[errors]` are put on the teeth: over-roller and radial
     /// errors on all of them, the rack's pitch and lead errors on the teeth from [`FIRST_ODD_TOOTH`] on, the pinion's
@@ -173,7 +172,7 @@ impl Spec {
         self.mesh_with(pair, &errors, Origin::Errors { elsewhere }, tables)
     }
 
-    /// The mesh of the teeth that are known one by one with these errors beside, whose origin says on which teeth they are.
+    /// The mesh of the teeth that are known one by one together with these errors, whose origin says on which teeth they are.
     pub(super) fn mesh_with(
         &self,
         pair: Pair,
@@ -235,7 +234,7 @@ impl Spec {
         rows: &[RackSpaceRow],
         tables: &MeasuredTables,
     ) -> Result<RackFlanks, Diagnostic> {
-        // each by itself first, so that the message points at the one that cannot be
+        // first each by itself, so that the message points at the impossible one
         for written in &self.rack_deviations {
             RackFlanks::new(pair, &[written.value])
                 .map_err(|error| self.bad_value(&error, Some(written.span.clone())))?;
@@ -277,7 +276,7 @@ impl Spec {
             .map_err(|error| self.bad_value(&error, form_span))
     }
 
-    /// A deviation that cannot be, in a table if there is one.
+    /// A diagnostic for an impossible deviation, in a table if there is one.
     fn bad_in(&self, table: Option<&str>, error: &DeviationError) -> Diagnostic {
         table.map_or_else(
             || self.bad_value(error, None),
@@ -293,7 +292,7 @@ impl Spec {
         Diagnostic::error(code, error.to_string()).at(&self.source, span, "")
     }
 
-    /// Geometry that cannot mesh, with the place of the value to blame.
+    /// A diagnostic for geometry that cannot mesh, at the value that causes it.
     fn bad_geometry(&self, error: &GeometryError) -> Diagnostic {
         let quantity = match error {
             GeometryError::OutOfDomain { quantity, .. } => *quantity,
@@ -347,7 +346,7 @@ const PLACED: [(DeviationKind, Extent); 7] = [
     (DeviationKind::PinionLead, Extent::All),
 ];
 
-/// One value per error, put on all teeth, or on those that the formulas understand.
+/// One value per error, on all teeth or on those that the formulas assume.
 fn on_teeth(errors: &[PartDeviation], pair: &Pair, is_on_all: bool) -> (Vec<RackDeviation>, Vec<PinionDeviation>) {
     let later = if is_on_all { ToothRange::ALL } else { ToothRange::starting_at(FIRST_ODD_TOOTH) };
     let pitch = if is_on_all { RackDeviationKind::Pitch } else { RackDeviationKind::Shift };
@@ -357,7 +356,7 @@ fn on_teeth(errors: &[PartDeviation], pair: &Pair, is_on_all: bool) -> (Vec<Rack
     let mut on_pinion = |teeth, kind| pinion.push(PinionDeviation { teeth, kind });
     let all = ToothRange::ALL;
     for error in errors {
-        // of a permissible deviation, its upper end
+        // for a permissible deviation, the upper end
         match (error.kind(), error.value()) {
             (DeviationKind::RackOverRoller, DeviationValue::Length(length)) => {
                 on_rack(all, RackDeviationKind::OverRoller(length.mm()));

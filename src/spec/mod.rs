@@ -2,10 +2,9 @@
 //! [`Spec::limits`]).
 //!
 //! Every key is declared once, in [`mod@keys`], with the type of its value, and [`Spec::get`] has the value of a key.
-//! The command line reads a file and calls [`Spec::parse`]. Parsing checks what stands in the file,
-//! each value by itself and those that say the same twice against each other, and reports every problem at once, with
-//! its place. Resolution asks for what a
-//! result needs, and only then is a key required. Nothing below this module knows TOML.
+//! The command line reads a file and calls [`Spec::parse`]. Parsing checks each value of the file by itself, compares values
+//! that are given twice, and reports every problem at once, with its place. Resolution asks for the keys that a result needs;
+//! only then is a key required. Nothing below this module knows TOML.
 
 mod basis;
 mod batch;
@@ -83,13 +82,13 @@ pub struct Located<T> {
 }
 
 impl<T> Located<T> {
-    /// What follows from the value, at the same place.
+    /// Maps the value and keeps its place.
     pub(crate) fn map<U>(self, of: impl FnOnce(T) -> U) -> Located<U> {
         Located { value: of(self.value), span: self.span }
     }
 }
 
-/// What is said of one of several things, such as the kinds of error, if anything is.
+/// The entry for one key in a list, such as a kind of error, if there is one.
 pub(crate) fn said_of<K: Copy + PartialEq, T>(entries: &[(K, T)], of: K) -> Option<&T> {
     entries.iter().find(|(other, _)| *other == of).map(|(_, said)| said)
 }
@@ -99,11 +98,11 @@ pub(crate) fn said_of<K: Copy + PartialEq, T>(entries: &[(K, T)], of: K) -> Opti
 pub struct Spec {
     /// The text.
     pub source: Arc<Source>,
-    /// What is set in place of what the text says.
+    /// Keys set in place of those of the text.
     pub settings: Vec<String>,
     /// `title`.
     pub title: Option<String>,
-    /// The keys that hold one value each, but for those of `[table]`.
+    /// The keys that hold one value each, without those of `[table]`.
     pub values: Values,
     /// `[[rack.deviation]]`
     pub rack_deviations: Vec<Located<RackDeviation>>,
@@ -116,11 +115,9 @@ pub struct Spec {
     /// The nominal values that `[errors]` gives, with a measured value or alone: then a batch or a pasted block
     /// holds the measured ones.
     pub nominals: Vec<(DeviationKind, Located<DeviationValue>)>,
-    /// The entries of `[errors]` that give nothing but the uncertainty of values to come from a batch or a pasted
-    /// block.
+    /// The entries of `[errors]` that give only the uncertainty of values to come from a batch or a pasted block.
     pub unmeasured: Vec<(DeviationKind, Range<usize>)>,
-    /// The entries of `[errors]` with `every_part = true`: their value is that of every part of a batch or a pasted
-    /// block.
+    /// The entries of `[errors]` with `every_part = true`: their value holds for every part of a batch or a pasted block.
     pub every_part: Vec<DeviationKind>,
     /// On which teeth errors are, where `[errors]` says so.
     pub extents: Vec<(DeviationKind, Located<Extent>)>,
@@ -134,7 +131,7 @@ pub struct Spec {
     pub evaluation_length: Option<Length>,
     /// `[limits]`.
     pub limits: Vec<(LimitTarget, Located<Limit>)>,
-    /// Those of what a yoke does.
+    /// `[limits]` on a yoke.
     pub function_limits: Vec<(Target, Located<Bounds>)>,
     /// `[table]`.
     pub table: TableSection,
@@ -144,22 +141,22 @@ pub struct Spec {
     pub scatter: ScatterSection,
     /// The uncertainties, wherever they stand.
     pub uncertainties: Vec<(Influence, Located<Uncertainty>)>,
-    /// The errors whose uncertainty is that of readings, and of no other value.
+    /// The errors whose uncertainty comes from their own readings.
     pub of_readings: Vec<DeviationKind>,
     /// `[[correlation]]`
     pub correlations: Vec<Located<WrittenCorrelation>>,
-    /// What the teeth do that the spec knows one by one, once their mesh is solved: see [`Spec::with_known_teeth`].
+    /// The effect of teeth that are known one by one, once their mesh is solved: see [`Spec::with_known_teeth`].
     pub known_teeth: Option<KnownTeeth>,
-    /// How that follows from what is uncertain.
+    /// The derivatives of that effect by uncertain values.
     pub teeth_sensitivities: Vec<TeethSensitivity>,
     /// The measured tables of these teeth.
     pub measured: Arc<MeasuredTables>,
-    /// What was measured of these teeth and has no uncertainty.
+    /// Measured quantities of these teeth without an uncertainty.
     pub teeth_taken_as_exact: Vec<DeviationKind>,
 }
 
 impl Spec {
-    /// Reads a spec; `name` is what messages call it.
+    /// Reads a spec; messages call it `name`.
     ///
     /// # Errors
     /// Every problem found in the text: syntax, unknown keys, wrong types, values outside their domain.
@@ -167,13 +164,13 @@ impl Spec {
         Self::parse_with(name, text, &[])
     }
 
-    /// The same with keys set: each of `settings` is `key=value`, such as `errors.rack_pitch=12um`, and takes the place of
-    /// what the text says, or adds the key. A value is TOML if it reads as such, and else text.
+    /// Reads a spec with keys set: each of `settings` is `key=value`, such as `errors.rack_pitch=12um`, and replaces the value in
+    /// the text or adds the key. A value is TOML if it reads as TOML, else text.
     ///
     /// # Errors
     /// As [`parse`](Self::parse); and settings without a value, of a key that is set twice, or within a value that is no table.
     pub fn parse_with(name: &str, text: &str, settings: &[String]) -> Result<Self, Diagnostics> {
-        // a byte order mark, as some editors write, is no part of the text
+        // some editors write a byte order mark, which is no part of the text
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         refuse_size(name, text.as_bytes())?;
         let source = Arc::new(Source { next: set::options(settings), ..Source::new(name, text) });
@@ -239,7 +236,7 @@ impl Spec {
 }
 
 impl SectionReader<'_> {
-    /// Of the whole spec: reports keys at its top that are no sections, or that it does not have.
+    /// Reports keys at the top of the spec that it does not have, or that are not sections.
     fn refuse_unknown_sections(&mut self) {
         let sections = SECTIONS.iter().map(|section| section.name);
         let own = keys::TOP.keys.iter().map(keys::AnyKey::name);
@@ -267,7 +264,7 @@ impl SectionReader<'_> {
         }
     }
 
-    /// Reads a section, if it is there; one that is no table is reported as unknown.
+    /// Reads a section, if it is there; a section that is not a table is reported as unknown.
     fn read(&mut self, section: &'static Section, read: impl FnOnce(&mut SectionReader<'_>)) {
         if let Some(table) = self.entry(section.name) {
             self.inner(section, table, read);
@@ -292,7 +289,7 @@ fn top<'t>(
     Ok((table, is_called_batch))
 }
 
-/// The most bytes of a spec: far beyond any that a person writes.
+/// The largest spec in bytes: far beyond any that a person writes.
 pub const LARGEST_SPEC: usize = 4 << 20;
 
 /// Refuses a spec by its size: its bytes, and the memory that its keys and values would take.
@@ -300,8 +297,8 @@ pub const LARGEST_SPEC: usize = 4 << 20;
 /// # Errors
 /// If it has more than [`LARGEST_SPEC`] bytes, or more keys and values than a person writes.
 pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
-    /// Bytes of memory that a mark of TOML stands for at most: a key with its value, a part of a key, an entry of a list,
-    /// half of a heading, a table in a line.
+    /// The most bytes of memory that one mark of TOML needs: a key with its value, a part of a key, an entry of a list, half of a
+    /// heading, a table in a line.
     const MARKS: [(u8, usize); 5] = [(b'=', 450), (b'.', 140), (b',', 150), (b'[', 610), (b'{', 1220)];
     const MOST: usize = 110_000_000;
     let memory = || -> usize {

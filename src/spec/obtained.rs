@@ -1,4 +1,4 @@
-//! What a spec says was measured, as deviations that standards limit. Called by `class --obtained`; knows no grades.
+//! The measured values of a spec as deviations that standards limit. `class --obtained` calls it; it knows no grades.
 
 use std::collections::BTreeMap;
 
@@ -22,12 +22,12 @@ pub struct MeasuredValue {
     pub graded: Result<Deviation, &'static str>,
     /// Its magnitude.
     pub amount: Length,
-    /// What was measured, in words.
+    /// The measured quantity in words.
     pub origin: String,
 }
 
 impl Spec {
-    /// The deviations that `[errors]` and the measured tables tell. From a table: F_r is the largest less the
+    /// The deviations from `[errors]` and the measured tables. From a table: F_r is the largest less the
     /// smallest radial value, f_pt the largest single pitch deviation, F_p the largest less the smallest sum of
     /// them, F_pz/8 the largest sum of k, f_Hβ the largest lead deviation over the face width.
     ///
@@ -63,7 +63,7 @@ impl Spec {
         Ok(values)
     }
 
-    /// f_Hβ of a lead deviation of the rack, of which this is the tangent: over the face width.
+    /// f_Hβ over the face width for a lead deviation of the rack with this tangent.
     fn slope_of_rack(&self, tangent: f64) -> Result<Length, Diagnostics> {
         let width = self.for_slope(keys::RACK_FACE_WIDTH)?;
         slope(width.mm() * tangent.abs())
@@ -91,7 +91,7 @@ fn slope(mm: f64) -> Result<Length, Diagnostics> {
     Length::nearest(mm * FM_PER_MM, "f_Hβ").map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into())
 }
 
-/// What a table and its largest f_Hβ tell, with the name of the table.
+/// The deviations from a table and its largest f_Hβ, with the name of the table.
 fn of_table(
     part: Part,
     table: &str,
@@ -104,7 +104,7 @@ fn of_table(
     })
 }
 
-/// What a table tells of a deviation; no amount if too little was measured.
+/// A deviation from a table; no amount if too little was measured.
 struct Told {
     graded: Result<Deviation, &'static str>,
     amount: Option<Length>,
@@ -163,7 +163,7 @@ const NO_RUNOUT_OF_A_RACK: &str = "the standards grade the runout of a wheel abo
 const NO_RUNOUT: &str =
     "a standard grades the runout, the largest less the smallest radial value of all spaces, not one value";
 
-/// The deviation that one value of `[errors]` is.
+/// One value of `[errors]` as a deviation.
 fn graded_as(kind: DeviationKind, extent: Extent) -> Result<Deviation, &'static str> {
     match (kind, extent) {
         (DeviationKind::RackOverRoller, _) => Err(NO_OVER_ROLLER_CLASS),
@@ -174,7 +174,7 @@ fn graded_as(kind: DeviationKind, extent: Extent) -> Result<Deviation, &'static 
     }
 }
 
-/// The largest less the smallest; `None` of fewer than two.
+/// The largest less the smallest; `None` for fewer than two values.
 fn spread(values: &[Length]) -> Option<Length> {
     if values.len() < 2 {
         return None;
@@ -182,7 +182,7 @@ fn spread(values: &[Length]) -> Option<Length> {
     Some(*values.iter().max()? - *values.iter().min()?)
 }
 
-/// Sums of single pitch deviations around a turn, of which the mean pitch deviation is removed, because a turn closes.
+/// Sums of single pitch deviations around a turn, without the mean pitch deviation, because a turn closes.
 fn sums_over_a_turn(pitches: &[Length]) -> Vec<Length> {
     let mean = pitches.iter().map(|pitch| pitch.mm()).sum::<f64>() / pitches.len().max(1) as f64;
     let mean = Length::nearest(mean * FM_PER_MM, "the mean pitch deviation").unwrap_or(Length::ZERO);

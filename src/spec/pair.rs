@@ -1,9 +1,9 @@
-//! What `[pair]` comes to: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
+//! Resolves `[pair]`: the normal module from whichever module is given, and a shaft angle, which only checks the helix angles.
 //!
-//! # What is written twice
-//! Two values of one thing agree if they do within the digits that are written: a value is rounded to its last digit, and a
-//! whole number is exact. Of two modules, the one with fewer decimals is the one that the other was computed from, and is
-//! taken as exact too. What is used is always the normal module as it is written.
+//! # Values that are given twice
+//! Two values of one quantity agree if they do within the digits that are written: a value is rounded to its last digit, and
+//! a whole number is exact. Of two modules, the one with fewer decimals is taken as exact, too, because the other one was
+//! computed from it. Results always use the normal module as written.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use crate::formula::femtometres;
 use crate::quantity::{Angle, Length};
 use crate::trig;
 
-/// What two modules of the same teeth may lie apart beyond their digits: 1e-9 mm.
+/// How far two modules of the same teeth may differ beyond their digits: 1e-9 mm.
 const MODULES_APART: f64 = 1e-9;
-/// How far a shaft angle may lie from that of the helix angles if their digits do not allow more: 0.01°, as drawings round.
+/// How far a shaft angle may differ from the sum of the helix angles if their digits do not allow more: 0.01°, as drawings
+/// round.
 const SHAFT_ANGLES_APART: Angle = Angle::from_nas(36_000_000_000);
 
-/// Adds the normal module that a transverse one comes to, and holds what the sections say twice against each other. What
-/// is held against a value that cannot be read would be blamed on the wrong one, so that nothing is if there are
-/// `diagnostics` already.
+/// Adds the normal module that follows from a transverse one, and compares values that are given twice. With `diagnostics`
+/// already present nothing is compared: a value that cannot be read would put the blame on the wrong one.
 pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &mut Found) {
     let helix_angle = |key| values.located(key).unwrap_or_default();
     let helix_angles = [keys::RACK_HELIX_ANGLE, keys::PINION_HELIX_ANGLE].map(helix_angle);
@@ -41,7 +41,7 @@ pub(super) fn complete(values: &mut Values, source: &Arc<Source>, diagnostics: &
     }
 }
 
-/// The normal module that a transverse one comes to, m_n = m_t cos β_p.
+/// The normal module from a transverse one, m_n = m_t cos β_p.
 fn of_transverse(transverse: &Located<Length>, helix_angle: Angle) -> Option<Located<Length>> {
     let module = Length::nearest(femtometres(transverse.value) * trig::sin_cos_of(helix_angle).1, "the normal module");
     Some(Located { value: module.ok()?, span: transverse.span.clone() })
@@ -55,7 +55,7 @@ fn as_written<T>(value: &Located<T>, source: &Arc<Source>) -> String {
     inside.unwrap_or(text).replace("\\\"", "\"")
 }
 
-/// What a transverse module says against the normal one.
+/// Compares a transverse module with the normal one.
 fn check_modules(
     normal: &Located<Length>,
     transverse: &Located<Length>,
@@ -66,7 +66,7 @@ fn check_modules(
     let (of_normal, of_transverse) = (rounding(normal), rounding(transverse));
     let turned = Angle::rounding_of(&as_written(helix_angle, source)).radians();
     let (sin, cos) = trig::sin_cos_of(helix_angle.value);
-    // the coarser of two roundings is of the module that the other follows from, as an exact one is
+    // the module with the coarser rounding is the one from which the other follows, and counts as exact
     let is_finer = |own: f64, other: f64| own <= other || other == 0.0;
     let digits = if is_finer(of_normal, of_transverse) { of_normal } else { 0.0 }
         + if is_finer(of_transverse, of_normal) { of_transverse * cos } else { 0.0 }
@@ -86,7 +86,7 @@ fn check_modules(
     Some(diagnostic.at(source, transverse.span.clone(), ""))
 }
 
-/// What a shaft angle says against the helix angles of both parts, right hand positive.
+/// Compares a shaft angle with the helix angles of both parts, right hand positive.
 fn check_shaft_angle(
     given: &Located<Angle>,
     helix_angles: &[Located<Angle>; 2],
@@ -216,7 +216,7 @@ mod tests {
         }
     }
 
-    /// A helix angle that cannot be read is the only thing to blame.
+    /// A helix angle that cannot be read is the only one reported.
     #[test]
     fn what_cannot_be_read_is_not_held_against_the_rest() {
         let both = "shaft_angle = 15\nnormal_module = 2\ntransverse_module = 2.2";

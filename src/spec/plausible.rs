@@ -1,5 +1,5 @@
-//! Whether the values of a spec make sense, by the one rule of [`plausible`](crate::deviation::plausible). Called by
-//! [`Spec::parse`], which refuses what is impossible, and by whoever shows results; changes no value.
+//! Whether the values of a spec make sense, by the rule of [`plausible`](crate::deviation::plausible). [`Spec::parse`]
+//! refuses impossible values by it, results show the doubtful ones; it changes no value.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ impl DoubtedKey {
 }
 
 impl Spec {
-    /// What in it is suspicious, in its order: there is a result, but it may be that of a mistaken unit.
+    /// The suspicious values, in the order of the spec: there is a result, but perhaps with a mistaken unit.
     #[must_use]
     pub fn suspicions(&self) -> Vec<Diagnostic> {
         let old = self.table.place.clone().filter(|_| self.table.is_called_batch).map(|place| {
@@ -42,13 +42,13 @@ impl Spec {
         old.into_iter().chain(self.doubts(Severity::Warning)).collect()
     }
 
-    /// The same as sentences, for the notes of a result.
+    /// The suspicious values as sentences, for the notes of a result.
     #[must_use]
     pub fn suspicions_in_words(&self) -> Vec<String> {
         self.suspicions().iter().map(Diagnostic::sentence).collect()
     }
 
-    /// What in it is impossible.
+    /// The impossible values.
     pub(super) fn impossibilities(&self) -> Vec<Diagnostic> {
         self.doubts(Severity::Error)
     }
@@ -98,7 +98,7 @@ impl Spec {
         over_pin.doubted_pin(self.get(keys::RACK_ADDENDUM))
     }
 
-    /// The gear data that make no sense.
+    /// The doubts about gear data.
     fn doubted_sizes(&self) -> Vec<DoubtedKey> {
         fn of<T: KeyType>(spec: &Spec, key: Key<T>, rule: impl Fn(Located<T>) -> Option<Doubt>) -> Option<DoubtedKey> {
             let written = spec.values.located(key)?;
@@ -158,7 +158,7 @@ impl Spec {
         parse_f64(text.trim_matches(['"', '\''])).is_ok()
     }
 
-    /// The doubt about an entry of `[errors]`; a class is the standard's.
+    /// The doubt about an entry of `[errors]`; a class has none.
     fn doubted_error(&self, kind: DeviationKind, written: &Located<WrittenError>) -> Option<DoubtedKey> {
         let (value, is_difference) = match written.value {
             WrittenError::Value(value) => (value, said_of(&self.nominals, kind).is_some()),
@@ -181,7 +181,7 @@ impl Spec {
         Some(DoubtedKey::new("roller", &written.span, self.doubted_pin(roller)?))
     }
 
-    /// Limits that no deviation comes near, so that they would let every part pass: µm in place of mm.
+    /// The doubts about limits that no deviation comes near, so that every part would pass: µm in place of mm.
     fn doubted_limits(&self) -> Vec<DoubtedKey> {
         let doubted = |on: &LimitTarget, end: Option<Length>| {
             let module = self.module();

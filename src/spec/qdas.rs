@@ -1,5 +1,5 @@
-//! What a Q-DAS file says where the spec is silent: nominal values and limits. Called by `paste` and `batch`; what the
-//! spec says is never replaced.
+//! Nominal values and limits from a Q-DAS file, where the spec has none. `paste` and `batch` call it; it never replaces a
+//! value of the spec.
 
 use super::{Located, Spec, keys, said_of};
 use crate::deviation::{DeviationKind, DeviationValue};
@@ -14,7 +14,7 @@ use crate::uncertainty::{Influence, Uncertainty};
 /// What to do where parts have limits or uncertainties of their own.
 const APART: &str = "evaluate them apart, or write in the spec what holds for all parts";
 
-/// What a spec says of the values of an error in a table.
+/// The spec's keys for the values of an error in a table.
 #[derive(PartialEq)]
 struct OfValues {
     nominal: Option<DeviationValue>,
@@ -23,7 +23,7 @@ struct OfValues {
 }
 
 impl OfValues {
-    /// The first thing in which another differs, in words.
+    /// The first difference from another one, in words.
     fn difference(&self, other: &Self) -> Option<String> {
         let in_words = |of: &dyn Fn(&Self) -> Option<String>| {
             [self, other].map(|one| of(one).unwrap_or_else(|| "none".to_owned())).join(" and ")
@@ -42,15 +42,15 @@ impl OfValues {
 }
 
 impl Spec {
-    /// The spec with what a file says of the characteristics that are its errors, and remarks on what was taken and
-    /// what was not. What the spec says itself stays.
+    /// The spec with the values of a file's characteristics for its errors, and remarks on which were taken. The spec's own values
+    /// stay.
     ///
     /// Limits of a characteristic are limits of its error. They become limits of its ΔCD: those of an over-roller or
     /// radial error as they are, those of a pitch or lead error by its formula if they lie as far above as below,
     /// because its ΔCD follows from its magnitude.
     ///
     /// # Errors
-    /// If the file says different things of one error, of which the spec says nothing.
+    /// If the file has contradicting values for an error on which the spec says nothing.
     pub fn completed_by(&self, qdas: &Qdas, model: Model) -> Result<(Self, Vec<String>), Diagnostic> {
         let layout = self.want().contract();
         let of_errors = qdas.characteristics.iter().map(|found| (Qdas::error_of(found, &layout), found));
@@ -75,7 +75,7 @@ impl Spec {
         Ok((spec, notes))
     }
 
-    /// Refuses a table `name` after the first one, if its file says otherwise what the spec leaves open.
+    /// Refuses a further table `name` whose file differs in values that the spec leaves open.
     ///
     /// # Errors
     /// If parts of both cannot be judged by one spec.
@@ -94,7 +94,7 @@ impl Spec {
         }
     }
 
-    /// Takes what a characteristic says of its error.
+    /// Takes the values of a characteristic for its error.
     fn take(&mut self, kind: DeviationKind, found: &Characteristic, model: Model, notes: &mut Vec<String>) {
         self.take_nominal(kind, found, notes);
         notes.extend(found.unused.iter().map(|unused| format!("{kind}: {unused}")));
@@ -114,7 +114,7 @@ impl Spec {
         }
     }
 
-    /// An expanded uncertainty, whose coverage factor the format does not tell: 2, as is usual.
+    /// The coverage factor of an expanded uncertainty, which the format does not have: 2, as is usual.
     fn take_uncertainty(&mut self, kind: DeviationKind, found: &Characteristic, notes: &mut Vec<String>) {
         const COVERAGE: f64 = 2.0;
         let source = Influence::Error(kind);
@@ -181,7 +181,7 @@ impl Spec {
     }
 }
 
-/// Whether two characteristics say the same, as far as a spec takes it.
+/// Whether two characteristics agree in the values that a spec takes.
 fn says_the_same(one: &Characteristic, other: &Characteristic) -> bool {
     fn said(found: &Characteristic) -> [&Option<String>; 5] {
         let Characteristic { nominal, lower, upper, unit, uncertainty, .. } = found;

@@ -1,5 +1,5 @@
-//! Reads one section of a spec: typed values by key, collecting every problem on the way. Called by the files of the
-//! sections; never ends at the first problem and requires no key.
+//! Reads one section of a spec: typed values by key, with every problem on the way. The files of the sections call it. It
+//! never ends at the first problem and requires no key.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -22,7 +22,7 @@ use crate::judge::class::RackDiameter;
 use crate::quantity::{Angle, Domain, DomainError, Length, QuantityError, parse_f64, shown, split_number};
 use crate::uncertainty::{Influence, Uncertainty};
 
-/// What a text is called that is needed.
+/// The name of a required text in messages.
 pub(super) const TEXT: &str = "text in quotes";
 
 /// A table of the spec while it is being read.
@@ -36,7 +36,7 @@ pub(super) struct SectionReader<'a> {
 }
 
 impl<'a> SectionReader<'a> {
-    /// The value under a name, if it is a table.
+    /// The value of a name, if it is a table.
     pub(super) fn entry(&self, name: &str) -> Option<&'a DeTable<'a>> {
         self.table.get(name)?.get_ref().as_table()
     }
@@ -142,7 +142,7 @@ impl<'a> SectionReader<'a> {
         Some(Located { value, span })
     }
 
-    /// Reports keys of the table of a value that it cannot have; `None` if there are any.
+    /// Reports keys that the table of a value cannot have; `None` if there are any.
     pub(super) fn knows_keys(
         &mut self,
         name: &str,
@@ -171,7 +171,7 @@ impl<'a> SectionReader<'a> {
         None
     }
 
-    /// What a value was read as, or a report of why it is nothing.
+    /// The result of reading a value, or a report of why there is none.
     fn accept<T>(&mut self, name: &str, read: Result<T, impl Display>, code: Code, span: Range<usize>) -> Option<T> {
         read.map_err(|error| self.report(Diagnostic::error(code, format!("`{name}`: {error}")), span)).ok()
     }
@@ -181,7 +181,7 @@ impl<'a> SectionReader<'a> {
         self.refuse(Diagnostic::error(Code::WrongType, message), value.span())
     }
 
-    /// A text, which is called as `needed` says where it is not there.
+    /// A text, which messages call `needed` if it is missing.
     pub(super) fn text_value<'v>(
         &mut self,
         name: &str,
@@ -191,13 +191,13 @@ impl<'a> SectionReader<'a> {
         if let DeValue::String(text) = value.get_ref() { Some(text) } else { self.wrong_type(name, value, needed) }
     }
 
-    /// What a text names; an unknown name is a problem of the kind `code`.
+    /// The meaning of a name; an unknown name is a problem of the kind `code`.
     fn parsed<T: FromStr<Err: Display>>(&mut self, name: &str, value: &Spanned<DeValue<'_>>, code: Code) -> Option<T> {
         let parsed = self.text_value(name, value, TEXT)?.parse();
         self.accept(name, parsed, code, value.span())
     }
 
-    /// A decision rule, whose refusal says what it is of.
+    /// A decision rule, whose refusal names the key.
     fn rule_value(&mut self, name: &str, value: &Spanned<DeValue<'_>>) -> Option<Rule> {
         let rule = self.text_value(name, value, TEXT)?.parse::<Rule>();
         rule.map_err(|error| self.report(Diagnostic::error(Code::BadRule, error.to_string()), value.span())).ok()
@@ -365,7 +365,7 @@ pub(super) fn type_in_words(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// The keys of a table that are none of those known, in the order of the file.
+/// The unknown keys of a table, in the order of the file.
 fn others<'t>(
     table: &'t DeTable<'_>,
     known: &(impl Iterator<Item = &'static str> + Clone),
@@ -376,13 +376,13 @@ fn others<'t>(
     others
 }
 
-/// The keys of any section that are called so, or else those of the first section whose names end so, or else the one most
-/// like it: with the way to them, which is what `--set` needs.
+/// Suggestions with their whole path, which `--set` needs: the keys of any section with this name, else those of the first
+/// section whose names end with it, else the most similar one.
 pub(super) fn elsewhere(name: &str) -> Option<String> {
     if SECTIONS.iter().any(|section| section.name == name) {
         return Some(format!("its keys stand in a section of its own: [{name}]"));
     }
-    // what is measured is meant most often
+    // measured values are meant most often
     let (errors, others): (Vec<_>, Vec<_>) = SECTIONS.iter().partition(|section| section.name == ERRORS.name);
     let sections: Vec<&Section> = errors.into_iter().chain(others).collect();
     let all = || sections.iter().flat_map(|section| section.keys);
@@ -399,7 +399,7 @@ pub(super) fn elsewhere(name: &str) -> Option<String> {
     Some(format!("did you mean {}?", ways.join(" or ")))
 }
 
-/// A name that is none of those that are known: which of them it is like, or else `help`.
+/// The message for an unknown name: the known name most like it, or else `help`.
 pub(super) fn unknown(
     message: String,
     name: &str,

@@ -1,5 +1,5 @@
-//! Every key of the spec with what it holds, from the same table as the reader. Printed by `rackmesh explain keys` and
-//! offered by completions; reads nothing.
+//! Every key of the spec with its kind, from the same table as the reader. `rackmesh explain keys` prints it, completions
+//! offer it; it reads nothing.
 
 use std::ops::Bound;
 
@@ -10,17 +10,17 @@ use crate::quantity::Domain;
 /// A key of the spec.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeyEntry {
-    /// With the sections that it is in: `rack.tip_relief.amount`.
+    /// The key with its sections: `rack.tip_relief.amount`.
     pub path: String,
-    /// What it holds, in words.
+    /// The kind of its value, in words.
     pub holds: String,
-    /// Whether that is a whole number.
+    /// Whether the value is a whole number.
     pub is_whole: bool,
-    /// What it means.
+    /// The meaning of the key.
     pub doc: &'static str,
 }
 
-/// Every key of the spec, in the order in which they are documented.
+/// Every key of the spec, in documented order.
 #[must_use]
 pub fn keys() -> Vec<KeyEntry> {
     let mut entries = Vec::new();

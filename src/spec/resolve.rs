@@ -1,5 +1,5 @@
-//! What a spec means: the errors with their formulas, and the limits. Called once the spec is read, for what is asked;
-//! here a key becomes required, and the message says by what.
+//! What a spec means: the errors with their formulas, and the limits. Called for a result once the spec is read; here a key
+//! becomes required, and the message says what needs it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl Spec {
         self.errors.iter().map(|(kind, _)| *kind).collect()
     }
 
-    /// Refuses errors of which a nominal value or an uncertainty is given, and no value.
+    /// Refuses errors with a nominal value or an uncertainty but without a value.
     fn refuse_without_value(&self) -> Result<(), Diagnostic> {
         let refused = |kind: &DeviationKind, has: &str, place: &Range<usize>, key: &str| {
             let help =
@@ -72,7 +72,7 @@ impl Spec {
         Ok(())
     }
 
-    /// The same, or none if there are none: a pair without errors.
+    /// The errors with their formulas; empty for a pair without errors.
     ///
     /// # Errors
     /// Diagnostics as [`Spec::part_deviations`].
@@ -80,17 +80,17 @@ impl Spec {
         if self.errors.is_empty() { Ok(Vec::new()) } else { self.part_deviations() }
     }
 
-    /// An error on the teeth that the spec says, if it says so.
+    /// An error with the extent of the spec, if it gives one.
     #[must_use]
     pub fn extended(&self, error: PartDeviation) -> PartDeviation {
         said_of(&self.extents, error.kind()).map_or(error, |extent| error.with_extent(extent.value))
     }
 
-    /// The same spec with other errors, as measured on a part or permitted of every one; their formulas ask for gear data
-    /// as if they stood in `[errors]`.
+    /// The spec with other errors, as measured on a part or permitted for every part. Their formulas need gear data as if they
+    /// stood in `[errors]`.
     #[must_use]
     pub fn with_errors<E: Copy + Into<WrittenError>>(&self, errors: &[(DeviationKind, E)]) -> Self {
-        // the nominal measure over a roller stays what it is computed from, with the uncertainties of that
+        // the nominal measure over a roller is still computed from the gear data, with their uncertainties
         let over_pin = self.over_pin().and_then(|over_pin| Some((over_pin.measure().ok()?, over_pin.pin_diameter)));
         let errors = errors.iter().map(|(kind, value)| {
             let written = match ((*value).into(), over_pin) {
@@ -175,7 +175,7 @@ impl Spec {
         })
     }
 
-    /// What the nominal measure over a roller follows from; `None` if a key is missing.
+    /// The inputs of the nominal measure over a roller; `None` if a key is missing.
     pub(super) fn over_pin_of(
         &self,
         pin_diameter: Length,
@@ -194,7 +194,7 @@ impl Spec {
         })
     }
 
-    /// Values that are each in their domain, but not together.
+    /// A diagnostic for values that are each in their domain, but not together.
     fn contradiction(&self, written: &Located<WrittenError>, error: &DomainError) -> Diagnostic {
         let span = match error {
             DomainError::NoSpace { .. } => self.place(keys::RACK_TOOTH_THICKNESS),
@@ -205,7 +205,7 @@ impl Spec {
     }
 }
 
-/// Who needs a key, and where that is written and why.
+/// What needs a key, where it stands, and why.
 pub(super) type Need = (String, Option<(Range<usize>, String)>);
 
 /// The need of an error of `[errors]`.
@@ -221,7 +221,7 @@ fn needed_by(kind: DeviationKind, written: &Located<WrittenError>) -> impl Fn() 
     }
 }
 
-/// Why a request has no answer: keys that it needs and the spec does not have, each named once, and what is refused.
+/// Why a request has no answer: the missing keys, each named once, and the refused values.
 #[derive(Default)]
 pub(super) struct Problems {
     missing: Vec<MissingKey>,
@@ -231,12 +231,12 @@ pub(super) struct Problems {
 struct MissingKey {
     key: AnyKey,
     needed_by: Vec<String>,
-    /// Where the first need was written, and why it needs the key.
+    /// Where the first need stands, and why it needs the key.
     place: Option<(Range<usize>, String)>,
 }
 
 impl Problems {
-    /// The value of a key, or a note that it is missing; `need` says who needs it, and where that stands.
+    /// The value of a key, or a note that it is missing; `need` says what needs it, and where that stands.
     pub(super) fn take<T: KeyType>(&mut self, spec: &Spec, key: Key<T>, need: impl FnOnce() -> Need) -> Option<T> {
         let value = spec.get(key);
         if value.is_none() {
@@ -259,7 +259,7 @@ impl Problems {
         value.map_err(|refused| self.refused.push(refused)).ok()
     }
 
-    /// The answer, if nothing stands against it.
+    /// The answer, if nothing is missing or refused.
     pub(super) fn answer<T>(self, answer: Option<T>, source: &Arc<Source>) -> Result<T, Diagnostics> {
         match answer {
             Some(answer) if self.missing.is_empty() && self.refused.is_empty() => Ok(answer),
@@ -267,7 +267,7 @@ impl Problems {
         }
     }
 
-    /// What is refused, then what is missing.
+    /// The refused values, then the missing keys.
     fn diagnostics(self, source: &Arc<Source>) -> Vec<Diagnostic> {
         let missing = self.missing.iter().map(|missing| {
             let MissingKey { key, needed_by, place } = missing;
@@ -278,7 +278,7 @@ impl Problems {
             let help = format!("add `{name} = …` below [{section}]");
             match place {
                 Some((span, label)) => diagnostic.help(help).at(source, span.clone(), label.as_str()),
-                // nothing in the spec asked for it: the file is named at least
+                // nothing in the spec needs it: name the file at least
                 None => diagnostic.help(format!("{help} in {}", source.name)),
             }
         });

@@ -1,4 +1,4 @@
-//! `[scatter]` as written, and the random deviations that it means. Resolved for `rackmesh monte-carlo`; draws nothing.
+//! `[scatter]` as written, and its random deviations, for `rackmesh monte-carlo`; draws nothing.
 
 use toml::Spanned;
 use toml::de::DeValue;
@@ -26,7 +26,7 @@ use crate::uncertainty::{Distribution, Uncertainty};
 pub enum WrittenSpread {
     /// A standard deviation or a half-width, mm or degrees.
     Spread(Uncertainty),
-    /// From one end of a tolerance to the other, mm or degrees.
+    /// A tolerance with two ends, mm or degrees.
     Between([f64; 2], Distribution),
     /// A class of `[tolerance]`.
     Class(u8),
@@ -112,11 +112,10 @@ fn tolerance_ends(
 }
 
 impl Spec {
-    /// A mesh whose teeth have the middles of the tolerances of `[scatter]` that are not the same either way, with a note of
-    /// each.
+    /// A mesh whose teeth have the middles of the asymmetric tolerances of `[scatter]`, with a note for each.
     ///
     /// # Errors
-    /// A diagnostic for middles that no teeth can have.
+    /// A diagnostic for middles that are impossible on teeth.
     pub fn with_scatter_middles(&self, mesh: &Mesh) -> Result<(Mesh, Vec<String>), Diagnostic> {
         let pair = mesh.pair();
         let (mut rack, mut pinion, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -148,9 +147,9 @@ impl Spec {
         Ok((mesh, notes))
     }
 
-    /// The random deviations of the teeth, in mm and rad, and what classes came to.
+    /// The random deviations of the teeth, in mm and rad, and the permissible values of classes.
     ///
-    /// Within a class every value is taken to be as probable as any other.
+    /// Within a class all values are equally probable.
     ///
     /// # Errors
     /// A diagnostic if nothing scatters, a key is missing, or a class has no value.
@@ -196,8 +195,8 @@ impl Spec {
     }
 }
 
-/// The values that a class leaves, all alike: within plus and minus what it permits; of a runout, all of its peak to peak
-/// value, which is twice the eccentricity.
+/// The equally probable values of a class: within plus and minus the permissible deviation; for a runout, its whole peak to
+/// peak value, which is twice the eccentricity.
 fn within_class(class: &ErrorClass) -> Uncertainty {
     let is_runout = class.kind == DeviationKind::PinionRadial;
     let half_width = if is_runout { class.permissible.length().mm() } else { class.value.base() };

@@ -1,4 +1,4 @@
-//! The spec's JSON Schema, from the same table as the reader. Printed by `rackmesh schema`; names no key by itself.
+//! The spec's JSON Schema, from the same table as the reader. `rackmesh schema` prints it; it names no key itself.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -59,7 +59,7 @@ fn count_references(schema: &Value, counts: &mut BTreeMap<String, usize>) {
     }
 }
 
-/// Puts definitions that one place refers to into that place; what is said beside the reference stays.
+/// Moves definitions with a single reference to that place; the keywords beside the reference stay.
 fn put_in_place(schema: &mut Value, once: &Map<String, Value>) {
     match schema {
         Value::Object(object) => {
@@ -76,7 +76,7 @@ fn put_in_place(schema: &mut Value, once: &Map<String, Value>) {
     }
 }
 
-/// What is said once, by name, and referred to.
+/// The definitions, by name.
 #[derive(Default)]
 struct Schema {
     definitions: Map<String, Value>,
@@ -103,7 +103,7 @@ impl Schema {
         schema
     }
 
-    /// A key with what it means; what several tables have under one name stands among the definitions.
+    /// A key with its meaning; keys that several tables share stand among the definitions.
     fn described(&mut self, key: &AnyKey) -> Value {
         let mut schema = self.key(key);
         schema["description"] = key.doc.into();
@@ -172,7 +172,7 @@ impl Schema {
         self.signed_length("length", r"^\s*[+\-−]?[0-9.]")
     }
 
-    /// The same behind what `sign` matches.
+    /// A length with a sign that `sign` matches.
     fn signed_length(&mut self, name: &str, sign: &str) -> Value {
         let spellings = LengthUnit::ALL.into_iter().flat_map(LengthUnit::spellings).copied();
         let all: Vec<&str> = spellings.collect();
@@ -212,7 +212,7 @@ impl Schema {
         self.shared("limit", any_of([either_way, ends]))
     }
 
-    /// The forms of a size, with those that carry an uncertainty where that means anything.
+    /// The forms of a size, with an uncertainty where it may have one.
     fn size(&mut self, mut forms: Vec<Value>, source: Option<Influence>) -> Value {
         if source.is_some() {
             let mut properties = self.uncertainty();
@@ -243,7 +243,7 @@ impl Schema {
         UNCERTAINTY_KEYS.into_iter().map(|name| (name.to_owned(), schema(name))).collect()
     }
 
-    /// A spread: of an angle or a length, as a class too where there is one.
+    /// A spread of an angle or a length, also as a class where there is one.
     fn spread(&mut self, is_angle: bool, has_class: bool) -> Value {
         let amount = if is_angle { text() } else { self.length() };
         let amount = self.size(vec![above_zero(), amount], None);

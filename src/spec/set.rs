@@ -1,5 +1,5 @@
-//! Keys that the command line sets: `errors.rack_pitch=12um` takes the place of what the file says, or adds the key,
-//! before the spec is read. So the reader refuses the same in an option as in a file, with the same words.
+//! Keys set on the command line: `errors.rack_pitch=12um` replaces the value of the file, or adds the key, before the spec is
+//! read. So the reader refuses the same in an option as in a file, with the same words.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::reader::type_in_words;
 use crate::diagnostic::{Diagnostic, Source};
 
-/// What stands before a setting on the command line.
+/// The option before a setting.
 pub(crate) const SET: &str = "--set ";
 
 /// The options as a text that diagnostics point into, one a line; `None` if there are none.
@@ -19,7 +19,7 @@ pub(super) fn options(settings: &[String]) -> Option<Arc<Source>> {
     (!lines.is_empty()).then(|| Arc::new(Source::new("command line", lines.join("\n"))))
 }
 
-/// One option: what stands on both sides of its `=`, as if the options stood behind the text of the file.
+/// One option: the texts on both sides of its `=`, with places as if the options followed the text of the file.
 pub(super) struct Setting<'a> {
     key: Piece<'a>,
     value: Option<Piece<'a>>,
@@ -27,7 +27,7 @@ pub(super) struct Setting<'a> {
     list: String,
 }
 
-/// The options behind a file of so many bytes.
+/// The options after a file of so many bytes.
 pub(super) fn settings<'a>(written: &'a [String], file_length: usize) -> Vec<Setting<'a>> {
     let mut start = file_length + 1;
     let setting = |text: &'a String| {
@@ -47,7 +47,7 @@ pub(super) fn settings<'a>(written: &'a [String], file_length: usize) -> Vec<Set
 pub(super) fn set_all<'t>(top: &mut DeTable<'t>, settings: &'t [Setting<'_>], source: &Arc<Source>) -> Vec<Diagnostic> {
     let refused = settings.iter().enumerate().filter_map(|(index, setting)| {
         let key = setting.key.text;
-        // a key set before this one that would be lost with it
+        // an earlier setting would be lost with this one
         let is_lost = |before: &Setting<'_>| {
             before.key.text.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
@@ -71,7 +71,7 @@ impl Setting<'_> {
             DeValue::Array(entries) if entries.len() == 1 => entries.into_iter().next(),
             _ => None,
         });
-        // what ends early is not the whole text
+        // a value that ends early is not the whole text
         let entry = entry.filter(|entry| entry.span() == value.span());
         Some(entry.unwrap_or_else(|| Spanned::new(value.span(), DeValue::String(value.text.into()))))
     }
@@ -90,7 +90,7 @@ fn set<'t>(top: &mut DeTable<'t>, key: Piece<'_>, value: Spanned<DeValue<'t>>) -
             other => return Err(format!("{words} {}", type_in_words(other))),
         }
     }
-    // the place of the key is the option from here on
+    // from here on the place of the key is the option
     table.remove(last.get_ref().as_ref());
     table.insert(last, value);
     Ok(())

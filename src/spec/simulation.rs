@@ -1,4 +1,4 @@
-//! `[simulation]` as written, and the scene that follows from it. Resolved for `simulate` and `report`; runs nothing.
+//! `[simulation]` as written, and the scene that follows from it, for `simulate` and `report`; runs nothing.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::multibody::{
     ContactModel, ParameterName as Name, Parameters, Scene, SimulationError, SphereGrid, StripGrid, Support, Yoke,
 };
 
-/// What the numbers of `[simulation]` set.
+/// The target of a number of `[simulation]`.
 #[derive(Default)]
 struct Numbers {
     all: Parameters,
@@ -21,7 +21,7 @@ struct Numbers {
     strips: StripGrid,
 }
 
-/// A number: its key, what the simulation calls it, and what it sets.
+/// A number: its key, its name in the simulation, and its target.
 type Number = (AnyKey, Name, fn(&mut Numbers, f64));
 
 const NUMBERS: &[Number] = &[
@@ -61,7 +61,7 @@ pub(super) fn read(reader: &mut SectionReader<'_>, values: &mut Values) -> Param
     let before = reader.diagnostics.len();
     reader.values(values);
     let parameters = parameters(values);
-    // what follows from one value alone has been said; now what the model allows
+    // each value was checked alone; now the model checks them together
     if reader.diagnostics.len() == before
         && let Err(error) = parameters.check()
     {
@@ -100,7 +100,7 @@ fn parameters(values: &Values) -> Parameters {
     parameters
 }
 
-/// Where the number stands that is refused.
+/// The place of the refused number.
 fn place(values: &Values, error: &SimulationError) -> Option<Range<usize>> {
     let SimulationError::OutOfDomain { name, .. } = error else { return None };
     let (key, ..) = NUMBERS.iter().find(|(_, of, _)| of == name)?;

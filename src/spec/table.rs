@@ -1,4 +1,4 @@
-//! `[table]`: the contract of tables with values of parts. Fills what `[batch]` does, and the layout that the reader obeys.
+//! `[table]`: the contract of tables with values of parts, as the layout for the reader of tables.
 
 use std::fmt;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::table::{
     StatusColumn,
 };
 
-/// Calls `[batch]`, its old name, `[table]`; says whether that was so.
+/// Renames `[batch]`, the old name, to `[table]`; returns whether the spec has the old name.
 pub(super) fn renamed(top: &mut DeTable<'_>, source: &Arc<Source>, found: &mut Found) -> bool {
     const OLD: &str = "batch";
     let Some(span) = top.keys().find(|key| key.get_ref().as_ref() == OLD).map(Spanned::span) else { return false };
@@ -45,7 +45,7 @@ pub(super) fn read(sections: &mut SectionReader<'_>, spec: &mut Spec) {
     sections.inner(&keys::TABLE, inner, |reader| spec.table = TableSection { place, ..section(reader) });
 }
 
-/// Reads a file that holds `[table]` and nothing else, for any number of specs.
+/// Reads a file that holds only `[table]`, for any number of specs.
 ///
 /// # Errors
 /// Every problem found in the text.
@@ -202,7 +202,7 @@ fn status_column(reader: &mut SectionReader<'_>) -> Option<StatusColumn> {
     status
 }
 
-/// What a text says; a problem if it says nothing.
+/// A text; a problem if it is blank.
 fn parsed<T, E: fmt::Display>(
     reader: &mut SectionReader<'_>,
     key: Key<String>,
@@ -222,7 +222,7 @@ fn line_of_units(text: &str) -> Result<u64, &'static str> {
     number.ok_or("write the number of a line, such as \"line 8\"")
 }
 
-/// Where cells of a text of fixed width start, each behind the one before it.
+/// Where the cells of a text of fixed width start, in rising order.
 fn starts(reader: &mut SectionReader<'_>) -> Vec<usize> {
     const NAME: &str = "starts";
     let needed = "a list of whole numbers that grow, such as [0, 12, 24],";

@@ -24,24 +24,24 @@ const HELP: &str = "write u = …, or U = … with k = …, or half_width = … 
 
 /// Repeated readings of one quantity.
 pub(super) struct Readings {
-    /// Their mean, as if it were written in their place.
+    /// The mean of the readings, as if it were written in their place.
     pub(super) mean: Spanned<DeValue<'static>>,
-    /// That of the mean, mm or degrees.
+    /// Standard uncertainty of the mean, mm or degrees.
     uncertainty: Uncertainty,
 }
 
 /// A correlation as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrittenCorrelation {
-    /// Between which two.
+    /// The two values.
     pub between: (Influence, Influence),
     /// The correlation coefficient.
     pub coefficient: f64,
 }
 
 impl SectionReader<'_> {
-    /// The value under a key that may carry an uncertainty: of a table, its `value` or the mean of its readings, and the
-    /// rest is noted.
+    /// The value of a key that may have an uncertainty. For a table it is `value` or the mean of the readings; the uncertainty is
+    /// noted.
     pub(super) fn uncertain<'v, 't>(
         &mut self,
         name: &str,
@@ -96,7 +96,7 @@ impl SectionReader<'_> {
             let help = "give two readings or more, or `value = …` with `u = …`";
             return self.refuse(bad("one reading says nothing of its uncertainty", help), values.span());
         };
-        // from the first one, so that no digit is lost
+        // differences from the first reading, so that no digit is lost
         let off = readings.iter().map(|reading| reading - first).sum::<f64>() / n;
         let squares: f64 = readings.iter().map(|reading| (reading - first - off) * (reading - first - off)).sum();
         if squares == 0.0 {
@@ -108,15 +108,14 @@ impl SectionReader<'_> {
         Some(Readings { mean, uncertainty: Uncertainty { dof: n - 1.0, ..Uncertainty::standard(standard) } })
     }
 
-    /// Notes the uncertainty of readings; of an angle that is written as a length, `degrees_per_mm` takes it to the angle's unit.
+    /// Notes the uncertainty of readings; for an angle that is written as a length, `degrees_per_mm` converts it.
     pub(super) fn note_readings(&mut self, readings: &Readings, source: Influence, degrees_per_mm: Option<f64>) {
         let standard = readings.uncertainty.standard * degrees_per_mm.unwrap_or(1.0);
         let value = Uncertainty { standard, ..readings.uncertainty };
         self.uncertainties.push((source, Located { value, span: readings.mean.span() }));
     }
 
-    /// Reads the uncertainty in a table, if it has one; of an angle that is written as a length, `degrees_per_mm` takes it
-    /// to the angle's unit.
+    /// Reads the uncertainty in a table, if it has one; for an angle that is written as a length, `degrees_per_mm` converts it.
     pub(super) fn note_uncertainty(
         &mut self,
         name: &str,
@@ -190,7 +189,7 @@ fn is_infinite(value: &Spanned<DeValue<'_>>) -> bool {
     matches!(value.get_ref(), DeValue::Float(float) if matches!(float.as_str(), "inf" | "+inf"))
 }
 
-/// Why the keys of a table make no uncertainty, if they do not.
+/// Why the keys of a table make no uncertainty; `None` if they do.
 fn contradiction(name: &str, table: &DeTable<'_>) -> Option<String> {
     let has = |key: &str| table.contains_key(key);
     let ways = [has("u"), has("U"), has("half_width")];
@@ -254,7 +253,7 @@ fn correlation(reader: &mut SectionReader<'_>, entry: &Spanned<DeValue<'_>>) -> 
     })
 }
 
-/// The source of a name: its whole key, or the part behind the section if that is clear.
+/// The source of a name: its whole key, or the part behind the section if only one key has it.
 fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> Option<Influence> {
     let text = reader.text_value("between", name, "the name of a value in quotes")?;
     let short = |source: &Influence| source.key().split_once('.').map_or(source.key(), |(_, name)| name);
@@ -283,7 +282,7 @@ impl Spec {
     /// The uncertainties of the values that ΔCD of the given errors follows from.
     ///
     /// # Errors
-    /// A diagnostic for correlations of what has no uncertainty, or that contradict each other.
+    /// A diagnostic for correlations of values without an uncertainty, or that contradict each other.
     pub fn uncertainties(&self) -> Result<Uncertainties, Diagnostics> {
         self.uncertainties_of(&self.kinds())
     }
@@ -324,14 +323,14 @@ impl Spec {
         })
     }
 
-    /// What ΔCD of errors of these kinds follows from.
+    /// The inputs of ΔCD for errors of these kinds.
     fn followed_by(&self, kinds: &[DeviationKind]) -> impl Fn(Influence) -> bool {
         let given = DeviationKind::ALL.map(|kind| kinds.contains(&kind));
         let given = move |kind: DeviationKind| given[kind as usize];
         let pitch = given(DeviationKind::RackPitch) || given(DeviationKind::RackLead);
         let of_pinion = given(DeviationKind::PinionPitch) || given(DeviationKind::PinionLead);
         let nominal = given(DeviationKind::RackOverRoller) && self.over_pin().is_some();
-        // the path of contact follows from them
+        // the path of contact follows from these
         let of_pair = !kinds.is_empty() && self.missing_geometry().is_empty();
         move |source: Influence| match source {
             Influence::Error(kind) => given(kind),
@@ -344,8 +343,8 @@ impl Spec {
         }
     }
 
-    /// What a verdict by `rule` on errors of these kinds, and on teeth that are known one by one, takes for granted of
-    /// uncertainties. Values of such teeth have no correlation that could be stated.
+    /// What a verdict by `rule` on errors of these kinds, and on teeth that are known one by one, assumes of uncertainties. No
+    /// correlation can be stated for the values of such teeth.
     #[must_use]
     pub fn unstated(&self, kinds: &[DeviationKind], has_teeth: bool, rule: &Rule) -> Vec<Unstated> {
         let is_involute = self.get(keys::PINION_ROOT_FORM_DIAMETER).is_none() && self.is_undercut() == Some(true);
@@ -383,7 +382,7 @@ impl Spec {
         .collect()
     }
 
-    /// The defaults that stand for keys of the gear that the spec leaves out.
+    /// The defaults of gear keys that the spec leaves out.
     fn left_out(&self) -> impl Iterator<Item = Unstated> {
         let lacks_helix = self.get(keys::RACK_HELIX_ANGLE).is_none() && self.get(keys::PAIR_SHAFT_ANGLE).is_none();
         let lacks_shift = self.get(keys::PINION_PROFILE_SHIFT).is_none();
@@ -406,8 +405,7 @@ impl Spec {
         said_of(&self.uncertainties, Influence::Error(kind)).is_some()
     }
 
-    /// What is said of values without an uncertainty, where others have one: that they are taken as exact, or that a rule
-    /// refuses them.
+    /// The note on values without an uncertainty where others have one: they are taken as exact, or a rule refuses them.
     #[must_use]
     pub fn note_of_exact(&self, kinds: &[DeviationKind], refused_by: Option<&Rule>) -> Option<String> {
         if self.uncertainties.is_empty() || kinds.is_empty() {
@@ -425,7 +423,7 @@ impl Spec {
         })
     }
 
-    /// What is uncertain in reality but has no uncertainty in the spec: errors that were measured.
+    /// The measured errors, which are uncertain in reality, without an uncertainty in the spec.
     #[must_use]
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
         let measured = self.errors.iter().filter(|(_, written)| !written.value.is_permitted());

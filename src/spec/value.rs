@@ -1,5 +1,5 @@
-//! The values of the keys that hold one thing each, under their key's path. Filled by the reader of their section; what
-//! asks for a value names its key, and gets the type that the key is declared with.
+//! The values of the keys that hold one value each, by the key's path. The reader of a section fills them; a request names the
+//! key and gets the type that the key is declared with.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -30,9 +30,9 @@ macro_rules! values {
     };
 }
 
-/// What a key that holds one thing may hold.
+/// The types of such values.
 pub trait KeyType: Sized {
-    /// The value, if it is of this type.
+    /// The value, if it has this type.
     fn of(value: &Value) -> Option<Self>;
 }
 
@@ -52,7 +52,7 @@ values! {
     Table(()), "A table, whose keys have values of their own.";
 }
 
-/// The values that a spec gives, and where.
+/// The values of a spec, with their places.
 #[derive(Debug, Clone, Default)]
 pub struct Values(BTreeMap<&'static str, Located<Value>>);
 
@@ -63,7 +63,7 @@ impl Values {
         self.0.get(path)
     }
 
-    /// The same, to be changed.
+    /// The value under a path, to be changed.
     pub fn at_mut(&mut self, path: &str) -> Option<&mut Value> {
         self.0.get_mut(path).map(|located| &mut located.value)
     }
@@ -79,7 +79,7 @@ impl Values {
         self.0.insert(path, value);
     }
 
-    /// Takes the value of a key away.
+    /// Removes the value of a key.
     pub fn remove<T>(&mut self, key: Key<T>) {
         self.0.remove(key.any.path);
     }

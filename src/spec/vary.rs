@@ -1,5 +1,5 @@
-//! What the exact mesh of a spec says where nothing is left to place, and its uncertainty: that follows from the mesh in which
-//! one uncertain value is off.
+//! The exact mesh of a spec where nothing is left to place, and its uncertainty, from meshes in which one uncertain value is
+//! off.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,15 +18,15 @@ use crate::table::{Measured, PinionTooth, RackSpace};
 use crate::trig;
 use crate::uncertainty::{Influence, TeethSensitivity, VariedTeeth, WITHIN, teeth_sensitivities};
 
-/// By how much a value is off at least, mm or degrees, so that a curve tells it.
+/// The least change of a value, mm or degrees, that shows in a curve.
 const LEAST: f64 = 1e-3;
 
-/// What the exact mesh makes of teeth that are known.
+/// The exact mesh of teeth that are known.
 #[derive(Debug, Clone)]
 pub struct SolvedTeeth {
-    /// Its extremes.
+    /// The extremes of the mesh.
     pub teeth: KnownTeeth,
-    /// How these follow from what is uncertain.
+    /// The derivatives of the extremes by uncertain values.
     pub sensitivities: Vec<TeethSensitivity>,
 }
 
@@ -60,7 +60,7 @@ impl Variable<'_> {
     /// Adds mm or degrees.
     ///
     /// # Errors
-    /// If no value is as large.
+    /// If the value is too large.
     fn add(self, by: f64) -> Result<(), DomainError> {
         match self {
             Self::Length(value) => *value = Length::from_mm(value.mm() + by)?,
@@ -74,8 +74,8 @@ impl Variable<'_> {
 }
 
 impl Spec {
-    /// The same spec with what the teeth do that it or `tables` know one by one, without any other error: over `strokes`, by
-    /// `mesh`, which is that of both. With it how that follows from what is uncertain.
+    /// The spec with the effect of the teeth that it or `tables` give one by one, without any other error: over `strokes`, by
+    /// `mesh`, which has both; and with the derivatives of that effect by uncertain values.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh), or if a stroke has no solution.
@@ -108,8 +108,8 @@ impl Spec {
         Ok(errors.iter().all(is_placed).then_some(errors))
     }
 
-    /// The mesh with every error of `[errors]` on all teeth, beside what `tables` and the spec know of single ones; `None` where
-    /// something is left to place.
+    /// The mesh with every error of `[errors]` on all teeth, and the single teeth of `tables` and the spec; `None` where an error
+    /// is left to place.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh).
@@ -119,13 +119,13 @@ impl Spec {
         self.mesh_with(self.pair("the exact mesh")?, &errors, origin, tables).map(Some)
     }
 
-    /// What the exact mesh makes of a part of which nothing is left to place, over all strokes at which deviated teeth can carry;
-    /// `None` where something is, or why the mesh has no solution.
+    /// The exact mesh of a part with nothing left to place, over all strokes at which deviated teeth can carry; `None` where an
+    /// error is left to place, or why the mesh has no solution.
     #[must_use]
     pub fn solved(&self) -> Option<Result<SolvedTeeth, String>> {
         let solved = self.mesh_of_all_teeth(&self.measured).transpose()?.and_then(|input| {
             let mesh_of = |whole: &Whole| whole.spec.mesh_of_all_teeth(&whole.tables);
-            // an error near zero may lift with either sign, and one on a flank with form the more the larger it is
+            // an error near 0 may lift with either sign; on a flank with form, the larger the error the more it lifts
             let varied = self.varied(&self.measured, &WITHIN, mesh_of)?;
             Ok(SolvedTeeth::new(&input.mesh, &input.judged_strokes()?, &varied)?)
         });
@@ -136,13 +136,13 @@ impl Spec {
         })
     }
 
-    /// What this spec or its tables know of single teeth.
+    /// The single teeth of this spec or its tables.
     fn known_of_teeth(&self, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let mut whole = Whole { spec: self.clone(), tables: tables.clone() };
         DeviationKind::ALL.into_iter().filter(|kind| !whole.values(Influence::Error(*kind)).is_empty()).collect()
     }
 
-    /// What the spec says or asks of a part whose teeth `tables` have, and these do not tell.
+    /// The errors that the spec gives or asks for of a part in `tables`, without those that the tables have.
     #[must_use]
     pub fn not_in_tables(&self, part: Part, tables: &MeasuredTables) -> Vec<DeviationKind> {
         let measured = self.measured_only(part).known_of_teeth(tables);
@@ -154,9 +154,9 @@ impl Spec {
             .collect()
     }
 
-    /// The mesh with each uncertain value off by so many standard uncertainties, about, one after the other: sizes of the gear, and
-    /// every value of the teeth that are known one by one. What is measured tooth by tooth is one value for each of
-    /// them, what a deviation gives for some teeth is one for all of these.
+    /// The meshes in which one uncertain value after the other is off by about so many standard uncertainties: sizes of the gear,
+    /// and every value of the teeth that are known one by one. Measured teeth have one value each; a deviation of some teeth is
+    /// one value for all of them.
     ///
     /// # Errors
     /// Diagnostics as [`mesh`](Self::mesh).
@@ -189,11 +189,11 @@ impl Spec {
 }
 
 impl Whole {
-    /// The same with one value of this kind off by mm or degrees.
+    /// The spec and tables with one value of this kind off by mm or degrees.
     fn with_value_off(&self, source: Influence, index: usize, by: f64) -> Result<Self, Diagnostics> {
         let mut off = self.clone();
         let Some(value) = off.values(source).into_iter().nth(index) else { return Ok(off) };
-        // f_Hβ of a pinion is a length, and single teeth have the angle that this is
+        // f_Hβ of a pinion is a length; single teeth have the angle for it
         let is_slope = source == Influence::Error(DeviationKind::PinionLead);
         let step = if is_slope && !matches!(value, Variable::Length(_)) {
             pinion_lead_angle_rad(&self.spec.pair("the exact mesh")?, by) / RADIANS_PER_DEGREE

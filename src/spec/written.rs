@@ -1,5 +1,4 @@
-//! What a spec says, key by key and each in one unit: what specs are compared by. Called by `compare`; checks nothing, for
-//! the spec was read before.
+//! The values of a spec, key by key and each in one unit, for `compare`. Checks nothing, because the spec was read before.
 
 use std::path::Path;
 
@@ -15,12 +14,12 @@ use crate::judge::Rule;
 use crate::quantity::{Angle, Length, parse_f64, plain};
 
 impl Spec {
-    /// Its keys with their values, in the order in which keys are documented: lengths in mm, angles in degrees, so that
-    /// `"10 um"` and `0.01` are one text. Limits and tolerances are two keys, `….lower` and `….upper`; the name of a table is
-    /// seen from the folder in which the program runs, where `path` is the spec.
+    /// The keys with their values, in documented order: lengths in mm, angles in degrees, so that `"10 um"` and `0.01` are one
+    /// text. Limits and tolerances are two keys, `….lower` and `….upper`. The name of a table is relative to the folder in which
+    /// the program runs, where `path` is the spec.
     ///
     /// # Errors
-    /// None of a spec that was parsed.
+    /// None for a spec that was parsed.
     pub fn written(&self, path: &Path) -> Result<Vec<(String, String)>, Diagnostics> {
         let text = &self.source.text;
         let (mut found, settings) = (Found::default(), set::settings(&self.settings, text.len()));
@@ -36,7 +35,7 @@ impl Spec {
     }
 }
 
-/// What the number of a key counts.
+/// The unit of a key's number.
 #[derive(Clone, Copy)]
 enum Counted {
     Length,
@@ -71,7 +70,7 @@ impl Counted {
         }
     }
 
-    /// The same of a key in the table of a value.
+    /// The unit of a key in the table of a value.
     fn of_part(self, name: &str) -> Self {
         match name {
             "f_h_beta" | "length" | "roller" | "measured_at" => Self::Length,
@@ -80,7 +79,7 @@ impl Counted {
         }
     }
 
-    /// A value in the unit that every value of its kind is written in; what is no such value stays.
+    /// A value in the unit of its kind; other values stay.
     fn text(self, written: String) -> String {
         let read = match self {
             Self::Length | Self::Limit => written.parse().ok().map(|length: Length| length.to_string()),
@@ -97,7 +96,7 @@ impl Counted {
 
 /// The values found so far.
 struct Written<'a> {
-    /// Where the spec is.
+    /// The path of the spec.
     folder: &'a Path,
     values: Vec<(String, String)>,
 }

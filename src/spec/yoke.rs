@@ -1,4 +1,4 @@
-//! `[yoke]`, the rack's travel, and the limits of what a yoke does, as written. Resolved for what solves the mesh; judges nothing.
+//! `[yoke]`, the rack's travel, and the limits on a yoke, as written, for commands that solve the mesh; judges nothing.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::mesh::{Mesh, STROKE_MM};
 use crate::multibody;
 use crate::quantity::{Angle, Length};
 
-/// Reads those entries of `[limits]` that are on what a yoke does.
+/// Reads the entries of `[limits]` on a yoke.
 pub(super) fn limits(reader: &mut SectionReader<'_>) -> Vec<(Target, Located<Bounds>)> {
     Target::ALL.into_iter().filter_map(|target| Some((target, limit(reader, target)?))).collect()
 }
@@ -58,16 +58,16 @@ fn limit(reader: &mut SectionReader<'_>, target: Target) -> Option<Located<Bound
 }
 
 impl Spec {
-    /// Whether something is given of a yoke, or asked of it.
+    /// Whether the spec describes a yoke, or has a limit on one.
     #[must_use]
     pub fn has_yoke(&self) -> bool {
         self.values.has_any_within("yoke.") || !self.function_limits.is_empty()
     }
 
-    /// What the spec knows of the yoke.
+    /// The yoke of the spec.
     ///
     /// # Errors
-    /// A diagnostic if the plug is backed off by an angle, and nothing says how far a turn moves it.
+    /// A diagnostic if the plug is backed off by an angle and the spec has no thread pitch.
     pub fn yoke(&self) -> Result<Yoke, Diagnostics> {
         let mut problems = Problems::default();
         let turned = self.get(keys::YOKE_BACK_OFF).map(|angle: Angle| {
@@ -94,14 +94,14 @@ impl Spec {
         Some((self.get(keys::RACK_TRAVEL_FROM)?.mm(), self.get(keys::RACK_TRAVEL_TO)?.mm()))
     }
 
-    /// Permitted values of what a yoke does.
+    /// The limits on the yoke.
     #[must_use]
     pub fn function_limits(&self) -> Vec<(Target, Bounds)> {
         self.function_limits.iter().map(|(target, bounds)| (*target, bounds.value)).collect()
     }
 
-    /// What parts are judged by that have this yoke, if the spec has one: over the rack's travel, or over these strokes. By a rule
-    /// that asks for an uncertainty no limit is judged.
+    /// How parts with this yoke are judged, if the spec has one: over the rack's travel, or over these strokes. A rule that needs
+    /// an uncertainty judges no limit.
     ///
     /// # Errors
     /// Diagnostics as [`yoke`](Self::yoke).
@@ -119,7 +119,7 @@ impl Spec {
         }))
     }
 
-    /// Values of a yoke or a travel that are each in their domain, but not together.
+    /// A diagnostic for values of a yoke or a travel that are each in their domain, but not together.
     pub(super) fn yoke_contradictions(&self) -> Vec<Diagnostic> {
         let at = |message: &str, span: Option<Range<usize>>| {
             Diagnostic::error(Code::OutOfDomain, message).at(&self.source, span, "")
@@ -135,8 +135,7 @@ impl Spec {
         backwards.into_iter().chain(twice).collect()
     }
 
-    /// The yoke of a simulation that starts from so many mm and covers so many: with the force and the clearance that it has with
-    /// the rack in its nominal place.
+    /// The yoke of a simulation over these strokes, with the force and the clearance at the nominal place of the rack.
     pub(super) fn simulated_yoke(
         &self,
         mesh: &Mesh,

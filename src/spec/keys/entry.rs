@@ -5,7 +5,7 @@ use crate::deviation::Countable;
 use crate::formula::domain;
 use crate::quantity::{Angle, Domain, Length};
 
-/// In an entry of `[errors]`, beside its value: whether that counts for every part of a table.
+/// In an entry of `[errors]`, beside its value: whether the value holds for every part of a table.
 pub(crate) const EVERY_PART: &str = "every_part";
 
 /// In an entry of `[errors]` for the pinion's pitch, beside its value or alone: the diameter at which it was measured.
@@ -17,7 +17,7 @@ pub(crate) const EXTENT: &str = "extent";
 /// In place of a measured value: repeated readings, whose mean counts and whose spread is its uncertainty.
 pub(crate) const READINGS: &str = "values";
 
-/// The keys of an uncertainty, beside the value that it is of.
+/// The keys of an uncertainty, beside the uncertain value.
 pub(crate) const UNCERTAINTY_KEYS: [&str; 6] = ["u", "U", "k", "half_width", "distribution", "dof"];
 
 /// What a column holds: the value itself, or its difference from nominal.

@@ -27,7 +27,7 @@ pub(crate) enum Kind {
     Error(DeviationKind),
     /// Limits of ΔCD, or of a play.
     Limit,
-    /// Limits of what is measured in this unit.
+    /// Limits of a quantity in this unit.
     MeasureLimit(MeasureUnit),
     /// A stroke, or `"tightest"`.
     SetAt,
@@ -79,7 +79,7 @@ pub(crate) enum Kind {
     Teeth,
     /// A table with these keys.
     Table(&'static Section),
-    /// The same, which means nothing without every key.
+    /// A table with these keys, all of which it must have.
     Whole(&'static Section),
     /// Any number of such tables: `[[section.key]]`.
     Tables(&'static Section),
@@ -88,9 +88,9 @@ pub(crate) enum Kind {
 /// A unit that is neither a length nor an angle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasureUnit {
-    /// What bare numbers are in; empty for numbers without a unit.
+    /// The unit of bare numbers; empty for numbers without a unit.
     pub(crate) symbol: &'static str,
-    /// The same after a number, with the space that goes between.
+    /// The unit as written after a number, with the space between.
     pub(crate) after: &'static str,
     /// Other ways to write it, and other units: symbol, numerator and denominator of its size.
     pub(crate) others: &'static [(&'static str, f64, f64)],
@@ -129,18 +129,18 @@ impl MeasureUnit {
     };
 }
 
-/// A key, whatever it holds.
+/// A key with any kind of value.
 #[derive(Debug, Clone, Copy)]
 pub struct AnyKey {
-    /// Its name with the sections that it is in, `rack.face_width`; of a key that several tables have, the name alone.
+    /// The key with its sections, `rack.face_width`; for a key that several tables have, the name alone.
     pub path: &'static str,
     pub(crate) kind: Kind,
-    /// What it means.
+    /// The meaning of the key.
     pub doc: &'static str,
 }
 
 impl AnyKey {
-    /// Its name within its section.
+    /// The key's name within its section.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.path.rsplit('.').next().unwrap_or(self.path)
@@ -155,7 +155,7 @@ pub struct Key<T> {
     holds: PhantomData<fn() -> T>,
 }
 
-// whether or not a `T` is
+// also where `T` is not
 impl<T> Copy for Key<T> {}
 
 impl<T> Clone for Key<T> {
@@ -245,12 +245,12 @@ pub(super) const fn teeth() -> Key<ToothRange> {
     Key::new(Kind::Teeth)
 }
 
-/// A key that does not hold one value: what reads its section reads it.
+/// A key that does not hold one value: the reader of its section reads it.
 pub(super) const fn of(kind: Kind) -> Key<()> {
     Key::new(kind)
 }
 
-/// The same without a name of its own in the program.
+/// A key without a constant of its own in the program.
 pub(super) const fn key(name: &'static str, kind: Kind, doc: &'static str) -> AnyKey {
     AnyKey { path: name, kind, doc }
 }

@@ -3,7 +3,7 @@
 use super::kind::{Key, Kind, Section, of, section};
 use crate::deviation::DeviationKind;
 
-/// Of lengths that have this class, if any.
+/// Spreads of lengths, with this class if any.
 const fn lengths(class: Option<DeviationKind>) -> Key<()> {
     of(Kind::Spread { is_angle: false, class })
 }

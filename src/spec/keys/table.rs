@@ -11,7 +11,7 @@ const fn beside(name: &'static str, doc: &'static str) -> AnyKey {
     key(name, Kind::Text, doc)
 }
 
-/// The keys of a column by contract, whose errors are on these.
+/// The keys of a column of the contract, whose errors may have these extents.
 const fn table_column(of: Countable, is_lead: bool) -> [AnyKey; 10] {
     [
         COLUMN_NAME.any,
@@ -31,7 +31,7 @@ const fn table_column(of: Countable, is_lead: bool) -> [AnyKey; 10] {
     ]
 }
 
-/// The same with one key more.
+/// The keys of a column with one key more.
 const fn and_key(keys: &[AnyKey; 10], last: AnyKey) -> [AnyKey; 11] {
     let mut all = [last; 11];
     let mut at = 0;
@@ -132,7 +132,7 @@ pub(crate) const TABLE_COLUMNS: Section = section(
     ],
 );
 
-/// The keys of `[table.columns]` that are headings of what a page says of the parts.
+/// The keys of `[table.columns]` for columns that a page shows.
 pub(crate) const DETAILS: [&str; 4] = ["date", "inspector", "order", "drawing"];
 
 /// The keys of `[table.columns]` that are headings.

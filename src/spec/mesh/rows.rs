@@ -1,4 +1,4 @@
-//! The measured tables that a spec names: each row as what is wrong with a tooth.
+//! The measured tables that a spec names: each row as the deviations of a space or tooth.
 
 use crate::deviation::plausible;
 use crate::deviation::{DeviationKind, DeviationValue, PinionToothRow, RackSpaceRow, RowValue};
@@ -19,7 +19,7 @@ pub struct MeasuredTables {
 }
 
 impl MeasuredTables {
-    /// The same with these teeth in place of what was measured of their part.
+    /// The tables with these teeth in place of the measured ones of their part.
     #[must_use]
     pub fn with(self, teeth: Teeth) -> Self {
         match teeth {
@@ -83,7 +83,7 @@ impl Spec {
             };
             let lead_rad = row.lead.map(Angle::radians);
             let read = RackSpaceRow { space: row.space, height_mm: height, position_mm: position, lead_rad };
-            // what is said of a position below names its place
+            // messages about a position name its place
             let is_doubted = |value: &RowValue| value.what != RackSpaceRow::POSITION;
             if let Some(diagnostic) = self.impossible_row(&spaces.name, row.line, read.values().filter(is_doubted)) {
                 return Err(diagnostic.help("check the units, `rack.pin` and `rack.datum`").into());
