@@ -10,16 +10,16 @@ use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
 use crate::deviation::{DeviationKind, Part, plausible};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::formula::{Model, PartDeviation, domain};
+use crate::formula::{Model, domain};
 use crate::gear::Pair;
 use crate::judge::Stack;
-use crate::judge::class::{self, DiameterSource, Meshing, NoEffect, RackDiameter};
+use crate::judge::class::{self, DiameterSource, Meshing, NoEffect, RackDiameter, SizedPart};
 use crate::judge::class_mesh::ArrangedDeviation;
-use crate::judge::grade::{self, GradeSearch, ObtainedGrade};
+use crate::judge::grade::{self, GradeSearch, ObtainedGrade, PermittedValues};
 use crate::quantity::{Angle, Length};
 use crate::report::{ClassReport, ClassRow, Format, GradeSearchReport, ObtainedReport};
 use crate::spec::{MeasuredValue, Spec, keys};
-use crate::standard::{Deviation, Permissible, Size, Standard, StandardError, Wheel};
+use crate::standard::{Permissible, Size, Standard, StandardError, Wheel};
 
 pub(super) const ABOUT: &str = "Permissible deviations of an accuracy grade, and their ΔCD";
 
@@ -98,13 +98,6 @@ fn rack_diameter(text: &str) -> Result<RackDiameter, String> {
     }
 }
 
-/// A part with its size and what its ΔCD needs.
-struct Sized {
-    wheel: Wheel,
-    diameter_source: Option<DiameterSource>,
-    meshing: Meshing,
-}
-
 impl Args {
     pub(super) fn run(mut self, output: &mut Output) -> Result<Status, Failure> {
         let path = self.obtained.take().map(|path| (path, true)).or_else(|| Some((self.spec.take()?, false)));
@@ -161,7 +154,7 @@ impl Args {
     }
 
     /// The part asked for, by the options and else the spec.
-    fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<Sized, Failure> {
+    fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<SizedPart, Failure> {
         let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
         wheel.normal_module = self.normal_module.or(wheel.normal_module);
         wheel.face_width = self.face_width.or(wheel.face_width);
@@ -184,7 +177,7 @@ impl Args {
         for checked in [pressure_angle, helix_angle].into_iter().flatten() {
             checked.map_err(Diagnostic::with_code(Code::OutOfDomain))?;
         }
-        Ok(Sized { wheel, diameter_source, meshing })
+        Ok(SizedPart { wheel, diameter_source, meshing })
     }
 
     /// The reference diameter by which a part is graded, as far as it is known, and where it is from.
@@ -249,7 +242,8 @@ impl Args {
         output: &mut Output,
     ) -> Result<Status, Failure> {
         let sized = self.sized(self.part(), spec)?;
-        if let Some(doubt) = doubted_diameter(&sized)? {
+        if let Some(doubt) = sized.doubted_diameter().map_err(Diagnostic::with_code(Code::OutOfDomain))? {
+            let doubt = Diagnostic::warning(Code::Implausible, doubt).help("leave --diameter out, or check these");
             notes.push(doubt.sentence());
             output.diagnostic(&doubt);
         }
@@ -258,38 +252,13 @@ impl Args {
             notes.push(format!("no exact mesh: {first}"));
             None
         });
-        let (mut rows, mut not_given) = (Vec::new(), Vec::new());
-        for one in [Some(standard), standard.companion()].into_iter().flatten() {
-            for deviation in one.deviations() {
-                match one.permissible(deviation, grade, &sized.wheel) {
-                    Ok(permissible) => rows.push(row(permissible, &sized, self.model, pair.as_ref())),
-                    Err(error) => not_given.push((one, deviation, error)),
-                }
-            }
-        }
-        // what lies outside the standard's scope is refused as a whole; what is missing or not known is said
-        let asked = |one: &Standard| *one == standard;
-        let fatal = not_given.iter().find(|(one, _, error)| match error {
-            StandardError::OutOfScope { .. } => true,
-            StandardError::Grade { .. } => asked(one),
-            _ => false,
-        });
-        // without any value: what is wrong, or else what is missing
-        let nothing = || {
-            let known = |error: &StandardError| !matches!(error, StandardError::Missing { .. });
-            let first = not_given.iter().find(|(_, _, error)| known(error)).or(not_given.first());
-            first.filter(|_| rows.is_empty())
-        };
-        if let Some((_, _, error)) = fatal.or_else(nothing) {
-            let missing = standard.sizes_missing(grade, &sized.wheel);
-            return Err(no_class(error, &missing).into());
-        }
-        let not_given = not_given.into_iter().map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
-        rows.sort_by_key(|row| row.permissible.deviation);
-        notes.extend(remarks(&rows, &sized.meshing));
-        let Sized { wheel, diameter_source, meshing: Meshing { part, .. } } = sized;
+        let permitted = PermittedValues::new(standard, grade, &sized.wheel)
+            .map_err(|error| no_class(&error, &standard.sizes_missing(grade, &sized.wheel)))?;
+        let rows = permitted.values.into_iter().map(|value| row(value, &sized, self.model, pair.as_ref())).collect();
+        let not_given = permitted.not_given.into_iter();
+        let not_given = not_given.map(|(one, deviation, error)| (one, deviation, reason(&error))).collect();
         let title = spec.and_then(|spec| spec.title.clone());
-        let report = ClassReport { title, standard, part, wheel, diameter_source, grade, rows, not_given, notes };
+        let report = ClassReport { title, standard, sized, grade, rows, not_given, notes };
         output.report(&report, self.format)?;
         Ok(Status::Pass)
     }
@@ -310,9 +279,7 @@ impl Args {
                 continue;
             }
             let sized = self.sized(part, Some(spec))?;
-            if let (Some(diameter), Some(source)) = (&sized.wheel.diameter, sized.diameter_source) {
-                diameters.push(format!("{}: d = {:.4} mm ({})", part.name(), diameter.mm(), source.name()));
-            }
+            diameters.extend(sized.diameter_in_words().map(|words| format!("{}: {words}", part.name())));
             for value in of_part {
                 let deviation = match value.graded {
                     Ok(deviation) => deviation,
@@ -364,116 +331,37 @@ impl Args {
         if kinds.is_empty() {
             return Err(Diagnostic::error(Code::NoClass, class::NO_OVER_ROLLER_CLASS).into());
         }
-        let mut sized = Vec::new();
+        let mut parts = Vec::new();
         for part in [Part::Rack, Part::Pinion] {
             if kinds.iter().any(|kind| kind.part() == part) {
-                sized.push(self.sized(part, spec)?);
+                parts.push(self.sized(part, spec)?);
             }
         }
-        let of = |kind: DeviationKind| sized.iter().find(|sized| sized.meshing.part == kind.part());
-        let tolerance = |kind: DeviationKind, grade: u8| -> Result<PartDeviation, NoEffect> {
-            // the others were left out
-            let deviation = class::deviation_of(kind).unwrap_or(Deviation::SinglePitch);
-            let missing = || StandardError::NoSuchDeviation { standard, deviation };
-            let (limiting, sized) = standard.that_limits(deviation).zip(of(kind)).ok_or_else(missing)?;
-            let permissible = limiting.permissible(deviation, grade, &sized.wheel)?;
-            let total = class::total_of(kind, limiting, grade, &sized.wheel);
-            class::tolerance(kind, &permissible, total.as_ref(), &sized.meshing)
-        };
-        let mut fatal: Option<NoEffect> = None;
+        let errors = || kinds.iter().flat_map(|kind| parts.iter().map(move |part| (*kind, part)));
         let basis = spec.map(Spec::pair_basis).transpose()?.unwrap_or_default();
         let search = GradeSearch::new(standard, limit, &basis, |grade| {
-            let tolerances: Result<Vec<_>, _> = kinds.iter().map(|kind| tolerance(*kind, grade)).collect();
-            tolerances.inspect_err(|error| {
-                if !error.is_of_grade() {
-                    fatal.get_or_insert(error.clone());
-                }
-            })
+            let on_its_part = errors().filter(|(kind, part)| part.meshing.part == kind.part());
+            on_its_part.map(|(kind, part)| part.tolerance(kind, standard, grade)).collect()
         })
         .map_err(Diagnostic::with_code(Code::NoResult))?;
-        if let Some(error) = fatal {
-            return Err(no_tolerance(&error).into());
+        if let Some(error) = search.failure() {
+            return Err(no_tolerance(error).into());
         }
-        let terms = kinds.iter().filter_map(|kind| term(standard, *kind, of(*kind)?));
-        let left_out = left_out.iter().map(|kind| format!("{kind}: {}", class::NO_OVER_ROLLER_CLASS)).collect();
         let title = spec.and_then(|spec| spec.title.clone());
-        let report = GradeSearchReport { title, standard, terms: terms.collect(), left_out, search };
+        let report = GradeSearchReport { title, standard, kinds, left_out, parts, search };
         output.report(&report, self.format)?;
         Ok(if report.search.coarsest(Stack::Rss).is_some() { Status::Pass } else { Status::Fail })
     }
 }
 
-/// By which deviation of a standard an error is graded, in words.
-fn term(standard: Standard, kind: DeviationKind, sized: &Sized) -> Option<String> {
-    let deviation = class::deviation_of(kind)?;
-    let limiting = standard.that_limits(deviation)?;
-    let diameter = sized.wheel.diameter.as_ref().zip(sized.diameter_source);
-    let diameter = diameter
-        .map_or_else(String::new, |(diameter, source)| format!(", d = {:.4} mm ({})", diameter.mm(), source.name()));
-    let cap = match deviation {
-        Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
-            format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
-        }
-        Deviation::Runout => " / 2, an eccentricity,".to_owned(),
-        _ => String::new(),
-    };
-    Some(format!("{kind} by {}{cap} of {limiting}{diameter}", limiting.symbol(deviation)))
-}
-
 /// The reference diameter of the spec's pinion for a rack, else of this wheel; `None` if it is not known.
 fn pinion_diameter(part: Part, wheel: &Wheel, spec: Option<&Spec>) -> Result<Option<Length>, Failure> {
-    let (module, teeth, helix_angle) = match (part, spec) {
-        (Part::Rack, Some(spec)) => {
-            let pinion = spec.wheel(Part::Pinion);
-            (wheel.normal_module.or(pinion.normal_module), pinion.teeth, pinion.helix_angle)
-        }
-        _ => (wheel.normal_module, wheel.teeth, wheel.helix_angle),
-    };
-    let (Some(module), Some(teeth)) = (module, teeth) else { return Ok(None) };
-    let diameter = class::reference_diameter(module, teeth, helix_angle.unwrap_or(Angle::ZERO));
-    Ok(Some(diameter.map_err(Diagnostic::with_code(Code::OutOfDomain))?))
-}
-
-/// The warning about a given diameter of a pinion that its module, teeth and helix angle contradict by more than any measuring
-/// circle.
-fn doubted_diameter(sized: &Sized) -> Result<Option<Diagnostic>, Failure> {
-    let Wheel { normal_module, teeth, helix_angle, diameter, .. } = &sized.wheel;
-    let own = pinion_diameter(sized.meshing.part, &sized.wheel, None)?;
-    let ((Some(given), Some(own)), (Some(module), Some(z), Some(helix))) =
-        ((diameter, own), (normal_module, teeth, helix_angle))
-    else {
-        return Ok(None);
-    };
-    let is_near = (given.mm() - own.mm()).abs() <= 2.0 * module.mm();
-    let message = format!(
-        "the diameter is {given}, and m_n z / cos β of m_n = {module}, z = {z}, β = {helix} is {:.3} mm",
-        own.mm()
+    let mate = spec.filter(|_| part == Part::Rack).map(|spec| spec.wheel(Part::Pinion));
+    let wheel = mate.map_or_else(
+        || wheel.clone(),
+        |mate| Wheel { normal_module: wheel.normal_module.or(mate.normal_module), ..mate },
     );
-    let doubt = Diagnostic::warning(Code::Implausible, message).help("leave --diameter out, or check these");
-    Ok((sized.meshing.part == Part::Pinion && !is_near).then_some(doubt))
-}
-
-/// What there is to say of the ΔCD of permissible deviations.
-fn remarks(rows: &[ClassRow], meshing: &Meshing) -> Vec<String> {
-    use Deviation::{HelixSlope, Runout, SectorPitch, SinglePitch, TotalHelix, TotalPitch};
-    let mut notes = Vec::new();
-    if rows.iter().any(|row| row.permissible.deviation == Runout) {
-        notes.push(
-            "ΔCD of F_r and of the composite deviations is their own peak-to-peak value; of an eccentric part it moves \
-             by ± F_r / 2 about its mean, which is what { class = … } of the radial error takes"
-                .to_owned(),
-        );
-    }
-    let by_angle = |row: &ClassRow| {
-        matches!(row.permissible.deviation, SinglePitch | SectorPitch | TotalPitch | HelixSlope | TotalHelix)
-    };
-    if meshing.pressure_angle.is_none() && rows.iter().any(by_angle) {
-        notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
-    }
-    if rows.iter().any(|row| row.mesh.is_some()) {
-        notes.push("exact mesh: each deviation alone, on an otherwise perfect pair".to_owned());
-    }
-    notes
+    Ok(class::own_diameter(&wheel).map_err(Diagnostic::with_code(Code::OutOfDomain))?)
 }
 
 /// Why there is no ΔCD of any grade.
@@ -485,7 +373,7 @@ fn no_tolerance(error: &NoEffect) -> Diagnostic {
     }
 }
 
-fn row(permissible: Permissible, sized: &Sized, model: Model, pair: Option<&Pair>) -> ClassRow {
+fn row(permissible: Permissible, sized: &SizedPart, model: Model, pair: Option<&Pair>) -> ClassRow {
     let deviation = permissible.deviation;
     let delta_cd = class::delta_cd(deviation, permissible.length(), &sized.meshing, model);
     let mesh = pair.and_then(|pair| {

@@ -127,6 +127,15 @@ pub fn reference_diameter(normal_module: Length, teeth: u32, helix_angle: Angle)
     Ok(Length::nearest(diameter_mm * 1e12, "the reference diameter d")?)
 }
 
+/// The reference diameter of a wheel, with β = 0 where that is not given; `None` if it is not known.
+///
+/// # Errors
+/// As [`reference_diameter`].
+pub fn own_diameter(wheel: &Wheel) -> Result<Option<Length>, DomainError> {
+    let (Some(module), Some(teeth)) = (wheel.normal_module, wheel.teeth) else { return Ok(None) };
+    reference_diameter(module, teeth, wheel.helix_angle.unwrap_or(Angle::ZERO)).map(Some)
+}
+
 /// The developed diameter L/π of a rack with the toothed length L.
 ///
 /// # Errors
@@ -168,6 +177,61 @@ impl Meshing {
 
     fn face_width(&self) -> Result<Length, NoEffect> {
         self.face_width.ok_or(NoEffect::Missing("face width b"))
+    }
+}
+
+/// A part with its size, and what its ΔCD needs.
+#[derive(Debug, Clone)]
+pub struct SizedPart {
+    /// Its size.
+    pub wheel: Wheel,
+    /// Where its diameter comes from, if it is known.
+    pub diameter_source: Option<DiameterSource>,
+    /// What its ΔCD needs.
+    pub meshing: Meshing,
+}
+
+impl SizedPart {
+    /// Its diameter and where that comes from: `d = 14.6750 mm (given)`.
+    #[must_use]
+    pub fn diameter_in_words(&self) -> Option<String> {
+        let (diameter, source) = (self.wheel.diameter?, self.diameter_source?);
+        Some(format!("d = {:.4} mm ({})", diameter.mm(), source.name()))
+    }
+
+    /// The tolerance that a grade of a standard or its companion is of a kind of error, on this part.
+    ///
+    /// # Errors
+    /// [`NoEffect`] if no deviation limits it, the standard has no value, or something that the law needs is missing or outside
+    /// its domain.
+    pub fn tolerance(&self, kind: DeviationKind, standard: Standard, grade: u8) -> Result<PartDeviation, NoEffect> {
+        let deviation = deviation_of(kind).ok_or(NoEffect::NoFormula)?;
+        let limiting = standard.that_limits(deviation);
+        let limiting = limiting.ok_or(StandardError::NoSuchDeviation { standard, deviation })?;
+        let permissible = limiting.permissible(deviation, grade, &self.wheel)?;
+        tolerance(kind, &permissible, total_of(kind, limiting, grade, &self.wheel).as_ref(), &self.meshing)
+    }
+
+    /// Of a pinion whose diameter is given: why its module, teeth and helix angle contradict that by more than any measuring
+    /// circle.
+    ///
+    /// # Errors
+    /// As [`own_diameter`].
+    pub fn doubted_diameter(&self) -> Result<Option<String>, DomainError> {
+        let Wheel { normal_module, teeth, helix_angle, diameter, .. } = &self.wheel;
+        let own = own_diameter(&self.wheel)?;
+        let ((Some(given), Some(own)), (Some(module), Some(z), Some(helix))) =
+            ((diameter, own), (normal_module, teeth, helix_angle))
+        else {
+            return Ok(None);
+        };
+        let is_near = (given.mm() - own.mm()).abs() <= 2.0 * module.mm();
+        Ok((self.meshing.part == Part::Pinion && !is_near).then(|| {
+            let own_mm = own.mm();
+            format!(
+                "the diameter is {given}, and m_n z / cos β of m_n = {module}, z = {z}, β = {helix} is {own_mm:.3} mm"
+            )
+        }))
     }
 }
 

@@ -11,6 +11,50 @@ use crate::judge::bound::Basis;
 use crate::quantity::{Length, QuantityError};
 use crate::standard::{Deviation, Permissible, Standard, StandardError, Wheel};
 
+/// What a grade of a standard and its companion permits of a wheel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PermittedValues {
+    /// The values, in the order of the deviations.
+    pub values: Vec<Permissible>,
+    /// Deviations without a value, and why.
+    pub not_given: Vec<(Standard, Deviation, StandardError)>,
+}
+
+impl PermittedValues {
+    /// All that a grade permits.
+    ///
+    /// # Errors
+    /// [`StandardError`] if the wheel is outside a standard's scope, the standard does not have the grade, or there is no value.
+    pub fn new(standard: Standard, grade: u8, wheel: &Wheel) -> Result<Self, StandardError> {
+        let (mut values, mut not_given) = (Vec::new(), Vec::new());
+        for one in [Some(standard), standard.companion()].into_iter().flatten() {
+            for deviation in one.deviations() {
+                match one.permissible(deviation, grade, wheel) {
+                    Ok(permissible) => values.push(permissible),
+                    Err(error) => not_given.push((one, deviation, error)),
+                }
+            }
+        }
+        // what lies outside the standard's scope is refused as a whole; what is missing or not known is said
+        let fatal = not_given.iter().find(|(one, _, error)| match error {
+            StandardError::OutOfScope { .. } => true,
+            StandardError::Grade { .. } => *one == standard,
+            _ => false,
+        });
+        // without any value: what is wrong, or else what is missing
+        let nothing = || {
+            let known = |error: &StandardError| !matches!(error, StandardError::Missing { .. });
+            let first = not_given.iter().find(|(_, _, error)| known(error)).or(not_given.first());
+            first.filter(|_| values.is_empty())
+        };
+        if let Some((_, _, error)) = fatal.or_else(nothing) {
+            return Err(error.clone());
+        }
+        values.sort_by_key(|permissible| permissible.deviation);
+        Ok(Self { values, not_given })
+    }
+}
+
 /// A measured deviation and the grade that it reaches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObtainedGrade {
@@ -114,6 +158,12 @@ impl GradeSearch {
             steps.push(GradeStep { grade, combined });
         }
         Ok(Self { limit, steps })
+    }
+
+    /// Why no grade can have a combination: the first error that is not of a grade.
+    #[must_use]
+    pub fn failure(&self) -> Option<&NoEffect> {
+        self.steps.iter().filter_map(|step| step.combined.as_ref().err()).find(|error| !error.is_of_grade())
     }
 
     /// The coarsest grade whose combination does not exceed the limit.

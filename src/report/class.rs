@@ -4,12 +4,14 @@ use serde_json::{Value, json};
 
 use super::number::{interval_text, plain, tidy, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
-use crate::deviation::Part;
-use crate::judge::class::{DiameterSource, ErrorClass, NoEffect, effect};
+use crate::deviation::DeviationKind;
+use crate::judge::class::{
+    DiameterSource, ErrorClass, NO_OVER_ROLLER_CLASS, NoEffect, SizedPart, deviation_of, effect,
+};
 use crate::judge::grade::{GradeSearch, ObtainedGrade, overall};
 use crate::judge::{Combined, Interval, Limit, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
-use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard, Wheel};
+use crate::standard::{Deviation, Permissible, RangeUse, Size, Standard};
 
 /// The permissible values of one grade.
 #[derive(Debug, Clone)]
@@ -18,12 +20,8 @@ pub struct ClassReport {
     pub title: Option<String>,
     /// The standard asked for.
     pub standard: Standard,
-    /// The part.
-    pub part: Part,
-    /// Its size.
-    pub wheel: Wheel,
-    /// Where the diameter comes from.
-    pub diameter_source: Option<DiameterSource>,
+    /// The part and its size.
+    pub sized: SizedPart,
     /// The grade.
     pub grade: u8,
     /// One per deviation.
@@ -37,11 +35,11 @@ pub struct ClassReport {
 impl ClassReport {
     /// The part and its size: `pinion: m_n = 1.9 mm, d = 14.675 mm (given), b = 30 mm, z = 7`.
     fn size(&self) -> String {
-        let wheel = &self.wheel;
+        let SizedPart { wheel, diameter_source, meshing } = &self.sized;
         let mm = |symbol: &str, length: &Option<Length>| {
             length.as_ref().map(|length| format!("{symbol} = {} mm", plain(rounded(length.mm()))))
         };
-        let diameter = mm("d", &wheel.diameter).map(|text| match self.diameter_source {
+        let diameter = mm("d", &wheel.diameter).map(|text| match diameter_source {
             Some(source) => format!("{text} ({})", source.name()),
             None => text,
         });
@@ -51,7 +49,29 @@ impl ClassReport {
             mm("b", &wheel.face_width),
             wheel.teeth.map(|teeth| format!("z = {teeth}")),
         ];
-        format!("{}: {}", self.part.name(), parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+        format!("{}: {}", meshing.part.name(), parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
+
+    /// The remarks, with what there is to say of the ΔCD of permissible deviations.
+    fn all_notes(&self) -> Vec<String> {
+        use Deviation::{HelixSlope, Runout, SectorPitch, SinglePitch, TotalHelix, TotalPitch};
+        let mut notes = self.notes.clone();
+        let has = |some: &[Deviation]| self.rows.iter().any(|row| some.contains(&row.permissible.deviation));
+        if has(&[Runout]) {
+            notes.push(
+                "ΔCD of F_r and of the composite deviations is their own peak-to-peak value; of an eccentric part it moves \
+                 by ± F_r / 2 about its mean, which is what { class = … } of the radial error takes"
+                    .to_owned(),
+            );
+        }
+        let by_angle = [SinglePitch, SectorPitch, TotalPitch, HelixSlope, TotalHelix];
+        if self.sized.meshing.pressure_angle.is_none() && has(&by_angle) {
+            notes.push("give --pressure-angle for the ΔCD of pitch and helix deviations".to_owned());
+        }
+        if self.rows.iter().any(|row| row.mesh.is_some()) {
+            notes.push("exact mesh: each deviation alone, on an otherwise perfect pair".to_owned());
+        }
+        notes
     }
 }
 
@@ -137,7 +157,7 @@ impl Report for ClassReport {
             .iter()
             .map(|(standard, deviation, reason)| json!({ "symbol": standard.symbol(*deviation), "reason": reason }))
             .collect();
-        let wheel = &self.wheel;
+        let SizedPart { wheel, diameter_source, meshing } = &self.sized;
         json!({
             "standard": self.standard.id(),
             "grade": self.grade,
@@ -145,13 +165,13 @@ impl Report for ClassReport {
             "not_given": not_given,
             "title": self.title,
             "standard_name": standards(self.standard),
-            "part": self.part.name(),
+            "part": meshing.part.name(),
             "normal_module_mm": wheel.normal_module,
             "diameter_mm": wheel.diameter,
-            "diameter_source": self.diameter_source.map(DiameterSource::name),
+            "diameter_source": diameter_source.map(DiameterSource::name),
             "face_width_mm": wheel.face_width,
             "teeth": wheel.teeth,
-            "notes": self.notes,
+            "notes": self.all_notes(),
         })
     }
 
@@ -185,7 +205,7 @@ impl Report for ClassReport {
                 notes.push(Block::Remark(format!("{}: {remark}", row.permissible.symbol())));
             }
         }
-        notes.extend(self.notes.iter().cloned().map(Block::Remark));
+        notes.extend(self.all_notes().into_iter().map(Block::Remark));
         notes.dedup();
         blocks.extend(notes);
         blocks
@@ -292,10 +312,38 @@ pub struct GradeSearchReport {
     pub standard: Standard,
     /// The grades and their combinations.
     pub search: GradeSearch,
-    /// What was combined, in words.
-    pub terms: Vec<String>,
-    /// What was not, and why.
-    pub left_out: Vec<String>,
+    /// The kinds of error that were combined.
+    pub kinds: Vec<DeviationKind>,
+    /// Those that have no class.
+    pub left_out: Vec<DeviationKind>,
+    /// The parts that have them.
+    pub parts: Vec<SizedPart>,
+}
+
+impl GradeSearchReport {
+    /// What was combined: by which deviation of a standard each error is graded.
+    fn terms(&self) -> Vec<String> {
+        let term = |kind: &DeviationKind| {
+            let deviation = deviation_of(*kind)?;
+            let limiting = self.standard.that_limits(deviation)?;
+            let part = self.parts.iter().find(|part| part.meshing.part == kind.part())?;
+            let diameter = part.diameter_in_words().map(|words| format!(", {words}")).unwrap_or_default();
+            let cap = match deviation {
+                Deviation::SinglePitch if limiting.deviations().contains(&Deviation::TotalPitch) => {
+                    format!(", capped by {}", limiting.symbol(Deviation::TotalPitch))
+                }
+                Deviation::Runout => " / 2, an eccentricity,".to_owned(),
+                _ => String::new(),
+            };
+            Some(format!("{kind} by {}{cap} of {limiting}{diameter}", limiting.symbol(deviation)))
+        };
+        self.kinds.iter().filter_map(term).collect()
+    }
+
+    /// What was not combined, and why.
+    fn left_out(&self) -> Vec<String> {
+        self.left_out.iter().map(|kind| format!("{kind}: {NO_OVER_ROLLER_CLASS}")).collect()
+    }
 }
 
 /// The ends of a grade's combination, if it has them.
@@ -333,8 +381,8 @@ impl Report for GradeSearchReport {
             "grade_worst_case": self.search.coarsest(Stack::Range),
             "grade_rss": self.search.coarsest(Stack::Rss),
             "grades": grades,
-            "terms": self.terms,
-            "left_out": self.left_out,
+            "terms": self.terms(),
+            "left_out": self.left_out(),
         })
     }
 
@@ -364,8 +412,8 @@ impl Report for GradeSearchReport {
             grade(self.search.coarsest(Stack::Range)),
             grade(self.search.coarsest(Stack::Rss))
         )));
-        blocks.extend(self.terms.iter().map(|term| Block::Note(format!("combined: {term}"))));
-        blocks.extend(self.left_out.iter().map(|reason| Block::Note(format!("left out: {reason}"))));
+        blocks.extend(self.terms().into_iter().map(|term| Block::Note(format!("combined: {term}"))));
+        blocks.extend(self.left_out().into_iter().map(|reason| Block::Note(format!("left out: {reason}"))));
         let mut reasons: Vec<String> = self.search.steps.iter().filter_map(|step| why_none(&step.combined)).collect();
         reasons.dedup();
         if let Some(reason) = reasons.first() {
