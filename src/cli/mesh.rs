@@ -1,6 +1,10 @@
 //! `rackmesh mesh`: ΔCD along the stroke, by the exact zero-backlash mesh.
 
+mod list;
+
 use std::path::PathBuf;
+
+use list::{Listed, Strokes, list, list_csv, listed_in_table};
 
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
@@ -16,12 +20,11 @@ use crate::deviation::{DeviationValue, FIRST_ODD_TOOTH, PinionToothRow, RackDevi
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Prediction};
-use crate::mesh::{Curve, Mesh, MeshError, STROKE_MM, Support};
+use crate::mesh::{Curve, Mesh, STROKE_MM, Support};
 use crate::quantity::Length;
 use crate::report::chart::Chart;
-use crate::report::function::at_listed;
-use crate::report::mesh_points::{self, AtListed, ListedPoint, Trust};
-use crate::report::{Format, FunctionPart, MeshReport, Screen, YokeSection, noted};
+use crate::report::mesh_points::{self, ListedPoint, Trust};
+use crate::report::{Format, MeshReport, Screen, YokeSection};
 use crate::spec::{MeshInput, Origin, Spec};
 
 pub(super) const ABOUT: &str = "Solve the exact mesh of rigid teeth along the stroke, no forces";
@@ -406,100 +409,4 @@ fn closed_is(verdict: Status, listed: Result<Option<Status>, Failure>) -> Result
         Err(failure) if failure.is_closed_pipe() => Ok(verdict),
         listed => Ok(listed?.unwrap_or(verdict)),
     }
-}
-
-/// The strokes of a table with their solutions.
-fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Vec<ListedPoint> {
-    let at: Vec<f64> = (0..strokes.count).map(|index| strokes.at(index)).collect();
-    let listed: Vec<ListedPoint> = at.iter().copied().zip(mesh.sample(&at)).collect();
-    if let Some(error) = Trust::of(&listed).failure {
-        output.diagnostic(&unsolved_stroke(&error));
-    }
-    listed
-}
-
-/// Strokes a step apart, both ends included.
-struct Strokes {
-    from: f64,
-    to: f64,
-    step: f64,
-    count: u64,
-}
-
-impl Strokes {
-    fn at(&self, index: u64) -> f64 {
-        let place = self.from + index as f64 * self.step;
-        if index + 1 == self.count { self.to } else { place }
-    }
-}
-
-fn unsolved_stroke(error: &MeshError) -> Diagnostic {
-    Diagnostic::warning(Code::NoMesh, error.to_string())
-}
-
-/// What a list of strokes is of: the mesh, and the yoke if there is one.
-struct Listed<'a> {
-    mesh: &'a Mesh,
-    part: Option<&'a FunctionPart>,
-}
-
-impl<'a> Listed<'a> {
-    fn of(report: &'a MeshReport<'_>) -> Self {
-        Self { mesh: report.mesh, part: report.function() }
-    }
-}
-
-/// Text of solved strokes, with what a yoke does there.
-type PointsText = fn(&[ListedPoint], AtListed<'_>) -> String;
-
-fn list_csv(strokes: &Strokes, of: &Listed<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
-    let header = mesh_points::csv_header(of.part.is_some());
-    list(strokes, of, output, (&header, mesh_points::csv_lines, |_| String::new()))
-}
-
-fn remark_on(trust: Trust, output: &mut Output) {
-    if let Some(error) = trust.failure {
-        output.diagnostic(&unsolved_stroke(&error));
-    }
-    trust.notes().iter().for_each(|note| output.remark(&noted(note)));
-}
-
-/// Solves strokes on all cores and writes them in order as they are solved, until the last one or a signal; `before` and
-/// `after` stand around them. The status is that of an interruption, if one came.
-fn list(
-    strokes: &Strokes,
-    of: &Listed<'_>,
-    output: &mut Output,
-    (before, text, after): (&str, PointsText, impl Fn(Trust) -> String),
-) -> Result<Option<Status>, Failure> {
-    // from the first byte on a signal has to leave whole JSON
-    let interruption = signals::interrupted(output);
-    output.piece(before)?;
-    let mut trust = Trust::default();
-    let mut written = 0;
-    let listed = |points: &[ListedPoint]| {
-        let yoke = of.part.map(|part| at_listed(&part.function, of.mesh, points));
-        text(points, yoke.as_deref())
-    };
-    let solved = of.mesh.sample_blocks(
-        strokes.count,
-        |index| strokes.at(index),
-        |points| (listed(points), Trust::of(points), points.len() as u64),
-        |(text, of_block, points)| {
-            trust = trust.and(of_block);
-            // a comma stands between elements
-            output.piece(if written == 0 { text.trim_start_matches(',') } else { &text }).map_err(Some)?;
-            written += points;
-            let is_last = written == strokes.count;
-            if !is_last && interruption.came() { Err(None) } else { Ok(()) }
-        },
-    );
-    match solved {
-        Err(Some(failure)) => return Err(failure),
-        Err(None) => trust.interrupted = true,
-        Ok(()) => {}
-    }
-    output.text(&after(trust))?;
-    remark_on(trust, output);
-    Ok(interruption.status().filter(|_| trust.interrupted))
 }
