@@ -1,5 +1,5 @@
-//! What is asked of each part, before anything is computed: which errors the table has, which outputs and limits need them, and
-//! what cannot be answered.
+//! The request for each part, before anything is computed: which errors the table has, which outputs and limits need them,
+//! and what cannot be answered.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::mesh::Support;
 use crate::spec::Spec;
 use crate::table::Table;
 
-/// What is asked of each part, as far as it is known before teeth are solved that the spec knows one by one.
+/// The request for each part, as far as it is known before the spec's single teeth are solved.
 pub(super) struct Asked {
     /// The spec, with what it says of the table's columns.
     pub(super) spec: Arc<Spec>,
@@ -27,7 +27,7 @@ pub(super) struct Asked {
     pub(super) limits: Limits,
     pub(super) unjudged: Vec<LimitTarget>,
     pub(super) lacking: Vec<DeviationKind>,
-    /// What the parts are judged without.
+    /// The errors without which the parts are judged.
     pub(super) without: Vec<String>,
     pub(super) is_uncertain: bool,
 }
@@ -59,7 +59,7 @@ impl Asked {
         };
         let needed: Vec<_> = present.iter().copied().filter(needed).collect();
         let sources = sources(spec, &needed, &columns, &of_every_part, &limits)?;
-        // a rule that needs uncertainties judges nothing of which one is missing
+        // a rule that needs uncertainties judges no error without one
         let uncertainties = spec.uncertainties_of(&present)?;
         let is_certain = |kind: &DeviationKind| uncertainties.of(crate::uncertainty::Influence::Error(*kind)).is_none();
         let lacks_uncertainty = request.rule.needs_uncertainty() && !request.partial && in_table.iter().any(is_certain);
@@ -104,7 +104,7 @@ fn unreached_by_known_teeth() -> Diagnostic {
     Diagnostic::error(Code::NoMesh, "--worst-teeth puts errors on teeth, and the spec knows teeth one by one")
 }
 
-/// Refuses to look for the worst teeth of a pair that is not known, or whose rack may roll.
+/// Refuses a search for the worst teeth of a pair that is not known, or whose rack may roll.
 pub(super) fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnostic> {
     let message = match &basis.geometry {
         _ if basis.known_teeth.is_some() => return Err(unreached_by_known_teeth()),
@@ -118,7 +118,7 @@ pub(super) fn refuse_unreached(spec: &Spec, basis: &Basis) -> Result<(), Diagnos
     Err(Diagnostic::error(Code::NoMesh, message))
 }
 
-/// Refuses what needs uncertainties of parts of a table where the spec gives none.
+/// Refuses requests that need uncertainties where the spec gives none for the parts of a table.
 ///
 /// # Errors
 /// A diagnostic if parts are simulated, or the rule needs uncertainties.

@@ -1,4 +1,4 @@
-//! How one result of a batch is spread, against its limits.
+//! The spread of one result of a batch, compared with its limits.
 
 use super::Statistics;
 use crate::statistics::capability::{Gauge, Index, Indices, Normality, performance, short_term};
@@ -17,12 +17,12 @@ pub struct Capability {
     pub ppk: Option<Index>,
     /// Whether values that have limits are normally distributed.
     pub normality: Option<Normality>,
-    /// What measuring does to the spread, where uncertainties are given.
+    /// The share of measuring in the spread, where uncertainties are given.
     pub gauge: Option<Gauge>,
 }
 
 impl Capability {
-    /// Of values held against a lower and an upper limit, mm, of what has these limits in all.
+    /// The capability of values against a lower and an upper limit, mm; the quantity has these limits in all.
     #[must_use]
     pub fn of(
         statistics: &Statistics,

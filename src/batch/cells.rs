@@ -1,4 +1,4 @@
-//! Rows of named cells that are no parts, such as designs, written as rows of parts are. Called by the command line.
+//! Rows of named cells that are not parts, such as designs, in the formats for rows of parts. The command line calls it.
 
 use std::io;
 
@@ -19,7 +19,7 @@ pub struct CellRows {
 }
 
 impl CellRows {
-    /// Of columns with these names and kinds.
+    /// A writer for columns with these names and kinds.
     #[must_use]
     pub fn new(columns: &[(String, ColumnKind)], format: RowFormat) -> Self {
         let (names, kinds): (Vec<_>, Vec<_>) = columns.iter().cloned().unzip();

@@ -1,4 +1,4 @@
-//! Results as columns: for Parquet files, and for programs that have columns. Filled by the evaluator; knows no
+//! Results as columns, for Parquet files and for programs that work with columns. The evaluator fills them; they know no
 //! format.
 
 use std::borrow::Cow;
@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use super::number::Decimals;
 use crate::quantity::Length;
 
-/// What a column holds.
+/// The kind of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ColumnKind {
@@ -18,7 +18,7 @@ pub enum ColumnKind {
     Flag,
 }
 
-/// What stands in one row and column of the results.
+/// One cell of the results.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ResultCell<'a> {
@@ -26,7 +26,7 @@ pub enum ResultCell<'a> {
     Nothing,
     /// A length.
     Length(Length),
-    /// What lies on no grid: an uncertainty in mm, a probability.
+    /// A number that lies on no grid: an uncertainty in mm, a probability.
     Number(f64),
     /// Whether something holds.
     Flag(bool),
@@ -60,7 +60,7 @@ pub enum ResultValues {
     Texts {
         /// The texts.
         bytes: Vec<u8>,
-        /// Where the first begins and where each ends.
+        /// Where the first text begins and where each ends.
         ends: Vec<usize>,
     },
     /// Numbers.
@@ -70,7 +70,7 @@ pub enum ResultValues {
 }
 
 impl ResultColumns {
-    /// No rows yet of columns of these kinds, with room for so many.
+    /// Empty columns of these kinds, with room for so many rows.
     pub(super) fn new(kinds: impl IntoIterator<Item = ColumnKind>, room: usize) -> Self {
         let ends = || {
             let mut ends = Vec::with_capacity(room + 1);
@@ -119,7 +119,7 @@ impl ResultColumns {
 }
 
 impl ResultColumn {
-    /// Adds a row; numbers are as they are written with these decimals.
+    /// Adds a row; numbers have the values that are written with these decimals.
     #[inline]
     pub(super) fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {
         self.has_value.push(*cell != ResultCell::Nothing);

@@ -13,19 +13,19 @@ pub struct Duplicates {
     pub count: u64,
     /// The first such names.
     pub first: Vec<String>,
-    /// Whether the names of later parts were not looked at, because there are too many.
+    /// Whether later names were not checked, because there are too many.
     pub is_cut: bool,
     /// Hashes of the names so far.
     seen: HashSet<u64>,
 }
 
 impl Duplicates {
-    /// Names that are looked at.
+    /// Names that are checked.
     const MOST: usize = 100_000;
     /// Names that are kept.
     const SHOWN: usize = 3;
 
-    /// Whether more names are looked at.
+    /// Whether more names are checked.
     pub(super) fn is_open(&self) -> bool {
         self.seen.len() < Self::MOST
     }
@@ -59,7 +59,7 @@ impl Duplicates {
         })
     }
 
-    /// The warning, if there is reason for one.
+    /// The warning, if a name appears more than once.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let cut = if self.is_cut { " among the first 100,000 parts; later ones are not checked" } else { "" };

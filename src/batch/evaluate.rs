@@ -1,5 +1,5 @@
-//! Blocks: columns of deviations to columns of results, results to text and counts. A worker has an [`Evaluator`] and gives
-//! it blocks; where their columns are from, it does not know.
+//! Blocks: columns of deviations to columns of results, results to text and counts. A worker has an [`Evaluator`] and gives it
+//! blocks; the evaluator does not know where their columns come from.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -33,20 +33,20 @@ pub(super) struct Evaluator<'a> {
     pub(super) rejects: Vec<u8>,
     pub(super) tally: Tally,
     pub(super) statistics: Vec<Statistics>,
-    /// The results of the last block, which belong there once it is known to count.
+    /// The results of the last block, which go into the statistics once the block counts.
     results: Option<Results<'a>>,
     /// The errors on the teeth that their extents allow.
     errors: ChangingErrors<'a>,
     /// The parts that the exact mesh judged.
     meshes: Meshes<'a>,
-    /// Which deviations are not suspicious.
+    /// The range of deviations that are not suspicious.
     usual: Reach,
     /// Whether rejected rows are kept at all.
     keeps_rejects: bool,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Of the rows of a file; once `stop` is set, no more rows are begun that take long.
+    /// An evaluator for the rows of a file; once `stop` is set, it begins no more slow rows.
     pub(super) fn new(
         plan: &'a Plan,
         layout: &'a Layout,
@@ -71,12 +71,12 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Whether a signal has left no time for rows of the last block, which had so many.
+    /// Whether a signal left no time for some rows of the last block.
     pub(super) fn is_cut(&self, rows: usize) -> bool {
         self.tally.counts.rows < rows as u64
     }
 
-    /// Evaluates a block; what came out of the last one is forgotten. `keeps_names` asks for the names of its parts.
+    /// Evaluates a block and forgets the results of the last one. `keeps_names` asks for the names of its parts.
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
         self.written.clear(block.rows());
         self.rejects.clear();
@@ -97,14 +97,14 @@ impl<'a> Evaluator<'a> {
         self.take(&results, &columns, Row { block, index: 0, records_before });
         self.results = Some(results);
         if self.is_cut(block.rows()) {
-            // in strict mode a refused row is the last, and a signal leaves no time for rows
+            // in strict mode a refused row is the last one; after a signal there is no time for further rows
             return;
         }
         self.write_no_parts(block, block.record_count);
         self.tally.has_names = keeps_names;
     }
 
-    /// Where every row is written: those that are no parts, up to this record of the block.
+    /// Where every row is written: writes the rows that are not parts, up to this record of the block.
     fn write_no_parts(&mut self, block: &Block, record: u64) {
         if self.plan.request.rows != Rows::Every {
             return;
@@ -186,14 +186,14 @@ impl<'a> Evaluator<'a> {
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
         }
         let is_kept = self.keeps(verdict);
-        // most parts are none of the worst
+        // most parts are not among the worst
         let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
         let fails_by_yoke = results.fails_by_yoke(row.index);
         let may_be_worst = || fails_by_yoke || results.inside_by(row.index).is_none_or(is_worst);
         if !(is_kept || self.plan.request.statistics && may_be_worst()) {
             return;
         }
-        // a part that its yoke alone fails is among the worst, whatever its ΔCD
+        // a part that fails only by its yoke is among the worst, whatever its ΔCD
         let outside = |margin: Margin| Margin { inside_by: Length::from_fm(-LARGEST), on: None, ..margin };
         let margin = results.margin(row.index).map(|margin| if fails_by_yoke { outside(margin) } else { margin });
         let file = &self.file;
@@ -226,7 +226,7 @@ impl<'a> Evaluator<'a> {
         lists_parts || (is_failure && self.tally.parts.len() < failures_kept)
     }
 
-    /// A row with a cell that is no value, that is no row at all, or whose values have no results.
+    /// Rejects a row: a cell is no value, the row is not a row, or its values have no results.
     fn refuse(&mut self, row: Row<'_>, Fault { column, text, message, .. }: &Fault) {
         self.tally.counts.rows += 1;
         self.tally.counts.rejected += 1;
@@ -279,7 +279,7 @@ fn errors(
     plan.sources.iter().zip(columns).zip(&layout.nominals).map(error).collect()
 }
 
-/// A part as it is kept for the summary; one without a result is as far outside as can be.
+/// A part as the summary keeps it; a part without a result counts as infinitely far outside.
 fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Margin>) -> Part {
     const OPEN: f64 = f64::INFINITY;
     Part {

@@ -1,5 +1,5 @@
-//! Columns that a program has in memory, some rows at a time: the batch for hosts such as data frames and query engines.
-//! Called by them; each piece is read by the rules for any table and evaluated as blocks of any table.
+//! Columns in the memory of a program, some rows at a time: the batch for data frames and query engines. Each piece is read by
+//! the rules for any table and evaluated like the blocks of any table.
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,7 +42,7 @@ pub struct ColumnEvaluator {
     spec: Arc<Spec>,
     want: Want,
     request: Request,
-    /// The plan of the last piece, which is that of the next if it has the same columns.
+    /// The plan of the last piece, for the next piece with the same columns.
     last: Mutex<Option<Arc<Plan>>>,
 }
 
@@ -53,11 +53,11 @@ pub struct ColumnPiece<'a> {
     pub name: &'a str,
     /// The names of its columns.
     pub titles: &'a [String],
-    /// Its columns; `None` of one whose values are of a type that holds no measurement, such as a list.
+    /// Its columns; `None` for a column whose type holds no measurement, such as a list.
     pub columns: &'a [Option<Stored<'a>>],
 }
 
-/// What came of some rows.
+/// The results of some rows.
 #[derive(Debug)]
 pub struct EvaluatedColumns {
     /// The names of the columns, and what they hold.
@@ -71,8 +71,8 @@ pub struct EvaluatedColumns {
 }
 
 impl ColumnEvaluator {
-    /// For a spec, without the columns whose names fit these patterns (`*` for any characters). Of the request, the format
-    /// and which rows are written do not count: there is a row for each, with full decimals.
+    /// An evaluator for a spec, without the columns whose names fit these patterns (`*` for any characters). The request's format
+    /// and choice of rows do not count: there is a row for each row, with full decimals.
     #[must_use]
     pub fn new(spec: &Arc<Spec>, ignored: &[String], request: Request) -> Self {
         let mut want = spec.want();
@@ -94,7 +94,7 @@ impl ColumnEvaluator {
         Self { spec: Arc::clone(spec), want, request, last: Mutex::new(None) }
     }
 
-    /// The columns that [`evaluate`](Self::evaluate) gives for such a piece, of which a few rows or none are enough.
+    /// The columns that [`evaluate`](Self::evaluate) gives for such a piece; a few rows or none are enough.
     ///
     /// # Errors
     /// As there.
@@ -102,8 +102,7 @@ impl ColumnEvaluator {
         Ok(self.planned(&self.understood(piece)?)?.0.columns_written())
     }
 
-    /// Evaluates some rows, which stand by themselves. A row that is no part, or has no result, says why in the column
-    /// `reason`.
+    /// Evaluates some rows, independently of others. For a row that is no part, or has no result, the column `reason` says why.
     ///
     /// # Errors
     /// [`Diagnostics`] if the columns are refused, as those of any table are: what they hold is not understood, or may be a
@@ -128,7 +127,7 @@ impl ColumnEvaluator {
     }
 
     fn understood(&self, piece: &ColumnPiece<'_>) -> Result<Table, Diagnostics> {
-        // what a column is follows from its name and type where no row has a number
+        // where no row has a number, the name and type of a column decide
         let stand_ins: Vec<_> = piece.columns.iter().map(|column| column.as_ref().map(Stored::stand_in)).collect();
         let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };

@@ -1,4 +1,4 @@
-//! Where one table has what the plan needs. Made once per table; reads no row.
+//! Where a table has the columns that the plan needs. Made once per table; reads no row.
 
 use super::output::Output;
 use super::plan::Plan;
@@ -8,10 +8,10 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::table::{Nominal, Table, Wanted};
 
-/// Where one table has what.
+/// The places of the plan's columns in one table.
 #[derive(Debug, Clone)]
 pub struct Layout {
-    /// The column of each source of the plan; `None` for one that every part has from the spec.
+    /// The column of each source of the plan; `None` for an error that every part has from the spec.
     pub(super) columns: Vec<Option<usize>>,
     /// The titles of the table's columns, for messages.
     pub(super) titles: Vec<String>,
@@ -25,8 +25,7 @@ impl Layout {
     /// Finds the plan's columns in a table.
     ///
     /// # Errors
-    /// A diagnostic for each column that the plan needs and the table does not have, or that it has and the plan does not
-    /// know.
+    /// A diagnostic for each column that the plan needs and the table lacks, or that the plan does not know.
     pub fn new(plan: &Plan, table: &Table) -> Result<Self, Diagnostics> {
         let mut diagnostics = Vec::new();
         let bad = |message: String| Diagnostic::error(Code::BadTable, message);
@@ -65,7 +64,7 @@ impl Layout {
             let Output::Copied(name) = output else { continue };
             match table.titles.iter().position(|title| title == name) {
                 Some(field) => copied.push(field),
-                // where no cell is
+                // a place without a cell
                 None if plan.request.copied.contains(name) => copied.push(usize::MAX),
                 None => diagnostics.push(bad(format!("{} has no column `{name}`, which is to be written", table.name))),
             }
@@ -93,7 +92,7 @@ impl Layout {
         sources.filter_map(sentence).collect()
     }
 
-    /// What is wanted of the table's rows.
+    /// The columns to read from the table's rows.
     pub(super) fn wanted(&self, keeps_raw: bool) -> Wanted {
         Wanted { copied: self.copied.clone(), keeps_raw }
     }

@@ -1,4 +1,5 @@
-//! Where the results of a run go, and what is kept of them, table after table. Shared by tables of parts and tables of teeth.
+//! Where the results of a run go, and the counts and statistics that are kept, table after table. Tables of parts and tables of
+//! teeth share it.
 
 use std::io::{self, Write};
 
@@ -36,7 +37,7 @@ pub trait ColumnSink: Send {
 }
 
 impl Sinks<'_> {
-    /// Writes what waits in the writers.
+    /// Flushes the writers.
     pub(super) fn flush(self) -> io::Result<()> {
         let rows = if let Some(RowSink::Text(sink)) = self.rows { sink.writer.flush() } else { Ok(()) };
         let rejects = self.rejects.map_or(Ok(()), |sink| sink.writer.flush());
@@ -59,23 +60,23 @@ impl Sink<'_> {
     }
 }
 
-/// What a run writes and keeps, table after table.
+/// The output and the counts of a run, table after table.
 pub(super) struct Ledger<'a> {
     pub(super) sinks: Sinks<'a>,
     pub(super) outcome: Outcome,
-    /// The header that the rejected rows written so far have.
+    /// The header of the rejected rows written last.
     rejects_header: Option<Vec<u8>>,
     wrote_header: bool,
 }
 
 impl<'a> Ledger<'a> {
-    /// An empty one, with statistics of these quantities.
+    /// An empty ledger, with statistics of these quantities.
     pub(super) fn new(sinks: Sinks<'a>, quantities: Vec<Quantity>) -> Self {
         let outcome = Outcome { quantities, ..Outcome::default() };
         Self { sinks, outcome, rejects_header: None, wrote_header: false }
     }
 
-    /// Writes what stands before the first row, or before the first rejected row of another header.
+    /// Writes the header before the first row, or before the first rejected row with another header.
     pub(super) fn start(
         &mut self,
         names: impl FnOnce() -> Vec<u8>,
@@ -97,12 +98,12 @@ impl<'a> Ledger<'a> {
         Ok(())
     }
 
-    /// Whether the run has come to its end before that of the input: in strict mode at the first rejected row.
+    /// Whether the run ended before the end of the input: in strict mode at the first rejected row.
     pub(super) fn is_over(&self, is_strict: bool) -> bool {
         self.outcome.interrupted || (is_strict && self.outcome.counts.rejected > 0)
     }
 
-    /// Ends the run: what it came to.
+    /// Ends the run and returns its outcome.
     pub(super) fn finish(mut self, is_strict: bool) -> (Outcome, io::Result<()>) {
         self.outcome.is_cut |= self.is_over(is_strict);
         (self.outcome, self.sinks.flush())

@@ -1,5 +1,5 @@
-//! What the exact mesh says of parts whose errors are all on every tooth: its extremes where the bound does not pass them, and what
-//! a yoke does. Asked by the results of a block.
+//! The exact mesh of parts whose errors are all on every tooth: its extremes where the bound does not pass them, and the
+//! figures of a yoke. The results of a block ask for it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,31 +15,31 @@ use crate::judge::bound::Basis;
 use crate::mesh::TOLERANCE_MM;
 use crate::spec::{SolvedTeeth, Spec};
 
-/// What the mesh says of a part.
+/// The result of a part's mesh.
 pub(super) struct Meshed {
     /// From its lowest to its highest ΔCD.
     pub(super) range: Interval,
-    /// What is uncertain about these, if that is computed.
+    /// The uncertainty of both, if it is computed.
     pub(super) uncertainty: Option<RowUncertainty>,
 }
 
 /// A part in the mesh, or why that has no answer.
 pub(super) type MeshAnswer = Arc<Result<Meshed, String>>;
 
-/// The parts that were meshed: those that are equal once.
+/// The parts that were meshed; equal parts once.
 pub(super) struct Meshes<'a> {
     known: HashMap<Vec<u64>, MeshAnswer>,
-    /// What a yoke does on them.
+    /// The yoke's figures of these parts.
     yokes: HashMap<Vec<u64>, Arc<JudgedYoke>>,
     /// Ends the run.
     pub(super) stop: &'a AtomicBool,
 }
 
-/// Parts that are kept at most.
+/// The most parts that are kept.
 const MOST_KEPT: usize = 4096;
 
 impl<'a> Meshes<'a> {
-    /// None so far.
+    /// No parts so far.
     pub(super) fn new(stop: &'a AtomicBool) -> Self {
         Self { known: HashMap::new(), yokes: HashMap::new(), stop }
     }
@@ -52,14 +52,14 @@ impl<'a> Meshes<'a> {
         Some(kept(&mut self.known, values, || meshed(plan, values)))
     }
 
-    /// What a yoke does on a part with these errors, all of them on all teeth.
+    /// The yoke's figures of a part with these errors, all of them on all teeth.
     pub(super) fn yoke(&mut self, plan: &Plan, yoke: &YokeJudge, values: &[DeviationValue]) -> Arc<JudgedYoke> {
         let unsolved = || yoke.unknown(yoke.open(&Judged::Unsolved));
         kept(&mut self.yokes, values, || yoke_on(plan, yoke, values).unwrap_or_else(unsolved))
     }
 }
 
-/// What is known of a part with these values, or is found now.
+/// The result for a part with these values, kept or computed now.
 fn kept<T>(known: &mut HashMap<Vec<u64>, Arc<T>>, values: &[DeviationValue], find: impl FnOnce() -> T) -> Arc<T> {
     let key: Vec<_> = values.iter().map(|value| value.base().to_bits()).collect();
     if let Some(known) = known.get(&key) {
@@ -79,7 +79,7 @@ fn part(plan: &Plan, values: &[DeviationValue]) -> Spec {
     plan.spec.with_errors(&kinds.zip(values.iter().copied()).collect::<Vec<_>>())
 }
 
-/// What a yoke does on a part; `None` where its mesh has no solution.
+/// The yoke's figures of a part; `None` where its mesh has no solution.
 fn yoke_on(plan: &Plan, yoke: &YokeJudge, values: &[DeviationValue]) -> Option<JudgedYoke> {
     let input = part(plan, values).mesh_of_all_teeth(&plan.spec.measured).ok()??;
     let (from, to) = yoke.strokes_mm;
@@ -97,7 +97,7 @@ fn meshed(plan: &Plan, values: &[DeviationValue]) -> Result<Meshed, String> {
     Ok(Meshed { range, uncertainty })
 }
 
-/// What is uncertain about the extremes of a part's mesh.
+/// The uncertainty of the extremes of a part's mesh.
 fn uncertain(
     plan: &Plan,
     spec: Spec,

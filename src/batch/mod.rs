@@ -1,17 +1,16 @@
 //! The parts of tables of any length: ΔCD of each, through the formulas.
 //!
-//! The command line reads tables ([`crate::table`]), makes a [`Plan`] from the spec, the first table's columns and what
-//! was asked, and runs each table through a [`Batch`]. Rows come out in the table's order, rejected rows apart and
-//! unchanged, and what it all came to as an [`Outcome`]. Nothing here opens files or prints, and nothing knows what file
-//! a column is from.
+//! The command line reads tables ([`crate::table`]), makes a [`Plan`] from the spec, the first table's columns and the request,
+//! and runs each table through a [`Batch`]. Rows come out in the table's order, rejected rows separately and unchanged, and
+//! counts and statistics as an [`Outcome`]. Nothing here opens files or prints, or knows from which file a column is.
 //!
 //! | module | what it is |
 //! |---|---|
 //! | `layout`, `asked`, `plan`, `source`, `output` | which column holds what; what is computed and written |
-//! | `uncertain`, `meshed` | how certain results are; what the exact mesh says where it judges |
+//! | `uncertain`, `meshed` | the uncertainty of results; the exact mesh where it judges |
 //! | `number`, `write`, `rows` | results as text |
-//! | `evaluate`, `results` | some rows: columns of deviations, what follows from them, the verdicts |
-//! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and what is kept |
+//! | `evaluate`, `results` | some rows: columns of deviations, their results, the verdicts |
+//! | `run`, `pack`, `ledger` | pieces through all cores, in order; where results go, and the counts that are kept |
 //! | `columns`, `cells`, `parquet` | results in columns, rows that are no parts, and columns as Parquet |
 //! | `in_memory` | columns that a program has, in place of files |
 //! | `teeth` | tables with a row per tooth, through the exact mesh |

@@ -1,18 +1,18 @@
-//! Lengths as the text of a row: what a batch writes most. Called by the evaluator.
+//! Lengths as the text of a row, which is most of what a batch writes. The evaluator calls it.
 
 use crate::quantity::Length;
 
 /// How many decimals of a millimetre are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Decimals {
-    /// So many, rounded half away from zero.
+    /// This number of decimals, rounded half away from zero.
     Places(u8),
     /// The shortest text that reads back as the same double, as `eval` prints it.
     Full,
 }
 
 impl Decimals {
-    /// The most that can be asked for.
+    /// The largest number of decimals.
     pub const MOST: u8 = 30;
 
     /// The double that a length reads as when it is written.
@@ -23,7 +23,7 @@ impl Decimals {
         }
     }
 
-    /// A number that is no length of the grid: an uncertainty in mm, a probability.
+    /// A number that is not a length of the grid: an uncertainty in mm, a probability.
     pub(super) fn text(self, value: f64) -> String {
         match (self, Length::from_mm(value)) {
             (Self::Places(places), Ok(length)) => length.to_decimal_text(places.into()),
@@ -32,7 +32,7 @@ impl Decimals {
     }
 }
 
-/// What a length is with so many decimals, by their number, so that each divides by a constant.
+/// A length in units of so many decimals; one branch for each number, so that each divides by a constant.
 const VALUES: [fn(Length) -> f64; 12] = [
     value::<0>,
     value::<1>,
@@ -61,7 +61,7 @@ impl Default for Decimals {
     }
 }
 
-/// A text that says no number of decimals.
+/// The text is not a number of decimals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("write a whole number up to {}, or `full`", Decimals::MOST)]
 pub struct NoDecimals;

@@ -1,5 +1,5 @@
-//! What a batch came to: counts that add up, what is wrong with which row, the parts to look at. Filled by the run,
-//! read by the reports; decides nothing.
+//! The outcome of a batch: counts that add up, the rejected rows with their faults, the parts worth a look. The run fills it,
+//! reports read it; it decides nothing.
 
 use std::fmt;
 use std::io;
@@ -19,7 +19,7 @@ use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::Length;
 use crate::table::{ASIDES_KEPT, AsideReading, Block, Doubtful, LeftOut, Place, Reading, Rows, join_left_out};
 
-/// How many rows there were, and what became of them.
+/// The number of rows, and of each outcome.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Records below the headers.
@@ -166,7 +166,7 @@ pub struct Part {
 /// An error of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartError {
-    /// Which it is.
+    /// The kind of error.
     pub kind: DeviationKind,
     /// The deviation that is evaluated; of a tolerance, the end farther from 0.
     pub deviation: DeviationValue,
@@ -188,9 +188,9 @@ impl Part {
     }
 }
 
-/// Takes every part, as far as it is wanted, and every row that makes none.
+/// Takes every part that is wanted, and every row that makes no part.
 pub trait PartSink: Send {
-    /// Takes the next ones.
+    /// Takes the next parts and rows.
     ///
     /// # Errors
     /// If they cannot be written.
@@ -202,26 +202,26 @@ pub trait PartSink: Send {
 pub struct Quantity {
     /// Its name.
     pub name: String,
-    /// On what a limit is that it is held against. Of the two ends of a combination, the upper one stands last.
+    /// The limit with which it is compared. Of the two ends of a combination, the upper one stands last.
     pub on: Option<LimitTarget>,
-    /// The lower and the upper limit on what it is of, mm.
+    /// The lower and the upper limit on the quantity, mm.
     pub limits: (Option<f64>, Option<f64>),
-    /// Which end of a range it is: that is held against the limit on its side.
+    /// Which end of a range it is: that end is compared with the limit on its side.
     pub(super) end: Option<End>,
     /// Its statistics.
     pub statistics: Statistics,
 }
 
 impl Quantity {
-    /// A result without a value so far, and the limit that it is held against.
+    /// A result without a value so far, and its limit.
     pub(super) fn new(name: String, on: Option<LimitTarget>, limit: Option<&Limit>, end: Option<End>) -> Self {
         let ends = |limit: &Limit| (limit.lower.map(Length::mm), limit.upper.map(Length::mm));
         let new = Self { name, on, limits: limit.map_or((None, None), ends), end, statistics: Statistics::default() };
-        // capability is that of what has a limit
+        // only a result with a limit has a capability
         if new.is_limited() { Self { statistics: Statistics::of_kept_values(), ..new } } else { new }
     }
 
-    /// The limits that it is held against, mm: of the end of a range the one on its side.
+    /// The limits with which it is compared, mm: for the end of a range the one on its side.
     #[must_use]
     pub fn own_limits(&self) -> (Option<f64>, Option<f64>) {
         match self.end {
@@ -231,14 +231,14 @@ impl Quantity {
         }
     }
 
-    /// Whether it is held against a limit.
+    /// Whether it has a limit.
     #[must_use]
     pub fn is_limited(&self) -> bool {
         self.own_limits() != (None, None)
     }
 }
 
-/// What a batch came to.
+/// The outcome of a batch.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// The counts.
@@ -251,25 +251,25 @@ pub struct Outcome {
     pub worst: Vec<Part>,
     /// The results that have statistics.
     pub quantities: Vec<Quantity>,
-    /// The settings of the parts' plug, where it is known which keep the window.
+    /// The plug settings of the parts, where it is known which of them keep the window.
     pub settings: Settings,
     /// How each table was read.
     pub readings: Vec<Reading>,
-    /// What the spec and the tables leave to say: what was left out, what was assumed.
+    /// Remarks on the spec and the tables: what was left out, what was assumed.
     pub notes: Vec<String>,
     /// Part names that appear more than once.
     pub duplicates: Duplicates,
     /// Whether the run was ended before the end of the input, by the user.
     pub interrupted: bool,
-    /// Whether it ended before the end of a table: it could not be read further, or was to end at the first rejected row.
+    /// Whether the run ended before the end of a table, because it could not be read further, or at the first rejected row.
     pub is_cut: bool,
     /// Bytes read, after unpacking.
     pub bytes: u64,
 }
 
 impl Outcome {
-    /// Says that parts have one name with how the last table was read, where warnings stand; that not all names were
-    /// looked at is a note.
+    /// Adds the warning on repeated part names to the last table's reading, where warnings stand, and a note if not all names were
+    /// checked.
     pub fn tell_duplicates(&mut self) {
         let warned = self.readings.last_mut().filter(|_| self.duplicates.count > 0);
         let notes = warned.map_or(&mut self.notes, |reading| &mut reading.notes);
@@ -277,7 +277,7 @@ impl Outcome {
     }
 }
 
-/// What one chunk came to.
+/// The outcome of one chunk.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: Counts,
@@ -287,11 +287,11 @@ pub(super) struct Tally {
     pub(super) worst: Vec<Part>,
     /// How many values of each source are suspicious.
     pub(super) doubted: [u64; KINDS],
-    /// Whether the names of the parts are still looked at.
+    /// Whether the names of the parts are still checked.
     pub(super) has_names: bool,
     /// The settings of the parts' plug.
     pub(super) settings: Settings,
-    /// One per result that is held against a limit, where statistics are kept.
+    /// One per result with a limit, where statistics are kept.
     pub(super) moving: Vec<MovingRange>,
 }
 
@@ -321,8 +321,7 @@ pub(super) struct Total<'a> {
 }
 
 impl Total<'_> {
-    /// Takes the block that follows all that it has, and what it came to; record numbers of the block become those of the
-    /// table.
+    /// Takes the next block with its outcome; record numbers of the block become those of the table.
     pub(super) fn add(
         &mut self,
         rows: &Rows,

@@ -1,4 +1,4 @@
-//! What can be written for a part, and what of it was asked for. Called by the plan; names columns and computes
+//! The columns that can be written for a part, and those that are asked for. The plan calls it; it names columns and computes
 //! nothing.
 
 use super::request::Request;
@@ -19,13 +19,13 @@ pub(super) enum Output {
     Error(DeviationKind),
     /// An end of a combination.
     Combined(Stack, End),
-    /// An end of what is held against the limit on all errors together.
+    /// An end of the range that the limit on all errors together judges.
     Judged(End),
     /// How far the part is inside the nearest limit.
     Margin,
-    /// Which end of which limit that is, by the spec's key.
+    /// The nearest end of a limit, by the spec's key.
     NearestLimit,
-    /// An end of what the exact mesh reaches with the errors on the worst teeth found.
+    /// An end of the range that the exact mesh reaches with the errors on the worst teeth found.
     Reached(End),
     /// Standard uncertainty of a result.
     Standard(UncertainOutput),
@@ -46,18 +46,18 @@ pub(super) enum Output {
     Yoke(usize),
     /// The verdict on a limit of the yoke.
     OnYoke(Target),
-    /// What the parts are judged without.
+    /// The errors without which the parts are judged.
     Without,
     /// The input's column of that name, as it is.
     Copied(String),
 }
 
-/// What a spec says of a yoke.
+/// What a spec gives of a yoke.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SaidOfYoke {
-    /// Something is given, or asked.
+    /// Keys of a yoke, or limits on it.
     pub(super) is_given: bool,
-    /// Something is asked.
+    /// Limits on a yoke.
     pub(super) is_limited: bool,
 }
 
@@ -110,7 +110,7 @@ impl UncertainOutput {
 /// A statistic of a simulated distribution.
 type SimulatedStatistic = (&'static str, fn(&Simulation) -> f64);
 
-/// Those that are columns, with their names.
+/// The statistics that are columns, with their names.
 const SIMULATED: [SimulatedStatistic; 4] = [
     ("mean", |simulation| simulation.mean),
     ("standard", |simulation| simulation.standard),
@@ -124,7 +124,7 @@ pub(super) fn simulated(simulation: &Simulation, statistic: usize) -> f64 {
 }
 
 impl Output {
-    /// What there is to write of parts with errors of these kinds and limits on these.
+    /// The outputs for parts with errors of these kinds and limits on these.
     fn all(
         request: &Request,
         kinds: &[DeviationKind],
@@ -163,7 +163,7 @@ impl Output {
         all
     }
 
-    /// What is written only where it is asked for.
+    /// Outputs that are written only where they are asked for.
     fn others() -> [Self; 4] {
         let [lower, upper] = End::BOTH.map(Self::Judged);
         [lower, upper, Self::Margin, Self::NearestLimit]
@@ -174,7 +174,7 @@ impl Output {
         End::BOTH.map(|end| Self::Combined(stack, end))
     }
 
-    /// The outputs that were asked for, or all that there are.
+    /// The outputs that are asked for, else all.
     pub(super) fn asked(
         table: &Table,
         request: &Request,
@@ -260,7 +260,7 @@ impl Output {
         )
     }
 
-    /// The error that it is about, if it is about one.
+    /// The error of this output, if it has one.
     fn error(&self) -> Option<DeviationKind> {
         match self {
             Self::Error(kind)

@@ -28,7 +28,7 @@ impl Packing {
         }
     }
 
-    /// Packs bytes; nothing stays nothing.
+    /// Packs bytes; without bytes it writes nothing.
     pub(super) fn pack(self, bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
         if bytes.is_empty() {
             return Ok(Cow::Borrowed(bytes));

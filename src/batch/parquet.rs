@@ -1,7 +1,7 @@
-//! Rows as a Parquet file. Given to a batch as the place of its rows; the command line ends it.
+//! Rows as a Parquet file. A batch writes its rows here; the command line closes the file.
 //!
-//! Takes results in columns and writes groups of some [`GROUP`] rows, so that memory does not depend on how many there are.
-//! What a program reads is what the rows as text say.
+//! Takes results in columns and writes groups of some [`GROUP`] rows, so that memory does not depend on the number of rows. A
+//! program reads the same values as from rows of text.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -22,7 +22,7 @@ use crate::table::Field;
 /// Rows in a group, at least: a few MiB of results.
 const GROUP: usize = 1 << 14;
 
-/// Where the rows of a batch become a Parquet file.
+/// A writer of a batch's rows as a Parquet file.
 pub struct ParquetRows {
     writer: SerializedFileWriter<Box<dyn Write + Send>>,
     /// The rows of the group to be written.
@@ -52,11 +52,11 @@ impl ParquetRows {
             fields.push(Arc::new(field.map_err(failed)?));
             let path = || ColumnPath::from(vec![name.clone()]);
             if *kind == ColumnKind::Number || name == Field::PartId.key() {
-                // hardly any two are the same
+                // nearly all values differ
                 properties = properties.set_column_dictionary_enabled(path(), false);
             }
             if *kind == ColumnKind::Text {
-                // nobody asks for the least and the greatest text
+                // the least and the greatest text are of no use
                 properties = properties.set_column_statistics_enabled(path(), EnabledStatistics::None);
             }
         }
@@ -65,7 +65,7 @@ impl ParquetRows {
         Ok(Self { group: ResultColumns::default(), writer })
     }
 
-    /// Writes what is left, and the file's end.
+    /// Writes the last group and the end of the file.
     ///
     /// # Errors
     /// If it cannot be written.

@@ -1,4 +1,4 @@
-//! What is computed for each part: from the spec, the first table's header and what was asked.
+//! What is computed for each part: from the spec, the first table's header and the request.
 //!
 //! The command line makes one [`Plan`] per run and one layout per table. A plan names the inputs that some
 //! output or limit needs; nothing else is parsed, and no output that was not asked for is computed.
@@ -29,7 +29,7 @@ use crate::uncertainty::Unstated;
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub(super) sources: Vec<Source>,
-    /// The errors that the first table has columns of, and those of every part.
+    /// The errors with a column in the first table, and those of every part.
     pub(super) present: Vec<DeviationKind>,
     pub(super) outputs: Vec<Output>,
     /// What is known of the pair.
@@ -37,33 +37,33 @@ pub struct Plan {
     /// Whether the worst case, or the statistical sum, is written, judged or counted.
     pub(super) needs_range: bool,
     pub(super) needs_rss: bool,
-    /// Whether a statistical sum was asked for and nothing scatters, so that the worst case is judged.
+    /// Whether the statistical sum is asked for but nothing scatters, so that the worst case is judged.
     nothing_scatters: bool,
-    /// Whether what the mesh reaches is written.
+    /// Whether the range that the mesh reaches is written.
     pub(super) needs_reached: bool,
-    /// Whether nothing of the errors is left to place: the exact mesh judges parts that the bound does not pass.
+    /// Whether no error is left to place: the exact mesh judges parts that the bound does not pass.
     pub(crate) is_all_placed: bool,
-    /// What the parts' yoke is held against, if the spec has one.
+    /// How the parts' yoke is judged, if the spec has one.
     pub(crate) yoke: Option<YokeJudge>,
-    /// Whether nothing of the errors is left to place, so that the exact mesh says what the yoke does.
+    /// Whether no error is left to place, so that the figures of the yoke come from the exact mesh.
     pub(super) knows_teeth: bool,
     /// The limits that can be judged.
     pub limits: Limits,
     /// The limits that cannot be judged: on errors that the table does not have, or on a sum that lacks one.
     pub unjudged: Vec<LimitTarget>,
-    /// The errors that the spec asks for and the table lacks: without them the sum is not that of a part.
+    /// The errors that the spec asks for and the table lacks: without them there is no sum for a part.
     pub lacking: Vec<DeviationKind>,
-    /// What the parts are judged without, as told by the user.
+    /// The errors without which the user has the parts judged.
     pub(super) without: String,
     /// Whether parts have a name of their own, or are called by the number of their row.
     pub has_id: bool,
-    /// What was asked.
+    /// The request.
     pub request: Request,
-    /// The results that are held against a limit, by their place among the quantities, where statistics are kept.
+    /// The results with a limit, by their place among the quantities, where statistics are kept.
     pub(super) followed: Vec<(usize, Output)>,
     /// The uncertainties, if some output, the rule or a statistic needs them.
     pub(super) uncertain: Option<Box<Uncertain>>,
-    /// What stands before each value of a JSON line.
+    /// The text before each value of a JSON line.
     pub(super) json_names: Vec<Vec<u8>>,
     /// How lengths are written, unless in full.
     pub(super) places: Option<Places>,
@@ -78,8 +78,8 @@ impl Plan {
     /// Plans a batch for the spec and the columns of its first table.
     ///
     /// # Errors
-    /// Diagnostics for a table without a column that is known or that the spec promises, for gear data that
-    /// a column's formula needs, and for names of output columns that there are not.
+    /// Diagnostics for a table without a known column or without one that the spec promises, for gear data that a column's
+    /// formula needs, and for unknown names of output columns.
     pub fn new(spec: &Arc<Spec>, table: &Table, mut request: Request) -> Result<Self, Diagnostics> {
         let asked = Asked::new(spec, table, &request)?;
         let Asked { spec, sources, present, outputs, limits: judged, unjudged, lacking, without, is_uncertain } = asked;
@@ -138,8 +138,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses what [`Plan::new`] refuses before anything is computed: teeth that the spec knows one by one need not be
-    /// solved for that.
+    /// Refuses what [`Plan::new`] refuses before anything is computed, without solving the spec's single teeth.
     ///
     /// # Errors
     /// As those of [`Plan::new`].
@@ -147,7 +146,7 @@ impl Plan {
         Asked::new(spec, table, request).map(drop)
     }
 
-    /// The columns that a plan writes where none is asked for, found before anything is computed.
+    /// The columns that a plan writes by default, found before anything is computed.
     ///
     /// # Errors
     /// As those of [`Plan::new`].
@@ -157,7 +156,7 @@ impl Plan {
         Ok(usual.map(|output| output.name(request.stack)).collect())
     }
 
-    /// Finds what follows from the plan: what statistics follow, why a part has no verdict, how JSON lines begin.
+    /// Completes the plan: the results with statistics, why a part has no verdict, how JSON lines begin.
     fn follow(&mut self) {
         if self.outputs.contains(&Output::Reason) {
             self.without_verdict = self.no_verdict();
@@ -174,12 +173,12 @@ impl Plan {
         self.spec.pitch_circle.as_ref().filter(|_| source.law.kind() == DeviationKind::PinionPitch)
     }
 
-    /// The outputs of which there are statistics: ΔCD and its combinations.
+    /// The outputs with statistics: ΔCD and its combinations.
     pub(super) fn quantities(&self) -> impl Iterator<Item = &Output> {
         self.outputs.iter().filter(|output| matches!(output, Output::Error(_) | Output::Combined(..)))
     }
 
-    /// Of which uncertainty the variance of a result is made, if the uncertainties are known.
+    /// The uncertainty that makes the variance of a result, if the uncertainties are known.
     pub(super) fn spread_of(&self, output: &Output) -> Option<UncertainOutput> {
         self.uncertain.as_ref()?;
         match output {
@@ -189,7 +188,7 @@ impl Plan {
         }
     }
 
-    /// Errors that are measured and to which the spec gives no uncertainty, while it gives others one.
+    /// Measured errors without an uncertainty in a spec that gives one to others.
     #[must_use]
     pub fn taken_as_exact(&self) -> Vec<DeviationKind> {
         let Some(uncertain) = &self.uncertain else { return Vec::new() };
@@ -240,7 +239,7 @@ impl Plan {
         self.column_names().into_iter().zip(self.column_kinds()).collect()
     }
 
-    /// What each column written holds.
+    /// The kind of each column written.
     pub(super) fn column_kinds(&self) -> Vec<ColumnKind> {
         let kind = |output: &Output| match output {
             Output::Id
@@ -262,7 +261,7 @@ impl Plan {
         self.spec.extents_in_words(&self.errors().collect::<Vec<_>>())
     }
 
-    /// What the bound of a part with these errors rests on.
+    /// What the bound of a part with these errors assumes.
     #[must_use]
     pub fn bound_notes(&self) -> Vec<Note> {
         if !self.needs_range {
@@ -273,7 +272,7 @@ impl Plan {
         self.basis.bound(&errors).notes.into_iter().chain(nothing_scatters).collect()
     }
 
-    /// What the verdicts take for granted of uncertainties.
+    /// What the verdicts assume of uncertainties.
     #[must_use]
     pub fn unstated(&self) -> Vec<Unstated> {
         self.spec.unstated(&self.present, self.basis.known_teeth.is_some(), &self.request.rule)
@@ -285,7 +284,7 @@ impl Plan {
         self.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance)
     }
 
-    /// Whether something is asked of a yoke.
+    /// Whether a yoke has limits.
     #[must_use]
     pub fn is_yoke_limited(&self) -> bool {
         self.yoke.as_ref().is_some_and(|yoke| !yoke.limits.is_empty())
@@ -312,7 +311,7 @@ impl Plan {
         self.sources.iter().filter(|source| source.of_every_part.is_some()).map(|source| source.law.kind())
     }
 
-    /// Whether a table has the errors that this was planned for, and names for its parts if the others had.
+    /// Whether a table has the errors of this plan, and names for its parts if the first table has.
     pub(super) fn is_for(&self, table: &Table) -> bool {
         self.has_id == table.has_id && table.kinds().eq(self.of_table.iter().copied())
     }
@@ -333,7 +332,7 @@ impl Plan {
         }
     }
 
-    /// Whether parts are judged by what the table has, though it lacks something.
+    /// Whether parts are judged although the table lacks an error.
     #[must_use]
     pub fn is_partial(&self) -> bool {
         !self.without.is_empty()

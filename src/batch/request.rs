@@ -1,4 +1,4 @@
-//! What is asked of a batch. Filled by the command line, read by the plan; knows no table.
+//! The request to a batch. The command line fills it, the plan reads it; it knows no table.
 
 use super::number::Decimals;
 use crate::chance::Settings;
@@ -13,9 +13,9 @@ pub struct Request {
     pub model: Model,
     /// The combination that the verdict judges.
     pub stack: Stack,
-    /// How a verdict is reached: by the limits, or with a guard band.
+    /// The decision rule: by the limits, or with a guard band.
     pub rule: Rule,
-    /// How to simulate the distribution of each part's results, if that is asked for.
+    /// How to simulate the distribution of each part's results; `None` for no simulation.
     pub monte_carlo: Option<Settings>,
     /// Decimals of the numbers written.
     pub decimals: Decimals,
@@ -27,7 +27,7 @@ pub struct Request {
     pub copied: Vec<String>,
     /// Whether the errors of each part are put on the worst teeth that a search finds, where the whole pair is known.
     pub mesh: bool,
-    /// Whether parts are judged by what the table has where it lacks an error that the spec asks for.
+    /// Whether parts are judged although the table lacks an error that the spec asks for.
     pub partial: bool,
     /// Whether statistics and the worst parts are kept.
     pub statistics: bool,
@@ -37,7 +37,7 @@ pub struct Request {
     pub strict: bool,
     /// How many parts that do not pass are kept with their results.
     pub failures_kept: usize,
-    /// Whether every part goes to whoever lists them: [`Sinks::parts`](super::Sinks::parts).
+    /// Whether every part goes to [`Sinks::parts`](super::Sinks::parts).
     pub lists_parts: bool,
     /// How many rejected rows are kept with what is wrong with them, unless every part is listed.
     pub problems_kept: usize,
@@ -46,7 +46,7 @@ pub struct Request {
 /// Which rows are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rows {
-    /// None: the outcome is all that is wanted.
+    /// None: only the outcome is wanted.
     None,
     /// One per part.
     #[default]
@@ -78,7 +78,7 @@ pub enum RowFormat {
     Csv,
     /// Tab-separated values with a header.
     Tsv,
-    /// The same two, with an apostrophe before what a spreadsheet would compute.
+    /// Comma-separated values, with an apostrophe before texts that a spreadsheet would compute.
     SafeCsv,
     /// See [`RowFormat::SafeCsv`].
     SafeTsv,
@@ -89,7 +89,7 @@ pub enum RowFormat {
 }
 
 impl RowFormat {
-    /// What stands between values; `None` of JSON.
+    /// The separator of values; `None` for JSON.
     #[inline]
     pub(super) const fn separator(self) -> Option<u8> {
         match self {

@@ -1,5 +1,5 @@
-//! The results of the rows of a block, column by column; [`verdicts`] is what they say about the limits. Called by the evaluator of
-//! blocks; `eval` combines and judges by the same functions.
+//! The results of the rows of a block, column by column; [`verdicts`] compares them with the limits. The evaluator of blocks
+//! calls it; `eval` combines and judges by the same functions.
 
 mod verdicts;
 
@@ -30,7 +30,7 @@ pub(super) use verdicts::Margin;
 pub(super) struct Results<'a> {
     plan: &'a Plan,
     layout: &'a Layout,
-    /// Ends the run: rows that take long are then left out, with all behind them.
+    /// Ends the run: slow rows, and all rows behind them, are then left out.
     stop: &'a AtomicBool,
     /// How many rows there are.
     rows: usize,
@@ -38,18 +38,18 @@ pub(super) struct Results<'a> {
     pub(super) refusals: BTreeMap<usize, Box<Fault>>,
     /// ΔCD of each kind of error, by its number.
     each: [Vec<Length>; KINDS],
-    /// What each can do alone, where that is held against a limit.
+    /// The range of each error alone, where it has a limit.
     alone: [Vec<Option<Interval>>; KINDS],
-    /// What all do together, by the number of the combination.
+    /// The joint range of all errors, by the number of the combination.
     combined: [Vec<Option<Interval>>; Stack::ALL.len()],
     /// The worst case of parts without anything that scatters, where the statistical sum is asked for.
     unscattered: BTreeMap<usize, Interval>,
     reached: Vec<Option<Interval>>,
-    /// What is uncertain about each part, if that is computed.
+    /// The uncertainty of each part, if it is computed.
     uncertainties: Vec<Option<RowUncertainty>>,
     /// The parts that the exact mesh judges, by row.
     meshed: BTreeMap<usize, MeshAnswer>,
-    /// What the yoke does on each part, if that is asked.
+    /// The yoke's figures of each part, if they are asked for.
     yokes: Vec<Option<Arc<JudgedYoke>>>,
     /// The verdict on the errors of each part, where there are limits on a yoke, too.
     of_errors: Vec<Option<Verdict>>,
@@ -57,12 +57,12 @@ pub(super) struct Results<'a> {
     pub(super) verdicts: Vec<Option<Verdict>>,
 }
 
-/// What is wrong with a row; `column` is to blame, if one is.
+/// The fault of a row, in `column` if one is to blame.
 fn fault(column: Option<usize>, message: String) -> Fault {
     Fault { row: 0, column, is_missing: false, text: String::new(), message }
 }
 
-/// What is wrong with what follows from the values of a row: `what`, of the column that is to blame, if one is.
+/// The fault of a result of a row: `what`, in the column to blame, if there is one.
 #[cold]
 fn no_result(what: &str, column: Option<usize>, problem: impl Into<DomainError>) -> Fault {
     fault(column, format!("{what}: {}", problem.into()))
@@ -77,7 +77,7 @@ fn plain_values(values: &DeviationValues) -> Vec<f64> {
     }
 }
 
-/// The nearest decimals of a range; nothing of one that is open.
+/// The nearest decimals of a range; `None` for an open one.
 #[inline]
 fn nearest(range: Result<Range, NoBound>) -> Result<Option<Interval>, QuantityError> {
     let Ok(range) = range else { return Ok(None) };
@@ -85,8 +85,8 @@ fn nearest(range: Result<Range, NoBound>) -> Result<Option<Interval>, QuantityEr
 }
 
 impl<'a> Results<'a> {
-    /// The results of the deviations, a column per source of the plan, but for rows that are refused already. What has no
-    /// bound is left out. In strict mode nothing behind the first refused row counts.
+    /// The results of the deviations, a column per source of the plan, without rows that are refused already. Ranges without a
+    /// bound are left out. In strict mode nothing behind the first refused row counts.
     pub(super) fn new(
         plan: &'a Plan,
         layout: &'a Layout,
@@ -147,7 +147,7 @@ impl<'a> Results<'a> {
         self.refusals.keys().copied().chain([self.rows]).map(move |end| std::mem::replace(&mut next, end + 1)..end)
     }
 
-    /// What rows come to. One that is refused comes to nothing; one for which there is a reason is refused.
+    /// The results of rows. A refused row has none; a row with an error is refused.
     fn by_row<T: Default>(&mut self, mut of: impl FnMut(&Self, usize) -> Result<T, Box<Fault>>) -> Vec<T> {
         let (mut column, mut refused) = (Vec::with_capacity(self.rows), Vec::new());
         for rows in self.runs() {
@@ -163,7 +163,7 @@ impl<'a> Results<'a> {
         column
     }
 
-    /// The same of rows that take long: those that a signal leaves no time for, and all behind them, do not count.
+    /// The results of slow rows: rows for which a signal leaves no time, and all behind them, do not count.
     fn by_slow_row<T: Default>(&mut self, mut of: impl FnMut(&Self, usize) -> Result<T, Box<Fault>>) -> Vec<T> {
         let mut end = self.rows;
         let column = self.by_row(|results, row| {
@@ -183,7 +183,7 @@ impl<'a> Results<'a> {
         self.refusals.split_off(&rows);
     }
 
-    /// ΔCD of an error, and what the error can do alone if that has a limit.
+    /// ΔCD of an error, and its range alone if that has a limit.
     fn take_error(&mut self, index: usize, deviations: &DeviationValues, values: &[f64]) {
         let plan = self.plan;
         let (source, column) = (&plan.sources[index], self.layout.columns[index]);
@@ -203,7 +203,7 @@ impl<'a> Results<'a> {
         }
     }
 
-    /// What all errors do together; `values` has a column per error, mm or rad.
+    /// The joint range of all errors; `values` has a column per error, mm or rad.
     fn take_sums(&mut self, values: &[Vec<f64>], errors: &ChangingErrors<'_>) {
         let plan = self.plan;
         if plan.needs_range || plan.needs_rss {
@@ -245,17 +245,17 @@ impl<'a> Results<'a> {
         self.uncertainties.get(row)?.as_ref()
     }
 
-    /// The uncertainties of all parts of which they are known.
+    /// The uncertainties of all parts, where they are known.
     pub(super) fn uncertainties(&self) -> impl Iterator<Item = &RowUncertainty> {
         self.runs().flatten().filter_map(|row| self.uncertainty(row))
     }
 
-    /// What the yoke does on a part, if that is asked.
+    /// The yoke's figures of a part, if they are asked for.
     pub(super) fn yoke(&self, row: usize) -> Option<&Arc<JudgedYoke>> {
         self.yokes.get(row)?.as_ref()
     }
 
-    /// What the exact mesh says of a part, or why it has no answer; `None` of a part that it does not judge.
+    /// The exact mesh of a part, or why it has no answer; `None` for a part that it does not judge.
     pub(super) fn meshed(&self, row: usize) -> Option<Result<&Meshed, &str>> {
         self.meshed.get(&row).map(|answer| answer.as_ref().as_ref().map_err(String::as_str))
     }
@@ -272,7 +272,7 @@ impl<'a> Results<'a> {
         all.into()
     }
 
-    /// Calls `take` with the result of an output in each of some rows, if the output is a length. Whether it is.
+    /// Calls `take` with the result of an output in each of some rows, if the output is a length, and returns whether it is.
     #[inline]
     pub(super) fn each_of(
         &self,
@@ -323,7 +323,7 @@ fn at(column: &[Option<Interval>], row: usize) -> Option<Interval> {
     *column.get(row)?
 }
 
-/// What the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.
+/// The range that the exact mesh reaches with the errors on the worst teeth found; `None` where it has no solution.
 fn reached(plan: &Plan, errors: &[ExtendedError]) -> Option<Interval> {
     let GivenGeometry::Known(pairs) = &plan.basis.geometry else { return None };
     let Reached { lower_mm, upper_mm, .. } = reached::reached(errors, pairs.given()).ok()??;

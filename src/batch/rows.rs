@@ -1,4 +1,4 @@
-//! The row that is written for a part, as text or in columns. Called by the evaluator; computes nothing.
+//! The row of a part, as text or in columns. The evaluator calls it; it computes nothing.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::function::FIGURES;
 use crate::quantity::{Length, Places, tidy};
 use crate::table::Block;
 
-/// What came of a row.
+/// The outcome of a row.
 pub(super) enum WrittenRow<'a> {
     /// A part with its row of the results.
     Part { results: &'a Results<'a>, row: usize },
@@ -39,12 +39,12 @@ impl<'a> Row<'a> {
         self.block.name(self.index).unwrap_or_else(number)
     }
 
-    /// Its record, from the start of the block.
+    /// The row's record, from the start of the block.
     pub(super) fn record(self) -> u64 {
         self.block.records[self.index]
     }
 
-    /// Where it is; its record counts from the start of the block.
+    /// The row's place; its record counts from the start of the block.
     pub(super) fn place(self, file: &Arc<str>) -> RowPlace {
         RowPlace { file: Arc::clone(file), line: self.block.lines[self.index], record: self.record(), in_words: None }
     }
@@ -62,7 +62,7 @@ impl<'a> RowWriter<'a> {
         Self { plan, out: Vec::new(), columns: ResultColumns::default() }
     }
 
-    /// Forgets what was written; so many rows follow.
+    /// Clears the written rows; so many rows follow.
     pub(super) fn clear(&mut self, rows: usize) {
         self.out.clear();
         if self.plan.request.format == RowFormat::Columns {
@@ -164,7 +164,7 @@ impl<'a> RowWriter<'a> {
 /// Rows whose lengths are looked up together.
 const STRIP: usize = 128;
 
-/// Neighbours that are the same, side by side.
+/// Runs of equal neighbours.
 fn groups(all: &[bool]) -> Vec<Range<usize>> {
     let mut end = 0;
     all.chunk_by(bool::eq)
@@ -175,7 +175,7 @@ fn groups(all: &[bool]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// What stands in the output with that index; without a row, only the reason.
+/// The cell of the output with that index; without results, only the reason.
 #[expect(
     clippy::inline_always,
     reason = "the value is taken apart where it is made: with `write::cell`, a tenth of the time of a table"
@@ -224,7 +224,7 @@ fn cell<'a>(plan: &'a Plan, index: usize, row: Option<Row<'a>>, written: &Writte
     }
 }
 
-/// What stands in an output of a yoke; `None` where nothing is known.
+/// The cell of an output of a yoke; `None` where it is not known.
 #[inline(never)]
 fn of_yoke<'a>(output: &Output, results: &Results<'_>, row: usize) -> Option<ResultCell<'a>> {
     let yoke = results.yoke(row)?;
@@ -235,7 +235,7 @@ fn of_yoke<'a>(output: &Output, results: &Results<'_>, row: usize) -> Option<Res
     }
 }
 
-/// What stands in an output that takes the uncertainties; `None` where there is none.
+/// The cell of an output that needs the uncertainties; `None` where there are none.
 #[inline(never)]
 fn uncertain(plan: &Plan, output: &Output, results: &Results<'_>, row: usize) -> Option<ResultCell<'static>> {
     let known = results.uncertainty(row)?;

@@ -32,7 +32,7 @@ pub struct Progress {
     pub bytes: u64,
 }
 
-/// Runs tables through a plan, one after the other, and keeps what they come to.
+/// Runs tables through a plan, one after the other, and keeps their outcome.
 pub struct Batch<'a> {
     plan: &'a Plan,
     ledger: Ledger<'a>,
@@ -123,7 +123,7 @@ impl<'a> Batch<'a> {
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
         let Total { asides, doubted, doubtful, left_out, .. } = order.total;
         reading.left_out = left_out;
-        // rows that are still to come may allow it
+        // later rows may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
         let last = doubtful.contradiction(&rows).filter(|_| is_whole);
         let failure = order.failure.or(waiting.error.map(RunError::Read)).or(last.map(RunError::Contradiction));
@@ -144,14 +144,13 @@ impl<'a> Batch<'a> {
         failure.map_or(Ok(()), Err)
     }
 
-    /// Whether the run has come to its end before that of the input: in strict mode at the first rejected
-    /// row.
+    /// Whether the run ended before the end of the input: in strict mode at the first rejected row.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.ledger.is_over(self.plan.request.strict)
     }
 
-    /// Ends the batch: what it came to.
+    /// Ends the batch and returns its outcome.
     ///
     /// # Errors
     /// If the results cannot be written.
@@ -175,7 +174,7 @@ pub enum RunError {
     Contradiction(Contradiction),
 }
 
-/// What workers take pieces from.
+/// The input that workers take pieces from.
 struct PieceQueue {
     queue: Queue,
     /// The number of the next piece.
@@ -184,7 +183,7 @@ struct PieceQueue {
     error: Option<io::Error>,
 }
 
-/// What workers write to, one after the other.
+/// The output that workers write to, one after the other.
 struct WriteOrder<'a, 'b> {
     /// The number of the piece whose turn it is.
     next: u64,
@@ -205,9 +204,9 @@ struct SharedRun<'a, 'b> {
     turn: Condvar,
     /// Ends the run from outside.
     stop: &'a AtomicBool,
-    /// Ends the run from inside: nothing can be written any more, or nothing should.
+    /// Ends the run from inside: nothing more can, or should, be written.
     ended: AtomicBool,
-    /// Whether the names of parts are still looked at.
+    /// Whether the names of parts are still checked.
     keeps_names: AtomicBool,
     bytes: AtomicU64,
 }
@@ -255,7 +254,7 @@ impl SharedRun<'_, '_> {
         }
     }
 
-    /// What follows from a piece for those after it.
+    /// What a piece means for those after it.
     fn settle(&self, order: &mut WriteOrder<'_, '_>, found: Option<Contradiction>, written: io::Result<()>) {
         let failure = written.err().map(RunError::Write).or(found.map(RunError::Contradiction));
         let outcome = &order.total.outcome;
@@ -272,7 +271,7 @@ impl SharedRun<'_, '_> {
             return None;
         }
         let next = waiting.queue.next(self.rows, piece);
-        // a reader that was told to stop says that it has ended: then its last row may not be whole
+        // a reader that is stopped reports its end: its last row may then be incomplete
         waiting.ended = !matches!(next, Ok(true)) || self.stop.load(Ordering::Relaxed);
         if waiting.ended {
             waiting.error = next.err();

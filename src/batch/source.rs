@@ -1,4 +1,4 @@
-//! The errors of each part that the plan needs, and the columns that they are read from. Made by the plan; reads no row.
+//! The errors of each part that the plan needs, and their columns. The plan makes it; it reads no row.
 
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -17,20 +17,20 @@ pub(super) struct Source {
     pub(super) law: Law,
     /// The error on its teeth, for the bound.
     pub(super) extended: ExtendedError,
-    /// Whether it is a tolerance, that of a column of any width, so that it may scatter.
+    /// Whether the error is a tolerance, so that it may scatter.
     pub(super) scatters: bool,
     /// Whether it has a limit of its own.
     pub(super) is_limited: bool,
-    /// The nominal value that is taken from the numbers of its column, if these are measured values.
+    /// The nominal value to subtract from the numbers of its column, if these are measured values.
     pub(super) nominal: Option<DeviationValue>,
     /// The value that every part has; `None` if it is read from the table.
     pub(super) of_every_part: Option<DeviationValue>,
-    /// That of every part, if its value is none but a tolerance.
+    /// The tolerance of every part, if the spec gives one in place of a value.
     pub(super) tolerance: Option<ToleranceEnds>,
 }
 
 impl Source {
-    /// Of an error of any value.
+    /// A source for an error of any value.
     fn new(error: &PartDeviation, nominal: Option<DeviationValue>, limits: &Limits) -> Result<Self, Diagnostic> {
         let kind = error.kind();
         // zero is in every domain: only an extent may not fit; a tolerance of two ends is no column's

@@ -2,9 +2,9 @@
 //!
 //! Count, smallest, largest, sum and sum of squares are exact, in integers of 1e-12 mm: mean and standard
 //! deviation are rounded once, do not depend on the order or number of workers, and do not lose digits
-//! where the spread is small against the mean. Quantiles come from a histogram of which each bin is 1/1024
-//! of its values wide at most, so they are within 0.05 % of a value. Whether values are normally distributed needs
-//! the values themselves: so many of them are kept where that is asked.
+//! where the spread is small against the mean. Quantiles come from a histogram whose bins are at most 1/1024 of their values
+//! wide, so they are within 0.05 % of a value. The test for a normal distribution needs the values themselves, which are
+//! kept up to a limit.
 
 use crate::quantity::{FM_PER_MM, Length};
 use crate::statistics::LengthMoments;
@@ -13,7 +13,7 @@ use crate::statistics::capability::{FEWEST_PARTS, Normality};
 /// Bits of a magnitude behind its leading one that tell its bin: bins are 1/1024 of their values wide at most.
 const BIN_BITS: u32 = 10;
 
-/// So many values are tested for a normal distribution, and no more of them are kept.
+/// The most values that are kept and tested for a normal distribution.
 pub const MOST_TESTED: usize = 100_000;
 
 /// Statistics of values given some at a time.
@@ -25,9 +25,9 @@ pub struct Statistics {
     histogram: Histogram,
     /// The values, 1e-12 mm; `None` where they are not wanted, or too many.
     values: Option<Vec<i64>>,
-    /// Sum of the variances that measuring contributes, in (1e-12 mm)², and of how many values it is.
+    /// Sum of the variances that measuring contributes, in (1e-12 mm)², and the number of values in it.
     gauge: (u128, u64),
-    /// From value to value, where that is followed.
+    /// The differences from value to value, where they are wanted.
     pub(super) moving: MovingRange,
 }
 
@@ -74,7 +74,7 @@ impl MovingRange {
 pub const QUANTILES: [f64; 9] = [0.00135, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.99865];
 
 impl Default for Statistics {
-    /// Of no values.
+    /// Statistics without values.
     fn default() -> Self {
         Self {
             moments: LengthMoments::default(),
@@ -89,7 +89,7 @@ impl Default for Statistics {
 }
 
 impl Statistics {
-    /// Of no values, which are kept as they come.
+    /// Statistics without values so far, which keep each value.
     pub(super) fn of_kept_values() -> Self {
         Self { values: Some(Vec::new()), ..Self::default() }
     }
@@ -115,7 +115,7 @@ impl Statistics {
         self.keep(values.iter().map(|value| value.fm()));
     }
 
-    /// Takes what measuring contributes to the variance of a value, mm².
+    /// Takes the contribution of measuring to the variance of a value, mm².
     pub(super) fn add_gauge(&mut self, variance_mm2: f64) {
         /// (1e-12 mm)² in a mm².
         const SCALE: f64 = 1e24;
@@ -131,8 +131,8 @@ impl Statistics {
         (count > 0).then(|| 1e-12 * (sum as f64 / count as f64).sqrt())
     }
 
-    /// The mean moving range: of the magnitudes of the differences of successive values, mm; `None` where these were
-    /// not followed, or if there are no two values.
+    /// The mean moving range, of the magnitudes of the differences of successive values, mm; `None` where these are not wanted,
+    /// or with fewer than two values.
     #[must_use]
     pub fn moving_range_mm(&self) -> Option<f64> {
         let MovingRange { sum, count, .. } = self.moving;
@@ -149,7 +149,7 @@ impl Statistics {
         Some(Normality::of_values(&mut values, mean, deviation))
     }
 
-    /// Takes what another has.
+    /// Merges another one.
     pub(super) fn merge(&mut self, other: &Self) {
         self.smallest = self.smallest.min(other.smallest);
         self.largest = self.largest.max(other.largest);
@@ -289,7 +289,7 @@ impl Histogram {
     /// Takes the counts of another, whose values reach from the smallest to the largest.
     fn merge(&mut self, other: &Self, smallest: i64, largest: i64) {
         let bins = Self::bin(smallest)..=Self::bin(largest);
-        // what is not written to takes no memory
+        // pages that are never written take no memory
         let filled = self.counts[bins.clone()].iter_mut().zip(&other.counts[bins]).filter(|(_, more)| **more > 0);
         filled.for_each(|(count, more)| *count += more);
     }

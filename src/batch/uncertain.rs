@@ -1,5 +1,4 @@
-//! What is uncertain about the parts of a batch, and what that makes of one part. Made by the plan, asked by the
-//! evaluator; decides nothing.
+//! The uncertainties of the parts of a batch. The plan makes it, the evaluator uses it; it decides nothing.
 
 use super::output::{End, UncertainOutput};
 use super::request::Request;
@@ -15,7 +14,7 @@ use crate::quantity::Length;
 use crate::spec::Spec;
 use crate::uncertainty::{Point, Propagator, Spreads, TeethSensitivity, UncertainPart};
 
-/// What is known of the uncertainty of a part's results.
+/// The uncertainty of a part's results.
 pub(super) struct RowUncertainty {
     pub(super) spreads: Spreads,
     simulation: Option<PartSimulation>,
@@ -23,18 +22,18 @@ pub(super) struct RowUncertainty {
     pub(super) validated: Option<bool>,
 }
 
-/// What is uncertain about the parts.
+/// The uncertain inputs of the parts.
 #[derive(Debug, Clone)]
 pub(super) struct Uncertain {
     pub(super) propagator: Propagator,
-    /// What the nominal measure over the roller is computed from, if it is.
+    /// The inputs of the nominal measure over the roller, if it is computed.
     over_pin: Option<OverPin>,
-    /// How to simulate, if that is asked for.
+    /// How to simulate; `None` for no simulation.
     monte_carlo: Option<Settings>,
     /// The model and the combination.
     request: Request,
     basis: Basis,
-    /// How teeth that the spec knows one by one follow from what is uncertain.
+    /// The derivatives of the spec's single teeth by uncertain values.
     teeth: Vec<TeethSensitivity>,
 }
 
@@ -57,7 +56,7 @@ impl RowUncertainty {
 }
 
 impl Uncertain {
-    /// What is uncertain about parts of which these errors are read.
+    /// The uncertainties of parts with these errors.
     pub(super) fn new(spec: &Spec, sources: &[Source], request: &Request, basis: &Basis) -> Result<Self, Diagnostics> {
         let kinds: Vec<_> = sources.iter().map(|source| source.law.kind()).collect();
         let over_pin = spec.over_pin().filter(|over_pin| {

@@ -1,4 +1,4 @@
-//! Text as the formats of rows write it. Called by whatever writes a row; knows no columns.
+//! Text in the formats of rows. Everything that writes a row calls it; it knows no columns.
 
 use super::columns::ResultCell;
 use super::number::Decimals;
@@ -37,7 +37,7 @@ fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
     out.extend_from_slice(harmless(&written).as_bytes());
 }
 
-/// What stands before each value of a line of JSON.
+/// The text before each value of a line of JSON.
 pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u8>> {
     let start = |(index, name)| {
         let name = serde_json::Value::from(name).to_string();
@@ -46,7 +46,7 @@ pub(super) fn json_starts<'n>(names: impl Iterator<Item = &'n str>) -> Vec<Vec<u
     names.enumerate().map(start).map(String::into_bytes).collect()
 }
 
-/// What stands before the value of the column with that index; `json_start` of JSON lines: `{"name":` or `,"name":`.
+/// The text before the value of the column with that index; for JSON lines `json_start`: `{"name":` or `,"name":`.
 #[inline]
 pub(super) fn start(out: &mut Vec<u8>, index: usize, json_start: &[u8], format: RowFormat) {
     match format.separator() {

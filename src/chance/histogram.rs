@@ -1,8 +1,8 @@
-//! Values counted in bins, and the quantiles read back from them. Filled by the simulation.
+//! Values counted in bins, and the quantiles of these counts. The simulation fills it.
 
 const BINS: usize = 16_384;
 
-/// Counts of values in bins of equal width, with one more at either end for what lies beyond.
+/// Counts of values in bins of equal width, with one more at either end for values beyond them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Histogram {
     low: f64,
@@ -13,7 +13,7 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    /// Bins from `low` to `high`; if these are the same, what lies apart from them lies beyond the bins.
+    /// Bins from `low` to `high`; if these are equal, every other value lies beyond the bins.
     pub(super) fn new(low: f64, high: f64) -> Self {
         let bins = BINS as f64;
         let width = (high - low) / bins;
@@ -29,7 +29,7 @@ impl Histogram {
         }
         self.extremes = (low, high);
         if !self.per_unit.is_finite() {
-            // a spread so small that its reciprocal overflows is none
+            // a spread so small that its reciprocal overflows counts as 0
             for &value in values {
                 let beyond = if value > self.low { BINS + 1 } else { usize::from(value == self.low) };
                 self.counts[beyond] += 1;
@@ -38,7 +38,7 @@ impl Histogram {
         }
         let top = (BINS + 1) as f64;
         for &value in values {
-            // the clamp keeps it inside the bins, and makes 0 of what is no number
+            // the clamp keeps the index inside the bins and turns NaN into 0
             let bin = ((value - self.low) * self.per_unit + 1.0).clamp(0.0, top);
             let bin = bin as usize;
             self.counts[bin.min(BINS + 1)] += 1;
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(below.quantile(0.25), -5.0);
     }
 
-    /// Bins without a width, because the values that they are made for are all the same: others still count.
+    /// Bins without a width, because the first values are all equal: other values still count.
     #[test]
     fn values_apart_from_bins_without_a_width() {
         let mut alike = Histogram::new(3.0, 3.0);
@@ -156,12 +156,12 @@ mod tests {
 
     #[test]
     fn the_shortest_interval() {
-        // the dense end, whichever it is; nothing lies between
+        // the dense end, on either side; nothing lies between
         let dense_first = histogram(&[(100.25, 50), (100.75, 45), (500.5, 5)]);
         assert_eq!(dense_first.shortest(0.95), (100.25, 101.0));
         let dense_last = histogram(&[(10.5, 5), (300.5, 50), (300.75, 45)]);
         assert_eq!(dense_last.shortest(0.95), (300.0, 300.75));
-        // not one value fewer than asked for
+        // at least as many values as asked for
         let lone = histogram(&[(10.5, 5), (290.5, 1), (301.5, 94)]);
         assert_eq!(lone.shortest(0.95), (290.0, 301.5));
         // of equals the first

@@ -1,8 +1,8 @@
 #![doc = include_str!("method.md")]
 //!
 //! [`simulate_part`] draws a part's errors and gear data from their distributions and gives the distribution of each
-//! ΔCD; it is called by the command line and the batch engine. [`simulate`] does the same for any [`Simulated`] model,
-//! which is how the worked examples of JCGM 101 are tested. Nothing here reads files or prints.
+//! ΔCD, for the command line and batches. [`simulate`] does the same for any [`Simulated`] model; the worked examples of JCGM
+//! 101 are tested by it. Nothing here reads files or prints.
 
 mod histogram;
 mod part;
@@ -39,7 +39,7 @@ pub struct Settings {
     pub seed: u64,
     /// The number of draws; `None` for as many as the digits need.
     pub draws: Option<u64>,
-    /// Significant digits of the standard uncertainty that shall hold, 1 to 4.
+    /// Significant digits of the standard uncertainty that must be stable, 1 to 4.
     pub digits: u32,
     /// Threads; `None` for one per core. Does not change the result.
     pub threads: Option<usize>,
@@ -71,9 +71,9 @@ pub struct Variables {
 /// Two results and the limits that the draws are counted against: `low` at least `lower` and `high` at most `upper`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// The result held against the lower limit.
+    /// The result compared with the lower limit.
     pub low: usize,
-    /// The result held against the upper limit.
+    /// The result compared with the upper limit.
     pub high: usize,
     /// The lower limit; −∞ if there is none.
     pub lower: f64,
@@ -100,7 +100,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// All that is asked of the distribution.
+    /// The distribution from its moments and counts.
     fn of(histogram: Histogram, mean: f64, standard: f64, draws: f64) -> Self {
         let tail = 0.5 * (1.0 - PROBABILITY);
         let symmetric = (histogram.quantile(tail), histogram.quantile(1.0 - tail));
@@ -122,7 +122,7 @@ impl Simulation {
     }
 }
 
-/// What a simulation gives.
+/// The result of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// The seed.
@@ -198,11 +198,11 @@ pub struct Validation {
     pub distances: Option<(f64, f64)>,
     /// δ, which neither may exceed.
     pub tolerance: f64,
-    /// Whether neither does.
+    /// Whether neither exceeds δ.
     pub validated: bool,
 }
 
-/// Holds a linear result against a simulated one, to `digits` digits of the standard uncertainty.
+/// Compares a linear result with a simulated one, to `digits` digits of the standard uncertainty.
 #[must_use]
 pub fn validate(linear: &Linear, simulation: &Simulation, digits: u32) -> Validation {
     let half = linear.half_width_mm(PROBABILITY);

@@ -14,8 +14,8 @@ use crate::uncertainty::{Distribution, Influence, TeethSensitivity, UncertainPar
 /// The simulated distributions of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartSimulation {
-    /// Seed, draws, digits; its results are those of the errors, the lower and the upper end, in this order, and then both ends
-    /// of what each error with a limit can do alone.
+    /// Seed, draws, digits, and the results in this order: each error, the lower and the upper end of the combination, then both
+    /// ends of each error alone that has a limit.
     pub outcome: Outcome,
     /// The kinds of the errors, in order.
     pub kinds: Vec<DeviationKind>,
@@ -99,7 +99,7 @@ struct PartModel {
     pairs: Vec<VariedPair>,
     /// The errors, by index, that have a limit of their own.
     limited: Vec<usize>,
-    /// How both ends follow from what is uncertain about teeth that are known one by one: linear.
+    /// The derivatives of both ends by uncertain values of teeth that are known one by one: linear.
     teeth: Vec<TeethSensitivity>,
     /// The columns that vary, by source.
     columns: Vec<Influence>,
@@ -127,7 +127,7 @@ impl PartModel {
         })
     }
 
-    /// The results that a limit is held against.
+    /// The results that a limit judges.
     fn band(&self, on: LimitTarget, limit: &Limit) -> Option<Band> {
         let both_ends = self.errors.len();
         let low = match on {
@@ -233,7 +233,7 @@ impl PartModel {
         off
     }
 
-    /// The errors of one draw; of the part's own gear unless another is given. `None` for those that have no bound.
+    /// The errors of one draw, with the part's own gear unless another is given. `None` for errors without a bound.
     fn drawn(&self, values: &[Vec<f64>], draw: usize, gear: Option<&Gear>) -> DrawnErrors {
         let mut errors = [None; DeviationKind::ALL.len()];
         for ((error, part), column) in errors.iter_mut().zip(&self.errors).zip(values) {
@@ -255,7 +255,7 @@ impl PartModel {
         ends(self.stack, &errors[..self.errors.len()], basis)
     }
 
-    /// What follows from a pair, for the pair of one draw: in proportion to how far each of its sizes is off.
+    /// The results of the pair of one draw, in proportion to how far each of its sizes is off.
     fn in_drawn_pair(&self, inputs: &[Vec<f64>], draw: usize, of: impl Fn(&Basis) -> Range) -> Range {
         let nominal = of(&self.basis);
         let mut range = nominal;
@@ -277,7 +277,7 @@ mod tests {
     use crate::uncertainty::Uncertainty;
     use crate::uncertainty::tests::{SOURCES, Scene};
 
-    /// Each draw gives what the formulas give for a part with the drawn values.
+    /// Each draw has the result of the formulas for a part with the drawn values.
     #[test]
     fn every_draw_is_a_part() {
         // all quantities, those of no formula's geometry, one helix angle, and errors alone

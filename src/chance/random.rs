@@ -1,9 +1,9 @@
-//! Random numbers: a generator per block, and the distributions drawn from it. Called by the simulation only.
+//! Random numbers: a generator per block, and the distributions drawn from it. Only simulations call it.
 //!
 //! Every block of draws has its own generator, seeded from the run's seed and the block's number, so that the draws are
 //! the same whichever thread makes them. The generator is xoshiro256++ (Blackman and Vigna 2019), from its reference
 //! crate. The normal distribution is drawn by the ziggurat method (Marsaglia and Tsang 2000) with 256 layers, here
-//! because what exists elsewhere takes its exponentials from the platform, which are not the same bits everywhere.
+//! because other implementations take exponentials from the platform, whose bits differ.
 
 use std::f64::consts::TAU;
 
@@ -61,7 +61,7 @@ const fn mixed(mut bits: u64) -> u64 {
 impl Random {
     /// The generator of block `block` of the run with `seed`.
     pub(crate) fn of_block(seed: u64, block: u64) -> Self {
-        // neither seed nor block may leave traces in the other's bits: each word is hashed with both
+        // seed and block must not show in each other's bits: each word is hashed with both
         let mut bytes = [0; 32];
         let mut state = mixed(seed.wrapping_add(0x9e37_79b9_7f4a_7c15));
         for (word, chunk) in (1_u64..).zip(bytes.chunks_exact_mut(8)) {

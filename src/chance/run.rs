@@ -1,5 +1,4 @@
-//! A simulation block by block, on all threads: what is drawn, and what is counted. The counts do not depend on the order of
-//! blocks, and sums are added in it.
+//! A simulation block by block, on all threads. Counts do not depend on the order of blocks; sums are added in their order.
 
 use super::histogram::Histogram;
 use super::{
@@ -75,7 +74,7 @@ pub fn simulate(
     Ok(Outcome { seed: settings.seed, draws: done * BLOCK, digits: settings.digits, reached, results, inside })
 }
 
-/// What the first block says about a result: where its values lie.
+/// The range of a result's values in the first block.
 #[derive(Debug, Clone, Copy)]
 struct Pilot {
     center: f64,
@@ -83,7 +82,7 @@ struct Pilot {
     high: f64,
 }
 
-/// What a block says about a result, about the pilot's centre: sum, sum of squares, and the ends of the 95 % interval.
+/// Sums of a block about the pilot's centre for a result: sum, sum of squares, and the ends of the 95 % interval.
 #[derive(Debug, Clone, Copy, Default)]
 struct BlockSums {
     sum: f64,
@@ -91,7 +90,7 @@ struct BlockSums {
     ends: (f64, f64),
 }
 
-/// Counts, of which the order does not matter.
+/// Counts, which do not depend on an order.
 #[derive(Debug)]
 struct Tally {
     histograms: Vec<Histogram>,
@@ -133,7 +132,7 @@ fn draw(variables: &Variables, random: &mut Random, ziggurat: &Ziggurat, inputs:
     }
     let Some(factor) = &variables.factor else { return };
     let rows = factor.chunks_exact(variables.variables.len());
-    // from the last to the first, so that a column is still as drawn when another needs it
+    // from the last to the first, so that a column still has its draws when another one needs them
     for (i, row) in rows.enumerate().rev() {
         let (value, uncertainty) = variables.variables[i];
         if uncertainty.distribution != Distribution::Normal || uncertainty.dof.is_finite() {
@@ -297,7 +296,7 @@ impl Worker {
                 }
                 sums[output].sum += sum;
                 sums[output].squares += squares;
-                // a value that is no number makes the sum none
+                // a NaN makes the sum NaN
                 if !sum.is_finite() {
                     tally.outside += column.iter().filter(|value| !value.is_finite()).count() as u64;
                 }

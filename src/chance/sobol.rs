@@ -1,7 +1,7 @@
-//! Sobol indices: which share of the variance of a result each input makes, alone and with all others. Called for random
-//! racks, whose inputs are groups of random numbers; knows no gear, and draws only what its bootstrap needs.
+//! Sobol indices: the share of each input in the variance of a result, alone and with all others. Used for random racks, whose
+//! inputs are groups of random numbers. It knows no gear, and draws only for its bootstrap.
 //!
-//! With samples A and B of all inputs, and A with input i of B called A_i, of N of each:
+//! Let A and B be N samples of all inputs, and A_i the sample A with input i of B:
 //!
 //! - alone, the first-order index S_i = Σ f(B) (f(A_i) − f(A)) / N V, by Saltelli et al. 2010, f(B) less its mean;
 //! - with all others, the total index T_i = Σ (f(A) − f(A_i))² / 2 N V, by Jansen 1999.
@@ -12,11 +12,11 @@
 use super::PROBABILITY;
 use super::random::Random;
 
-/// Parts that samples are drawn again in: memory and time stay bounded however many there are.
+/// Parts that the bootstrap draws from, so that memory and time do not depend on the number of samples.
 pub(super) const PARTS: u64 = 1000;
-/// How often they are drawn again.
+/// Resamples of the bootstrap.
 pub const RESAMPLES: usize = 1000;
-/// What the random numbers of the bootstrap are drawn for.
+/// The stream of the bootstrap's random numbers.
 const BOOTSTRAP: u64 = u64::MAX;
 
 /// An estimate with its confidence interval.
@@ -78,7 +78,7 @@ impl Sums {
 
     /// First-order and total index of each input; `None` where the result is the same up to rounding.
     fn indices(&self) -> Option<Vec<[f64; 2]>> {
-        /// Of the mean square, the least variance that is not taken for rounding.
+        /// The least variance, as a share of the mean square, that is not rounding.
         const ROUNDING: f64 = 1e-12;
         let n = self.samples;
         let (mean, square) = (self.values / (2.0 * n), self.squares / (2.0 * n));
@@ -137,7 +137,7 @@ mod tests {
         indices(&(0..samples / 16).map(part).collect::<Vec<_>>(), 1).unwrap()
     }
 
-    /// Values are close, their intervals hold them in 19 of 20 cases about, and are as wide as the errors are.
+    /// Estimates are close, their intervals hold the true values in about 19 of 20 cases, and are as wide as the errors.
     fn hold(found: &[SobolIndices], first_order: &[f64], total: &[f64], close: f64) {
         let mut outside = 0;
         for (found, (first_order, total)) in found.iter().zip(first_order.iter().zip(total)) {

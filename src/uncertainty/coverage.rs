@@ -1,5 +1,5 @@
-//! Effective degrees of freedom and coverage factors. Called wherever a standard uncertainty is expanded; it knows no
-//! inputs but their contributions.
+//! Effective degrees of freedom and coverage factors. Called wherever a standard uncertainty is expanded; of inputs it knows
+//! only the contributions.
 
 use crate::statistics::student_quantile;
 
@@ -9,9 +9,9 @@ pub const COVERAGE: f64 = 0.954_499_736_103_641_6;
 /// Effective degrees of freedom of a combined uncertainty u of which each input has the share w_i = a_i Σ_j r_ij a_j / u², with
 /// a_i = c_i u_i and ν_i degrees of freedom; infinite where every ν_i is.
 ///
-/// To first order δu / u = Σ w_i δu_i / u_i, and the standard deviation of δu_i / u_i is 1 / √(2 ν_i). Estimates u_i that are
-/// independent, as those of independent inputs are, give 1 / ν = Σ w_i² / ν_i, which is the Welch-Satterthwaite formula (JCGM
-/// 100:2008, clause G.4.1). Else 1 / √ν ≤ Σ |w_i| / √ν_i, whatever goes together, and ν is taken at this end; at least 1.
+/// To first order δu / u = Σ w_i δu_i / u_i, and the standard deviation of δu_i / u_i is 1 / √(2 ν_i). Independent estimates
+/// u_i give 1 / ν = Σ w_i² / ν_i, the Welch-Satterthwaite formula (JCGM 100:2008, clause G.4.1). For dependent ones 1 / √ν ≤
+/// Σ |w_i| / √ν_i, and ν is taken at this end; it is at least 1.
 #[must_use]
 pub fn effective_dof(shares: &[f64], dofs: &[f64], independent: bool) -> f64 {
     let terms = shares.iter().zip(dofs).map(|(share, dof)| share.abs() / dof.sqrt());

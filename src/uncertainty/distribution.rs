@@ -1,5 +1,4 @@
-//! How uncertain a quantity is, and how its values are distributed. Built by the spec layer and by callers; holds numbers
-//! only, and knows nothing of formulas.
+//! The uncertainty of a quantity and the distribution of its values. Holds numbers only, and knows nothing of formulas.
 
 named! {
     /// How the values that a quantity may have are distributed.
@@ -8,17 +7,17 @@ named! {
     pub enum Distribution {
         /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
         Normal = "normal",
-        /// Any value within the half-width alike: u = a/√3.
+        /// All values within the half-width are equally probable: u = a/√3.
         Rectangular = "rectangular",
         /// Falling linearly from the middle: u = a/√6.
         Triangular = "triangular",
-        /// As of a sine wave, mostly near the ends: u = a/√2.
+        /// Distributed like the values of a sine wave, mostly near the ends: u = a/√2.
         Arcsine = "arcsine",
     }
 }
 
 impl Distribution {
-    /// Half-width in standard uncertainties; of a normal distribution, that of 95.45 %.
+    /// Half-width in standard uncertainties; for a normal distribution, that of 95.45 %.
     #[must_use]
     pub fn half_width(self) -> f64 {
         match self {
@@ -39,7 +38,7 @@ pub struct Uncertainty {
     pub distribution: Distribution,
     /// Degrees of freedom ν of u; infinite if u is known well.
     pub dof: f64,
-    /// Whether ν was stated, or follows from the distribution; otherwise it is taken for granted.
+    /// Whether ν was stated or follows from the distribution; otherwise it is assumed.
     pub is_dof_stated: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A part's errors and gear data as plain numbers that may be varied or drawn: degrees and mm. Computes no uncertainty.
+//! A part's errors and gear data as plain numbers, in degrees and mm, that may be varied or drawn. Computes no uncertainty.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,14 +13,14 @@ use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, Known
 use crate::quantity::Length;
 use crate::trig;
 
-/// The gear data of a part, mm and degrees; what no error needs is 0.
+/// The gear data of a part, mm and degrees; data that no error needs are 0.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Gear {
     pub(crate) alpha: f64,
     pub(crate) rack_helix: f64,
     pub(crate) pinion_helix: f64,
     pub(crate) face_width: f64,
-    /// What the nominal of an over-roller measure is computed from: m_n, s_n if it is not π m_n / 2, d_p and K.
+    /// The inputs of a computed nominal over-roller measure: m_n, s_n if it is not π m_n / 2, d_p and K.
     pub(crate) module: f64,
     pub(crate) thickness: Option<f64>,
     pub(crate) pin: f64,
@@ -32,7 +32,7 @@ pub(crate) const OF_LAWS: [Influence; 4] =
     [Influence::NormalPressureAngle, Influence::RackHelixAngle, Influence::PinionHelixAngle, Influence::FaceWidth];
 
 impl Gear {
-    /// That the errors' laws were made for, and the pair if it is known.
+    /// The gear of the errors' laws, and of the pair if it is known.
     pub(crate) fn new(errors: &[PartDeviation], over_pin: Option<&OverPin>, basis: &Basis) -> Self {
         // where no formula needs an angle its gain is not used: any valid one will do
         let mut gear = Self { alpha: 20.0, ..Self::default() };
@@ -70,7 +70,7 @@ impl Gear {
         *self.helix_mut(kind)
     }
 
-    /// The number that a source is about, if it is one of these.
+    /// The number of a source, if it is one of these.
     pub(crate) fn of_source(&mut self, source: Influence) -> Option<&mut f64> {
         match source {
             Influence::NormalPressureAngle => Some(&mut self.alpha),
@@ -93,7 +93,7 @@ impl Gear {
         self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
     }
 
-    /// ΔCD, mm, at which a pair of unknown geometry stays with rack teeth of this thickness, if it is given.
+    /// The constant ΔCD, mm, of a pair of unknown geometry with rack teeth of this thickness, if it is given.
     pub(crate) fn own_delta_cd_mm(&self) -> f64 {
         self.thickness.map_or(0.0, |thickness| own_delta_cd_mm(thickness, self.module, self.alpha))
     }
@@ -112,7 +112,7 @@ pub(crate) struct VariedError {
 }
 
 impl VariedError {
-    /// Of an error; `None` if no bound can be given for it.
+    /// A varied error; `None` if there is no bound for it.
     pub(crate) fn new(error: &PartDeviation) -> Option<Self> {
         Some(Self { law: error.law(), error: ExtendedError::of(error).ok()? })
     }
@@ -132,20 +132,20 @@ impl VariedError {
     }
 }
 
-/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way: the paths of contact, how many
-/// teeth they hold, and where thicker teeth put the pair are then others.
+/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way. That changes the path of contact,
+/// the number of teeth on it, and the centre distance of thicker teeth.
 #[derive(Debug, Clone)]
 pub(crate) struct VariedPair {
     pub(crate) source: Influence,
     /// That of its size.
     pub(crate) uncertainty: Uncertainty,
-    /// `None` if so much leaves no pair.
+    /// `None` if the change leaves no pair.
     below: Option<Basis>,
     above: Option<Basis>,
 }
 
 impl VariedPair {
-    /// Of each uncertain size of a pair, if its geometry is known.
+    /// A varied pair for each uncertain size, if the geometry is known.
     pub(crate) fn all(basis: &Basis, uncertainties: &Uncertainties) -> Vec<Self> {
         let GivenGeometry::Known(pairs) = &basis.geometry else { return Vec::new() };
         let of = |(source, uncertainty): &(Influence, Uncertainty)| {
@@ -176,7 +176,7 @@ impl VariedPair {
 
 /// What a source that is off by so much, in mm or rad, does to the sizes of a pair.
 fn resized(source: Influence) -> Option<fn(&mut PairData, f64)> {
-    /// How near to half a pitch a rack tooth is that nobody made thicker, mm.
+    /// A rack tooth this near to half a pitch, mm, has its nominal thickness.
     const STANDARD_MM: f64 = 1e-9;
     match source {
         Influence::NormalPressureAngle => Some(|data, by| data.normal_pressure_angle_rad += by),
@@ -196,13 +196,13 @@ fn resized(source: Influence) -> Option<fn(&mut PairData, f64)> {
     }
 }
 
-/// ΔCD, mm, at which a pair of unknown geometry stays whose rack teeth have a given thickness, (s_n − π m_n / 2) / (2 tan α_n);
-/// the angle in degrees.
+/// The constant ΔCD, mm, of a pair of unknown geometry whose rack teeth have a given thickness,
+/// (s_n − π m_n / 2) / (2 tan α_n); the angle in degrees.
 fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
     thickness_offset_mm(thickness_mm - FRAC_PI_2 * module_mm, trig::tan(alpha * RADIANS_PER_DEGREE))
 }
 
-/// What a source does to [`own_delta_cd_mm`], per mm or degree: nothing if the geometry is known, which then tells.
+/// The derivative of [`own_delta_cd_mm`] by a source, per mm or degree: 0 if the geometry is known.
 pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
     let (GivenGeometry::Unknown | GivenGeometry::BothFlanks, Some(over_pin)) = (&part.basis.geometry, part.over_pin)
     else {
@@ -221,7 +221,7 @@ pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
     }
 }
 
-/// Both ends of what is held against a limit, not numbers if there are none.
+/// Both ends of the judged range, NaN if there are none.
 pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Range {
     basis.all_placed.unwrap_or_else(|| {
         let together = basis.together(errors);
@@ -229,7 +229,7 @@ pub(crate) fn ends(stack: Stack, errors: &[ExtendedError], basis: &Basis) -> Ran
     })
 }
 
-/// What one error can do alone, not numbers if there is no bound.
+/// The range of one error alone, NaN if there is no bound.
 pub(crate) fn range_alone(error: &ExtendedError, basis: &Basis) -> Range {
     basis.alone(error).map_or(NO_RANGE, ErrorRange::alone)
 }

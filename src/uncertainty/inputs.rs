@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::{Influence, Uncertainty};
 use crate::quantity::DomainError;
 
-/// What is known of the uncertainties of a part's inputs.
+/// The uncertainties of a part's inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Uncertainties {
     inputs: Vec<(Influence, Uncertainty)>,
@@ -16,7 +16,7 @@ pub struct Uncertainties {
     factor: Vec<f64>,
 }
 
-/// What a verdict takes for granted where nothing is stated: of uncertainties as the GUM does, of the gear the defaults.
+/// What a verdict assumes where nothing is stated: for uncertainties as the GUM does, for the gear the defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unstated {
     /// Degrees of freedom ν are infinite.
@@ -38,7 +38,7 @@ pub enum Unstated {
 }
 
 impl Unstated {
-    /// Whether it is the default of keys that a spec leaves out: facts have it, and the sentence of a pass does not.
+    /// Whether it is a default of keys that the spec leaves out: the facts list these, the sentence of a pass does not.
     #[must_use]
     pub const fn is_default(self) -> bool {
         matches!(self, Self::Zero | Self::FixedRack | Self::Thickness | Self::Form)
@@ -79,10 +79,10 @@ pub enum UncertaintyError {
         /// The number.
         coefficient: f64,
     },
-    /// Correlations that cannot be at the same time.
+    /// Correlations that contradict each other.
     #[error("the correlations contradict each other at {}: their matrix is not positive semidefinite", .0.key())]
     Contradiction(Influence),
-    /// A quantity that has no bound of ΔCD beside it.
+    /// A quantity without a bound of ΔCD beside it.
     #[error("no bound of ΔCD is known where {} is off by its uncertainty", .0.key())]
     NoBound(Influence),
     /// A ΔCD or a derivative outside its domain.
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!(correlated([0.0; 3]).unwrap().correlation_factor(), None);
     }
 
-    /// Of two quantities that are one and the same, each is correlated with a third as the other is.
+    /// Two quantities that are the same have the same correlation with a third one.
     #[test]
     fn correlations_that_contradict_each_other() {
         assert!(correlated([1.0, 0.5, 0.5]).is_ok());

@@ -30,8 +30,8 @@ use crate::judge::bound::{Basis, ExtendedError, Range};
 /// Coverage factors are kept up to so many degrees of freedom.
 const KEPT_FACTORS: u32 = 256;
 
-/// What the uncertainties of a part's inputs are about: its errors and, if the nominal of the over-roller measure is
-/// computed, from what.
+/// The quantities behind the uncertainties of a part: its errors and, if the nominal over-roller measure is computed, its
+/// inputs.
 #[derive(Debug, Clone, Copy)]
 pub struct UncertainPart<'a> {
     /// The errors.
@@ -44,7 +44,7 @@ pub struct UncertainPart<'a> {
     pub stack: Stack,
     /// What is known of the pair.
     pub basis: &'a Basis,
-    /// How teeth that are known one by one follow from what is uncertain.
+    /// The derivatives of teeth that are known one by one by uncertain values.
     pub teeth: &'a [TeethSensitivity],
 }
 
@@ -65,7 +65,7 @@ pub struct Point {
     pub delta_cd_mm: f64,
 }
 
-/// What the uncertainty of one error's ΔCD follows from.
+/// The inputs of the uncertainty of one error's ΔCD.
 #[derive(Debug, Clone)]
 struct Derivatives {
     law: Law,
@@ -115,22 +115,21 @@ pub struct Propagator {
     pairs: Vec<VariedPair>,
     /// How the ΔCD of a pair of unknown geometry follows from each input.
     own_slopes: Vec<f64>,
-    /// Of teeth that are known one by one.
+    /// The derivatives of teeth that are known one by one.
     teeth: Vec<TeethSensitivity>,
 }
 
-/// How far inputs are varied, mm or degrees: ends are linear nearly everywhere, so that this may be much more than what
-/// their digits lose.
+/// How far inputs are varied, mm or degrees. Ends are linear nearly everywhere, so this may be much larger than rounding.
 const VARIED_BY: f64 = 1e-6;
 
-/// How far from a value, in standard uncertainties, the ends are looked at. A jump or a kink on the way adds to the slope as much
-/// as makes the end of the interval (k = 1 to 2.5) reach beyond it.
+/// How far from a value, in standard uncertainties, slopes of the ends are taken. A jump or a kink on the way adds so much to
+/// the slope that the end of the interval (k = 1 to 2.5) reaches beyond it.
 pub(crate) const WITHIN: [f64; 6] = [1.0, -1.0, 1.7, -1.7, 2.5, -2.5];
 
-/// The steepest slope of both ends within the uncertainty of a value, of which `over` is the slope over a distance; that at the
+/// The steepest slope of both ends within the uncertainty of a value; `over` is the slope over a distance. It is the slope at the
 /// value unless another one is clearly steeper.
 fn steepest_within(standard: f64, at: Range, over: impl Fn(f64) -> Range) -> Range {
-    /// Ends that are combined in squares bend a little.
+    /// Tolerance for ends that are combined in squares, which are slightly curved.
     const CLEARLY: f64 = 1.0 + 1e-3;
     let steeper = |slope: f64, other: f64| {
         if other.is_nan() || other.abs() > slope.abs() * CLEARLY + 1e-9 { other } else { slope }
@@ -167,7 +166,7 @@ impl Propagator {
         })
     }
 
-    /// What is uncertain.
+    /// The uncertainties.
     #[must_use]
     pub fn uncertainties(&self) -> &Uncertainties {
         &self.uncertainties
@@ -193,7 +192,7 @@ impl Propagator {
         spreads
     }
 
-    /// The same with what each input contributes.
+    /// The uncertainties of one part with the contribution of each input.
     ///
     /// # Errors
     /// [`UncertaintyError::Domain`] if a ΔCD or their combination has no value.
@@ -289,7 +288,7 @@ impl Propagator {
         slope.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |slope, of_pair| slope + of_pair)
     }
 
-    /// The standard uncertainty of an error, at most: by its own and that of its nominal value.
+    /// Upper bound of the standard uncertainty of an error: its own plus that of its nominal value.
     fn standard(&self, of: &Derivatives) -> f64 {
         let inputs = self.uncertainties.inputs().iter().zip(&of.constant);
         let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
@@ -380,7 +379,7 @@ impl Propagator {
 
     /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
     fn dof(&self, contributions: &[f64], standard_mm: f64) -> Option<f64> {
-        /// What u may lose against the sum of all contributions: a correlation coefficient is not known to more digits.
+        /// How far u may fall below the sum of all contributions: a correlation coefficient is not known to more digits.
         const CANCELLED: f64 = 1e-6;
         let is_correlated = self.uncertainties.correlates(contributions);
         let all: f64 = contributions.iter().map(|contribution| contribution.abs()).sum();

@@ -1,5 +1,5 @@
-//! What the propagation gives: a value with its standard uncertainty, coverage factor and what each input contributes.
-//! Written by the propagation, read by the rules and the reports; it computes no derivative.
+//! The result of the propagation: a value with its standard uncertainty, coverage factor and the contribution of each input.
+//! The rules and the reports read it; it computes no derivative.
 
 use super::Influence;
 use super::coverage::whole_dof;
@@ -11,7 +11,7 @@ use crate::statistics::student_quantile;
 
 pub(super) const KINDS: usize = DeviationKind::ALL.len();
 
-/// What one input contributes to a result's uncertainty.
+/// The contribution of one input to a result's uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputContribution {
     /// The input.
@@ -41,7 +41,7 @@ pub struct Linear {
     pub coverage_factor: Option<f64>,
     /// One per input that this result depends on.
     pub contributions: Vec<InputContribution>,
-    /// Errors so near to zero that the magnitude of what they do is not linear: u(y) is an upper bound there.
+    /// Errors so near to 0 that their ΔCD, a magnitude, is not linear: u(y) is an upper bound there.
     pub folded: Vec<DeviationKind>,
 }
 
@@ -59,12 +59,12 @@ impl Linear {
     }
 }
 
-/// How both ends of what one error can do alone follow from its ΔCD.
+/// How both ends of one error's range alone follow from its ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EndWeights {
     /// ∂(end)/∂ΔCD.
     pub slope: Range,
-    /// What uncertain sizes of the pair add to the standard uncertainty, at most, mm.
+    /// The most that uncertain sizes of the pair add to the standard uncertainty, mm.
     pub of_pair_mm: Range,
     /// The fewest degrees of freedom of these sizes: contributions that add up as magnitudes have no fewer together.
     pub pair_dof: f64,
@@ -77,7 +77,7 @@ pub struct Spread {
     pub standard_mm: f64,
     /// Coverage factor k; `None` with the degrees of freedom.
     pub coverage_factor: Option<f64>,
-    /// Variance from measuring the errors alone, mm²: what is uncertain about the gear is the same for all parts.
+    /// Variance from measuring the errors alone, mm²: the uncertainty of the gear is the same for all parts.
     pub gauge_mm2: f64,
     /// How many errors are so near to zero that the result is not linear; `None` if some are and inputs are correlated.
     pub folds: Option<u8>,
@@ -98,7 +98,7 @@ impl Spread {
 pub struct Spreads {
     /// Of each error's ΔCD, in the order of the errors.
     pub errors: [Spread; KINDS],
-    /// How both ends of what each error can do alone follow from its ΔCD.
+    /// How both ends of each error's range alone follow from its ΔCD.
     pub weights: [EndWeights; KINDS],
     /// Of the lower end of the combination that is judged.
     pub lower: Spread,
@@ -150,7 +150,7 @@ pub struct Propagation {
 }
 
 impl Propagation {
-    /// The result that a limit on `target` is held against, with its uncertainty.
+    /// The result that a limit on `target` judges, with its uncertainty.
     #[must_use]
     pub fn ends(&self, target: LimitTarget, result: Interval) -> Option<Ends> {
         let error = match target {

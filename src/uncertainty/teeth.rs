@@ -1,5 +1,5 @@
-//! How the curve of teeth that are known one by one follows from uncertain values: at both of its extremes, by differences
-//! of the exact mesh.
+//! The derivatives of the curve of teeth that are known one by one by uncertain values: at both extremes, by differences of the
+//! exact mesh.
 
 use std::ops::Range as Strokes;
 
@@ -8,15 +8,15 @@ use crate::judge::bound::Range;
 use crate::judge::strokes::{CurveExtreme, Extremes, extremes};
 use crate::mesh::{Mesh, MeshError};
 
-/// ∂(both extremes)/∂x of what known teeth do, mm per mm or per degree. Where x stands for many values that were measured
-/// one by one, the root of the sum of their squares; where other strokes rival an extreme, the largest there and at these.
+/// ∂(both extremes)/∂x of the curve of known teeth, mm per mm or per degree. If x stands for many values that were measured one
+/// by one, it is the root of the sum of their squares; where other strokes rival an extreme, the largest of all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TeethSensitivity {
     /// x
     pub source: Influence,
-    /// Of the lowest and of the highest ΔCD.
+    /// The derivatives of the lowest and of the highest ΔCD.
     pub slope: Range,
-    /// How many other strokes may hold the lowest and the highest ΔCD, whatever x.
+    /// The number of other strokes that may hold the lowest and the highest ΔCD, whatever x.
     pub rivals: [u32; 2],
 }
 
@@ -27,15 +27,15 @@ pub struct VariedTeeth {
     pub source: Influence,
     /// Its standard uncertainty, mm or degrees.
     pub standard: f64,
-    /// By how much it is off, mm or degrees, and the mesh: of several the one counts in which an extreme changes most.
+    /// By how much the value is off, mm or degrees, and the mesh. Of several, the one in which an extreme changes most counts.
     pub off: Vec<(f64, Mesh)>,
 }
 
-/// An extreme is looked for so many pitches around where it is without the variation.
+/// An extreme is searched within so many pitches of its place without the variation.
 const AROUND: f64 = 0.1;
 
-/// The derivatives of a curve's extremes over some strokes by each source: what its extremes become if a value is off, less
-/// what they are. Curves are followed to a tolerance in mm, and differences up to twice that are none.
+/// The derivatives of a curve's extremes over some strokes by each source: the change of the extremes if a value is off. Curves
+/// have a tolerance in mm; differences up to twice that count as 0.
 ///
 /// # Errors
 /// [`MeshError`] of a stroke that has no solution.
@@ -95,8 +95,8 @@ struct Peak {
 /// in 100,000.
 const OVERTAKES: f64 = 4.0;
 
-/// The strokes that may hold the lowest and the highest ΔCD once the values are not as measured: the extreme itself first. A tooth just
-/// below the highest one, with an uncertainty of its own, raises the highest ΔCD as probably as that does.
+/// The strokes that may hold the lowest and the highest ΔCD if the true values differ from the measured ones, the extreme itself
+/// first. A tooth just below the highest one, with its own uncertainty, may as well hold the highest ΔCD.
 struct Rivals([Vec<Peak>; 2]);
 
 impl Rivals {
@@ -149,7 +149,7 @@ impl Rivals {
 }
 
 impl Peak {
-    /// Whether this one may be beyond one that is: not so where both change alike.
+    /// Whether this stroke may hold the extreme in place of another one; not where both change alike.
     fn overtakes(&self, above: &Self, sign: f64) -> bool {
         let by_value = self.changes_mm.iter().zip(&above.changes_mm);
         let u_mm = by_value.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
@@ -157,7 +157,7 @@ impl Peak {
     }
 }
 
-/// Peaks are looked for so many times less closely than extremes.
+/// Peaks are searched with a tolerance so many times that of extremes.
 const OF_PEAKS: f64 = 100.0;
 
 /// Strokes in pieces of a pitch; where the last one begins is rounded, and may lie behind the end otherwise.

@@ -1,4 +1,4 @@
-//! What the results of a block say about the limits: the verdict on each part, why it does not pass, how near a limit it is.
+//! The verdict on each part of a block, why it does not pass, how near a limit it is.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::quantity::Length;
 use crate::table::Fault;
 use crate::uncertainty::Spreads;
 
-/// How far a part is inside the nearest limit, which that is, and what is held against it.
+/// How far a part is inside the nearest limit, which limit that is, and the result compared with it.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::batch) struct Margin {
     pub(in crate::batch) inside_by: Length,
@@ -46,7 +46,7 @@ impl Results<'_> {
         self.verdicts = verdicts.unwrap_or_default();
     }
 
-    /// What the yoke does on each part, with the verdicts on it: by the mesh where nothing is left to place, by the bound elsewhere.
+    /// The yoke's figures of each part with their verdicts: by the mesh where no error is left to place, else by the bound.
     #[cold]
     pub(super) fn take_yokes(
         &mut self,
@@ -78,7 +78,7 @@ impl Results<'_> {
         }
     }
 
-    /// Whether something is asked of the errors of a part beside its yoke, or the table says that the part is rejected.
+    /// Whether a part has limits besides those of its yoke, or the table says that the part is rejected.
     fn asks_of_errors(&self, row: usize) -> bool {
         let has_limits = !(self.plan.limits.is_empty() && self.plan.unjudged.is_empty());
         has_limits || self.of_errors.get(row) == Some(&Some(Verdict::Fail))
@@ -102,8 +102,8 @@ impl Results<'_> {
             && self.of_errors.get(row).is_some_and(|verdict| *verdict != Some(Verdict::Fail))
     }
 
-    /// Judges the parts that the bound does not pass by their exact mesh. Once the run is to stop, no part counts that is not
-    /// meshed, nor any behind it.
+    /// Judges the parts that the bound does not pass by their exact mesh. Once the run is to stop, the first part that is not
+    /// meshed, and all behind it, do not count.
     #[cold]
     pub(super) fn judge_by_mesh(
         &mut self,
@@ -126,7 +126,7 @@ impl Results<'_> {
         }
     }
 
-    /// Who judges the errors of a part together.
+    /// The method that judges the errors of a part together.
     pub(in crate::batch) fn judged_by(&self, row: usize) -> JudgedBy {
         match (self.meshed(row), self.plan.request.stack) {
             (Some(Ok(_)), _) => JudgedBy::Mesh,
@@ -135,7 +135,7 @@ impl Results<'_> {
         }
     }
 
-    /// Why a part fails, is indeterminate or has no verdict, and what the exact mesh says of one that it judges.
+    /// Why a part fails, is indeterminate or has no verdict; for a part that the exact mesh judges, with its range.
     pub(in crate::batch) fn reason(&self, row: usize) -> Option<Cow<'_, str>> {
         let meshed = self.meshed(row).map(by_mesh);
         let checks = self.yoke(row).map_or(&[][..], |yoke| &yoke.checks);
@@ -220,7 +220,7 @@ impl Results<'_> {
         )
     }
 
-    /// The end of a limit that a judged part is nearest to; `None` while a limit may be nearer that is not judged.
+    /// The end of a limit that a judged part is nearest to; `None` if a limit that is not judged may be nearer.
     pub(in crate::batch) fn nearest(&self, row: usize) -> Option<(LimitTarget, NearestEnd)> {
         self.verdicts[row].and_then(|_| self.margin(row)?.on)
     }
@@ -232,7 +232,7 @@ impl Results<'_> {
         Some(limit.nearest(self.judged(on, row)?)?.inside_by)
     }
 
-    /// The uncertainties of what is held against a limit, if they are known.
+    /// The uncertainties of the result that a limit judges, if they are known.
     #[inline]
     fn uncertainty_on(&self, on: LimitTarget, row: usize) -> Option<&RowUncertainty> {
         match self.meshed(row) {
@@ -241,7 +241,7 @@ impl Results<'_> {
         }
     }
 
-    /// What is held against a limit.
+    /// The result that a limit judges.
     #[inline]
     pub(super) fn judged(&self, on: LimitTarget, row: usize) -> Option<Interval> {
         match on {
@@ -255,7 +255,7 @@ impl Results<'_> {
     }
 }
 
-/// By what the exact mesh passes or fails a part.
+/// The result by which the exact mesh passes or fails a part.
 #[cold]
 fn by_mesh(meshed: Result<&Meshed, &str>) -> String {
     match meshed {

@@ -1,4 +1,4 @@
-//! What is written of a part with its teeth. Called by the batch of such parts; computes nothing.
+//! The row of a part with its teeth. The batch of such parts calls it; it computes nothing.
 
 use std::ops::Range;
 
@@ -13,11 +13,11 @@ use crate::table::ToothedPart;
 /// A column that is written.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Column {
-    /// A text of a part and what it comes to.
+    /// A text about a part.
     Text(fn(&ToothedPart, &Solved) -> Option<String>),
     /// A result, mm.
     Number(NumberOf),
-    /// An end of what is held against the limit, mm.
+    /// An end of the judged range, mm.
     End(End, NumberOf),
     /// A figure of the yoke.
     Yoke(Figure),
@@ -44,7 +44,7 @@ impl Column {
     }
 }
 
-/// The columns that can be written; the first so many are written unless others are asked for.
+/// The columns that can be written; the first of them are the default.
 pub(super) const COLUMNS: [(&str, Column); 17] = [
     ("part_id", Column::Text(|part, _| Some(part.name.clone()))),
     ("mean_delta_cd_mm", Column::Number(|solved| Some(solved.summary.mean_mm))),
@@ -65,7 +65,7 @@ pub(super) const COLUMNS: [(&str, Column); 17] = [
     ("transmission_error_mm", Column::Number(|solved| Some(solved.summary.transmission_error_mm))),
 ];
 const WRITTEN: usize = 13;
-/// Those of which there are statistics.
+/// The columns with statistics.
 pub(super) const QUANTITIES: Range<usize> = 1..8;
 
 /// The verdicts on the limits of a yoke.
@@ -76,8 +76,7 @@ const VERDICTS: [(&str, Column); Target::ALL.len()] = [
     ("lift_off_force_verdict", Column::Text(|_, solved| solved.verdict_on(Target::LiftOffForce))),
 ];
 
-/// The columns of these names; those that are written unless others are asked for, if none are. Of a spec with a yoke there are
-/// those of what it does.
+/// The columns of these names, else the default ones; with a yoke in the spec also those of its figures.
 pub(super) fn columns_asked(
     names: Option<&[String]>,
     has_yoke: bool,

@@ -1,5 +1,5 @@
-//! The verdict on a part of which every tooth or space was measured: its curve over all strokes at which a measured tooth
-//! can carry, beside it what errors of the other part can do. Shared by tables of many parts and a block of one.
+//! The verdict on a part with measured teeth or spaces: its curve over all strokes at which a measured tooth can carry, together
+//! with the errors of the other part. Tables of many parts and a block of one part share it.
 
 use std::ops::Range;
 
@@ -15,14 +15,14 @@ use crate::mesh::{Curve, TOLERANCE_MM};
 use crate::spec::{MeasuredTables, MeshInput, SolvedTeeth, Spec, WrittenError};
 use crate::uncertainty::{self, propagate};
 
-/// What parts whose teeth were measured are judged by.
+/// The judge of parts whose teeth were measured.
 #[derive(Debug, Clone)]
 pub struct TeethJudge {
-    /// The spec with nothing wrong but what was measured.
+    /// The spec with the measured deviations only.
     measured_only: Spec,
-    /// Errors of the other part that every part meets.
+    /// Errors of the other part that hold for every part.
     errors: Vec<PartDeviation>,
-    /// Errors of the other part that the spec asks for and that nobody knows of a part.
+    /// Errors of the other part that the spec asks for and that are not known.
     lacking: Vec<DeviationKind>,
     /// The spec as it was written.
     spec: Spec,
@@ -34,21 +34,21 @@ pub struct TeethJudge {
     is_partial: bool,
 }
 
-/// What a part comes to.
+/// The result of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedTeeth {
     /// From the first to the last stroke that was judged, mm.
     pub strokes: Range<f64>,
-    /// Its teeth with the errors of the other part, held against the limits of the spec.
+    /// Its teeth with the errors of the other part, judged by the limits of the spec.
     pub evaluation: Evaluation,
-    /// What the spec asks for and nobody knows of the part, without which it is not judged.
+    /// Errors that the spec asks for and that are not known, without which the part is not judged.
     lacks: Vec<DeviationKind>,
-    /// What was not measured though the spec asks for it, and what is taken as exact beside values that are uncertain.
+    /// Notes on errors that were not measured although the spec asks for them, and on values taken as exact beside uncertain ones.
     pub notes: Vec<String>,
 }
 
 impl TeethJudge {
-    /// For racks, or for pinions, as measured.
+    /// A judge for measured racks, or for measured pinions.
     ///
     /// # Errors
     /// Diagnostics for geometry that cannot mesh, errors of a part whose teeth the spec knows, and a rule that needs
@@ -75,13 +75,13 @@ impl TeethJudge {
         })
     }
 
-    /// The spec with nothing wrong but what was measured.
+    /// The spec with the measured deviations only.
     #[must_use]
     pub fn measured_only(&self) -> &Spec {
         &self.measured_only
     }
 
-    /// What is not counted, and what follows; what every part has.
+    /// Notes on errors that are not counted, and on those that every part has.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let lacking = DeviationKind::keys(self.lacking.iter().copied());
@@ -133,8 +133,8 @@ impl TeethJudge {
         })
     }
 
-    /// What a yoke does on a part that was judged, with its limits; `curve` is that of the part's own teeth over the same strokes,
-    /// where it is solved already. Errors of the other part that are not on all teeth leave the bound to judge.
+    /// The yoke's figures of a judged part, with its limits; `curve` is that of the part's own teeth over the same strokes, if it
+    /// is solved already. With errors of the other part that are not on all teeth the bound judges.
     #[must_use]
     pub fn yoke(
         &self,
@@ -168,7 +168,7 @@ impl TeethJudge {
         if placed.is_some() { known.in_short() } else { known }
     }
 
-    /// What the spec says of the measured part and its table does not tell, and what follows.
+    /// A note on errors that the spec gives for the measured part and its table lacks.
     fn note_of_unmeasured(&self, unmeasured: &[DeviationKind]) -> Option<String> {
         let kinds = DeviationKind::keys(unmeasured.iter().copied());
         let part = self.part.name();
@@ -184,7 +184,7 @@ impl TeethJudge {
         }
     }
 
-    /// What has no uncertainty where others have one, and what follows.
+    /// A note on values without an uncertainty where others have one.
     fn note_of_certain(&self, spec: &Spec) -> Option<String> {
         let beside = self.errors.iter().map(PartDeviation::kind).filter(|kind| !spec.is_uncertain(*kind));
         let exact: Vec<_> = spec.taken_as_exact().into_iter().chain(beside).collect();
@@ -192,8 +192,8 @@ impl TeethJudge {
         spec.note_of_exact(&exact, is_refused.then_some(&self.rule))
     }
 
-    /// Known teeth and errors of the other part together, by the rule; where nothing of these is left to place, by the mesh
-    /// of both if the bound does not pass.
+    /// Known teeth and errors of the other part together, by the rule; where none of these errors is left to place and the bound
+    /// does not pass, by the mesh of both.
     fn evaluated(&self, spec: &Spec) -> Result<Evaluation, Diagnostics> {
         let by_bound = self.evaluated_on(spec, &self.basis)?;
         let is_limited = self.limits.iter().any(|(on, _)| *on == LimitTarget::CenterDistance);
@@ -234,7 +234,7 @@ impl TeethJudge {
     }
 }
 
-/// What a yoke does on a part that was judged, where errors of the other part are left to place.
+/// The yoke's figures of a judged part where errors of the other part are left to place.
 fn yoke_by_bound(yoke: &YokeJudge, part: &JudgedTeeth, input: &MeshInput) -> JudgedYoke {
     let (from, to) = yoke.strokes_mm;
     if input.measures_strokes(from, to) {
@@ -244,7 +244,7 @@ fn yoke_by_bound(yoke: &YokeJudge, part: &JudgedTeeth, input: &MeshInput) -> Jud
     }
 }
 
-/// Spaces at the ends that have rows without values: what they touch is not judged.
+/// A note on spaces at the ends that have rows without values: strokes at which they carry are not judged.
 fn note_of_spaces(tables: &MeasuredTables) -> Option<String> {
     let spaces = tables.rack.as_ref()?.without_values();
     let listed = spaces.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");

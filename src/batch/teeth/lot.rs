@@ -21,7 +21,7 @@ pub(super) struct Lot {
     /// Whether the table names its parts.
     pub(super) has_names: bool,
     pub(super) file: Arc<str>,
-    /// What the number of a row's place counts.
+    /// The unit that the number of a row's place counts.
     pub(super) unit: Place,
     pub(super) encoding: Encoding,
     /// The header as it stands in the file.
@@ -29,7 +29,7 @@ pub(super) struct Lot {
     pub(super) judge: TeethJudge,
 }
 
-/// Refuses parts that two tables name: neither has all of their rows.
+/// Refuses parts that two tables name, because neither has all of their rows.
 pub(super) fn refuse_in_two(lots: &mut [Lot]) {
     let mut tables: HashMap<(deviation::Part, String), Vec<usize>> = HashMap::new();
     for (number, lot) in lots.iter().enumerate().filter(|(_, lot)| lot.has_names) {
@@ -56,12 +56,12 @@ pub(super) struct Solved {
     pub(super) yoke: Option<Arc<JudgedYoke>>,
     /// From the first to the last stroke that is covered.
     pub(super) strokes: Range<f64>,
-    /// Whether strokes that were asked for are not.
+    /// Whether some strokes that were asked for are not covered.
     pub(super) is_cut: bool,
 }
 
 impl Solved {
-    /// What came of the limits on the yoke.
+    /// The outcome of the limits on the yoke.
     pub(super) fn checks(&self) -> &[Check] {
         self.yoke.as_ref().map_or(&[], |yoke| &yoke.checks)
     }
@@ -101,7 +101,7 @@ impl Solved {
 /// alone fails is among the worst, whatever its ΔCD.
 pub(super) fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
     let evaluation = &solved.judged.evaluation;
-    // what is open stands nearest to any limit
+    // an open verdict counts as nearest to a limit
     let open = f64::INFINITY;
     let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
     let nearest = solved.nearest().filter(|_| !solved.fails_by_yoke());
@@ -144,7 +144,7 @@ impl Lot {
         };
         let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
         let judged = self.judge.judge(&input, &tables).map_err(first)?;
-        // every tooth of a pinion is measured; of a rack there are the strokes at which measured spaces carry
+        // every tooth of a pinion is measured; for a rack take the strokes at which measured spaces carry
         let covered = match part.teeth.part() {
             deviation::Part::Rack => judged.strokes.clone(),
             deviation::Part::Pinion => from..to,

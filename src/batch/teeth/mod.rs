@@ -1,9 +1,9 @@
 //! Tables with many rows per part: each part's teeth or spaces, through the exact mesh.
 //!
-//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part may stand anywhere in
-//! its table, and in no other: a part is judged when all tables are read, and rejected if two of them name it. They take the place of what the spec says is wrong with that part, and are judged at the strokes at which
-//! every flank that can carry was measured. A part of which a row is bad is rejected with all of its rows. Parts are
-//! solved side by side and written in the order of their first rows.
+//! The command line makes one [`Teeth`] per run and hands it table after table. The rows of a part may stand anywhere in one
+//! table: a part is judged when all tables are read, and rejected if two of them name it. The rows replace the spec's errors
+//! of that part, and the part is judged at the strokes at which every flank that can carry was measured. A bad row rejects its
+//! part with all rows. Parts are solved side by side and written in the order of their first rows.
 
 use std::io;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ use crate::table::{Gatherer, LineFault, Reading, Table, ToothedPart, Wanted};
 pub struct TeethRequest {
     /// The stroke, mm.
     pub stroke_mm: (f64, f64),
-    /// How near the curve between its points is, mm.
+    /// The tolerance of the curve between its points, mm.
     pub tolerance_mm: f64,
     /// First and last stroke of the rack's travel, mm, if they are known.
     pub travel_mm: Option<(f64, f64)>,

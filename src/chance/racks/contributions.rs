@@ -1,6 +1,6 @@
 //! Where the spread of ΔCD comes from: Sobol indices of each scatter, through the exact mesh. A scatter is a group of random
-//! numbers, those of all teeth, so that samples are pseudo-random: there are more numbers than low-discrepancy sequences are
-//! good for.
+//! numbers, one or more for each tooth. Samples are pseudo-random, because there are too many numbers for low-discrepancy
+//! sequences.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,7 +8,7 @@ use super::{Draw, RackResult, RackSettings, Racks, RacksError, Random};
 use crate::chance::sobol::{Estimate, PARTS, Sums, indices};
 use crate::parallel;
 
-/// What is asked of each rack: its name, and the value.
+/// The quantities of each rack: name and value.
 type Quantity = (&'static str, fn(&RackResult) -> f64);
 
 const QUANTITIES: [Quantity; 3] = [
@@ -17,27 +17,27 @@ const QUANTITIES: [Quantity; 3] = [
     ("peak_to_peak", RackResult::peak_to_peak_mm),
 ];
 
-/// What a scatter contributes to the variance of a quantity.
+/// The contribution of a scatter to the variance of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Contribution {
-    /// Of ΔCD of a rack: `mean`, `largest` or `peak_to_peak`.
+    /// The quantity of a rack's ΔCD: `mean`, `largest` or `peak_to_peak`.
     pub delta_cd: &'static str,
     /// The scatter.
     pub of: &'static str,
-    /// The share that it makes alone, by Saltelli's estimator; `None` where the quantity does not vary.
+    /// Its share alone, by Saltelli's estimator; `None` where the quantity does not vary.
     pub first_order: Option<Estimate>,
-    /// The share that it makes alone and with others, by Jansen's estimator.
+    /// Its share alone and with others, by Jansen's estimator.
     pub total: Option<Estimate>,
 }
 
-/// What each scatter contributes.
+/// The contributions of all scatters.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "report", derive(serde::Serialize))]
 pub struct Contributions {
     /// Pairs of racks that were drawn.
     pub samples: u64,
-    /// As many as were asked for.
+    /// The number of pairs that was asked for.
     pub asked: u64,
     /// Racks that were solved: two of each sample, and one for each scatter.
     pub racks: u64,
@@ -46,8 +46,9 @@ pub struct Contributions {
 }
 
 impl Racks<'_> {
-    /// What each scatter contributes to the variance of the mean, the largest and the peak to peak value of ΔCD, by as many
-    /// samples as racks are asked for. `each` is told how many are done; once `stop` is set, the result is of the first ones.
+    /// The contribution of each scatter to the variance of the mean, the largest and the peak to peak value of ΔCD, by as many
+    /// samples as racks are asked for. `each` gets the number of finished ones; once `stop` is set, the result has the first
+    /// ones only.
     ///
     /// # Errors
     /// As of [`study`](Self::study).
@@ -62,7 +63,7 @@ impl Racks<'_> {
         if kinds.is_empty() {
             return Err(RacksError::NothingScatters);
         }
-        // what a yoke does is no part of it
+        // the figures of a yoke are no part of it
         let racks = Racks { yoke: None, ..*self };
         let draw = Draw::new(&racks, settings)?;
         let (first, asked) = (settings.range.first_rack, settings.range.racks);
@@ -74,7 +75,7 @@ impl Racks<'_> {
             asked,
             |sample| draw.sample(first.wrapping_add(sample), &kinds, stop),
             |solved: Option<Result<Vec<RackResult>, RacksError>>| {
-                // a sample that the stop has cut short is none
+                // a sample that the stop cuts short does not count
                 let results = solved.ok_or(None)?.map_err(Some)?;
                 for ((_, of), parts) in QUANTITIES.iter().zip(&mut parts) {
                     if samples % part_size == 0 {
@@ -109,7 +110,7 @@ impl Racks<'_> {
 }
 
 impl Draw<'_> {
-    /// Two racks that have nothing in common, and the first one with each scatter of the second; `None` once it is to stop.
+    /// Two independent racks, and the first one with each scatter of the second; `None` once the run is to stop.
     fn sample(&self, sample: u64, kinds: &[usize], stop: &AtomicBool) -> Option<Result<Vec<RackResult>, RacksError>> {
         let count = self.racks.scatter.spreads().len();
         // each scatter has random numbers of its own, so that it can be exchanged

@@ -1,9 +1,8 @@
-//! One length of many racks, counted: exact moments, exact extremes, and bins from which quantiles are read. Filled by a
-//! study.
+//! One length of many racks, counted: exact moments, exact extremes, and bins for quantiles. A study fills it.
 //!
-//! What is held depends on the lengths only, not on their order nor on how they were dealt out: sums are of whole numbers,
-//! and bins are the finest that [`MOST_BINS`] suffice for. Each width is twice the one before, so that two bins make one of
-//! the next; lengths that came first can never need wider bins than all together.
+//! The content depends on the lengths only, not on their order or on ranges: sums are of whole numbers, and bins are the finest
+//! for which [`MOST_BINS`] suffice. Each width is twice the one before, so that two bins make one of the next; the first
+//! lengths never need wider bins than all together.
 
 use std::collections::BTreeMap;
 
@@ -13,9 +12,9 @@ use crate::quantity::LARGEST;
 use crate::quantity::{femtometres, of_femtometres};
 use crate::statistics::LengthMoments;
 
-/// The most bins that are held. So many racks have exact quantiles, whatever their lengths.
+/// The most bins. Up to so many racks have exact quantiles, whatever their lengths.
 pub const MOST_BINS: usize = 1 << 16;
-/// A single bin takes all lengths but for their sign.
+/// The most doublings of a bin's width: one bin then takes all lengths of a sign.
 #[cfg(feature = "report")]
 const MOST_DOUBLINGS: u32 = 60;
 
@@ -92,14 +91,14 @@ impl Counts {
         Ok(())
     }
 
-    /// Whether the sums with another count are numbers that can be kept.
+    /// Whether the sums with another count do not overflow.
     pub(super) fn takes(&self, other: &Self) -> bool {
         self.racks.checked_add(other.racks).is_some()
             && self.sum_fm.checked_add(other.sum_fm).is_some()
             && self.squares_fm2.checked_add(other.squares_fm2).is_some()
     }
 
-    /// Adds the racks of another count that it takes.
+    /// Adds the racks of another count.
     pub(super) fn merge(&mut self, other: &Self) {
         self.racks += other.racks;
         self.sum_fm += other.sum_fm;
@@ -115,7 +114,7 @@ impl Counts {
         }
     }
 
-    /// Makes bins at least so wide, and not more than there may be.
+    /// Widens the bins to at least this width, and to at most [`MOST_BINS`] of them.
     fn widen(&mut self, least_doublings: u32) {
         let mut least = least_doublings;
         while self.doublings < least {
@@ -154,7 +153,7 @@ impl Counts {
         Span { first_fm: first.max(self.least_fm), last_fm: last.min(self.most_fm) }
     }
 
-    /// Where the value lies that has this rank from 1; `None` if no value has it.
+    /// Where the value with this rank, from 1, lies; `None` if no value has it.
     pub(super) fn at_rank(&self, rank: u64) -> Option<Span> {
         let mut below = rank.checked_sub(1)?;
         for (bin, count) in &self.bins {
@@ -190,7 +189,7 @@ impl Counts {
         found
     }
 
-    /// Whether it is what counting makes: for what was read.
+    /// Whether a count that was read could have been made by counting.
     #[cfg(feature = "report")]
     pub(super) fn is_sound(&self) -> bool {
         let (Some((first, _)), Some((last, _))) = (self.bins.first_key_value(), self.bins.last_key_value()) else {

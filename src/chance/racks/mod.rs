@@ -2,16 +2,16 @@
 //! stroke. Called by `rackmesh monte-carlo`; draws deviations and summarises curves, the mesh solves them.
 //!
 //! # What is drawn
-//! Every tooth by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently, so
-//! that the difference of neighbours has the standard deviation asked for, or stays within the half-width asked for,
-//! and errors do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's
-//! runout is twice its eccentricity, in a random direction.
+//! Every tooth is drawn by itself. A pitch deviation is the step from one tooth to the next: teeth are placed independently,
+//! such that the difference of neighbours has the given standard deviation or stays within the given half-width, and errors
+//! do not add up along the rack. Thickness, lead and over-roller deviations are drawn per tooth. A pinion's runout is twice
+//! its eccentricity, in a random direction.
 //!
 //! # How a curve is followed
-//! At equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying flanks is
-//! constant, and what changes the set takes a few hundredths of a pitch; so extremes are met unless a set carries
-//! for less than one step. The tests hold means and extremes against the adaptive curve. Where the spec has a yoke every
-//! rack is solved by the adaptive curve itself: a torque is largest at a kink.
+//! It is solved at equal steps, [`STEPS_PER_PITCH`] to a pitch. While the flanks are not tilted, ΔCD of a set of carrying
+//! flanks is constant, and a change of the set takes a few hundredths of a pitch; so extremes are met unless a set carries for
+//! less than one step. The tests compare means and extremes with the adaptive curve. Where the spec has a yoke, every rack
+//! is solved by the adaptive curve itself, because a torque is largest at a kink.
 //!
 //! Rack number i is drawn from a generator of its own: the result depends neither on the number of threads nor on the
 //! range of racks that it is solved with.
@@ -124,7 +124,7 @@ pub struct RackResult {
     pub min_mm: f64,
     /// Largest, mm.
     pub max_mm: f64,
-    /// What a yoke does, if there is one.
+    /// The figures of a yoke, if there is one.
     pub yoke: Option<RackYoke>,
 }
 
@@ -194,12 +194,12 @@ pub enum RacksError {
     Study(#[from] StudyError),
 }
 
-/// What racks are drawn from, and held against.
+/// What racks are drawn from, and how they are judged.
 #[derive(Debug, Clone, Copy)]
 pub struct Racks<'a> {
     /// The pair with its own deviations.
     pub base: &'a Mesh,
-    /// What is added to these.
+    /// The scatter that is added.
     pub scatter: &'a Scatter,
     /// The limit on ΔCD, if there is one.
     pub limit: Option<&'a Limit>,
@@ -208,14 +208,14 @@ pub struct Racks<'a> {
 }
 
 impl Racks<'_> {
-    /// What a study with these settings is of.
+    /// The identity of a study with these settings.
     #[must_use]
     pub fn study_of(&self, settings: &RackSettings) -> StudyOf {
         StudyOf::new(self, settings)
     }
 
-    /// Draws and solves racks, and counts them. `each` is shown the results in order, with the number of the first one;
-    /// they are not kept. Once `stop` is set, the study has the first racks only; and beside an error those before it.
+    /// Draws and solves racks, and counts them. `each` gets the results in order, with the number of the first one; they are not
+    /// kept. Once `stop` is set, the study has the first racks only; with an error it has those before it.
     ///
     /// # Errors
     /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
@@ -236,9 +236,9 @@ impl Racks<'_> {
         (study, ended)
     }
 
-    /// Draws and solves racks: the base with its own deviations, and those of the scatter added. `take` has the results block by
-    /// block and in order, with the number of the first rack; memory is bounded however many there are. Once `stop` is set,
-    /// of the first racks only.
+    /// Draws and solves racks: the base with its own deviations, plus those of the scatter. `take` gets the results block by block
+    /// in order, with the number of the first rack; memory does not depend on the number of racks. Once `stop` is set, only the
+    /// first racks are solved.
     ///
     /// # Errors
     /// [`RacksError`] if nothing scatters, the settings make no sense, or a rack cannot be solved; then the first such
@@ -281,21 +281,21 @@ impl Racks<'_> {
     }
 }
 
-/// What became of successive racks.
+/// The outcome of successive racks.
 struct Block {
     range: RackRange,
-    /// Of the first ones, up to an error or the stop.
+    /// The results of the first racks, up to an error or the stop.
     results: Vec<RackResult>,
     error: Option<RacksError>,
 }
 
-/// The spread of a tooth's place such that the difference of two is spread as asked for.
+/// The spread of a tooth's place for which the difference of two teeth has the given spread.
 fn place_of(pitch: &Uncertainty) -> Uncertainty {
     let share = if pitch.distribution == Distribution::Normal { SQRT_2 } else { 2.0 };
     Uncertainty { standard: pitch.standard / share, ..*pitch }
 }
 
-/// What every rack is drawn from, and the strokes at which it is solved.
+/// The base of every rack, and the strokes at which it is solved.
 struct Draw<'a> {
     racks: &'a Racks<'a>,
     seed: u64,
@@ -421,7 +421,7 @@ impl<'a> Draw<'a> {
         Ok(RackResult { mean_mm: sum / f64::from(self.steps), min_mm: min, max_mm: max, yoke: None })
     }
 
-    /// A rack by its curve, with what the yoke does on it.
+    /// A rack by its curve, with the figures of its yoke.
     fn with_yoke(&self, rack: u64, mesh: &Mesh, yoke: RacksYoke<'_>) -> Result<RackResult, RacksError> {
         let unmeshed = |error| RacksError::Mesh { rack, error };
         let curve = mesh.curve(self.from, self.to, TOLERANCE_MM).map_err(unmeshed)?;

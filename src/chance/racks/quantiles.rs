@@ -1,5 +1,5 @@
-//! What a sample of racks says of all of them: quantiles and shares with intervals that hold for any distribution.
-//! Called with the results; it draws and solves nothing.
+//! What a sample of racks says about all racks: quantiles and shares with intervals that hold for any distribution. It draws
+//! and solves nothing.
 
 use super::counts::Counts;
 use crate::quantity::of_femtometres;
@@ -22,8 +22,8 @@ pub struct Quantile {
     pub upper_mm: Option<f64>,
 }
 
-/// Quantiles of what was counted. A value is the middle of its bin, and ends are those ends of their bins that make
-/// intervals wider.
+/// Quantiles of a count. A value is the middle of its bin; the ends of an interval are the ends of their bins that make it
+/// wider.
 ///
 /// The interval's ends are the order statistics X_(l) and X_(u) with P(B < l) ≤ 2.5 % and P(B ≥ u) ≤ 2.5 % for a
 /// binomial B(n, p): it holds whatever the distribution (David and Nagaraja, *Order Statistics*, 7.1).
@@ -63,7 +63,7 @@ fn ranks(racks: u64, p: f64) -> (u64, u64) {
         }
         low
     };
-    // the smallest count that is exceeded rarely, and the largest that is rarely fallen short of
+    // the smallest count that is rarely exceeded, and the largest that is rarely not reached
     let upper = first(&|k| 1.0 - cdf(k - 1.0) <= tail);
     let lower = first(&|k| cdf(k - 1.0) > tail).saturating_sub(1);
     (lower, upper)

@@ -1,5 +1,4 @@
-//! What is kept of many racks: counts that merge to the same bits however racks are cut into ranges. Made of results by a
-//! run, merged by whoever has several; it draws and solves nothing.
+//! The counts of many racks, which merge to the same bits however racks are cut into ranges. It draws and solves nothing.
 
 use std::fmt::{self, Write as _};
 
@@ -10,14 +9,14 @@ use super::{RackResult, RackSettings, Racks};
 use crate::judge::Limit;
 use crate::quantity::{Length, tidy};
 
-/// What the racks of a study are of: only studies of the same may be merged.
+/// The identity of a study: only studies with the same identity may be merged.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "report", serde(deny_unknown_fields))]
 pub struct StudyOf {
     /// The version of the program that solved them.
     pub version: String,
-    /// Of teeth, deviations, scatter and limit: the same for the same, whatever the text of the spec.
+    /// A hash of teeth, deviations, scatter and limit: equal for equal ones, whatever the text of the spec.
     pub fingerprint: String,
     /// The seed.
     #[cfg_attr(feature = "report", serde(with = "text"))]
@@ -77,23 +76,22 @@ impl fmt::Write for Fingerprint {
     }
 }
 
-/// A study of racks with limits counts those inside, one of racks with a yoke what that does.
+/// A study with limits counts the racks inside, one with a yoke the yoke's figures.
 const COUNTED_OTHERS: &str =
     "it counts the racks inside limits, or their yokes, that are not those of its racks, or does not";
 
 /// How ΔCD of many racks is distributed, and which racks these are.
 ///
 /// It holds exact sums of the lengths on their grid of 1e-12 mm and of their squares, exact extremes, and counts in bins:
-/// [`MOST_BINS`](super::MOST_BINS) at the most for each length, one to each length of the grid while these suffice, and
-/// else as narrow as they can be. What it holds is a function of its racks: ranges and the order of
-/// [`RacksStudy::merge`] change no bit.
+/// at most [`MOST_BINS`](super::MOST_BINS) for each length, one to each length of the grid while these suffice, else as narrow
+/// as possible. The content is a function of the racks: ranges and the order of [`RacksStudy::merge`] change no bit.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "report", serde(deny_unknown_fields))]
 pub struct RacksStudy {
     of: StudyOf,
     asked: RackRange,
-    /// Apart from each other and in order.
+    /// The ranges, disjoint and in order.
     ranges: Vec<RackRange>,
     /// The racks within the limits; `None` without limits.
     pub(super) inside: Option<u64>,
@@ -148,12 +146,12 @@ impl RacksStudy {
         Ok(study)
     }
 
-    /// Adds the racks of another study of the same. What is asked for reaches from the first rack to the last one that
-    /// either was asked for.
+    /// Adds the racks of another study with the same identity. The racks asked for then reach from the first to the last one of
+    /// both.
     ///
     /// # Errors
-    /// [`StudyError`] if the other is of something else, has a rack that this one has, or if sums are too large; then
-    /// this one is as it was.
+    /// [`StudyError`] if the other one has another identity or a rack in common, or if sums are too large; this one is then
+    /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), StudyError> {
         self.of.refuse_other(&other.of)?;
         if !self.counts_as(other.inside.is_some(), other.yoke.is_some()) {
@@ -179,7 +177,7 @@ impl RacksStudy {
         Ok(())
     }
 
-    /// Says which racks are asked for, in place of what the ranges were.
+    /// Sets the racks that are asked for, in place of those of the ranges.
     ///
     /// # Errors
     /// [`StudyError::NotAsked`] if it has others.
@@ -206,12 +204,12 @@ impl RacksStudy {
         Ok(())
     }
 
-    /// Whether it counts what racks with or without a limit and a yoke have.
+    /// Whether its counts match a limit and a yoke, present or not.
     fn counts_as(&self, has_limit: bool, has_yoke: bool) -> bool {
         (self.inside.is_some(), self.yoke.is_some()) == (has_limit, has_yoke)
     }
 
-    /// What its racks are of.
+    /// The identity of its racks.
     #[must_use]
     pub fn study_of(&self) -> &StudyOf {
         &self.of
@@ -229,7 +227,7 @@ impl RacksStudy {
         self.asked
     }
 
-    /// The racks that are asked for and not there.
+    /// The racks that are asked for and missing.
     #[must_use]
     pub fn missing(&self) -> Vec<RackRange> {
         let starts = std::iter::once(self.asked.first_rack).chain(self.ranges.iter().map(|range| range.end()));
@@ -237,7 +235,7 @@ impl RacksStudy {
         starts.zip(ends).map(|(start, end)| RackRange::between(start, end)).filter(|gap| gap.racks > 0).collect()
     }
 
-    /// Refuses what no run has made: for what was read.
+    /// Refuses a study that was read and that no run can have made.
     ///
     /// # Errors
     /// [`StudyError::Damaged`] says what does not agree.
@@ -268,7 +266,7 @@ impl RacksStudy {
 }
 
 impl RackResult {
-    /// Whether it stays within the limits along the whole stroke.
+    /// Whether a rack stays within the limits along the whole stroke.
     fn is_inside(&self, limit: &Limit) -> bool {
         limit.lower.map(Length::mm).is_none_or(|lower| lower <= tidy(self.min_mm))
             && limit.upper.map(Length::mm).is_none_or(|upper| tidy(self.max_mm) <= upper)
@@ -281,7 +279,7 @@ fn common(a: RackRange, b: RackRange) -> Option<RackRange> {
     (range.racks > 0).then_some(range)
 }
 
-/// In order, and one where they touch.
+/// The ranges in order; ranges that touch become one.
 fn joined(mut ranges: Vec<RackRange>) -> Vec<RackRange> {
     ranges.sort_unstable_by_key(|range| range.first_rack);
     let mut all: Vec<RackRange> = Vec::with_capacity(ranges.len());

@@ -1,4 +1,4 @@
-//! What many racks came to: how each quantity of their curves is distributed, and how many keep a limit.
+//! The summary of many racks: how each quantity of their curves is distributed, and how many keep a limit.
 
 use super::counts::{Bin, Counts};
 use super::quantiles::quantiles;
@@ -28,23 +28,22 @@ pub struct RacksSummary {
     pub largest: RackStatistics,
     /// The racks that stay within the limits along the whole stroke; `None` without limits.
     pub inside: Option<Inside>,
-    /// What a yoke does on the racks, if there is one.
+    /// The figures of a yoke on the racks, if there is one.
     pub yoke: Option<YokeSummary>,
-    /// Fail if any rack leaves the limits, `None` without limits, and where racks are missing or some are not judged and none
-    /// of the others fails.
+    /// Fail if a rack leaves the limits; `None` without limits, and where no rack fails but some are missing or not judged.
     pub verdict: Option<Verdict>,
     /// The racks that were asked for and are not there.
     pub missing: Vec<RackRange>,
 }
 
-/// What a yoke does, over all racks.
+/// The figures of a yoke, over all racks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct YokeSummary {
-    /// Racks of which it is known which settings keep the window.
+    /// Racks with known settings that keep the window.
     pub racks: u64,
-    /// Those of them that no setting suits; `None` if there are none.
+    /// The racks among them that no setting suits; `None` if there are no such racks.
     pub without: Option<Inside>,
-    /// The settings that suit the most.
+    /// The settings that suit the most racks.
     pub shared: Option<SharedPlug>,
     /// Of the fluctuation of the pinion's torque, in N m where its fields say mm.
     pub fluctuation: Option<RackStatistics>,
@@ -61,13 +60,13 @@ pub struct YokeSummary {
 pub struct SharedPlug {
     /// The settings that suit the most racks.
     pub setting: Shared,
-    /// These racks. The interval is that of a setting at this place, whatever racks it was found by.
+    /// The number of these racks. The interval holds for a setting at this place, whatever racks it was found by.
     pub suits: Inside,
     /// Where the setting that suits the most of all such racks is, with 95 % confidence; `None` if so few racks do not tell.
     ///
-    /// With F_a, F_b the shares of racks whose settings start below, and end below, a place, it suits the share F_a − F_b. Both
-    /// are known to ε = √(ln(4/0.05) / 2n) everywhere (Dvoretzky, Kiefer and Wolfowitz, with Massart's constant), so that the
-    /// best place suits a share of these racks that is at most 4 ε below the largest one.
+    /// Let F_a and F_b be the shares of racks whose settings start below, and end below, a place: the place suits the share
+    /// F_a − F_b. Both are known to ε = √(ln(4/0.05) / 2n) everywhere (Dvoretzky, Kiefer and Wolfowitz, with Massart's constant),
+    /// so the best place suits a share of these racks that is at most 4 ε below the largest one.
     pub confidence: Option<Setting>,
 }
 

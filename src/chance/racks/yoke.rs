@@ -1,12 +1,12 @@
-//! What a yoke does on many racks, counted: merged to the same bits in any order. Filled by a study, read by its summary;
-//! solves nothing.
+//! Counts of a yoke's figures on many racks, which merge to the same bits in any order. A study fills them, its summary reads
+//! them; they solve nothing.
 
 use super::counts::Counts;
 use super::range::StudyError;
 use crate::function::{JudgedYoke, Setting, Shared, Target, YokeJudge, most_shared, shared_by};
 use crate::judge::Verdict;
 
-/// What random racks are held against that have a yoke.
+/// How random racks with a yoke are judged.
 #[derive(Debug, Clone, Copy)]
 pub struct RacksYoke<'a> {
     /// The yoke and its limits.
@@ -15,7 +15,7 @@ pub struct RacksYoke<'a> {
     pub is_measured: bool,
 }
 
-/// What a yoke does on one rack.
+/// The figures of a yoke on one rack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RackYoke {
     /// Plays that keep the window: `Some(None)` if none does, `None` if that is not known.
@@ -24,7 +24,7 @@ pub struct RackYoke {
     pub fluctuation_n_m: Option<f64>,
     /// The least force along the stroke at which a flank unloads, N.
     pub lift_off_n: Option<f64>,
-    /// On the limits, in the order of [`Target::ALL`].
+    /// The verdicts on the limits, in the order of [`Target::ALL`].
     pub verdicts: [Option<Verdict>; Target::ALL.len()],
 }
 
@@ -43,7 +43,7 @@ impl From<&JudgedYoke> for RackYoke {
 /// Newtons of a kilonewton: forces are counted in kN, so that the squares of many have room.
 pub(super) const N: f64 = 1000.0;
 
-/// What a yoke does on the racks of a study, counted.
+/// Counts of a yoke's figures on the racks of a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "report", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "report", serde(deny_unknown_fields))]
@@ -52,7 +52,7 @@ pub(super) struct YokeStudy {
     pub(super) without: u64,
     /// The smallest play that suits each of the others, mm.
     starts: Counts,
-    /// The largest one of those that have one, mm.
+    /// The largest play of racks that have one, mm.
     ends: Counts,
     /// N m.
     pub(super) fluctuation: Counts,
@@ -60,7 +60,7 @@ pub(super) struct YokeStudy {
     pub(super) lift_off: Counts,
     /// Racks that keep each limit.
     kept: [u64; Target::ALL.len()],
-    /// Racks that do not.
+    /// Racks that do not keep each limit.
     broken: [u64; Target::ALL.len()],
 }
 
@@ -88,12 +88,12 @@ impl YokeStudy {
         Ok(())
     }
 
-    /// Whether the sums with another study are numbers that can be kept.
+    /// Whether the sums with another study do not overflow.
     pub(super) fn takes(&self, other: &Self) -> bool {
         self.counts().into_iter().zip(other.counts()).all(|(mine, theirs)| mine.takes(theirs))
     }
 
-    /// Adds the racks of a study that it takes.
+    /// Adds the racks of another study.
     pub(super) fn merge(&mut self, other: &Self) {
         let mine = [&mut self.starts, &mut self.ends, &mut self.fluctuation, &mut self.lift_off];
         mine.into_iter().zip(other.counts()).for_each(|(mine, theirs)| mine.merge(theirs));
@@ -112,12 +112,12 @@ impl YokeStudy {
         self.by_limit().into_iter().filter(|(kept, broken)| kept + broken > 0)
     }
 
-    /// How many racks it knows the settings of.
+    /// The number of racks with known settings.
     pub(super) fn known(&self) -> u64 {
         self.without + self.starts.racks()
     }
 
-    /// The settings that suit the most racks. Ends of bins count such that no rack is said to be suited that is not.
+    /// The settings that suit the most racks. Ends of bins are rounded so that no rack counts that is not suited.
     pub(super) fn shared(&self) -> Option<Shared> {
         most_shared(&self.starts.places(|span| span.last_fm), &self.ends.places(|span| span.first_fm))
     }
@@ -129,7 +129,7 @@ impl YokeStudy {
         Some(Setting { from_mm, to_mm })
     }
 
-    /// Whether it is what counting that many racks makes: for what was read.
+    /// Whether counts that were read could have been made from so many racks.
     #[cfg(feature = "report")]
     pub(super) fn is_sound(&self, racks: u64) -> bool {
         let sum = |a: u64, b: u64| a.checked_add(b).is_some_and(|sum| sum <= racks);
