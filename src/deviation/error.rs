@@ -3,7 +3,7 @@
 use crate::quantity::{Degrees, Rounded};
 
 named! {
-    /// What a deviation's number is.
+    /// The quantity of a deviation's number.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum DeviationQuantity {
@@ -21,7 +21,7 @@ named! {
 display_by_name!(DeviationQuantity);
 
 impl DeviationQuantity {
-    /// A value of it, with its unit.
+    /// A value of the quantity, with its unit.
     fn shown(self, value: f64) -> String {
         match self {
             Self::Lead => Degrees(value).to_string(),
@@ -76,11 +76,10 @@ pub enum DeviationError {
     },
 }
 
-/// Longest displacement taken for a deviation, mm; anything near it is a mistake in units, and products with
-/// tooth indices stay finite.
+/// Longest displacement of a deviation, mm: far above any real one, and such that products with tooth indices stay finite.
 pub(crate) const MAX_LENGTH_MM: f64 = 1e6;
 
-/// Largest single lead deviation, rad: 45°, a hundred times what a measuring machine would ever find.
+/// Largest single lead deviation, rad: 45°, a hundred times any measured one.
 pub(crate) const MAX_LEAD_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Steepest tooth line that a lead deviation may lead to, rad: 85°.

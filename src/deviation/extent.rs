@@ -21,7 +21,7 @@ named! {
 }
 
 named! {
-    /// What an extent counts, as its words say.
+    /// What an extent counts.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum Countable {
         /// A space between teeth, for sizes.
@@ -45,16 +45,16 @@ impl Extent {
     /// Every extent.
     pub const EVERY: [Self; 5] = [Self::One, Self::Part, Self::All, Self::Each, Self::Total];
 
-    /// Why an error cannot have one that does not fit.
+    /// Why an error cannot have an extent that does not fit.
     pub const NO_TOTAL: &str = "only a pitch has a total cumulative deviation";
 
-    /// Whether an error that counts these can have it: only a pitch has a total.
+    /// Whether an error that counts these can have the extent: only a pitch has a total.
     #[must_use]
     pub const fn fits(self, counted: Countable) -> bool {
         !matches!(self, Self::Total) || matches!(counted, Countable::Pitch)
     }
 
-    /// The names of those that an error that counts these can have.
+    /// The names of the extents that an error that counts these can have.
     #[must_use]
     pub fn names(counted: Countable) -> Vec<&'static str> {
         Self::EVERY.into_iter().filter(|extent| extent.fits(counted)).map(Self::name).collect()

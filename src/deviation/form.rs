@@ -77,7 +77,7 @@ mod tests {
         assert!(relief(0.01, 1.9_f64.next_down()).checked(1.9).is_ok());
         let start = Err(DeviationError::ReliefStart { start_mm: 1.9, addendum_mm: 1.9 });
         assert_eq!(relief(0.01, 1.9).checked(1.9), start);
-        // where none is, it starts nowhere, also on a rack that ends below its reference plane
+        // without relief the start does not count, also on a rack that ends below its reference plane
         assert_eq!(RackForm::default().checked(-0.5), Ok(RackForm::default()));
         assert!(relief(0.0, 5.0).checked(1.9).is_ok());
     }

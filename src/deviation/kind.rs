@@ -1,5 +1,4 @@
-//! The kinds of manufacturing error that the formulas know, one value per part. Named by every layer above; holds no
-//! formula.
+//! The kinds of manufacturing error that the formulas know, one value per part. Every layer above uses them; they hold no formula.
 
 use std::fmt;
 
@@ -52,7 +51,7 @@ impl DeviationKind {
         Self::PinionLead,
     ];
 
-    /// Its key, its name, the part that has it, what its extent counts, and the extent where nobody says.
+    /// Its key, its name, the part that has it, what its extent counts, and its default extent.
     const fn row(self) -> (&'static str, &'static str, Part, Countable, Extent) {
         match self {
             Self::RackOverRoller => ("rack_over_roller", "rack over-roller", Part::Rack, Countable::Space, Extent::All),
@@ -64,19 +63,19 @@ impl DeviationKind {
         }
     }
 
-    /// The key that specs, tables and results call it by: `rack_over_roller`.
+    /// The error's key in specs, tables and results: `rack_over_roller`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.row().0
     }
 
-    /// The keys of several, as a list in a sentence.
+    /// The keys of several errors, as a list in a sentence.
     #[must_use]
     pub fn keys(kinds: impl IntoIterator<Item = Self>) -> String {
         kinds.into_iter().map(Self::key).collect::<Vec<_>>().join(", ")
     }
 
-    /// The name that people read: `rack over-roller`.
+    /// The error's name for people: `rack over-roller`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.row().1
@@ -94,7 +93,7 @@ impl DeviationKind {
         self.row().3
     }
 
-    /// The extent that a measured value has where nobody says.
+    /// The default extent of a measured value.
     #[must_use]
     pub const fn usual_extent(self) -> Extent {
         self.row().4
@@ -128,17 +127,17 @@ pub enum DeviationValue {
 }
 
 impl DeviationValue {
-    /// A length in mm; `None` if it is none, or beyond the largest one.
+    /// A length in mm; `None` if the number is no length, or beyond the largest one.
     pub(crate) fn from_mm(mm: f64) -> Option<Self> {
         Length::from_mm(mm).ok().map(Self::Length)
     }
 
-    /// An angle in rad; `None` if it is none, or beyond the largest one.
+    /// An angle in rad; `None` if the number is no angle, or beyond the largest one.
     pub(crate) fn from_rad(rad: f64) -> Option<Self> {
         Angle::from_degrees(rad.to_degrees()).ok().map(Self::Angle)
     }
 
-    /// No error of a kind.
+    /// An error of 0 of a kind.
     #[must_use]
     pub const fn zero(kind: DeviationKind) -> Self {
         match kind {
@@ -177,8 +176,8 @@ impl DeviationValue {
         }
     }
 
-    /// Whether it may be the size of a part of which errors are taken, and no limit: half a module or more (a millimetre where
-    /// the module is not known), or a degree.
+    /// Whether the value may be a size in place of an error or a limit: half a module or more (a millimetre where the module is not
+    /// known), or a degree.
     #[cfg(feature = "table")]
     pub(crate) fn is_size(self, module: Option<Length>) -> bool {
         match (self, module) {
@@ -187,7 +186,7 @@ impl DeviationValue {
         }
     }
 
-    /// Whether it is no error at all.
+    /// Whether the error is 0.
     #[must_use]
     pub fn is_zero(self) -> bool {
         match self {

@@ -1,5 +1,4 @@
-//! From rows of measured values to displacements of flanks. Called by the spec layer once it has read the
-//! rows, and by the virtual measuring machine's tests; reads no file.
+//! From rows of measured values to displacements of flanks. The spec layer calls it with the rows; it reads no file.
 
 use std::collections::BTreeMap;
 use std::ops::Sub;
@@ -60,7 +59,7 @@ impl RowValue {
 }
 
 impl RackSpaceRow {
-    /// What its position is called among its values.
+    /// The name of the position among the values.
     pub const POSITION: &str = "position deviation";
 
     /// What was measured of the space.
@@ -82,8 +81,8 @@ impl PinionToothRow {
     }
 }
 
-/// The deviation of each pitch by the number of the later of its two places, from the deviations of both; where one was not
-/// measured there is none. Behind the last of a pinion's `teeth` comes tooth 0.
+/// The deviation of each pitch by the number of the later of its two places, from the deviations of both; without one of them
+/// there is no pitch. Behind the last of a pinion's `teeth` comes tooth 0.
 #[must_use]
 pub fn pitch_steps<T: Copy + Sub<Output = T>>(positions: &BTreeMap<i64, T>, teeth: Option<u32>) -> BTreeMap<i64, T> {
     let before = |place: i64| match teeth {
@@ -118,7 +117,7 @@ pub fn rack_flanks_from_spaces(pair: &Pair, rows: &[RackSpaceRow]) -> Result<BTr
     Ok(teeth)
 }
 
-/// The displacements of pinion flanks that rows of one turn tell, tooth 0 first.
+/// The displacements of pinion flanks from the rows of one turn, tooth 0 first.
 ///
 /// Radial values move both flanks of their space into it by r tan α_t, positions of a pin both along with it. Single
 /// pitch deviations of a flank are summed; since the pitches of a turn must close, their mean is removed first, and
@@ -227,7 +226,7 @@ mod tests {
         rack_is(teeth[&4].right, 0.007 + 0.03 * tan_x, 3e-3);
         rack_is(teeth[&5].left, 0.007 - 0.03 * tan_x, 3e-3);
         rack_is(teeth[&4].left, 0.0, 0.0);
-        // and are added to what is known
+        // they are added to the known deviations
         let added =
             RackFlanks::new(&pair, &[RackDeviation { teeth: ToothRange::ALL, kind: RackDeviationKind::Shift(0.1) }])
                 .and_then(|flanks| flanks.with_measured(&teeth))
@@ -315,7 +314,7 @@ mod tests {
             (teeth[11].left.arc_mm, teeth[0].right, teeth[1]),
             (0.0, PinionFlank::default(), PinionTooth::default())
         );
-        // and are added to what is known
+        // they are added to the known deviations
         let twice = PinionFlanks::nominal(&pair).with_measured(&teeth).and_then(|flanks| flanks.with_measured(&teeth));
         near(twice.unwrap().teeth()[11].right.arc_mm, 4.0 * (0.005 + 0.01));
         let error = pinion_flanks_from_rows(&pair, &[tooth(12)]);
@@ -371,7 +370,7 @@ mod tests {
         assert!(PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.1, 12)]).is_err());
     }
 
-    /// What is wrong is said with its name and unit.
+    /// An error names the quantity and its unit.
     #[test]
     fn errors_are_in_words() {
         let pair = Pair::new(&example(12, 0.0, 0.0)).unwrap();

@@ -1,4 +1,4 @@
-//! What is wrong with a part.
+//! The deviations of a part.
 //!
 //! For the formulas, one value per kind of error ([`DeviationKind`]). For the mesh and the multibody model, one
 //! displacement and one lead deviation per tooth and flank: [`RackFlanks`] and [`PinionFlanks`], made by the

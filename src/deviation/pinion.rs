@@ -1,5 +1,5 @@
-//! Deviations of the pinion, per tooth and flank. Built by the spec layer, read by the mesh and the multibody
-//! model; never knows how the pinion is turned.
+//! Deviations of the pinion, per tooth and flank. The spec layer builds them, the mesh and the multibody model read them; they
+//! do not depend on the pinion's rotation.
 
 use super::error::{DeviationError, DeviationQuantity, MAX_HELIX_RAD, MAX_LEAD_RAD, length, within};
 use super::{PinionForm, ToothRange};
@@ -11,11 +11,11 @@ use crate::trig;
 pub struct PinionDeviation {
     /// The teeth it is on, 0 to z − 1.
     pub teeth: ToothRange,
-    /// What it does.
+    /// The kind, with its value.
     pub kind: PinionDeviationKind,
 }
 
-/// What a deviation does to a pinion tooth. Lengths in mm, angles in rad; lengths other than `Radial` and
+/// A kind of deviation of a pinion tooth. Lengths in mm, angles in rad; lengths other than `Radial` and
 /// `Eccentricity` are arcs at the reference circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -38,7 +38,7 @@ pub enum PinionDeviationKind {
 }
 
 impl PinionDeviation {
-    /// An eccentricity of so many mm towards a tooth.
+    /// An eccentricity of this amount, mm, towards a tooth.
     #[must_use]
     pub fn eccentricity(amount_mm: f64, tooth: u32) -> Self {
         Self { teeth: ToothRange::of(tooth), kind: PinionDeviationKind::Eccentricity(amount_mm) }
@@ -140,7 +140,7 @@ impl PinionFlanks {
         Ok(())
     }
 
-    /// The same pinion moved further off its axis by the components of [`eccentricity_mm`](Self::eccentricity_mm).
+    /// The pinion moved further off its axis by the components of [`eccentricity_mm`](Self::eccentricity_mm).
     ///
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`PinionFlanks::new`].
@@ -150,7 +150,7 @@ impl PinionFlanks {
         Ok(self)
     }
 
-    /// The same pinion with measured displacements added, one per tooth, as
+    /// The pinion with measured displacements added, one per tooth, as
     /// [`pinion_flanks_from_rows`](super::pinion_flanks_from_rows) gives them.
     ///
     /// # Errors
@@ -169,7 +169,7 @@ impl PinionFlanks {
         Ok(self)
     }
 
-    /// The same pinion with flank form.
+    /// The pinion with flank form.
     ///
     /// # Errors
     /// [`DeviationError::NegativeForm`] for a negative crowning, [`DeviationError::OutOfDomain`] for a length that is not finite or
@@ -195,7 +195,7 @@ impl PinionFlanks {
         Ok(())
     }
 
-    /// The form of all its flanks.
+    /// The form of all flanks.
     #[must_use]
     pub const fn form(&self) -> &PinionForm {
         &self.form

@@ -1,8 +1,8 @@
-//! Which values make sense as a deviation of teeth or as gear data, and what was probably meant by one that does not. The
-//! one rule behind `eval`, `calc`, `mesh` and tables, which only say where the value stands.
+//! Which values make sense as a deviation of teeth or as gear data, and what a value that does not was probably meant to be. All
+//! commands and tables use this one rule; they only add where the value stands.
 //!
-//! A value is impossible where no part with teeth can have it, and suspicious where none that is made does. The usual
-//! mistakes are a measured size where a deviation belongs, µm written as mm, radians and arc minutes written as degrees.
+//! A value is impossible if no part with teeth can have it, and suspicious if no real part has it. The usual mistakes are a
+//! measured size in place of a deviation, µm written as mm, radians and arc minutes written as degrees.
 //!
 //! | quantity | suspicious | impossible | why |
 //! |---|---|---|---|
@@ -47,33 +47,33 @@ const LARGE_MODULE: Length = mm(100);
 const LARGE_FACE_WIDTH: Length = mm(1000);
 /// A face wider than so many modules is suspicious.
 const WIDE_IN_MODULES: i64 = 100;
-/// A face width or an addendum below this part of a module is doubted.
+/// A face width or an addendum below this part of a module is suspicious.
 const SMALL_IN_MODULES: i64 = 50;
 /// A pin that touches flanks farther from the reference plane than so many modules is suspicious, and impossible.
 const PIN_FAR: f64 = 1.0;
 const PIN_FARTHEST: f64 = 1.5;
-/// Nobody measures below 0.1 µm: a number with finer digits is no number of micrometres, but a size in mm.
+/// Measured micrometres have no digits below 0.1 µm: a number with finer digits is a size in mm.
 const FINEST_IN_MICROMETRES: i64 = mm(1).fm() / 10;
 
 /// How large the values of an error may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
-    /// Of a length.
+    /// For a length.
     pub length: Length,
-    /// Of an angle.
+    /// For an angle.
     pub angle: Angle,
-    /// Of the tangent of an angle.
+    /// For the tangent of an angle.
     pub slope: f64,
 }
 
 impl Reach {
-    /// What a deviation can be; any length where the module is not known.
+    /// The possible deviations; any length where the module is not known.
     #[must_use]
     pub fn possible(module: Option<Length>) -> Self {
         Self { length: module.unwrap_or(Length::LARGEST), angle: degrees(MAX_LEAD_RAD.to_degrees()), slope: 1.0 }
     }
 
-    /// What a deviation is below unless it is suspicious.
+    /// The deviations that are not suspicious.
     #[must_use]
     pub fn usual(module: Option<Length>) -> Self {
         let length = module.map_or(MUCH, |module| MUCH.min(Length::from_fm(module.fm() / MUCH_OF_MODULE)));
@@ -81,13 +81,13 @@ impl Reach {
         Self { length, angle, slope: crate::trig::tan(angle.radians()) }
     }
 
-    /// The same, and no length beyond `length`.
+    /// These values, with lengths up to `length` only.
     #[must_use]
     pub fn within(self, length: Length) -> Self {
         Self { length: self.length.min(length), ..self }
     }
 
-    /// How the magnitude of a value compares with it.
+    /// How the magnitude of a value compares with the limit.
     #[inline]
     fn compare(&self, value: DeviationValue) -> Option<Ordering> {
         match value {
@@ -97,14 +97,14 @@ impl Reach {
         }
     }
 
-    /// Whether a value is beyond it.
+    /// Whether a value is beyond the limit.
     #[must_use]
     #[inline]
     pub fn is_exceeded_by(&self, value: DeviationValue) -> bool {
         self.compare(value).is_some_and(Ordering::is_gt)
     }
 
-    /// How many of a column's values are suspicious, if this is what is usual.
+    /// How many of a column's values are suspicious by this limit.
     #[must_use]
     #[cfg(feature = "table")]
     pub fn doubted(&self, values: &DeviationValues) -> u64 {
@@ -113,7 +113,7 @@ impl Reach {
         count
     }
 
-    /// Whether a value is beyond it or at its end.
+    /// Whether a value is beyond the limit or equal to it.
     #[must_use]
     #[inline]
     pub fn is_reached_by(&self, value: DeviationValue) -> bool {
@@ -121,12 +121,12 @@ impl Reach {
     }
 }
 
-/// A few whole degrees, which every angle holds.
+/// A few whole degrees, which an angle can always hold.
 fn degrees(value: f64) -> Angle {
     Angle::from_degrees(value).unwrap_or(Angle::LARGEST)
 }
 
-/// What was probably meant by a value.
+/// What a value was probably meant to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Meant {
@@ -136,7 +136,7 @@ pub enum Meant {
     Size,
     /// f_Hβ or its length in another unit.
     Slope,
-    /// Nothing that the number tells.
+    /// The number does not tell.
     Unknown,
 }
 
@@ -149,18 +149,18 @@ pub enum WrittenIn {
     Argument,
 }
 
-/// A value that makes no sense, or hardly any.
+/// An impossible or suspicious value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doubt {
     /// What it is for what: `much for a deviation`.
     what: &'static str,
     /// The value.
     pub value: DeviationValue,
-    /// Whether no part can have it; else it is suspicious.
+    /// Whether the value is impossible; else it is suspicious.
     pub is_impossible: bool,
     /// What was probably meant.
     pub meant: Meant,
-    /// The module that a deviation is held against.
+    /// The module with which a deviation is compared.
     module: Option<Length>,
     /// The pin that touches at the reference plane.
     ideal_pin: Option<Length>,
@@ -186,7 +186,7 @@ pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt>
     })
 }
 
-/// What was meant by a length that is much for a deviation.
+/// What a length that is too large for a deviation was meant to be.
 fn size_or_micrometres(length: Length, usual: Length) -> Meant {
     if !length.is_negative() && length.fm() % FINEST_IN_MICROMETRES != 0 {
         Meant::Size
@@ -228,8 +228,8 @@ pub fn face_width(width: Length, module: Option<Length>) -> Option<Doubt> {
     (width > largest).then_some(large_face(width)).or_else(|| small("small for a face width", width, module?))
 }
 
-/// The doubt about the length over which f_Hβ is evaluated, part of a face width: one that was meant in µm would make a lead
-/// of nothing.
+/// The doubt about the evaluation length of f_Hβ, a part of a face width: a length that was meant in µm would make the lead
+/// nearly 0.
 #[must_use]
 pub fn evaluation_length(length: Length) -> Option<Doubt> {
     (length > LARGE_FACE_WIDTH).then_some(Doubt { is_impossible: true, ..large_face(length) })
@@ -266,19 +266,19 @@ impl Doubt {
         Self { what, value, is_impossible: false, meant, module: None, ideal_pin: None }
     }
 
-    /// The same of a measured value less its nominal one, whose difference tells nothing of either.
+    /// The doubt about a measured value less its nominal one; the difference says nothing about either.
     #[must_use]
     pub fn of_difference(self) -> Self {
         Self { meant: Meant::Unknown, ..self }
     }
 
-    /// The same of what is no value of a part, such as a limit.
+    /// The doubt about a value that belongs to no part, such as a limit.
     #[must_use]
     pub fn of_no_part(self) -> Self {
         Self { is_impossible: false, ..self }
     }
 
-    /// The same of what is never a measured size: the form of flanks, an uncertainty.
+    /// The doubt about a value that is never a measured size: the form of flanks, an uncertainty.
     #[must_use]
     pub fn of_no_size(self) -> Self {
         Self { meant: if self.meant == Meant::Size { Meant::Unit("um") } else { self.meant }, ..self }
@@ -334,14 +334,14 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// What is said once of a column with suspicious values.
+/// The one remark on a column with suspicious values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubtedColumn {
-    /// What is usual.
+    /// The limit of usual values.
     pub usual: Reach,
     /// Whether the column holds lead errors.
     pub is_lead: bool,
-    /// How many of its values are not usual.
+    /// The number of suspicious values.
     pub count: u64,
 }
 

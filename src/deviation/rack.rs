@@ -1,5 +1,5 @@
-//! Deviations of the rack, per tooth and flank. Built by the spec layer, evaluated tooth by tooth by the mesh
-//! and the multibody model, so that a long rack costs nothing; never knows which teeth are in contact.
+//! Deviations of the rack, per tooth and flank. The spec layer builds them, the mesh and the multibody model evaluate them
+//! tooth by tooth, so that a long rack costs nothing; they do not depend on which teeth are in contact.
 
 use std::collections::BTreeMap;
 
@@ -13,11 +13,11 @@ use crate::trig;
 pub struct RackDeviation {
     /// The teeth it is on.
     pub teeth: ToothRange,
-    /// What it does.
+    /// The kind, with its value.
     pub kind: RackDeviationKind,
 }
 
-/// What a deviation does to a rack tooth. Lengths in mm, angles in rad.
+/// A kind of deviation of a rack tooth. Lengths in mm, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum RackDeviationKind {
@@ -62,8 +62,8 @@ pub struct RackTooth {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RackFlanks {
     deviations: Vec<RackDeviation>,
-    /// Which of them are on one tooth alone, by that, and which are on others or move the teeth behind them: of many a tooth
-    /// looks at few.
+    /// The indices of deviations on one tooth alone, by tooth, and of those on several teeth or that move the teeth behind them: a
+    /// tooth then checks only a few of many.
     of_tooth: BTreeMap<i64, Vec<usize>>,
     of_many: Vec<usize>,
     /// The sum of the pitch deviations of single steps up to a tooth, mm, where it changes.
@@ -132,7 +132,7 @@ impl RackFlanks {
         Ok(flanks)
     }
 
-    /// The same rack with deviations added to those that it has.
+    /// The rack with deviations added to those that it has.
     ///
     /// # Errors
     /// [`DeviationError::OutOfDomain`] as for [`RackFlanks::new`].
@@ -142,7 +142,7 @@ impl RackFlanks {
         Ok(Self { deviations, of_tooth, of_many, pitch_sums, ..self })
     }
 
-    /// The same rack with measured displacements of single teeth added to those that it has, as
+    /// The rack with measured displacements of single teeth added to those that it has, as
     /// [`rack_flanks_from_spaces`](super::rack_flanks_from_spaces) gives them.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl RackFlanks {
         Ok(self)
     }
 
-    /// The same rack with flank form.
+    /// The rack with flank form.
     ///
     /// # Errors
     /// [`DeviationError::NegativeForm`] for a negative amount, [`DeviationError::ReliefStart`] for a relief that starts above the
@@ -182,13 +182,13 @@ impl RackFlanks {
         within(DeviationQuantity::Lead, lead, MAX_HELIX_RAD - self.helix_angle_rad.abs()).map(drop)
     }
 
-    /// The form of all its flanks.
+    /// The form of all flanks.
     #[must_use]
     pub const fn form(&self) -> &RackForm {
         &self.form
     }
 
-    /// The deviations that may be of a tooth, in their order, without the pitches of single steps.
+    /// The deviations that may be on a tooth, in their order, without the pitches of single steps.
     fn near(&self, tooth: i64) -> impl Iterator<Item = &RackDeviation> {
         let mut own = self.of_tooth.get(&tooth).map_or(&[][..], Vec::as_slice).iter().peekable();
         let mut many = self.of_many.iter().peekable();
@@ -280,11 +280,11 @@ mod tests {
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("2", 0.25), lead("2..=4", 0.125)]), 0.875);
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("2..", -1.5)]), -1.0);
         assert_eq!(largest_lead(&[lead("all", 0.5), lead("all", -0.5)]), 0.0);
-        // of two as large the first
+        // of two equal ones the first
         assert_eq!(largest_lead(&[lead("1", 0.5), lead("2", -0.5)]), 0.5);
     }
 
-    /// Single steps of pitch are summed first, then what is on one tooth and what is on many in the order in which it is given.
+    /// Single steps of pitch are summed first, then deviations of one tooth and of several in the order in which they are given.
     #[test]
     fn deviations_of_a_tooth_add_up_in_their_order() {
         let pair = Pair::new(&crate::gear::example(12, 0.0, 0.0)).unwrap();
@@ -315,7 +315,7 @@ mod tests {
         }
     }
 
-    /// Of what is given and what is measured of one tooth the sum counts.
+    /// Given and measured deviations of one tooth add up.
     #[test]
     fn a_measured_lead_beside_a_given_one_ends_at_85_degrees() {
         let pair = Pair::new(&crate::gear::example(12, 0.0, 0.0)).unwrap();

@@ -10,7 +10,7 @@ pub struct ToothRange {
     last: Option<i64>,
 }
 
-/// The first rack tooth with an error that is one value for its teeth: those before it are sound, as in the paper's model.
+/// The first rack tooth with an error of `[errors]`: the teeth before it are nominal, as in the paper's model.
 pub const FIRST_ODD_TOOTH: i64 = 4;
 
 /// Largest tooth index either way: 2⁵⁰, far beyond any rack, and exact in every floating-point product.
@@ -20,13 +20,13 @@ const MAX_INDEX: i64 = 1 << 50;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ToothRangeError {
-    /// Not of any of the forms.
+    /// It has none of the forms.
     #[error("`{text}` is not a range of teeth; write `all`, `5`, `8..`, `..=12` or `8..=12`")]
     Syntax {
         /// What was written.
         text: String,
     },
-    /// The end lies before the start, so no tooth is meant.
+    /// The end lies before the start, so the range is empty.
     #[error("teeth {first}..={last}: the range ends before it starts")]
     Empty {
         /// Its start.
@@ -62,7 +62,7 @@ impl ToothRange {
         }
     }
 
-    /// This tooth and all after it; an index beyond ±2⁵⁰ is taken as that.
+    /// This tooth and all after it; an index beyond ±2⁵⁰ is clipped.
     #[must_use]
     pub fn starting_at(first: i64) -> Self {
         Self { first: Some(first.clamp(-MAX_INDEX, MAX_INDEX)), last: None }

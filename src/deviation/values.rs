@@ -1,4 +1,4 @@
-//! The values of a column: all of one dimension, so that nobody asks each of a million values what it is.
+//! The values of a column: all of one dimension, which is checked once for a column.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub enum DeviationValues {
     Slopes(Vec<f64>),
 }
 
-/// The same of the values of each dimension.
+/// Applies one expression to the values of each dimension.
 macro_rules! of_each {
     ($all:expr, $values:ident => $result:expr) => {
         match $all {
@@ -35,7 +35,7 @@ impl Default for DeviationValues {
 }
 
 impl DeviationValues {
-    /// The same value, so many times.
+    /// One value, repeated.
     #[must_use]
     pub fn repeated(value: DeviationValue, count: usize) -> Self {
         match value {
@@ -45,7 +45,7 @@ impl DeviationValues {
         }
     }
 
-    /// None of that dimension, with room for so many.
+    /// An empty column of that dimension, with room for so many values.
     #[cfg(feature = "table")]
     pub(crate) fn with_room(like: DeviationValue, count: usize) -> Self {
         match like {
@@ -55,13 +55,13 @@ impl DeviationValues {
         }
     }
 
-    /// How many there are.
+    /// The number of values.
     #[must_use]
     pub fn len(&self) -> usize {
         of_each!(self, values => values.len())
     }
 
-    /// Whether there are none.
+    /// Whether there are no values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -83,7 +83,7 @@ impl DeviationValues {
         (row < self.len()).then(|| self.at(row))
     }
 
-    /// Calls `take` with each.
+    /// Calls `take` with each value.
     #[inline]
     pub fn for_each(&self, take: impl FnMut(DeviationValue)) {
         match self {
@@ -93,7 +93,7 @@ impl DeviationValues {
         }
     }
 
-    /// The least and the greatest; `None` without any.
+    /// The least and the greatest value; `None` without values.
     pub(crate) fn ends(&self) -> Option<[DeviationValue; 2]> {
         Some(match self {
             Self::Lengths(lengths) => ends(lengths)?.map(DeviationValue::Length),
@@ -102,7 +102,7 @@ impl DeviationValues {
         })
     }
 
-    /// Appends a value; one of another dimension stays out. Whether it is in.
+    /// Appends a value, unless it has another dimension; returns whether it was appended.
     #[inline]
     pub(crate) fn push(&mut self, value: DeviationValue) -> bool {
         match (self, value) {
@@ -119,7 +119,7 @@ impl DeviationValues {
         of_each!(self, values => values.resize_with(values.len() + 1, Default::default));
     }
 
-    /// Keeps the first ones.
+    /// Keeps only the first values.
     pub(crate) fn truncate(&mut self, count: usize) {
         of_each!(self, values => values.truncate(count));
     }

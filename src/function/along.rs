@@ -45,7 +45,7 @@ pub struct Forces {
     pub lift_off_n: Extent,
 }
 
-/// What a yoke does over a stroke.
+/// The figures of a yoke over a stroke.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// First and last stroke, mm.
@@ -64,7 +64,7 @@ pub struct Function {
     pub forces: Option<Forces>,
     /// Play and forces at each point of the curve.
     pub along: Vec<AtStroke>,
-    /// Whether the curve is resolved, and each of its points and s_0 solved: otherwise play and torque may be others.
+    /// Whether the curve is resolved, and each of its points and s_0 solved: otherwise play and torque are not certain.
     pub is_solved: bool,
     set: SetYoke,
 }
@@ -140,7 +140,7 @@ impl Function {
     }
 }
 
-/// The first point at which something is largest, but for rounding.
+/// The first point at which a value is largest, within rounding.
 fn first_peak(points: &[MeshPoint], of: impl Fn(&MeshPoint) -> f64) -> MeshPoint {
     let largest = points.iter().map(&of).fold(f64::NEG_INFINITY, f64::max);
     *points.iter().find(|point| of(point) >= largest - TIE_MM).unwrap_or(&points[0])
@@ -156,7 +156,7 @@ fn along(mesh: &Mesh, points: &[MeshPoint], set: &SetYoke) -> Vec<AtStroke> {
     parallel::map(parallel::cores(), points.len().div_ceil(BLOCK), || (), block).0.concat()
 }
 
-/// Solved points with what is there.
+/// Solved points with their values.
 struct Along<'a> {
     mesh: &'a Mesh,
     points: &'a [MeshPoint],
@@ -215,14 +215,14 @@ impl Along<'_> {
         self.points.last().map_or(0.0, |last| last.pinion_angle_rad) - self.points[0].pinion_angle_rad
     }
 
-    /// The integral of a force over what changes along the stroke.
+    /// The integral of a force over a quantity that changes along the stroke.
     fn work(&self, forces: &[ForcesAt], of: impl Fn(&ForcesAt) -> f64, way: impl Fn(&MeshPoint) -> f64) -> f64 {
         let ways = self.points.windows(2).map(|two| way(&two[1]) - way(&two[0]));
         let means = forces.windows(2).map(|two| 0.5 * (of(&two[0]) + of(&two[1])));
         ways.zip(means).map(|(way, mean)| way * mean).sum()
     }
 
-    /// The mean of a force over a way; its value where there is none.
+    /// The mean of a force over a way; its value for a way of 0.
     fn mean(&self, forces: &[ForcesAt], of: Of, way: fn(&MeshPoint) -> f64) -> f64 {
         let all = self.points.last().map_or(0.0, way) - way(&self.points[0]);
         if all > 0.0 { self.work(forces, of, way) / all } else { of(&forces[0]) }

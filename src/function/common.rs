@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::play::Setting;
 use crate::quantity::{femtometres, of_femtometres};
 
-/// How many of something are at a place, fm.
+/// Counts by place, fm.
 type At = (i64, u64);
 
 /// The settings of many parts, counted.
@@ -14,7 +14,7 @@ type At = (i64, u64);
 pub struct Settings {
     /// The parts whose settings are known.
     pub parts: u64,
-    /// Those of them that no setting suits.
+    /// The parts among them that no setting suits.
     pub without: u64,
     starts: BTreeMap<i64, u64>,
     ends: BTreeMap<i64, u64>,
@@ -39,7 +39,7 @@ impl Settings {
             self.without += 1;
             return;
         };
-        // ends beyond every length on the grid are as good as the largest one
+        // ends beyond the largest length on the grid count as that length
         let place = |mm: f64| femtometres(mm).unwrap_or(if mm < 0.0 { i64::MIN } else { i64::MAX });
         *self.starts.entry(place(from_mm)).or_default() += 1;
         if let Some(to_mm) = to_mm {
@@ -47,7 +47,7 @@ impl Settings {
         }
     }
 
-    /// Counts those of other parts, too.
+    /// Adds the counts of other parts.
     pub fn merge(&mut self, other: &Self) {
         self.parts += other.parts;
         self.without += other.without;
@@ -67,7 +67,7 @@ impl Settings {
 }
 
 impl Shared {
-    /// As those of one part.
+    /// The settings as those of one part.
     #[must_use]
     pub fn as_setting(&self) -> Setting {
         Setting { from_mm: self.from_mm, to_mm: self.to_mm }
@@ -114,7 +114,7 @@ pub(crate) fn most_shared(starts: &[At], ends: &[At]) -> Option<Shared> {
 pub(crate) fn shared_by(starts: &[At], ends: &[At], least: u64) -> Option<(f64, Option<f64>)> {
     let enough: Vec<_> = covered(starts, ends).into_iter().filter(|(.., count)| *count >= least.into()).collect();
     let (first, last) = (enough.first()?, enough.last()?);
-    // behind the last start that so many cover ends alone follow, until fewer are left
+    // behind the last start that so many cover only ends follow, until fewer are left
     let mut left = last.2;
     let behind = ends.iter().filter(|(end, _)| *end >= last.0);
     let end = behind.into_iter().find(|(_, count)| {
@@ -134,7 +134,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
 
-        /// Against counting at every end: no place is in more intervals, and each of the found ones is in so many.
+        /// Compares with a count at every end: no place is in more intervals, and each place found is in so many.
         #[test]
         fn no_place_suits_more(intervals in prop::collection::vec((0..60_i32, 0..25_i32), 1..40), share in 0.0..1.0_f64) {
             let intervals: Vec<_> = intervals.iter().map(|(from, width)| (*from, from + width)).collect();
@@ -156,7 +156,7 @@ mod tests {
             let widest = |from: f64| places.iter().copied().filter(|to| *to >= from).take_while(|to| at(*to) == most).last();
             let longest = places.iter().filter(|from| at(**from) == most).map(|from| widest(*from).unwrap() - from);
             prop_assert_eq!(longest.reduce(f64::max), Some(to_mm - from_mm));
-            // every place that suits so many lies within the hull, whose ends do
+            // every place that suits so many lies within the hull, and the ends of the hull suit so many
             let least = (most as f64 * share).ceil().max(1.0) as usize;
             let lists = |ends: &BTreeMap<i64, u64>| ends.iter().map(|(place, count)| (*place, *count)).collect::<Vec<_>>();
             let (first, last) = shared_by(&lists(&settings.starts), &lists(&settings.ends), least as u64).unwrap();

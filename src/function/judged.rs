@@ -1,5 +1,5 @@
-//! The limits on a yoke, held against one part after the other. Called by whoever solves the mesh of parts or has their bound;
-//! knows no spec and no table.
+//! The limits on a yoke, judged for one part after the other, from the mesh of a part or its bound; knows no spec and no
+//! table.
 
 use super::limits::{Bounded, Bounds, Check, Judged, Target, Terms, judge};
 use super::play::{SafeSettings, Setting};
@@ -9,12 +9,12 @@ use crate::gear::Pair;
 use crate::judge::Verdict;
 use crate::mesh::{Curve, Mesh, MeshError};
 
-/// A yoke, and what it is held against.
+/// A yoke and its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct YokeJudge {
-    /// What is known of it.
+    /// What is known of the yoke.
     pub yoke: Yoke,
-    /// What is asked of it.
+    /// The limits on it.
     pub limits: Vec<(Target, Bounds)>,
     /// First and last stroke over which it works, mm.
     pub strokes_mm: (f64, f64),
@@ -29,9 +29,9 @@ pub struct YokeJudge {
 pub struct JudgedYoke {
     /// What is known of the yoke.
     pub yoke: Yoke,
-    /// What it does; `None` where the part's teeth are not known over the whole travel.
+    /// The yoke's figures; `None` where the part's teeth are not known over the whole travel.
     pub function: Option<Function>,
-    /// What a bound of ΔCD says, where one is known and not the teeth.
+    /// The figures from a bound of ΔCD, where a bound is known and the teeth are not.
     pub bounded: Option<Bounded<'static>>,
     /// One per limit.
     pub checks: Vec<Check>,
@@ -47,7 +47,7 @@ impl YokeJudge {
         self.limits.iter().find(|(on, _)| *on == Target::YokePlay).map(|(_, bounds)| *bounds)
     }
 
-    /// What the yoke does on a curve; `None` of one without points.
+    /// The yoke's figures on a curve; `None` for a curve without points.
     ///
     /// # Errors
     /// [`MeshError`] if there is no mesh where the play is set.
@@ -55,15 +55,15 @@ impl YokeJudge {
         Function::of(mesh, curve, &self.yoke, self.window().as_ref().map(Bounds::window).as_ref())
     }
 
-    /// The limits held against what the yoke does where all teeth are known; `is_measured` says whether every flank that carries
-    /// was measured, of parts that were.
+    /// The limits judged by the yoke's figures where all teeth are known; `is_measured` says whether every flank that carries was
+    /// measured, for measured parts.
     #[must_use]
     pub fn judge(&self, function: &Function, is_measured: bool) -> Vec<Check> {
         let terms = Terms { knows_travel: self.knows_travel, is_measured, is_by_value: self.is_by_value };
         judge(function, &self.yoke, &self.limits, terms)
     }
 
-    /// What a bound of ΔCD of that width says, with what the yoke does where a search put the errors.
+    /// The figures from a bound of ΔCD of that width, with the yoke's figures where a search put the errors.
     #[must_use]
     pub fn bounded<'a>(&self, pair: &Pair, width_mm: f64, reached: &'a [Function]) -> Bounded<'a> {
         let safe = SafeSettings::of(&self.window().unwrap_or_default().window(), width_mm);
@@ -87,13 +87,13 @@ impl YokeJudge {
         self.limits.iter().map(open).collect()
     }
 
-    /// The yoke on a part of which nothing is known over the whole travel but this.
+    /// The yoke on a part of which only this is known over the whole travel.
     #[must_use]
     pub fn unknown(&self, checks: Vec<Check>) -> JudgedYoke {
         JudgedYoke { yoke: self.yoke, function: None, bounded: None, checks }
     }
 
-    /// The yoke on a part of which a bound of ΔCD of that width is known, and no placement.
+    /// The yoke on a part with a bound of ΔCD of that width, without a placement.
     #[must_use]
     pub fn within(&self, pair: &Pair, width_mm: Option<f64>) -> JudgedYoke {
         let bounded = width_mm.map(|width| self.bounded(pair, width, &[]));
@@ -134,11 +134,11 @@ pub const FIGURES: [(&str, Figure); 22] = [
     ("safe_setting_to_deg", |yoke| yoke.yoke.degrees(yoke.safe_setting()?.to_mm?)),
     ("lift_off_force_at_least_n", |yoke| Some(yoke.bounded?.yoke_n(&yoke.yoke)?[0] * yoke.bounded?.lift_off)),
 ];
-/// How many of the figures are of known teeth.
+/// The number of figures of known teeth.
 pub const KNOWN_FIGURES: usize = 16;
 
 impl JudgedYoke {
-    /// The same without what it does at each point of the curve, which takes much room.
+    /// The yoke without its play and forces at each point of the curve, which take much memory.
     #[must_use]
     pub fn in_short(mut self) -> Self {
         self.function.iter_mut().for_each(|function| function.along = Vec::new());
@@ -158,7 +158,7 @@ impl JudgedYoke {
         self.bounded.filter(|_| is_limited)?.settings(&self.yoke)
     }
 
-    /// The settings, if it is known which there are: `Some(None)` of a part that no position of the plug suits.
+    /// The settings, if they are known: `Some(None)` for a part that no position of the plug suits.
     #[must_use]
     pub fn settings_known(&self) -> Option<Option<Setting>> {
         let is_judged = |check: &Check| check.on == Target::YokePlay && check.verdict.is_some();
@@ -172,7 +172,7 @@ impl JudgedYoke {
         self.checks.iter().find(|check| check.on == on)?.verdict
     }
 
-    /// Both directions' torque.
+    /// The torque in both directions.
     fn torques(&self) -> Option<[Torque; 2]> {
         let forces = self.function.as_ref()?.forces.as_ref()?;
         Some([forces.rising, forces.falling])

@@ -1,4 +1,4 @@
-//! Limits of what a yoke does, and the verdicts. Asked by whoever judges; an equal value is inside.
+//! Limits on a yoke, and the verdicts; an equal value is inside.
 
 use super::play::{SafeSettings, Setting, Window};
 use super::{Function, SetAt, Yoke};
@@ -6,14 +6,14 @@ use crate::judge::Verdict;
 use crate::quantity::tidy;
 
 named! {
-    /// What a limit is on.
+    /// The quantity that a limit is on.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum Target {
         /// The play of the yoke over the travel, mm.
         YokePlay = "yoke_play",
         /// The free torque of the pinion in both directions, N m.
         PinionTorque = "pinion_torque",
-        /// Its largest value less its smallest in one direction, N m.
+        /// Largest less smallest torque in one direction, N m.
         TorqueFluctuation = "torque_fluctuation",
         /// The force along the rack at which one side of the teeth unloads, N.
         LiftOffForce = "lift_off_force",
@@ -21,7 +21,7 @@ named! {
 }
 
 impl Target {
-    /// Its name for people.
+    /// The name of the quantity for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl Target {
     }
 }
 
-/// Permitted values in the unit of what they are on, ends inside; an end that is not given is open.
+/// Permitted values in the unit of their quantity, ends inside; an end that is not given is open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bounds {
     /// The lowest.
@@ -59,27 +59,27 @@ impl Bounds {
         if is_inside { Verdict::Pass } else { Verdict::Fail }
     }
 
-    /// As permitted play.
+    /// The values as permitted play.
     #[must_use]
     pub fn window(&self) -> Window {
         Window { lower_mm: self.lower.unwrap_or(0.0), upper_mm: self.upper }
     }
 }
 
-/// What came of a limit.
+/// The outcome of a limit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Judged {
-    /// Values from the smallest to the largest were held against it.
+    /// It was compared with values from the smallest to the largest.
     Values([f64; 2]),
     /// No position of the plug keeps the window.
     NoSetting,
-    /// Whatever the curve within a bound, a position of the plug keeps the window.
+    /// For every curve within a bound, a position of the plug keeps the window.
     SomeSetting,
-    /// The bound proves no pass, and no placement that was found a fail.
+    /// The bound proves no pass, and no placement that was found proves a fail.
     NotProven,
     /// These keys of the spec are needed and not given.
     Lacks(Vec<&'static str>),
-    /// The decision rule asks for more than the value, of which no uncertainty is known.
+    /// The decision rule needs an uncertainty, which is not known.
     NoUncertainty,
     /// Flanks that carry on the travel were not measured.
     NotMeasured,
@@ -92,11 +92,11 @@ pub enum Judged {
 /// A limit and its verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// What it is on.
+    /// Its quantity.
     pub on: Target,
     /// The permitted values.
     pub bounds: Bounds,
-    /// What it was held against.
+    /// Its outcome.
     pub judged: Judged,
     /// `None` if it is open.
     pub verdict: Option<Verdict>,
@@ -112,18 +112,18 @@ impl Check {
     }
 }
 
-/// How limits are held against what a yoke does.
+/// How limits on a yoke are judged.
 #[derive(Debug, Clone, Copy)]
 pub struct Terms {
     /// Whether the strokes are the rack's travel.
     pub knows_travel: bool,
-    /// Whether every flank that carries on them was measured, of parts that were.
+    /// Whether every flank that carries on them was measured, for measured parts.
     pub is_measured: bool,
     /// Whether the value alone decides.
     pub is_by_value: bool,
 }
 
-/// Judges what a yoke does by these limits.
+/// Judges the figures of a yoke by these limits.
 #[must_use]
 pub fn judge(function: &Function, yoke: &Yoke, limits: &[(Target, Bounds)], terms: Terms) -> Vec<Check> {
     limits
@@ -147,14 +147,14 @@ pub fn judge(function: &Function, yoke: &Yoke, limits: &[(Target, Bounds)], term
         .collect()
 }
 
-/// What is known of a yoke where only a bound of ΔCD is.
+/// What is known of a yoke where only a bound of ΔCD is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded<'a> {
-    /// What the bound says of settings.
+    /// The settings by the bound.
     pub safe: SafeSettings,
     /// F_x per F.
     pub lift_off: f64,
-    /// What it does on placements of the errors that a search found.
+    /// The yoke's figures on placements of the errors that a search found.
     pub reached: &'a [Function],
 }
 
@@ -173,7 +173,7 @@ impl Bounded<'_> {
         Some([(preload - change).max(0.0), most])
     }
 
-    /// What a limit is proven by.
+    /// The proof for a verdict on a limit.
     fn proof(&self, yoke: &Yoke, on: Target, bounds: &Bounds) -> Option<Judged> {
         match on {
             Target::YokePlay => {
@@ -215,7 +215,7 @@ impl Bounded<'_> {
     }
 }
 
-/// The keys without which something cannot be judged.
+/// The missing keys without which a limit cannot be judged.
 fn lacking(on: Target, yoke: &Yoke, knows_travel: bool) -> Vec<&'static str> {
     let forces = [("yoke.preload", yoke.preload_n), ("yoke.rate", yoke.rate_n_per_mm)];
     let teeth = ("yoke.friction.teeth", yoke.tooth_friction);
@@ -231,7 +231,7 @@ fn lacking(on: Target, yoke: &Yoke, knows_travel: bool) -> Vec<&'static str> {
     travel.into_iter().chain(needed.into_iter().filter(|key| key.1.is_none()).map(|key| key.0)).collect()
 }
 
-/// What is held against a limit.
+/// The values that a limit judges.
 fn judged(function: &Function, on: Target) -> Judged {
     if !function.is_solved {
         return Judged::Unsolved;

@@ -22,14 +22,14 @@ pub struct Setting {
 
 impl Window {
     /// The settings that keep the window: J_0 ∈ [J_low + max ΔCD − ΔCD(s_0), J_high + min ΔCD − ΔCD(s_0)], of ΔCD at its smallest,
-    /// at its largest, and at s_0, mm. `None` if there are none, which is so if and only if the variation of ΔCD is larger than
-    /// the window. What differs by less than rounding, 1 fm, is equal.
+    /// at its largest, and at s_0, mm. `None` if there are none, which is the case if and only if the variation of ΔCD is larger
+    /// than the window. Values that differ by less than rounding, 1 fm, are equal.
     #[must_use]
     pub fn settings(&self, smallest_mm: f64, largest_mm: f64, at_mm: f64) -> Option<Setting> {
         let from_mm = tidy(self.lower_mm + (largest_mm - at_mm));
         let to_mm = self.upper_mm.map(|upper| tidy(upper - (at_mm - smallest_mm)));
         let spare_mm = self.upper_mm.map(|upper| tidy((upper - self.lower_mm) - (largest_mm - smallest_mm)));
-        // both ends are rounded by themselves: the later one is not before the earlier one where there is room
+        // both ends are rounded separately: the later one must not lie before the earlier one where a setting exists
         let setting = Setting { from_mm, to_mm: to_mm.map(|to| to.max(from_mm)) };
         spare_mm.is_none_or(|spare| spare >= 0.0).then_some(setting)
     }
@@ -50,7 +50,7 @@ impl Setting {
     }
 }
 
-/// What a bound of ΔCD says of settings.
+/// The settings by a bound of ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SafeSettings {
     /// U − L, mm: no variation of ΔCD is larger.
@@ -64,11 +64,11 @@ pub struct SafeSettings {
 }
 
 impl SafeSettings {
-    /// Of a bound of so many mm.
+    /// The settings by a bound of this width, mm.
     #[must_use]
     pub fn of(window: &Window, width_mm: f64) -> Self {
         let at_tightest = window.settings(0.0, width_mm, width_mm);
-        // ΔCD(s_0) may be at either end, so that both ends count in full
+        // ΔCD(s_0) may be at either end, so both ends count in full
         let twice = Window { lower_mm: window.lower_mm + width_mm, ..*window };
         let at_stroke = twice.settings(0.0, width_mm, width_mm);
         Self { width_mm, is_there_one: at_tightest.is_some(), at_stroke, at_tightest }
@@ -94,7 +94,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
 
-        /// Settings are there exactly where the variation fits the window; each keeps it and one beyond does not.
+        /// There are settings exactly where the variation fits the window; each keeps it, and a play beyond them does not.
         #[test]
         fn settings_are_those_that_keep_the_window(
             low in -0.1..0.1_f64, v in 0.0..0.2_f64, share in 0.0..1.0_f64, pick in 0.0..1.0_f64,
@@ -110,7 +110,7 @@ mod tests {
                     prop_assert!(v <= 0.09 + 1e-12 && keeps(from_mm + pick * (to_mm - from_mm)));
                     prop_assert!((to_mm - from_mm - (0.09 - v)).abs() < 2e-12);
                     prop_assert!(!keeps(from_mm - 1e-6) && !keeps(to_mm + 1e-6));
-                    // another place to set moves both ends by what ΔCD differs there
+                    // setting at another stroke moves both ends by the difference of ΔCD
                     let tightest = WINDOW.settings(low, high, high).unwrap();
                     prop_assert!((from_mm - tightest.from_mm - (high - at)).abs() < 2e-12);
                     // a size on all teeth moves nothing
@@ -121,7 +121,7 @@ mod tests {
             }
         }
 
-        /// A setting that is safe by a bound is one of every curve within it.
+        /// A setting that is safe by a bound suits every curve within it.
         #[test]
         fn what_is_safe_by_a_bound_is_safe_on_every_curve(
             width in 0.0..0.12_f64, ends in prop::array::uniform2(0.0..1.0_f64), share in 0.0..1.0_f64, pick in 0.0..1.0_f64,

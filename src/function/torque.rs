@@ -1,4 +1,4 @@
-//! The forces of a yoke at one stroke: what it presses with, what the pinion needs, what lifts a flank off.
+//! The forces of a yoke at one stroke: its own force, the pinion's torque, and the force that lifts a flank off.
 
 use super::Yoke;
 use crate::gear::Pair;
@@ -19,15 +19,15 @@ pub struct AtStroke {
 pub struct ForcesAt {
     /// F, N.
     pub yoke_n: f64,
-    /// F dΔCD/dθ, N m: what lifts the yoke as s rises.
+    /// F dΔCD/dθ, N m: the torque that lifts the yoke as s rises.
     pub lifting_n_m: f64,
     /// μ_y F ds/dθ, N m.
     pub yoke_friction_n_m: f64,
     /// μ_m Σ N_i v_i/v_rack ds/dθ, N m.
     pub tooth_friction_n_m: f64,
-    /// All with T_0 as s rises, N m.
+    /// The sum with T_0 as s rises, N m.
     pub rising_n_m: f64,
-    /// All with T_0 as s falls, N m.
+    /// The sum with T_0 as s falls, N m.
     pub falling_n_m: f64,
     /// Force along the rack at which one side unloads, N.
     pub lift_off_n: f64,
@@ -103,7 +103,7 @@ mod tests {
         let found = [0.08, 0.0, -0.08].map(|friction| (500.0 * lift_off_per_newton(&pair, friction)).round());
         assert_eq!(found, [1093.0, 1374.0, 1812.0]);
         assert_eq!(lift_off_per_newton(&pair, 3.0), 0.0);
-        // a helix on the rack makes the wedge steeper and the friction's way longer
+        // a helix on the rack makes the wedge steeper and lengthens the way of friction
         let pair = Pair::new(&example(20, 0.5, 0.2)).unwrap();
         let tan_x = trig::tan(pair.normal_pressure_angle_rad()) / trig::cos(0.5);
         assert!((lift_off_per_newton(&pair, 0.0) * tan_x - 1.0).abs() < 1e-14);

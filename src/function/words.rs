@@ -1,4 +1,4 @@
-//! What came of a limit, in words. Called by reports and by batches, whose rows have the reason of a verdict.
+//! The outcome of a limit in words, for reports and for the column `reason` of batches.
 
 use super::limits::{Bounds, Check, Judged, Target};
 use crate::judge::Verdict;
@@ -27,7 +27,7 @@ impl Bounds {
 }
 
 impl Check {
-    /// What came of the limit; `scope` says of what.
+    /// The outcome of the limit; `scope` says where it was judged.
     #[must_use]
     pub fn sentence(&self, scope: &str) -> String {
         let (what, unit) = (self.on.words(), self.on.unit());
@@ -47,7 +47,7 @@ impl Check {
         }
     }
 
-    /// Why the limit is open; `None` of one that is met or broken.
+    /// Why the limit is open; `None` for a limit that is met or broken.
     #[must_use]
     pub fn open_because(&self) -> Option<String> {
         let why = match &self.judged {
@@ -69,7 +69,7 @@ impl Check {
         Some(format!("{}: {why}", self.on.words()))
     }
 
-    /// Why the limit is not met; `None` of one that is.
+    /// Why the limit is not met; `None` for a limit that is met.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         match self.verdict {

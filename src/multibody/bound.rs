@@ -1,5 +1,5 @@
-//! What of a pinion's flank provably cannot touch a rack's flank, found without looking at it. Asked by both contact
-//! models before any gap is computed; adds no force.
+//! Which parts of a pinion's flank provably cannot touch a rack's flank, by a bound. Both contact models call it before they
+//! compute any gap; it adds no force.
 //!
 //! # Why that changes nothing
 //! Written for spheres; strips are spheres of the radius 0.
@@ -41,13 +41,13 @@
 //! no point of the rack is higher than its tip edge; a sphere whose flank point lies 2 R_0 higher than that is clear,
 //! because its centre is within R_0 of that point.
 //!
-//! Where spheres below a small height over the face are looked for although they do not touch, that height is added to
-//! the bounds, and clear means that much higher, or with the foot not on the patch.
+//! Where spheres below a small height over the face count although they do not touch, that height is added to the bounds, and
+//! clear means that much higher, or with the foot not on the patch.
 
 use super::flank::FlankPosition;
 use super::template::{EARLY, Template};
 
-/// What the scene knows of all flanks.
+/// The scene's constants for all flanks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     pub(super) cull: bool,
@@ -65,10 +65,10 @@ pub(super) const SLACK: f64 = 1e-11;
 /// 1 − cos 1, rounded down.
 pub(super) const BEND: f64 = 0.459_697;
 
-/// What clears whole rows of a flank.
+/// Constants of the bound that clears whole rows of a flank.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bound {
-    /// Height at which a sphere's lowest point is clear of the plane, whatever comes on top.
+    /// Height at which a sphere's lowest point is clear of the plane in every case.
     pub(super) stop: f64,
     /// L = level + slope w and τ_* = line + κ w.
     level: f64,

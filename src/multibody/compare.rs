@@ -1,5 +1,4 @@
-//! The exact rigid mesh beside a simulation: what the compliant model should tend to. Called by the reports and the
-//! tests; solves nothing of its own.
+//! The exact rigid mesh beside a simulation: the limit of the compliant model. Reports and tests call it.
 
 use super::Steady;
 use crate::mesh::{Mesh, MeshError, MeshPoint};
@@ -11,8 +10,8 @@ const CELLS_PER_PITCH: f64 = 24.0;
 const MOST: f64 = 1e6;
 /// How often a cell may be halved.
 const HALVINGS: u32 = 4;
-/// Cells whose ends lie this near to a straight line (mm), and means of a cell and its halves this near to each other,
-/// are near enough: the mean is then right to as much.
+/// Tolerance (mm) for the distance of a cell from a straight line, and for the difference of the means of a cell and of its
+/// halves: the mean has this error.
 const STRAIGHT: f64 = 2e-7;
 
 /// A cell's ends and middle: strokes and ΔCD.
@@ -90,7 +89,7 @@ pub fn exact_mean_mm(mesh: &Mesh, steady: &Steady) -> Option<f64> {
         }
         cells = next;
     }
-    // what is still bent takes the value in its middle: beside a jump at an end of the range the curve is not drawn in
+    // a cell that is still bent takes the value in its middle, so that a jump at an end of the range does not count
     sum += cells.iter().map(|cell| cell.mid.1 * cell.width()).sum::<f64>();
     Some(sum / length)
 }
@@ -131,7 +130,7 @@ mod tests {
     use crate::mesh::Support;
     use crate::reproduction;
 
-    /// One pitch of a lead deviation stands for three, and is the same to what a few points cost.
+    /// One pitch of a lead deviation stands for three, with the same mean, at the cost of a few points.
     #[test]
     fn one_pitch_stands_for_alike_ones() {
         let pair = reproduction::pair().unwrap();

@@ -1,4 +1,4 @@
-//! How the rack is moved: a smooth start, then constant speed. Asked by the runs in time; knows no bodies.
+//! How the rack is moved: a smooth start, then constant speed. The runs in time call it; it knows no bodies.
 //!
 //! With x = t/T the speed rises as v (10 x³ − 15 x⁴ + 6 x⁵), whose first and second derivatives vanish at both ends, so
 //! the start excites nothing; it takes the travel v T/2.

@@ -33,10 +33,10 @@
 //! moves the steady ΔCD by 0.3 µm.
 //!
 //! # The balance of energy
-//! What a step damps of a vibration that it does not resolve is lost beside the contact's own damping, and is the drift. A
-//! step that adds more of it than a small share of what is driven, stored and lost is made again, shorter: at a tooth's
-//! first contact, mostly. Without damping and friction a vibration never dies by itself and no step is made again for it:
-//! the drift then is what the scheme has damped.
+//! The drift is the energy of vibrations that a step does not resolve and therefore damps, in addition to the contact's own
+//! damping. A step that adds more drift than a small share of the driven, stored and lost energy is repeated with a shorter
+//! step, mostly at a tooth's first contact. Without damping and friction a vibration never dies by itself and no step is
+//! repeated for it: the drift then is what the scheme damps.
 
 use super::drive::{Drive, Driven};
 use super::energy::{Flow, Ledger};
@@ -60,13 +60,13 @@ const ERROR: [f64; 3] = [W - THIRD[0], W - THIRD[1], D - THIRD[2]];
 
 /// Unbalanced force over the closing force at which a stage is solved.
 const BALANCE: f64 = 1e-5;
-/// Iterations per stage; three are the rule, and a step that needs more is better halved.
+/// Iterations per stage; three are usual, and a step that needs more is better halved.
 const ITERATIONS: u32 = 25;
 /// A step is made at most this much longer than the last one.
 const GROWTH: f64 = 4.0;
 /// Share of the step that the error would allow exactly.
 const SAFETY: f64 = 0.85;
-/// Share of what circulates that a step may lose or make up, where that is more than the energy tolerance's.
+/// Share of the circulating energy that a step may lose or make up, where that is more than the energy tolerance.
 const CIRCULATING: f64 = 1e-6;
 /// Share of the run below which no step is shortened for its energy.
 const SHORT: f64 = 2e-7;
@@ -150,7 +150,7 @@ impl Scene {
         let right: [f64; 3] = std::array::from_fn(|i| right[i] / scale[i]);
         match solve(scaled, right, n) {
             Some(x) => x[..n].iter().fold(0.0, |largest, value| value.abs().max(largest)),
-            // nothing holds a coordinate without mass: its position is what the contact makes of it
+            // a coordinate without mass follows the contact
             None => 0.0,
         }
     }
@@ -189,7 +189,7 @@ impl Scene {
     }
 }
 
-/// A stage of a step of `h` seconds: the states that lead to it, with their weights, and where it is looked for.
+/// A stage of a step of `h` seconds: the states that lead to it, with their weights, and the start of its search.
 struct Stage<'a> {
     time: f64,
     h: f64,
@@ -231,7 +231,7 @@ impl<'a> MotionRun<'a> {
         })
     }
 
-    /// Makes a step towards a time, or finds that it has to be shorter.
+    /// Makes a step towards a time, or reports that it has to be shorter.
     fn advance(&mut self, until: f64, work: &mut Work) -> Result<(), SimulationError> {
         let (scene, here) = (self.scene, &self.here);
         let p = &scene.parameters;
@@ -262,7 +262,7 @@ impl<'a> MotionRun<'a> {
         Ok(())
     }
 
-    /// A step whose error or drift is too large is made again.
+    /// Repeats a step whose error or drift is too large.
     fn shorten(&mut self, h: f64, ratio: f64, drift: f64) -> Result<(), SimulationError> {
         // the error is of third order in the step, that of the work between second and first
         let shrink = (SAFETY / libm::cbrt(ratio)).min(SAFETY / drift.sqrt());
@@ -274,7 +274,7 @@ impl<'a> MotionRun<'a> {
         Ok(())
     }
 
-    /// What a step of a run with losses adds to the drift of the energy, over what it may add.
+    /// The drift that a step of a run with losses adds, over the drift that it may add.
     fn lost(&self, made: &Step) -> f64 {
         let p = &self.scene.parameters;
         if p.energy_tolerance >= 1.0 || p.damping == 0.0 && p.friction == 0.0 {

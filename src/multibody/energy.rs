@@ -1,18 +1,19 @@
-//! Where the energy of a run goes, step by step. Called by both runs; knows forces and positions, not how they were found.
+//! Where the energy of a run goes, step by step. Both kinds of run call it; it knows forces and positions, not how they were
+//! found.
 //!
-//! The contact has no mass, so what the drive puts into it is stored in it, lost in it or passed on to the bodies. What
-//! is stored is the elastic energy itself and not an integral of the forces: some two hundred spheres touch and leave in
-//! a step, and the drive's force, the small difference of two flanks' large ones, read off at three instants of a step
-//! misses by as much as the drive puts in. What is lost and what is passed on are the scheme's own sums over the step.
+//! The contact has no mass, so the energy from the drive is stored in it, lost in it or passed on to the bodies. The stored
+//! energy is the elastic energy itself and not an integral of the forces: some two hundred spheres touch and leave in a step,
+//! and the drive's force, the small difference of two flanks' large forces, at three instants of a step gives an error as
+//! large as the driven energy. The lost energy and the energy passed on are the scheme's own sums over the step.
 //!
-//! The bodies' side is counted apart: what they and the closing force gained, less the work that was passed on to them, is
-//! the drift of the steps.
+//! The bodies are counted separately: their gain and that of the closing force, less the work that was passed on to them, is the
+//! drift of the steps.
 
 use super::Scene;
 use super::outcome::Energy;
 use super::state::{Forces, State};
 
-/// What flowed during a step, N mm.
+/// Energy that flowed during a step, N mm.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Flow {
     pub(super) driven: f64,
@@ -25,7 +26,7 @@ pub(super) struct Flow {
 }
 
 impl Flow {
-    /// What flows from the first of these states to the last, each with its share of the time, s.
+    /// The energy that flows from the first of these states to the last, each with its share of the time, s.
     pub(super) fn of(states: &[(&State, f64)]) -> Self {
         let [(first, _), .., (last, _)] = states else { return Self::default() };
         let mut flow = Self { driven: last.contact.energy - first.contact.energy, ..Self::default() };
@@ -50,11 +51,11 @@ impl Flow {
     }
 }
 
-/// What has flowed since the start of a run.
+/// The energy that has flowed since the start of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ledger {
     pub(super) sum: Flow,
-    /// What damping took until the rack had its speed.
+    /// Energy lost to damping until the rack has its speed.
     settling: f64,
 }
 
@@ -82,7 +83,7 @@ impl Scene {
         at.contact.energy + self.closing_energy(at.q[1])
     }
 
-    /// What flows from one equilibrium to the next: the contact passes on what the closing force takes.
+    /// The energy that flows from one equilibrium to the next: the contact passes on what the closing force takes.
     pub(super) fn flow_at_rest(&self, from: &State, to: &State) -> Flow {
         let mean = |of: fn(&Forces) -> f64| 0.5 * (of(&from.contact) + of(&to.contact));
         let time = to.time - from.time;

@@ -34,7 +34,7 @@ pub enum SimulationError {
     /// The rigid mesh, from which every run starts, has no solution.
     #[error("no start position: {0}")]
     Mesh(#[from] MeshError),
-    /// So few spheres, rows or strips that contacts fall between them.
+    /// There are so few spheres, rows or strips that contacts fall between them.
     #[error(
         "contacts may sink by {resolution_mm:.4} mm between two spheres or strips, more than {limit_mm} mm; \
          raise the number of spheres over profile and width, or of strips"
@@ -58,7 +58,7 @@ pub enum SimulationError {
         /// Unbalanced force, N.
         residual_n: f64,
     },
-    /// The flanks have gone into each other further than a contact law can mean.
+    /// The flanks penetrate further than the contact law is valid for.
     #[error(
         "stroke {stroke_mm:.4} mm: penetration {penetration_mm:.4} mm exceeds {limit_mm} mm; \
          raise the contact stiffness or lower the preload"

@@ -1,5 +1,5 @@
-//! Sums over the elements on the face of one plane flank, which are most of all. Filled by both contact models, one
-//! flank pair at a time; knows nothing of how a gap was found.
+//! Sums over the elements on the face of one plane flank, which are most elements. Both contact models fill them, one flank
+//! pair at a time; it does not know how a gap was found.
 //!
 //! The gaps of such elements have one normal, so their derivatives by a and s are the same for all, and every entry of
 //! the generalised forces and tangents is made of the sums of f, f', ∂f/∂δ' times products of at most two of the
@@ -112,7 +112,7 @@ impl Face {
         }
     }
 
-    /// Remembers an element that does not touch, but is near.
+    /// Keeps an element that is near but does not touch.
     pub(super) fn pass(&self, on: &OnFace, load: &mut Load<'_>) {
         load.work.near.push(self.met(on, 0.0, 0.0));
     }

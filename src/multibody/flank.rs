@@ -1,5 +1,5 @@
-//! One rack flank with the pinion flank that meets it, and where both are in a position. Made once per rack tooth by
-//! the scene; read by both contact models.
+//! One rack flank with the pinion flank that meets it, and where both are in a position. The scene makes it once per rack
+//! tooth, both contact models read it.
 //!
 //! Everything is written for a right flank of the rack and a left one of the pinion; the other side is the mirror image
 //! in X (`sign` = −1), under which the roll about X stays. Rack coordinates are local: X from the tooth's

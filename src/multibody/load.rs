@@ -1,5 +1,5 @@
-//! Sums the contact elements into generalised forces and their tangents. Called by both contact models for each
-//! element that touches and is not on a plane face (those are [`super::face`]'s); knows nothing of how its gap was found.
+//! Sums the contact elements into generalised forces and their tangents. Both contact models call it for each element that
+//! touches outside a plane face (elements on faces go to [`super::face`]); it does not know how a gap was found.
 
 use super::law::{Force, Law};
 use super::newton::Bend;
@@ -37,7 +37,7 @@ pub(super) struct Sliding {
     pub(super) motion: [[f64; 3]; 4],
 }
 
-/// An element as it was met, for the estimate of the indentation and of what a step will do.
+/// An element of the last evaluation, to estimate the indentation and the effect of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touching {
     pub(super) gap: f64,
@@ -50,7 +50,7 @@ pub(super) struct Touching {
     pub(super) by_depth: f64,
 }
 
-/// What evaluations share: counters and memory.
+/// Counters and memory that evaluations share.
 #[derive(Debug, Default)]
 pub(super) struct Work {
     pub(super) counters: Counters,
@@ -91,7 +91,7 @@ impl Work {
 #[derive(Debug, Default)]
 pub(super) struct Touchings(pub(super) [Vec<Touching>; 2]);
 
-/// Exchanges of the simplex method at most; three are the rule.
+/// Exchanges of the simplex method at most; three are usual.
 const EXCHANGES: usize = 32;
 
 impl Touchings {

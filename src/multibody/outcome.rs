@@ -1,10 +1,10 @@
-//! What a run says. Filled by the runs, read by everyone.
+//! The results of a run. The runs fill them, reports read them.
 
 use std::ops::{ControlFlow, RangeInclusive};
 
 use super::SimulationError;
 
-/// Told of every sample as it is made; `Break` ends the run there, with everything made so far.
+/// Called with every sample as it is made; `Break` ends the run there, with everything made so far.
 pub type Watch<'a> = dyn FnMut(&Sample) -> ControlFlow<()> + 'a;
 
 /// One position of a run.
@@ -38,7 +38,7 @@ pub struct Sample {
     pub contacts: u32,
     /// Largest penetration, mm.
     pub penetration_mm: f64,
-    /// How much further apart the parts would be if they were rigid, mm: the smallest rise of the centre distance at
+    /// How much further apart rigid parts would be, mm: the smallest rise of the centre distance at
     /// which, to first order and with the best rotation, no element penetrates. So ΔCD + indentation compares with
     /// the exact mesh.
     pub indentation_mm: f64,
@@ -48,7 +48,7 @@ pub struct Sample {
     pub carrying: [Option<i64>; 2],
 }
 
-/// What a force is over a run, in its unit.
+/// A force over a run, in its unit.
 #[cfg_attr(feature = "report", derive(serde::Serialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
@@ -80,7 +80,7 @@ pub struct RunForces {
     pub pinion_torque_n_m: Extent,
 }
 
-/// What the yoke does.
+/// The yoke at a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct YokeSample {
     /// How far the rack has moved back from where it is at a_0, mm: ΔCD.
@@ -96,7 +96,7 @@ pub struct YokeSample {
 pub struct Steady {
     /// Mean ΔCD, mm.
     pub delta_cd_mm: f64,
-    /// Root mean square of what is left after the mean, mm.
+    /// Root mean square of the deviations from the mean, mm.
     pub ripple_mm: f64,
     /// Mean of the elastic indentation, mm.
     pub indentation_mm: f64,
@@ -143,7 +143,7 @@ impl Energy {
     }
 }
 
-/// How much work a run was.
+/// Counts of the work of a run.
 #[cfg_attr(feature = "report", derive(serde::Serialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counters {
@@ -171,13 +171,13 @@ pub struct Counters {
 pub enum RunEnd {
     /// The whole stroke is there.
     Completed,
-    /// It was told to stop; what is there is right.
+    /// It was stopped; the samples so far are valid.
     Interrupted,
-    /// It could not go on; what is there is right.
+    /// It could not go on; the samples so far are valid.
     Failed(SimulationError),
 }
 
-/// What a run found.
+/// The result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// Positions in the order of the stroke.
@@ -192,7 +192,7 @@ pub struct Outcome {
     pub counters: Counters,
     /// How it ended.
     pub end: RunEnd,
-    /// How many positions are on the way there; the others are on the way back.
+    /// The number of positions on the way there; the others are on the way back.
     pub there: usize,
     /// Strokes at which the rack has its speed, mm.
     pub at_speed_mm: RangeInclusive<f64>,
@@ -218,7 +218,7 @@ impl Outcome {
         self.forces_of(&rising)
     }
 
-    /// Those of positions in the order of the stroke.
+    /// The forces of positions in the order of the stroke.
     fn forces_of(&self, samples: &[Sample]) -> Option<RunForces> {
         let from = samples.partition_point(|sample| sample.stroke_mm < *self.at_speed_mm.start());
         let to = samples.partition_point(|sample| sample.stroke_mm <= *self.at_speed_mm.end());
@@ -255,7 +255,7 @@ impl Outcome {
         Some(self.deviating?.delta_cd_mm - self.nominal?.delta_cd_mm)
     }
 
-    /// The same with the elastic indentation removed from both, mm: what compares with the exact mesh.
+    /// That difference with the elastic indentation removed from both, mm, for comparison with the exact mesh.
     #[must_use]
     pub fn rigid_difference_mm(&self) -> Option<f64> {
         let rigid = |part: Steady| part.delta_cd_mm + part.indentation_mm;
@@ -307,7 +307,7 @@ fn extremes(samples: &[Sample], of: impl Fn(&Sample) -> f64) -> Option<[&Sample;
     Some([first(1.0)?, first(-1.0)?])
 }
 
-/// The mean of something over the stroke from `from_mm` to the last sample.
+/// The mean of a value over the stroke from `from_mm` to the last sample.
 fn trapezoids(part: &[Sample], from_mm: f64, of: impl Fn(&Sample) -> f64) -> f64 {
     let (mut sum, mut width) = (0.0, 0.0);
     for pair in part.windows(2) {

@@ -1,5 +1,5 @@
-//! What a simulation can be told, with defaults. Written by the spec layer, checked once by
-//! [`Scene::new`](super::Scene::new), read by the runs.
+//! The parameters of a simulation, with defaults. The spec layer writes them, [`Scene::new`](super::Scene::new) checks them once,
+//! the runs read them.
 
 use super::SimulationError;
 
@@ -98,7 +98,7 @@ pub enum Support {
     Yoke(Yoke),
 }
 
-/// Masses, where the geometry's are not wanted. 0 is a massless body.
+/// Masses in place of those of the geometry. 0 is a massless body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Masses {
     /// Pinion, kg; default a steel cylinder of reference radius and face width.
@@ -112,7 +112,7 @@ pub struct Masses {
     pub rack_kg_mm2: Option<f64>,
 }
 
-/// Everything a simulation can be told.
+/// All parameters of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Stroke at which the run starts, mm; default 0.
@@ -153,8 +153,8 @@ pub struct Parameters {
     pub tolerance_mm: f64,
     /// Travel from one sample to the next, mm; default 0.1. The last one is at the end of the stroke.
     pub spacing_mm: f64,
-    /// Largest share of what is driven, stored or lost, whichever is most, that a step of a run with damping or friction
-    /// may lose or make up; default 3e-5. 1 leaves it out.
+    /// Largest share of the driven, stored or lost energy, whichever is most, that a step of a run with damping or friction may
+    /// lose or make up; default 3e-5. 1 switches it off.
     pub energy_tolerance: f64,
     /// Most steps of a dynamic run, rejected ones included; default 1 000 000.
     pub max_steps: u64,
@@ -188,7 +188,7 @@ impl Default for Parameters {
     }
 }
 
-/// What people call a parameter, the unit of its values, and its domain.
+/// The name of a parameter for people, the unit of its values, and its domain.
 struct Row {
     words: &'static str,
     /// Empty for numbers.

@@ -58,8 +58,8 @@ impl<'a> AtRest<'a> {
         self.solve(start, &limits)
     }
 
-    /// The same with the roll outside: for each roll the balance of the other coordinates, and that roll at which the
-    /// rest of the torque vanishes falling. Slower, but follows any valley.
+    /// The balance with the roll in an outer search: for each roll the balance of the other coordinates, then the roll at which the
+    /// remaining torque vanishes while falling. Slower, but follows any valley.
     fn settle_rolling(&mut self, start: [f64; 3]) -> Solution<Forces> {
         let mut limits = self.scene.limits(BALANCE * self.scene.load_n());
         let half_face = limits.scale[2];
@@ -277,7 +277,7 @@ impl Scene {
         Ok([rigid.pinion_angle_rad, rigid.center_distance_mm, rigid.roll_rad])
     }
 
-    /// Whether a position still means something.
+    /// Whether a position is still valid.
     pub(super) fn check(&self, stroke: f64, x: &[f64; 3], forces: &Forces) -> Result<(), SimulationError> {
         if forces.penetration > self.deepest() {
             let (penetration_mm, limit_mm) = (forces.penetration, self.deepest());
@@ -286,7 +286,7 @@ impl Scene {
         let nominal = stroke * self.mesh.pair().rotation_per_stroke_rad();
         let off = (x[0] - nominal) / self.shared.angular_pitch;
         let teeth = &self.deviating;
-        // a pitch error that adds up moves the pinion on for good
+        // a pitch error that adds up moves the pinion on permanently
         if !teeth.contains(&true) && off.abs() > 0.75 || !off.is_finite() {
             return Err(SimulationError::Jumped { stroke_mm: stroke });
         }
@@ -357,8 +357,8 @@ mod tests {
     use crate::multibody::{Parameters, Support};
     use crate::reproduction;
 
-    /// A step that minds how the contacts bend ends nearer to the balance than one along the tangent, also where
-    /// spheres come into contact on the way.
+    /// A step that includes the curvature of the contacts ends nearer to the balance than one along the tangent, also where spheres
+    /// come into contact on the way.
     #[test]
     fn a_step_minds_how_contacts_bend() {
         let pair = reproduction::pair().unwrap();

@@ -1,5 +1,5 @@
-//! The bodies, their contact and what presses them together, made from a pair, its deviations and parameters. Built by
-//! the caller; the runs ask it for forces.
+//! The bodies, their contact and the closing force, made from a pair, its deviations and parameters. The runs ask it for
+//! forces.
 
 use super::ParameterName;
 use super::bound::Reach;
@@ -19,7 +19,7 @@ use crate::gear::Pair;
 use crate::mesh::{self, FlankSide, MatingFlanks, Mesh};
 use crate::trig;
 
-/// Contacts may sink between elements by this share of the normal module: what is coarser is no gear.
+/// Contacts may sink between elements by this share of the normal module at most.
 const COARSE: f64 = 5e-3;
 /// Density of steel, kg/mm³.
 const STEEL: f64 = 7.85e-6;
@@ -148,7 +148,7 @@ impl Scene {
         Ok(made)
     }
 
-    /// Which template has a pinion flank of this lead; it is made if none has.
+    /// The template of a pinion flank with this lead, made if there is none yet.
     fn template(&mut self, sign: f64, lead: f64) -> Result<usize, SimulationError> {
         if let Some(found) = self.templates.iter().position(|known| known.sign == sign && known.lead == lead) {
             return Ok(found);
@@ -196,8 +196,8 @@ impl Scene {
         self.inertia
     }
 
-    /// What the discretisation may hide, mm: how far a contact may sink between two spheres of a row, a corner
-    /// between two rows (or strips), and an end of the face width of a flank with a lead deviation.
+    /// The resolution of the discretisation, mm: how far a contact may sink between two spheres of a row, a corner between two rows
+    /// (or strips), and an end of the face width of a flank with a lead deviation.
     #[must_use]
     pub fn resolution_mm(&self) -> f64 {
         let sag = self.templates.iter().map(|t| t.sag().max(t.corner_sag())).fold(0.0, f64::max);
@@ -293,7 +293,7 @@ impl Scene {
         load.sum
     }
 
-    /// What of the pinion may be near the rack in a position.
+    /// The parts of the pinion that may be near the rack in a position.
     fn reach(&self, pose: &Pose, margin: f64) -> Reach {
         let (rack, p) = (self.mesh.pair().rack(), self.mesh.pair().pinion());
         // strips are spheres of the radius 0, and none is remembered that does not touch
@@ -337,7 +337,7 @@ impl Scene {
         [angle, height - self.closing(q[1]).0, roll]
     }
 
-    /// How these fall with ψ, a and φ.
+    /// How these forces fall with ψ, a and φ.
     pub(super) fn tangent(&self, q: &[f64; 3], contact: &Forces) -> [[f64; 3]; 3] {
         let mut tangent = contact.stiffness;
         tangent[1][1] += self.closing(q[1]).1;

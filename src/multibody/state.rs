@@ -1,4 +1,4 @@
-//! Where the bodies are, and what presses on them. Passed between the runs and the contact; computes nothing.
+//! Where the bodies are, and the forces on them. Passed between the runs and the contact; computes nothing.
 
 /// The coordinates, or their rates (rad/s, mm/s).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -23,7 +23,7 @@ impl Coordinates {
     }
 }
 
-/// What the contact does at one position.
+/// The contact at one position.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Forces {
     /// Generalised contact forces on ψ (N mm), a (N), φ (N mm), s (N).

@@ -119,7 +119,7 @@ impl<'a> Direct<'a> {
     }
 }
 
-/// Cosine of the shaft angle that is taken for the least.
+/// Least cosine of the shaft angle.
 const LEAST: f64 = 1e-3;
 
 /// The share of a strip that lies between the rack's end faces.
@@ -173,7 +173,7 @@ impl OnProfile {
     }
 }
 
-/// What holds the lowest point of a section.
+/// What determines the lowest point of a section.
 #[derive(Clone, Copy, PartialEq)]
 enum LowestPoint {
     ContactLine,

@@ -1,5 +1,5 @@
-//! A pinion flank of one lead as the contact models see it: its constants and, for spheres, its grid. Made once per
-//! lead by the scene.
+//! A pinion flank of one lead for the contact models: its constants and, for spheres, its grid. The scene makes it once per
+//! lead.
 //!
 //! # The grid
 //! Rows of spheres at equal distances w over the face, stations at equal steps h of the roll angle τ over the profile.

@@ -12,7 +12,7 @@ use crate::mesh::Mesh;
 pub struct Alternative {
     /// The error.
     pub error: ToothError,
-    /// Its size, mm; of a lead error its helix slope over the face width.
+    /// Its size, mm; for a lead error its helix slope over the face width.
     pub value_mm: f64,
 }
 
@@ -23,11 +23,11 @@ pub struct FoundError {
     pub error: ToothError,
     /// Its size, mm.
     pub value_mm: f64,
-    /// From where to where its size may be, with 95 %, mm; `None` at an end that the curve does not tell.
+    /// The 95 % interval of its size, mm; `None` at an end that the curve does not determine.
     pub interval_mm: [Option<f64>; 2],
-    /// The most that it changes ΔCD, mm.
+    /// The largest change of ΔCD by the error, mm.
     pub effect_mm: f64,
-    /// What it could be as well.
+    /// Other errors with the same curve.
     pub alternatives: Vec<Alternative>,
 }
 
@@ -42,7 +42,7 @@ pub struct Unseen {
     pub is_negative: bool,
     /// The teeth.
     pub teeth: Vec<i64>,
-    /// Of how many that were looked at.
+    /// The number of teeth that were tried.
     pub of: usize,
 }
 
@@ -55,31 +55,31 @@ pub struct Diagnosis {
     pub noise_mm: f64,
     /// Whether the noise was stated.
     pub noise_is_stated: bool,
-    /// Root of the mean square of what the errors leave, mm.
+    /// Root mean square of what the errors leave, mm.
     pub rms_left_mm: f64,
     /// Whether that is more than the noise.
     pub leaves_more: bool,
     /// The computed curve with the errors at the measured points, placed, mm.
     pub explained_mm: Vec<f64>,
-    /// What was added to it, mm.
+    /// The offset that was added to it, mm.
     pub offset_mm: f64,
-    /// What was added to the measured strokes, mm.
+    /// The shift that was added to the measured strokes, mm.
     pub shift_mm: f64,
     /// How many errors were tried.
     pub candidates: usize,
-    /// How much an error has to lower χ².
+    /// By how much an error has to lower χ².
     pub threshold: f64,
-    /// What the curve would not show of errors of [`UNSEEN_MM`].
+    /// Errors of [`UNSEEN_MM`] that the curve would not show.
     pub unseen: Vec<Unseen>,
 }
 
-/// χ² at the ends of an interval that holds the size with 95 %.
+/// χ² at the ends of the 95 % interval of a size.
 const INTERVAL: f64 = 3.84;
-/// Errors that are looked for at most.
+/// The most errors that are searched for.
 const MOST_ERRORS: usize = 12;
 
 impl Diagnosis {
-    /// Finds the smallest set of single-tooth errors that explains what an overlay leaves.
+    /// Finds the smallest set of single-tooth errors that explains the differences of an overlay.
     ///
     /// # Errors
     /// [`TraceError`] if a stroke has no mesh, or `watch` ends the search.
@@ -89,7 +89,7 @@ impl Diagnosis {
         request: DiagnosisRequest,
         watch: &mut Watch<'_>,
     ) -> Result<Self, TraceError> {
-        // an error may pull the shift that was fitted without it: the smaller answer of both starts counts
+        // an error may distort the shift that was fitted without it: of both starts take the answer with fewer errors
         let fitted = Search::new(mesh, overlay, request);
         let unmoved = (fitted.shift_mm != 0.0).then(|| Search { shift_mm: 0.0, ..fitted.clone() });
         let (mut search, unseen) = std::iter::once(fitted)
@@ -125,7 +125,7 @@ impl Diagnosis {
 }
 
 impl Search<'_> {
-    /// Adds errors as long as one stands out of the noise; what the curve would not show then.
+    /// Adds errors as long as one stands out of the noise, then finds the errors that the curve would not show.
     fn add_all(&mut self, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
         loop {
             let errors = self.errors.clone();
@@ -146,13 +146,13 @@ impl Search<'_> {
         }
     }
 
-    /// χ² of what is found, and what its errors have to be worth.
+    /// χ² of the errors found, and by how much they have to lower it.
     fn cost(&self) -> f64 {
         let square = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
         square + self.threshold * self.errors.len() as f64
     }
 
-    /// Takes away errors without which the others explain as much.
+    /// Removes errors without which the others explain as much.
     fn remove_needless(&mut self) -> Result<(), TraceError> {
         while self.errors.len() > 1 {
             let all = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
@@ -173,7 +173,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// What the curve would not show of errors of [`UNSEEN_MM`], by part, kind and sign.
+    /// Errors of [`UNSEEN_MM`] that the curve would not show, by part, kind and sign.
     fn unseen(&self, sight: &Sight, screened: &[(ToothError, Effects)]) -> Vec<Unseen> {
         let mut all: Vec<Unseen> = Vec::new();
         for (ToothError { part, kind, tooth }, effects) in screened {
@@ -195,8 +195,8 @@ impl Search<'_> {
         all
     }
 
-    /// The errors with their intervals and alternatives, the one with the largest effect first. An error that another explains
-    /// better is that one.
+    /// The errors with their intervals and alternatives, the one with the largest effect first. An alternative that explains the
+    /// curve better replaces its error.
     fn explained(&mut self, watch: &mut Watch<'_>) -> Result<Vec<FoundError>, TraceError> {
         const MOST_SWAPS: usize = 4;
         let (mut found, mut swaps) = (Vec::new(), 0);
@@ -240,7 +240,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether an error can act wherever an effect is: but for a tenth of its square.
+    /// Whether an error can act at all strokes of an effect, except for a tenth of the effect's square.
     fn acts_like(&self, error: ToothError, effect: &[f64], sight: &Sight) -> bool {
         const MISSED: f64 = 0.1;
         let square = |acts: bool| {
@@ -251,7 +251,7 @@ impl Search<'_> {
         square(true) <= MISSED * square(false)
     }
 
-    /// How far the size of an error may be one way, with 95 %; `None` if the curve does not tell.
+    /// One end of the 95 % interval of an error's size; `None` if the curve does not determine it.
     fn end(
         &self,
         others: &[(ToothError, f64)],
@@ -263,7 +263,7 @@ impl Search<'_> {
         const STEP_MM: f64 = 1e-4;
         let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size) > INTERVAL;
         let (mut inside, mut step) = (best.size_mm, STEP_MM);
-        // an error larger than any that a tooth has is not solved, and ends the search
+        // an error larger than a tooth can have is not solved, and ends the search
         loop {
             let size = best.size_mm + way * step;
             if !effects.has(size) {

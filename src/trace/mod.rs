@@ -1,6 +1,6 @@
 #![doc = include_str!("trace.md")]
 //!
-//! Called by the command line, which reads the table; knows meshes and points, and opens no file.
+//! The command line reads the table and calls it; it knows meshes and points, and opens no file.
 
 mod diagnosis;
 mod search;
@@ -30,16 +30,16 @@ pub struct TracePoint {
 pub struct Fitted {
     /// The length, mm.
     pub value_mm: f64,
-    /// Its standard uncertainty, mm, from what is left of the fit as independent noise.
+    /// Its standard uncertainty, mm, if the differences left by the fit are independent noise.
     pub uncertainty_mm: f64,
 }
 
-/// What is added to the computed curve so that it lies on the measured one: measured(s) ≈ computed(s + shift) + offset.
+/// Offset and shift that place the computed curve on the measured one: measured(s) ≈ computed(s + shift) + offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Added to ΔCD.
     pub offset: Fitted,
-    /// Added to the measured stroke; `None` where the computed curve does not tell it, and it is taken as 0.
+    /// Added to the measured stroke; `None` where the computed curve does not determine it and 0 is taken.
     pub shift: Option<Fitted>,
     /// Whether the shift lies at an end of the half pitch either way in which it is sought.
     pub at_an_end: bool,
@@ -53,12 +53,12 @@ impl Placement {
     }
 }
 
-/// How much a curve varies.
+/// The variation of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variation {
     /// Largest less smallest ΔCD, mm: with a master for the pinion, F_i″ of the rack.
     pub peak_to_peak_mm: f64,
-    /// The largest such difference within a pitch, mm: then f_i″.
+    /// The largest such difference within a pitch, mm: with a master for the pinion, f_i″ of the rack.
     pub tooth_to_tooth_mm: f64,
 }
 
@@ -90,10 +90,10 @@ pub enum TraceError {
     /// There are too few points.
     #[error("a measured curve has three points at least, and not all at one stroke")]
     TooFewPoints,
-    /// Errors that were found are too large for teeth.
+    /// The errors found are too large for teeth.
     #[error("the errors that explain the curve are too large for teeth")]
     NoSuchErrors,
-    /// A search was ended before its end.
+    /// The search was stopped.
     #[error("the search for errors of teeth was interrupted")]
     Interrupted,
     /// The mesh has no solution.
@@ -105,7 +105,7 @@ pub enum TraceError {
 pub(crate) struct Chords(Vec<(f64, f64)>);
 
 impl Chords {
-    /// Of strokes from one to another, mm.
+    /// A curve over these strokes, mm.
     pub(crate) fn of(mesh: &Mesh, from_mm: f64, to_mm: f64) -> Result<Self, MeshError> {
         let tolerance_mm = if mesh.support() == Support::Fixed { 1e-6 } else { 1e-5 };
         let curve = mesh.curve(from_mm, to_mm, tolerance_mm)?;
@@ -171,9 +171,9 @@ fn variation(strokes: &[f64], curve: &[f64], pitch_mm: f64) -> Variation {
 
 /// The offset and the stroke shift of least squares.
 fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError> {
-    /// Shifts that are tried in half a pitch, before the best of them is closed in on.
+    /// Shifts that are tried in half a pitch before the best of them is refined.
     const TRIED: i32 = 32;
-    /// A shift that is less certain than this share of a pitch is not told.
+    /// A shift with an uncertainty above this share of a pitch counts as not determined.
     const TOLD: f64 = 0.1;
     let pitch_mm = mesh.pair().rack().pitch_mm;
     let half = 0.5 * pitch_mm;
@@ -187,7 +187,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
     };
     let step = half / f64::from(TRIED);
     let tried = (-TRIED..=TRIED).map(|index| f64::from(index) * step);
-    // of equal ones the smallest
+    // of equal shifts the smallest
     let better = |a: &(f64, f64), b: &(f64, f64)| a.1.total_cmp(&b.1).then(a.0.abs().total_cmp(&b.0.abs()));
     let best = tried.map(|shift| (shift, rest(shift))).min_by(better).map_or(0.0, |(shift, _)| shift);
     let shift_mm = lowest(&rest, (best - step).max(-half), (best + step).min(half));

@@ -1,5 +1,5 @@
-//! The search for errors of single teeth: what a set of them leaves of a curve, what one more would explain, and the sizes that fit
-//! best together.
+//! The search for errors of single teeth: what a set of them leaves of a curve, what one more would explain, and the sizes that
+//! together fit best.
 
 use std::ops::ControlFlow;
 
@@ -9,20 +9,20 @@ use super::{Overlay, TraceError, TracePoint, sampled};
 use crate::mesh::{Mesh, Sampler};
 use crate::parallel;
 
-/// The size of the errors of which is said whether they would show, mm.
+/// The size of errors for the list of those that would not show, mm.
 pub const UNSEEN_MM: f64 = 0.02;
 /// Errors whose χ² differs by less have the same curve.
 pub(super) const SAME_CURVE: f64 = 9.0;
-/// Sizes that every error is tried at first, either sign, mm.
+/// Sizes at which every error is tried first, with either sign, mm.
 const SIZES_MM: [f64; 2] = [UNSEEN_MM, 0.07];
-/// A trace without an error gets one with this probability at most, by Bonferroni over all that are tried.
+/// Largest probability that a curve without an error gets one, by Bonferroni over all errors tried.
 const FALSE_ALARM: f64 = 0.01;
-/// Strokes in a pitch that a first look takes.
+/// Strokes in a pitch for the first, coarse comparison.
 const FIRST_LOOK: f64 = 12.0;
-/// Errors of which a closer look is taken.
+/// Errors that are compared more closely.
 const CLOSER: usize = 48;
 
-/// What a search for the errors of single teeth is told.
+/// The settings of a search for errors of single teeth.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct DiagnosisRequest {
     /// Standard deviation of the measurement's noise, mm; estimated from the curve unless given.
@@ -31,13 +31,13 @@ pub struct DiagnosisRequest {
     pub is_master: bool,
 }
 
-/// Told how many errors are found, and which share of the candidates is tried; may end the search.
+/// Gets the number of errors found and the share of candidates tried; may end the search.
 pub type Watch<'w> = dyn FnMut(usize, f64) -> ControlFlow<()> + 'w;
 
 /// Measured points, or means of some next to each other: stroke, ΔCD, and how many they are.
 pub(super) type Points = Vec<(f64, f64, f64)>;
 
-/// A search under way: what is measured, what is tried, and what is found so far.
+/// A search under way: the measured points, the candidates, and the errors found so far.
 #[derive(Clone)]
 pub(super) struct Search<'a> {
     pub(super) mesh: &'a Mesh,
@@ -56,7 +56,7 @@ fn estimated_noise_mm(overlay: &Overlay) -> f64 {
     /// The median of a normal distribution's magnitude, and the standard deviation of a − 2 b + c.
     const MEDIAN: f64 = 0.674_49;
     const OF_SECOND: f64 = 2.449_49;
-    /// A gauge shows no finer digits, mm.
+    /// The finest resolution of a gauge, mm.
     const LEAST_MM: f64 = 1e-5;
     let differences: Vec<f64> = overlay.differences_mm().collect();
     let mut second: Vec<f64> = differences.windows(3).map(|of| (of[0] - 2.0 * of[1] + of[2]).abs()).collect();
@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What some errors leave at points; `beside` of them are fitted beside another one.
+    /// What some errors leave at points; `beside` of them are fitted together with another one.
     pub(super) fn sight(
         &self,
         errors: &[(ToothError, f64)],
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
         with_errors(self.mesh, errors).ok_or(TraceError::NoSuchErrors)
     }
 
-    /// The columns of offset and stroke shift, if they are fitted; of the shift if the curve tells it.
+    /// The columns of offset and stroke shift, if they are fitted; the shift only if the curve determines it.
     fn placing(
         &self,
         errors: &[(ToothError, f64)],
@@ -152,7 +152,7 @@ impl<'a> Search<'a> {
         Ok(if is_told { vec![ones, slopes] } else { vec![ones] })
     }
 
-    /// The slope of the curve over the size of an error, of which `errors` has the one at that place.
+    /// The slope of the curve over the size of the error at that place of `errors`.
     fn slope(
         &self,
         errors: &[(ToothError, f64)],
@@ -171,7 +171,7 @@ impl<'a> Search<'a> {
         Ok(Some(behind.iter().zip(&ahead).map(|(a, b)| (b - a) / (2.0 * STEP_MM)).collect()))
     }
 
-    /// What an error of a size does beside some errors; `None` where teeth cannot be so.
+    /// The effect of an error of a size beside some errors; `None` for impossible teeth.
     pub(super) fn effect(
         &self,
         errors: &[(ToothError, f64)],
@@ -200,7 +200,7 @@ impl<'a> Search<'a> {
     ) -> Result<Vec<(ToothError, Effects)>, TraceError> {
         let is_new = |error: &&ToothError| is_tried(error) && errors.iter().all(|(known, _)| known != *error);
         let tried: Vec<ToothError> = self.candidates.iter().filter(is_new).copied().collect();
-        // what is left may be larger than what the usual sizes do
+        // the rest may be larger than the effect of the usual sizes
         let scale = (sight.largest_mm() / SIZES_MM[1]).ceil();
         let sizes: Vec<f64> = SIZES_MM.iter().copied().chain((scale > 1.0).then_some(scale * SIZES_MM[1])).collect();
         let of = |at: u64| {
@@ -226,7 +226,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// The size of an error that explains most, begun at sizes around one.
+    /// The size of an error that explains most, searched from a given size.
     pub(super) fn refined(
         &self,
         errors: &[(ToothError, f64)],
@@ -256,14 +256,14 @@ impl<'a> Search<'a> {
         (effects.best(sight), effects)
     }
 
-    /// The errors that explain most beside some others, the best first: looked at ever more closely, and ever fewer of them.
+    /// The errors that explain most beside some others, the best first, in rounds with fewer candidates and more strokes.
     pub(super) fn best(
         &self,
         errors: &[(ToothError, f64)],
         (means, points): (&Sight, &Sight),
         screened: &[(ToothError, Effects)],
     ) -> Vec<(ToothError, Explains)> {
-        /// Of what the best explains, what others may lack at a first look, and at a second.
+        /// How far below the best a candidate may be in the first round, and in the second, as shares of what the best explains.
         const COARSE: f64 = 0.25;
         const FINE: f64 = 0.02;
         let first = |(error, effects): &(ToothError, Effects)| {
@@ -288,7 +288,7 @@ impl<'a> Search<'a> {
         found.into_iter().map(|(error, explains, _)| (error, explains)).collect()
     }
 
-    /// χ² of some errors at a stroke shift, less what an offset takes.
+    /// χ² of some errors at a stroke shift, with the best offset.
     pub(super) fn chi_square(&self, errors: &[(ToothError, f64)], shift_mm: f64) -> Option<f64> {
         let strokes: Vec<f64> = self.points.iter().map(|(stroke, ..)| stroke + shift_mm).collect();
         let model = sampled(&with_errors(self.mesh, errors)?, &strokes).ok()?;

@@ -1,11 +1,11 @@
-//! What is left of a measured curve, as a search sees it: some strokes with weights, without what an offset and a stroke shift
-//! take; and what an error of a tooth would do there, by its size.
+//! The differences left of a measured curve at some strokes with weights, for a search: without the parts that an offset and a
+//! stroke shift explain; and the effect of a tooth's error there, by its size.
 
 use crate::linear::{LeastSquares, least_squares};
 
-/// What is left at some strokes.
+/// The differences left at some strokes.
 pub(super) struct Sight {
-    /// Where, on the mesh, mm.
+    /// The strokes on the mesh, mm.
     pub(super) strokes_mm: Vec<f64>,
     /// The computed curve there, mm.
     pub(super) model_mm: Vec<f64>,
@@ -13,14 +13,13 @@ pub(super) struct Sight {
     rest_mm: Vec<f64>,
     /// 1/σ² of each, 1/mm².
     weights: Vec<f64>,
-    /// What is fitted beside an error: a constant, slopes of the curve, effects of other errors.
+    /// The columns that are fitted beside an error: a constant, slopes of the curve, effects of other errors.
     beside: Vec<Vec<f64>>,
     inverse: Vec<Vec<f64>>,
 }
 
 impl Sight {
-    /// `beside` are the columns that are fitted beside an error, the first of them the most important; those that follow from
-    /// others are left out.
+    /// `beside` are the columns that are fitted beside an error, the most important first; linearly dependent ones are left out.
     pub(super) fn new(
         (strokes_mm, model_mm): (Vec<f64>, Vec<f64>),
         measured_mm: &[f64],
@@ -35,7 +34,7 @@ impl Sight {
         sight
     }
 
-    /// The columns that do not follow from those before them, and how they fit what is left.
+    /// The linearly independent columns, and their fit to the differences.
     pub(super) fn fitted(&self, columns: &[Vec<f64>]) -> (Vec<usize>, Option<LeastSquares>) {
         let (mut kept, mut fit) = (Vec::new(), None);
         for at in 0..columns.len() {
@@ -49,7 +48,7 @@ impl Sight {
         (kept, fit)
     }
 
-    /// The weighted product of two curves, without what the columns beside take of both.
+    /// The weighted product of two curves, without the parts that the columns beside explain.
     fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
         let plain = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&self.weights).map(|((a, b), w)| w * a * b).sum::<f64>();
         let taken = |of: &[f64]| self.beside.iter().map(|column| plain(column, of)).collect::<Vec<_>>();
@@ -58,29 +57,29 @@ impl Sight {
         plain(a, b) - self.inverse.iter().zip(&of_a).map(|(row, a)| a * by(row)).sum::<f64>()
     }
 
-    /// What is left from its lowest to its highest, mm.
+    /// Largest less smallest difference, mm.
     pub(super) fn largest_mm(&self) -> f64 {
         let ends = self.rest_mm.iter().fold((0.0_f64, 0.0_f64), |(low, high), mm| (low.min(*mm), high.max(*mm)));
         ends.1 - ends.0
     }
 
-    /// χ² of what is left.
+    /// χ² of the differences.
     pub(super) fn chi_square(&self) -> f64 {
         self.inner(&self.rest_mm, &self.rest_mm)
     }
 
-    /// χ² of an effect: how well it could be seen.
+    /// χ² of an effect: how clearly it would show.
     pub(super) fn visible(&self, effect: &[f64]) -> f64 {
         self.inner(effect, effect)
     }
 }
 
-/// What an error of a tooth does at the strokes of a sight, by its size; between sizes in proportion, for a mesh follows the
-/// highest of straight lines.
+/// The effect of a tooth's error at the strokes of a sight, by its size; linear between sizes, because a mesh follows the highest
+/// of straight lines.
 #[derive(Debug, Clone)]
 pub(super) struct Effects(Vec<(f64, Vec<f64>)>);
 
-/// A size of an error, and how much it lowers χ².
+/// A size of an error, and by how much it lowers χ².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Explains {
     pub(super) size_mm: f64,
@@ -88,7 +87,7 @@ pub(super) struct Explains {
 }
 
 impl Effects {
-    /// Of no error.
+    /// The effect of an error of size 0.
     pub(super) fn none(sight: &Sight) -> Self {
         Self(vec![(0.0, vec![0.0; sight.strokes_mm.len()])])
     }
@@ -103,14 +102,14 @@ impl Effects {
         self.0.iter().find(|(size, _)| (size - size_mm).abs() < 1e-12).map(|(_, effect)| effect.as_slice())
     }
 
-    /// The solved sizes next to one, and itself.
+    /// The solved sizes on either side of a size, and the size itself.
     pub(super) fn around(&self, size_mm: f64) -> Vec<f64> {
         let at = self.0.partition_point(|(size, _)| *size < size_mm - 1e-12);
         let near = at.saturating_sub(1)..(at + 2).min(self.0.len());
         self.0[near].iter().map(|(size, _)| *size).chain([size_mm]).collect()
     }
 
-    /// Whether a size is as good as solved.
+    /// Whether a size is near enough to a solved one.
     pub(super) fn has(&self, size_mm: f64) -> bool {
         /// 0.02 µm
         const SAME_MM: f64 = 2e-5;
@@ -134,7 +133,7 @@ impl Effects {
         best
     }
 
-    /// How much a size lowers χ²; between solved sizes in proportion.
+    /// By how much a size lowers χ²; linear between solved sizes.
     pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
         let at = self.0.partition_point(|(size, _)| *size < size_mm).clamp(1, self.0.len().max(2) - 1);
         let (Some((from, a)), Some((to, b))) = (self.0.get(at - 1), self.0.get(at)) else { return 0.0 };

@@ -17,7 +17,7 @@ pub struct Order {
 /// The orders of two curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// All that are fitted together, rising.
+    /// All orders that are fitted together, rising.
     pub orders: Vec<Order>,
     /// Turns of the pinion that the points cover.
     pub turns: f64,
@@ -30,9 +30,9 @@ const MOST_ORDERS: u32 = 120;
 const POINTS: f64 = 2.5;
 
 impl Spectrum {
-    /// Fits a constant and the sines of all orders together, by least squares, so that strokes may be irregular. Of a turn or
-    /// more: every order up to three times the tooth mesh; of less than a turn: the tooth mesh and its harmonics. `None` if
-    /// there is no order that the points tell.
+    /// Fits a constant and the sines of all orders together, by least squares, so that strokes may be irregular. From a turn or
+    /// more: every order up to three times the tooth mesh; from less than a turn: the tooth mesh and its harmonics. `None` if
+    /// the points determine no order.
     pub(super) fn of(strokes_mm: &[f64], curves: [&[f64]; 2], pitch_mm: f64, teeth: u32) -> Option<Self> {
         let length_mm = strokes_mm.last()? - strokes_mm.first()?;
         let turn_mm = pitch_mm * f64::from(teeth);
@@ -75,7 +75,7 @@ impl Spectrum {
 mod tests {
     use super::*;
 
-    /// Sines of known amplitudes at irregular strokes are found again; less than a turn tells the tooth mesh only.
+    /// Sines of known amplitudes at irregular strokes are found again; less than a turn determines the tooth mesh only.
     #[test]
     fn orders_of_irregular_strokes() {
         let strokes: Vec<f64> = (0..400).map(|at| 0.25 * f64::from(at) + 0.1 * f64::from(at * 7 % 11) / 11.0).collect();

@@ -1,4 +1,4 @@
-//! An error of one tooth: what may explain a measured curve, and the mesh that has it.
+//! An error of one tooth as an explanation of a measured curve, and the mesh with it.
 
 use crate::deviation::{
     Part, PinionDeviation, PinionDeviationKind, PinionFlanks, RackDeviation, RackDeviationKind, ToothRange,
@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 use crate::trig;
 
 named! {
-    /// What is wrong with a tooth, by its key in a spec.
+    /// The kind of a tooth's error, by its key in a spec.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum ToothErrorKind {
         /// Normal thickness at the rack's reference plane, or transverse thickness at the pinion's reference circle.
@@ -37,7 +37,7 @@ display_by_name!(ToothErrorKind);
 pub struct ToothError {
     /// The part.
     pub part: Part,
-    /// What is wrong.
+    /// The kind.
     pub kind: ToothErrorKind,
     /// The tooth; of the pinion 0 to z − 1.
     pub tooth: i64,
@@ -61,7 +61,8 @@ impl ToothError {
         rack.chain(of_pinion.flat_map(|tooth| of(Part::Pinion, tooth))).collect()
     }
 
-    /// Whether it can change ΔCD at a stroke: where its flanks can carry, and a little beyond, for errors lengthen the path of contact.
+    /// Whether it can change ΔCD at a stroke: where its flanks can carry, and a little beyond, because errors lengthen the path of
+    /// contact.
     pub(super) fn acts_at(&self, pair: &Pair, stroke_mm: f64) -> bool {
         const LONGER: f64 = 0.5;
         let (at, reach) = (stroke_mm / pair.rack().pitch_mm, carrying_pitches(pair) + LONGER);
@@ -70,7 +71,7 @@ impl ToothError {
             (Part::Rack, ToothErrorKind::Pitch) => at >= tooth - 0.5 - reach,
             (Part::Rack, _) => (at - tooth).abs() <= reach,
             (Part::Pinion, kind) => {
-                // tooth j sits half a pitch behind rack tooth j, between two of its teeth; the space after it half a pitch on
+                // tooth j sits half a pitch behind rack tooth j, between two rack teeth; the space after it lies half a pitch further
                 let (place, reach) = if kind == ToothErrorKind::Radial { (1.0, reach) } else { (0.5, reach + 0.5) };
                 let turn = f64::from(pair.pinion().teeth);
                 let apart = (at - tooth - place + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
@@ -121,7 +122,7 @@ impl ToothError {
     }
 }
 
-/// How many pitches of stroke from its own place a rack tooth carries at most, on nominal flanks.
+/// The largest distance, in pitches of stroke, from its own place at which a rack tooth carries on nominal flanks.
 fn carrying_pitches(pair: &Pair) -> f64 {
     let ratio = pair.contact_ratio();
     0.5 * ratio.total + ratio.offset.abs()
