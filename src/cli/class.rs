@@ -348,7 +348,7 @@ impl Args {
             return Err(no_tolerance(error).into());
         }
         let title = spec.and_then(|spec| spec.title.clone());
-        let report = GradeSearchReport { title, standard, kinds, left_out, parts, search };
+        let report = GradeSearchReport { title, standard, search, kinds, left_out, parts };
         output.report(&report, self.format)?;
         Ok(if report.search.coarsest(Stack::Rss).is_some() { Status::Pass } else { Status::Fail })
     }
