@@ -1,5 +1,5 @@
-//! A command's answer for a program: what it would print, as facts. Called by bindings of other languages; nothing is
-//! printed, and the answer is the command's to the last digit.
+//! A command's answer for a program: the facts that it would print, to the last digit. Bindings of other languages call it;
+//! nothing is printed.
 
 use std::ffi::OsString;
 use std::sync::Arc;
@@ -69,8 +69,8 @@ fn answer_about(
     Ok(Answer { status: status.code(), ..output.into_answer() })
 }
 
-/// The spec with these settings (`errors.rack_pitch=12um`), and what its teeth do if it knows them one by one, as `batch`
-/// judges parts by it.
+/// The spec with these settings (`errors.rack_pitch=12um`), with the effect of teeth that it gives one by one, as `batch` uses
+/// it.
 ///
 /// # Errors
 /// What is wrong with the spec, its settings, or the tables that it names.

@@ -1,5 +1,5 @@
-//! How far a run is, where somebody watches: one line of standard error that is drawn over, and cleared before anything
-//! else is written.
+//! The progress of a run on a terminal: one line of standard error that is drawn over, and cleared before anything else is
+//! written.
 
 use std::io::{self, IsTerminal as _};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -12,13 +12,13 @@ fn is_watched(output: &Output) -> bool {
     io::stderr().is_terminal() && !is_dumb() && !output.is_quiet()
 }
 
-/// A run of which it is not known how far it is: from a second on, the line says how long it has taken.
+/// A run whose progress is not known: from a second on, the line shows the time taken.
 pub(super) struct Waiting {
     over: Sender<()>,
 }
 
 impl Waiting {
-    /// Begins to wait for what is called `name`, if somebody watches.
+    /// Begins to wait for the work `name`, if the output is a terminal.
     pub(super) fn begin(name: &str, output: &Output) -> Option<Self> {
         const EVERY: Duration = Duration::from_secs(1);
         if !is_watched(output) {
@@ -45,9 +45,9 @@ impl Drop for Waiting {
     }
 }
 
-/// How far a run is, of which that is known.
+/// The progress of a run, where it is known.
 ///
-/// Our own, because the libraries for it load the platform's mathematics at every start of the program, `eval`'s too.
+/// Written here, because libraries for it load the platform's mathematics at every start of the program, also of `eval`.
 pub(super) struct Bar {
     watched: bool,
     begun: Instant,
@@ -67,7 +67,7 @@ impl Bar {
 
     /// Draws the line, if it is time to: `share` is how much is done, 0 to 1, if that is known.
     pub(super) fn show(&mut self, share: Option<f64>, message: impl FnOnce() -> String) {
-        /// A run that is over sooner shows nothing.
+        /// A shorter run shows nothing.
         const EVERY: Duration = Duration::from_millis(100);
         const CELLS: usize = 20;
         if !self.watched || self.drawn.unwrap_or(self.begun).elapsed() < EVERY {

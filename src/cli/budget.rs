@@ -154,7 +154,7 @@ impl Args {
     }
 }
 
-/// How a decision rule counts, and what of the spec is no part of a budget.
+/// Remarks on how a decision rule counts, and on parts of the spec that a budget leaves out.
 fn remarks(spec: &Spec, decision: &Rule) -> Vec<String> {
     let mut remarks = Vec::new();
     match decision {
@@ -190,7 +190,7 @@ fn no_budget(error: &BudgetError, spec: &Spec) -> Diagnostic {
     }
 }
 
-/// What the granted tolerances reach in the exact mesh, if the limit can be met.
+/// The range that the granted tolerances reach in the exact mesh, if the limit can be met.
 fn reached(budget: &Budget, basis: &Basis) -> Result<Option<Interval>, Failure> {
     if !budget.is_feasible() {
         return Ok(None);
@@ -205,7 +205,7 @@ fn grades(spec: &Spec, budget: &Budget, model: Model) -> Vec<ErrorClass> {
     if !budget.is_feasible() {
         return Vec::new();
     }
-    // a class is of each tooth
+    // a class applies to each tooth
     let free = budget.lines.iter().filter(|line| !line.is_fixed && line.error.extent() == Extent::Each);
     free.filter_map(|line| {
         let kind = line.error.kind();

@@ -147,7 +147,7 @@ struct Common {
     format: Option<Format>,
 }
 
-/// The error, or the ΔCD of which the error is asked.
+/// The error, or the ΔCD for which the error is asked.
 #[derive(Debug, clap::Args)]
 struct GivenValue {
     /// The error; with --inverse, the ΔCD.
@@ -203,7 +203,7 @@ struct Gear {
     model: Model,
 }
 
-/// What may be doubted of an option.
+/// The value of an option that may be doubted.
 pub(super) type OptionDoubt = (&'static str, Option<Doubt>);
 
 fn pressure_angle_doubt(angle: Angle) -> OptionDoubt {
@@ -284,7 +284,7 @@ impl GivenValue {
 }
 
 impl Common {
-    /// The unit of a result: the one that was asked for, or its own.
+    /// The unit of a result: the one asked for, or the default.
     fn unit(&self, own: ResultUnit) -> Result<ResultUnit, Failure> {
         let Some(spelling) = self.unit.clone() else { return Ok(own) };
         let (known, dimension, names) = match own.unit {
@@ -364,7 +364,7 @@ fn rack_doubts(pressure_angle: Angle, normal_module: Length) -> [OptionDoubt; 2]
     [pressure_angle_doubt(pressure_angle), ("--normal-module", plausible::normal_module(normal_module))]
 }
 
-/// Says what is suspicious about arguments, and refuses what is impossible. What was said goes with the result.
+/// Warns of suspicious arguments, and refuses impossible ones. The warnings go with the result.
 pub(super) fn sensible(output: &mut Output, doubts: &[OptionDoubt]) -> Result<Vec<String>, Failure> {
     let mut said = Vec::new();
     for (name, doubt) in doubts.iter().filter_map(|(name, doubt)| Some((name, doubt.as_ref()?))) {

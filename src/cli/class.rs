@@ -122,7 +122,7 @@ impl Args {
         }
     }
 
-    /// Everything that is not given, in one go.
+    /// Reports every missing value at once.
     fn lacking(&self, standard: Option<Standard>, has_task: bool, spec: Option<&Spec>) -> Diagnostic {
         let mut lacks = Vec::new();
         if standard.is_none() {
@@ -133,7 +133,7 @@ impl Args {
             lacks.push("--grade, or --delta-cd, or --obtained SPEC".to_owned());
         }
         let of = standard.unwrap_or(Standard::Iso1328Part1Of1995);
-        // a diameter that is not said stops what asks for the wheel
+        // without a diameter the wheel is not known
         let wheel = self.sized(self.part(), spec).map(|sized| sized.wheel).unwrap_or_default();
         let sizes = of.sizes_missing(self.grade.unwrap_or(*of.grades().end()), &wheel);
         if !sizes.is_empty() {
@@ -142,7 +142,7 @@ impl Args {
         Diagnostic::usage("the class is not asked for completely").help(format!("give {}", lacks.join("; and ")))
     }
 
-    /// What is suspicious about the options; what is impossible is refused.
+    /// Warnings of suspicious options; impossible ones are refused.
     fn doubts(&self, output: &mut Output) -> Result<Vec<String>, Failure> {
         let doubts = [
             ("--normal-module", self.normal_module.and_then(plausible::normal_module)),
@@ -153,7 +153,7 @@ impl Args {
         sensible(output, &doubts)
     }
 
-    /// The part asked for, by the options and else the spec.
+    /// The part, from the options, else from the spec.
     fn sized(&self, part: Part, spec: Option<&Spec>) -> Result<SizedPart, Failure> {
         let mut wheel = spec.map(|spec| spec.wheel(part)).unwrap_or_default();
         wheel.normal_module = self.normal_module.or(wheel.normal_module);
@@ -180,7 +180,7 @@ impl Args {
         Ok(SizedPart { wheel, diameter_source, meshing })
     }
 
-    /// The reference diameter by which a part is graded, as far as it is known, and where it is from.
+    /// The reference diameter by which a part is graded, if it is known, and its source.
     fn diameter(
         &self,
         part: Part,
@@ -305,7 +305,7 @@ impl Args {
         Ok(if report.obtained.is_empty() { Status::Undecided } else { Status::Pass })
     }
 
-    /// With a spec the errors that it gives, or the paper's; without one what acts on the part's teeth independently.
+    /// With a spec its errors, or the paper's; without one the independent deviations of the part's teeth.
     fn kinds_searched(&self, spec: Option<&Spec>) -> Vec<DeviationKind> {
         match spec {
             Some(spec) if !spec.errors.is_empty() => spec.errors.iter().map(|(kind, _)| *kind).collect(),

@@ -87,7 +87,7 @@ impl Args {
         Ok(status)
     }
 
-    /// A spec with what its commands say.
+    /// A spec with the answers of its commands.
     fn compared(
         path: &Path,
         spec: &Spec,
@@ -124,7 +124,7 @@ impl Args {
     }
 }
 
-/// The results of both commands, those of the mesh called so, and the verdict last.
+/// The results of both commands, those of the mesh with `mesh` before the name, and the verdict last.
 fn results_of(eval: &Value, mesh: &Value) -> Vec<(String, Value)> {
     let of = |of: Of, answer: &Value| -> Vec<_> {
         let columns = results::all(of, answer).into_iter();
@@ -132,7 +132,7 @@ fn results_of(eval: &Value, mesh: &Value) -> Vec<(String, Value)> {
     };
     let is_last = |(name, _): &(String, Value)| matches!(name.as_str(), "lower_mm" | "upper_mm" | "verdict" | "reason");
     let (last, mut all): (Vec<_>, Vec<_>) = of(Of::Eval, eval).into_iter().partition(is_last);
-    // behind these the mesh has what `eval` has, too
+    // after these the mesh has the results that `eval` has, too
     let of_mesh = of(Of::Mesh, mesh).into_iter().take_while(|(name, _)| name != "nominal_center_distance_mm");
     all.extend(of_mesh.map(|(name, value)| (format!("mesh_{name}"), value)));
     all.extend(last);

@@ -1,5 +1,5 @@
-//! A pasted block that is not closed, on a terminal: what it holds and how its values would count is shown, and used once a person
-//! confirms it. The rules that were confirmed are read as those of a spec are. Through a pipe nothing is asked.
+//! A pasted block with cells without an owner, on a terminal: it is shown with the values as they would count, and used once a
+//! person confirms it. Confirmed rules are read like those of a spec. Through a pipe nothing is asked.
 
 use std::io::{self, IsTerminal as _};
 use std::path::Path;
@@ -19,12 +19,12 @@ use crate::table::{Guesses, Table, decode, in_words, table_in_sentences};
 /// Parts whose values are shown at most.
 const PARTS_SHOWN: usize = 20;
 
-/// Whether somebody can be asked.
+/// Whether a person can be asked.
 pub(super) fn can_ask() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }
 
-/// The table of a block as a person confirms it; `None` if it is not wanted, or nothing closes the table.
+/// The table of a block as a person confirms it; `None` if the person refuses, or nothing closes the table.
 pub(super) fn confirmed<'a>(
     opener: &Opener<'a>,
     (path, spec_path): (&Path, &Path),

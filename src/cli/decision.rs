@@ -1,4 +1,4 @@
-//! The arguments that say how a verdict is reached under uncertainty, shared by the subcommands that judge parts.
+//! The arguments for verdicts under uncertainty, shared by the subcommands that judge parts.
 
 use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
@@ -50,13 +50,13 @@ fn draws(text: &OsStr) -> Option<u64> {
 }
 
 impl JudgeArgs {
-    /// As the spec says: the worst case by its own rule, and no simulation.
+    /// The defaults: the worst case by the spec's rule, without a simulation.
     pub(super) fn of_spec() -> Self {
         let (stack, model) = (Stack::Range, Model::Exact);
         Self { stack, model, rule: None, monte_carlo: None, seed: DEFAULT_SEED, digits: DEFAULT_DIGITS }
     }
 
-    /// Takes back a word that was taken for the number of draws: `--monte-carlo rack.toml` means the spec.
+    /// Corrects a word taken for the number of draws: in `--monte-carlo rack.toml` it is the spec.
     pub(super) fn spec_behind_monte_carlo(&mut self) -> Option<OsString> {
         let given = self.monte_carlo.as_mut()?;
         if given.as_deref().is_some_and(|text| draws(text).is_none()) { given.take() } else { None }
@@ -68,7 +68,7 @@ impl JudgeArgs {
         self.rule.clone().or_else(of_spec).unwrap_or_default()
     }
 
-    /// How to simulate, if that was asked for.
+    /// How to simulate; `None` for no simulation.
     pub(super) fn settings(&self) -> Result<Option<Settings>, Failure> {
         let Some(given) = &self.monte_carlo else { return Ok(None) };
         let draws = match given {
@@ -81,8 +81,8 @@ impl JudgeArgs {
         Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
     }
 
-    /// Evaluates a part's errors and decides by the rule, with what is known of their uncertainty; `None` if nothing is. Where
-    /// nothing is left to place the exact mesh judges; a pass by the bound, which is exact where the mesh is rounded, stands.
+    /// Evaluates a part's errors and decides by the rule, with their uncertainties (`None` without any). Where nothing is left to
+    /// place the exact mesh judges; a pass by the bound stands, because the bound is exact where the mesh is rounded.
     pub(super) fn judged(
         &self,
         spec: &Spec,
@@ -125,7 +125,7 @@ impl JudgeArgs {
         let open = evaluation.judged.err();
         let known = if open.is_some() { None } else { self.known(errors, basis, spec, &mut evaluation.notes)? };
         if rule.needs_uncertainty() && known.is_none() {
-            // what is open has no uncertainty, without which some rules decide on no error either
+            // an open range has no uncertainty, without which some rules decide on no error either
             let why = open.map_or(Unjudged::NoUncertainty, Unjudged::NoBound);
             spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, why));
         } else if known.is_some() || rule != Rule::Simple {
@@ -138,7 +138,7 @@ impl JudgeArgs {
         Ok((evaluation, known))
     }
 
-    /// Leaves the verdicts on a spec's errors open if the rule needs an uncertainty that a value lacks; a note of which.
+    /// Leaves the verdicts on a spec's errors open if the rule needs an uncertainty that a value lacks, with a note of the value.
     pub(super) fn leave_open_without_uncertainty(&self, spec: &Spec, evaluation: &mut Evaluation) -> Option<String> {
         let rule = self.rule(spec);
         let note = spec.note_of_exact(&spec.taken_as_exact(), Some(&rule)).filter(|_| rule.needs_uncertainty())?;
@@ -146,7 +146,7 @@ impl JudgeArgs {
         Some(note)
     }
 
-    /// Propagates what the spec gives; `None` if it gives no uncertainty and none is needed, or if a bound is open within it,
+    /// Propagates the uncertainties of the spec; `None` if it gives none and none is needed, or if a bound is open within them,
     /// which is noted.
     fn known(
         &self,
@@ -195,7 +195,7 @@ fn unsimulated(error: &MonteCarloError) -> Diagnostic {
     if *error == MonteCarloError::NothingUncertain { diagnostic.help(EXAMPLE) } else { diagnostic }
 }
 
-/// What the exact mesh says if it is to judge.
+/// The range of the exact mesh, if the mesh judges.
 fn solved(spec: &Spec) -> Option<Result<SolvedTeeth, String>> {
     spec.limit_on(LimitTarget::CenterDistance)?;
     spec.solved()

@@ -78,8 +78,8 @@ impl Args {
     }
 }
 
-/// The part of `[errors]` of a spec whose known teeth are solved, evaluated and judged, with what its errors reach on the worst
-/// teeth if there is a limit to hold that against.
+/// The part of `[errors]` of a spec whose known teeth are solved, evaluated and judged; with a limit, also the range that its
+/// errors reach on the worst teeth.
 pub(super) fn evaluated<'a>(
     spec: &'a Spec,
     judge: &JudgeArgs,

@@ -29,7 +29,7 @@ pub(super) struct Args {
 /// The topic that lists the keys of the spec.
 const KEYS: &str = "keys";
 
-/// What makes numbers out of several formulas; each is the documentation of its module.
+/// The methods; each page is the documentation of its module.
 const METHODS: &[Page] = &[
     Page::new("precision", &["accuracy", "rounding", "digits"], include_str!("../formula/precision.md")),
     Page::new("combination", &["range", "worst-case", "worst", "rss", "stack"], include_str!("../judge/stack.md")),
@@ -78,7 +78,7 @@ fn page_of(topic: &str) -> Option<String> {
     Code::ALL.iter().find(|code| code.name() == topic).map(|code| code.page().to_owned())
 }
 
-/// Every key of the spec, or those that are called `topic` or are within it.
+/// Every key of the spec, or the keys named `topic` or within it.
 fn keys(topic: &str) -> Option<String> {
     let topic = topic.trim();
     let is_within = |key: &KeyEntry| {
@@ -92,8 +92,7 @@ fn keys(topic: &str) -> Option<String> {
     (!rows.is_empty()).then(|| format!("# {topic}\n\n| key | holds | what it means |\n|---|---|---|\n{rows}"))
 }
 
-/// Markdown as it reads on a screen: code indented instead of fenced; and where there is a width, lines broken to fit it
-/// and tables drawn.
+/// Markdown for a screen: code indented instead of fenced; with a width, lines are broken to fit it and tables drawn.
 pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
     /// Longer lines are tiring to read.
     const WIDEST: u16 = 100;
@@ -128,7 +127,7 @@ pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
     out
 }
 
-/// The lines of a Markdown table: a header, a rule, rows. `\|` is no end of a cell.
+/// The lines of a Markdown table: a header, a rule, rows. `\|` does not end a cell.
 fn table_of(lines: &[&str]) -> Table {
     let cells = |line: &str| -> Vec<String> {
         let line = line.replace("\\|", "\u{0}");

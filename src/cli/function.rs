@@ -1,4 +1,4 @@
-//! What a yoke does, judged for the subcommands that solve the mesh.
+//! The yoke and its limits, for the subcommands that solve the mesh.
 
 use super::output::{Failure, Output, Status};
 use super::teeth::WorstTeeth;
@@ -9,8 +9,8 @@ use crate::mesh::{Curve, Mesh, STROKE_MM, TOLERANCE_MM};
 use crate::report::{BoundPart, FunctionPart, YokeSection};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
-/// What the yoke of a spec does on a curve of its mesh, if it has one, over the rack's travel if that is known. Where the errors'
-/// teeth are not known the bound of ΔCD proves a pass, and the curve a fail.
+/// The yoke of a spec on a curve of its mesh, if it has one, over the rack's travel if that is known. Where the teeth of the errors
+/// are not known the bound of ΔCD proves a pass, and the curve a fail.
 pub(super) fn part(
     spec: &Spec,
     input: &MeshInput,
@@ -29,8 +29,8 @@ pub(super) fn part(
     Ok(Some(FunctionPart { yoke: judge.yoke, function, window: judge.window(), checks, is_known }))
 }
 
-/// What the yoke of a spec does as far as its errors tell, for a spec whose geometry is known: on the curve over the travel where
-/// both parts' teeth are, or else by the bound.
+/// The yoke of a spec by its errors, for a spec whose geometry is known: on the curve over the travel where the teeth of both parts
+/// are known, else by the bound.
 pub(super) fn evaluated(
     spec: &Spec,
     tables: &MeasuredTables,
@@ -73,7 +73,7 @@ pub(super) fn evaluated(
 /// Pitches on either side of the stroke at which errors were placed.
 const PITCHES: f64 = 3.0;
 
-/// Leaves the limits open that a spec has for what its yoke does, in a command that does not judge them.
+/// Leaves the limits on a spec's yoke open, in a command that does not judge them.
 pub(super) fn leave_open(spec: &Spec, output: &mut Output) {
     if let Some((on, bounds)) = spec.function_limits.first() {
         let message =
@@ -84,7 +84,7 @@ pub(super) fn leave_open(spec: &Spec, output: &mut Output) {
     }
 }
 
-/// How a command ends that judged a yoke by these limits.
+/// The outcome of a command that judged a yoke by these limits.
 pub(super) fn status(checks: &[Check]) -> Status {
     let verdicts = checks.iter().map(|check| check.verdict).reduce(worse);
     verdicts.map_or(Status::Pass, |verdict| verdict.map_or(Status::Undecided, Status::from))

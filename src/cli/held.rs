@@ -1,4 +1,4 @@
-//! What a program holds in place of files and a terminal: the spec that is asked about, and the answer.
+//! The spec and the answer in the memory of a program, in place of files and a terminal.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::spec::Spec;
 /// A spec that a program holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeldSpec {
-    /// What messages call it, and what the tables that it names are beside.
+    /// Its name in messages; the tables that it names are relative to it.
     pub name: String,
     /// Its text.
     pub text: String,
@@ -22,20 +22,20 @@ pub struct HeldSpec {
 /// Results in columns.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColumnTable {
-    /// The names of the columns, and what they hold.
+    /// The names of the columns, and their kinds.
     pub columns: Vec<(String, ColumnKind)>,
     /// Their values.
     pub results: ResultColumns,
 }
 
-/// What a command says of a spec.
+/// The answer of a command about a spec.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Answer {
     /// The result, as `--format json` writes it.
     pub json: Value,
     /// The result for people, in Markdown.
     pub markdown: String,
-    /// A picture of the result in SVG: what `--plot` draws, if there are two values to draw between.
+    /// A picture of the result in SVG, as by `--plot`, if there is something to draw.
     pub svg: Option<String>,
     /// The rows of a result that is a table.
     pub table: Option<ColumnTable>,
@@ -47,7 +47,7 @@ pub struct Answer {
     pub status: u8,
 }
 
-/// What is wanted of an answer.
+/// Which parts of an answer are wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Facts {
     /// All facts, the text for people and the picture.
@@ -55,11 +55,11 @@ pub(super) enum Facts {
     WithText,
     /// All facts.
     All,
-    /// Those that are compared from design to design.
+    /// The facts that are compared from design to design.
     Brief,
 }
 
-/// What a command is asked, and what it said so far.
+/// The request to a command, and its messages so far.
 #[derive(Debug, Default)]
 pub(super) struct Held {
     /// Specs, each with its own settings.

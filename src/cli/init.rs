@@ -36,7 +36,7 @@ impl Args {
         }
         let mut target = Target::create(&self.file, &[] as &[PathBuf])?;
         target.write_all(TEMPLATE.as_bytes())?;
-        // one that came meanwhile is not overwritten either
+        // a file that appeared meanwhile is not overwritten either
         if self.force {
             target.finish()?;
         } else {

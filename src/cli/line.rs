@@ -1,4 +1,4 @@
-//! The one line of standard error that is drawn over: what writes anything else clears it first.
+//! The one line of standard error that is drawn over: every other output clears it first.
 
 use std::io::{self, Write as _};
 use std::sync::{Mutex, PoisonError};
@@ -11,7 +11,7 @@ struct Line {
 
 static LINE: Mutex<Line> = Mutex::new(Line { is_drawn: false, is_waiting: false });
 
-/// Draws the line, or clears it. Nobody is there to be told that it cannot be drawn.
+/// Draws or clears the line. An error of drawing is ignored, because there is no place to report it.
 fn draw(line: &mut Line, text: Option<&str>) {
     let written = match text {
         Some(text) => format!("\r{text}\x1b[K"),
@@ -31,7 +31,7 @@ pub(super) fn clear() {
     with_line(|line| draw(line, None));
 }
 
-/// Ends the waiting: the run has a bar of its own, or a person types.
+/// Ends the waiting: the run has its own bar, or a person types.
 pub(super) fn no_waiting() {
     with_line(|line| {
         line.is_waiting = false;

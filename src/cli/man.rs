@@ -42,11 +42,11 @@ impl Args {
     }
 }
 
-/// Shows a page by the system's `man`; whether there is one that can.
+/// Shows a page by the system's `man`; returns whether that worked.
 fn is_shown(page: &[u8]) -> bool {
     let man = process::Command::new("man").args(["-l", "-"]).stdin(Stdio::piped()).stderr(Stdio::null()).spawn();
     let Ok(mut man) = man else { return false };
-    // who leaves the pager early closes the pipe
+    // leaving the pager early closes the pipe
     let _ = man.stdin.take().map(|mut pipe| pipe.write_all(page));
     man.wait().is_ok_and(|status| status.success())
 }

@@ -102,7 +102,7 @@ impl Args {
     }
 }
 
-/// What is wrong with the part and no reading tells.
+/// Remarks on deviations of the part that no reading shows.
 fn unmeasured(part: Part, mesh: &Mesh) -> Vec<String> {
     let (rack, pinion) = (mesh.rack(), mesh.pinion());
     let is_eccentric = pinion.eccentricity_mm() != (0.0, 0.0);
@@ -118,7 +118,7 @@ fn unmeasured(part: Part, mesh: &Mesh) -> Vec<String> {
     untold.map(|(_, what)| format!("no reading tells of the {}: {what}", part.name())).collect()
 }
 
-/// Puts errors whose teeth are not told on the worst ones, as `mesh` does; what was done is to be said.
+/// Puts errors without known teeth on the worst ones, as `mesh` does, with a remark.
 fn put_on_teeth(spec: &Spec, part: Part, input: &mut MeshInput) -> Result<Vec<String>, Failure> {
     let untold = |message: &str| {
         Diagnostic::error(Code::BadTeeth, message)

@@ -86,7 +86,7 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    /// As they stand on a command line.
+    /// The strokes as options of a command line.
     pub(super) fn options(&self) -> Vec<String> {
         let ends = [("from", self.from), ("to", self.to)].into_iter();
         ends.filter_map(|(name, end)| Some(format!("--{name}={}", end?))).collect()
@@ -124,7 +124,7 @@ pub(super) struct Range {
     pub(super) tolerance: Length,
 }
 
-/// What the formulas say about the deviations of a mesh.
+/// The deviations of a mesh by the formulas.
 fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     let pair = input.mesh.pair();
     if let Origin::WorstTeeth(errors) = &input.origin {
@@ -138,7 +138,7 @@ fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     Ok(prediction.rack_rows(pair, &input.rack_rows).pinion_rows(pair, &input.pinion_rows))
 }
 
-/// On which teeth the values in `[errors]` are, if the spec has no deviations per tooth, or that they are on none.
+/// A remark on which teeth, if any, the values of `[errors]` are, if the spec has no deviations per tooth.
 pub(super) fn placement(input: &MeshInput) -> Option<String> {
     let on = match &input.origin {
         Origin::WorstTeeth(errors) => {
@@ -259,7 +259,7 @@ fn doubted_rows(input: &MeshInput) -> Vec<String> {
     rack.chain(pinion).collect()
 }
 
-/// A remark where a pinion tooth carries alone in a space that is too wide, which the formulas do not know.
+/// A remark where a pinion tooth carries alone in a space that is too wide, which the formulas do not cover.
 fn sinks(input: &MeshInput, curve: &Curve, prediction: &Prediction) -> Option<String> {
     use crate::deviation::RackDeviationKind::{Lead, Pitch, Shift};
     let kind = |of: fn(&RackDeviationKind) -> bool| input.rack_deviations.iter().any(|deviation| of(&deviation.kind));
@@ -289,7 +289,7 @@ impl Args {
         let judged = judged(&spec, &JudgeArgs::of_spec())?;
         let status = Status::of(judged.verdict, &judged.limits);
         if let (Format::Csv, None, false, None) = (self.format, &picture, spec.has_yoke(), &trace) {
-            // nothing is asked that needs the curve as a whole
+            // no output needs the whole curve
             let listed = match &strokes {
                 Some(strokes) => list_csv(strokes, &Listed { mesh: &input.mesh, part: None }, output),
                 None => self.curve_csv(ends, &input.mesh, output),
@@ -335,7 +335,7 @@ impl Args {
         closed_is(status, listed)
     }
 
-    /// What is to be drawn, or ΔCD where that is not there.
+    /// The quantity to draw, or ΔCD where it does not exist.
     fn chart(&self, report: &MeshReport<'_>) -> Chart {
         let points = &report.curve.points;
         let of_yoke = report.function().and_then(|part| match self.plot_of {
@@ -346,7 +346,7 @@ impl Args {
         of_yoke.unwrap_or_else(|| report.chart())
     }
 
-    /// Writes the points of the curve as they are found; the status is that of an interruption, if one came.
+    /// Writes the points of the curve as they are found; returns the status of an interruption, if one came.
     fn curve_csv(&self, ends: (f64, f64), mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
         let interruption = signals::interrupted(output);
         let mut before = mesh_points::csv_header(false);
@@ -403,7 +403,7 @@ impl<E: Into<Failure>> From<E> for Ended {
     }
 }
 
-/// The status of a list of points: the verdict is that of the curve, whoever reads the list.
+/// The status of a list of points: the verdict is that of the curve, also if the reader stops early.
 fn closed_is(verdict: Status, listed: Result<Option<Status>, Failure>) -> Result<Status, Failure> {
     match listed {
         Err(failure) if failure.is_closed_pipe() => Ok(verdict),

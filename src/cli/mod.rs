@@ -84,7 +84,7 @@ macro_rules! subcommand {
         Subcommand {
             name: $name,
             about: $module::ABOUT,
-            // a set of arguments taken in by another one would put its own description in place of the subcommand's
+            // a flattened set of arguments would replace the subcommand's description by its own
             arguments: |command| {
                 let command = $module::Args::augment_args(command);
                 with_short_help(command).about($module::ABOUT).long_about(None::<&str>)
@@ -94,7 +94,7 @@ macro_rules! subcommand {
     };
 }
 
-/// What belongs together in the help.
+/// The groups of subcommands in the help.
 struct Group {
     heading: &'static str,
     subcommands: &'static [Subcommand],
@@ -150,7 +150,7 @@ fn subcommands() -> impl Iterator<Item = &'static Subcommand> {
     GROUPS.iter().flat_map(|group| group.subcommands)
 }
 
-/// The help of the program, with its subcommands by what they are for.
+/// The help of the program, with its subcommands in groups.
 fn help_template() -> String {
     let mut template = "{about}\n\n{usage-heading} {usage}\n".to_owned();
     for group in GROUPS {
@@ -162,7 +162,7 @@ fn help_template() -> String {
     template + "\nOptions:\n{options}{after-help}"
 }
 
-/// What is asked for seldom, by its name within the program: `-h` leaves it out.
+/// Options that `-h` leaves out because they are rarely used, by their ids.
 const SELDOM: &str = "model seed digits tolerance decimals columns rejects strict junit annotations threads partial \
                       first_rack study merge conforming distribution unit explain f_h_beta length no_worst_teeth worst_teeth only_failures";
 
@@ -183,10 +183,10 @@ fn with_short_help(command: Command) -> Command {
     command.after_help(examples.join("\n")).after_long_help(all)
 }
 
-/// Behind the options that a subcommand has of its own.
+/// The place of common options: behind a subcommand's own.
 const LAST: usize = 1000;
 
-// what every subcommand takes; no documentation, for that would be the program's own
+// the options of every subcommand; without documentation, which would replace the program's own
 #[derive(clap::Args)]
 struct Global {
     /// Print help; --help has all of it.
@@ -262,8 +262,8 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     status.code()
 }
 
-/// Prints what is wrong with the arguments, or the help or the version, which is no failure unless it cannot be written; a
-/// closed pipe is none either.
+/// Prints the error in the arguments, or the help or the version. These are a failure only if they cannot be written, and not if
+/// the pipe is closed.
 fn printed(error: &clap::Error) -> u8 {
     let printed = print_usage(error).and_then(|()| std::io::stdout().flush());
     match printed {

@@ -78,7 +78,7 @@ pub(super) struct Args {
     format: Format,
 }
 
-/// The racks of a run that nobody tells how many.
+/// The default number of racks.
 const DEFAULT_RACKS: u64 = 2000;
 /// The largest study that is read: several times what the bins of one take.
 const LARGEST_STUDY: u64 = 64 << 20;
@@ -142,11 +142,11 @@ impl Args {
             output.report(&report, self.format)?;
         }
         if self.format == Format::Csv && !summary.missing.is_empty() {
-            // the other formats say so themselves
+            // the other formats report it themselves
             let message = format!("racks are missing: these are {} of {} racks", study.racks(), study.asked().racks);
             output.diagnostic(&Diagnostic::warning(Code::NoMonteCarlo, message));
         }
-        // what was solved before an error is shown and kept
+        // racks solved before an error are shown and kept
         ended?;
         Ok(ended_early.unwrap_or(status(&summary, is_judged)))
     }
@@ -213,7 +213,7 @@ impl Args {
     }
 }
 
-/// The pair whose teeth scatter, and about which middles.
+/// The pair whose teeth scatter, with the middles of the scatter.
 fn base(spec: &Spec, path: &Path, output: &mut Output) -> Result<(MeshInput, Vec<String>), Failure> {
     let mut input = mesh_of(spec, &spec_files::measured_tables(spec, path, output)?)?;
     let (middle, middles) = spec.with_scatter_middles(&input.mesh)?;
@@ -226,13 +226,13 @@ fn base(spec: &Spec, path: &Path, output: &mut Output) -> Result<(MeshInput, Vec
     Ok((input, middles))
 }
 
-/// Settings that nobody has changed.
+/// The default settings.
 fn usual_settings((from_mm, to_mm): (f64, f64)) -> RackSettings {
     let range = RackRange { first_rack: 0, racks: DEFAULT_RACKS };
     RackSettings { seed: DEFAULT_SEED, range, from_mm, to_mm, threads: None }
 }
 
-/// What each scatter of a spec contributes over these strokes.
+/// The contribution of each scatter of a spec over these strokes.
 pub(super) fn contributions_of(
     (spec, path): (&Spec, &Path),
     strokes: (f64, f64),
@@ -245,7 +245,7 @@ pub(super) fn contributions_of(
     contributions(&racks, &usual_settings(strokes), interruption, output)
 }
 
-/// What each scatter contributes, of an interrupted run by the samples that were solved.
+/// The contribution of each scatter; for an interrupted run, from the samples that were solved.
 fn contributions(
     racks: &Racks<'_>,
     settings: &RackSettings,
@@ -275,7 +275,7 @@ fn kept_study(path: &Path, stop: &Arc<AtomicBool>) -> Result<RacksStudy, Failure
     read_study(&text).map_err(|error| unreadable(error.to_string()))
 }
 
-/// The yoke that racks are held against, and those of its limits that none of them is judged by.
+/// The yoke of the racks, and its limits that cannot be judged for any rack.
 fn with_yoke<'a>(
     judge: &'a YokeJudge,
     input: &MeshInput,
@@ -288,14 +288,14 @@ fn with_yoke<'a>(
     Ok((Some(RacksYoke { judge, is_measured }), open))
 }
 
-/// Limits on a yoke that some racks are not judged by.
+/// A remark on limits of a yoke that are not judged for some racks.
 fn partly_judged(summary: &RacksSummary, racks: u64) -> Vec<String> {
     let judged = summary.yoke.iter().flat_map(|yoke| function::Target::ALL.into_iter().zip(yoke.judged));
     let some = judged.filter(|(_, judged)| (1..racks).contains(judged));
     some.map(|(on, judged)| format!("{}: {judged} of {racks} racks are judged", on.words())).collect()
 }
 
-/// What of the spec is not held against random racks, so that none of them passes.
+/// Limits of the spec that random racks are not judged by, so that no rack passes.
 fn not_judged(spec: &Spec) -> Vec<String> {
     let limits = spec.limits();
     let rule = spec.or_zero(keys::DECISION_RULE);

@@ -1,5 +1,5 @@
-//! Rows of results as files whose rows are not written one by one as they are: Excel workbooks and Q-DAS files, of `paste`
-//! and `batch`, and tables for people and arrays of JSON, of `batch`.
+//! Rows of results in formats that need more than one row at a time: Excel workbooks and Q-DAS files of `paste` and `batch`, and
+//! tables for people and arrays of JSON of `batch`.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,8 +14,7 @@ pub(super) fn is_office(path: &str) -> bool {
     ["xlsx", "dfq"].contains(&target::ending(path).as_str())
 }
 
-/// Rows that become such a file. What is written to it are rows of CSV, a line each, header first; of an array, lines of
-/// JSON.
+/// Rows that become such a file. Its input is rows of CSV, a line each, header first; for an array, lines of JSON.
 pub(super) struct FormedRows<W> {
     out: W,
     kind: Kind,
@@ -24,12 +23,12 @@ pub(super) struct FormedRows<W> {
 }
 
 enum Kind {
-    /// A workbook is written in one go, at the end; with its name.
+    /// A workbook, written at the end; with its name.
     Book(Box<Book>, String),
     Qdas(QdasRows),
-    /// Rows that wait for the next piece of the table, the header first.
+    /// Rows waiting for the next piece of the table, the header first.
     Table(Vec<Vec<String>>, Shown),
-    /// Whether it has rows so far.
+    /// Whether the array has rows so far.
     Array(bool),
 }
 
@@ -48,7 +47,7 @@ struct Shown {
 const ROWS_TOGETHER: usize = 1000;
 
 impl<W: Write + Send> FormedRows<W> {
-    /// Rows with these limits for a file of this name; `part` is what a Q-DAS file calls them.
+    /// Rows with these limits for a file of this name; a Q-DAS file calls them `part`.
     pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
         let kind = match target::ending(path).as_str() {
             "dfq" => Kind::Qdas(QdasRows::new(part, limits)),
@@ -89,8 +88,8 @@ impl<W: Write + Send> FormedRows<W> {
         }
     }
 
-    /// Writes what is left, unless that is a workbook and the run is to `stop`; whether it is written. A workbook has a sheet
-    /// of notes.
+    /// Writes the rest, except for a workbook in a run that is to `stop`; returns whether it is written. A workbook has a sheet of
+    /// notes.
     pub(super) fn finish(mut self, notes: &[String], stop: &AtomicBool) -> io::Result<bool> {
         match self.kind {
             Kind::Book(book, _) => match book.save(notes, Stopped { out: &mut self.out, stop, has_failed: false }) {
@@ -143,8 +142,8 @@ impl<W: Write + Send> Write for FormedRows<W> {
     }
 }
 
-/// A place that takes no more once the run is to end. What comes behind an error is dropped: the library ends its archive
-/// whatever happened, and would say that this fails.
+/// A writer that takes no more once the run is to end. Bytes after an error are dropped: the library ends its archive in any case,
+/// and would report a failure of that.
 struct Stopped<'o, W> {
     out: &'o mut W,
     stop: &'o AtomicBool,

@@ -1,5 +1,5 @@
-//! Where results and messages go, and what the exit status becomes. Made once per run; every subcommand writes through
-//! it, and nothing else prints.
+//! Where results and messages go, and the exit status. Made once per run; every subcommand writes through it, and nothing else
+//! prints.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::Arc;
@@ -21,26 +21,26 @@ use crate::report::{self, Format, Report, Screen, WithReading};
 use crate::spec::Spec;
 use crate::table::Reading;
 
-/// What messages call standard output.
+/// The name of standard output in messages.
 pub(super) const STDOUT: &str = "standard output";
 
-/// How a command ended. Of several, the greatest counts.
+/// The outcome of a command. Of several, the greatest counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Status {
     /// Inside the limits, or there was nothing to judge.
     Pass,
-    /// It was judged, and the decision rule proves neither conformity nor non-conformity.
+    /// The decision rule proves neither conformity nor non-conformity.
     Indeterminate,
     /// There is a result, but it could not be judged.
     Undecided,
     /// Outside the limits.
     Fail,
-    /// A signal ended it early, with the exit code that belongs to the signal: what is shown is incomplete.
+    /// A signal ended the run early, with the signal's exit code: the output is incomplete.
     Interrupted(u8),
 }
 
 impl Status {
-    /// How a command ends that judged one part by these limits.
+    /// The outcome of a command that judged one part by these limits.
     pub(super) fn of(verdict: Option<Verdict>, limits: &[LimitCheck]) -> Self {
         match verdict {
             Some(verdict) => verdict.into(),
@@ -49,7 +49,7 @@ impl Status {
         }
     }
 
-    /// How a command ended that had this exit status.
+    /// The outcome with this exit status.
     pub(super) fn of_code(code: u8) -> Self {
         let known = [Self::Pass, Self::Fail, Self::Undecided, Self::Indeterminate];
         known.into_iter().find(|status| status.code() == code).unwrap_or(Self::Interrupted(code))
@@ -80,16 +80,16 @@ impl From<Verdict> for Status {
 /// Why a command has no result.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// What is wrong with the input.
+    /// Faults of the input.
     Diagnostics(Vec<Diagnostic>),
-    /// What is wrong with the arguments.
+    /// A fault of the arguments.
     Usage(clap::Error),
     /// The output cannot be written.
     Write(io::Error),
 }
 
 impl Failure {
-    /// Whether the reader of the output has seen enough.
+    /// Whether the reader of the output has closed it.
     pub(super) fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Write(error) if error.kind() == io::ErrorKind::BrokenPipe)
     }
@@ -113,12 +113,12 @@ impl From<io::Error> for Failure {
     }
 }
 
-/// Whether the terminal says of itself that it only prints text, as consoles inside editors do.
+/// Whether the terminal states that it only prints text, like consoles inside editors.
 pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|terminal| terminal == "dumb")
 }
 
-/// The columns of a terminal; one that does not tell its width is taken to be 80 columns wide.
+/// The columns of a terminal; 80 if it does not tell its width.
 fn width_of(is_terminal: bool, size: Option<(Width, Height)>) -> Option<u16> {
     is_terminal.then(|| size.map_or(80, |(width, _)| width.0))
 }
@@ -128,7 +128,7 @@ fn width_of_stderr() -> Option<u16> {
     width_of(stderr.is_terminal(), terminal_size_of(&stderr))
 }
 
-/// Standard output and standard error, each with its own answer to whether it is a screen.
+/// Standard output and standard error, each of which may be a screen.
 pub(super) struct Output {
     stdout: io::Stdout,
     stderr: io::Stderr,
@@ -137,9 +137,9 @@ pub(super) struct Output {
     is_quiet: bool,
     /// How the tables that the spec names were read.
     readings: Vec<Reading>,
-    /// Whether a limit of the spec is open, whatever else was judged.
+    /// Whether a limit of the spec is open, whatever else is judged.
     is_open: bool,
-    /// In place of all that, where a program asks.
+    /// The request of a program, in place of printing.
     held: Option<Held>,
 }
 
@@ -171,12 +171,12 @@ impl Output {
         }
     }
 
-    /// Keeps what is said of specs, and prints nothing.
+    /// An output that keeps answers about specs, and prints nothing.
     pub(super) fn held(specs: impl IntoIterator<Item = (HeldSpec, Vec<String>)>, stop: Arc<AtomicBool>) -> Self {
         Self::holding(Held { specs: specs.into_iter().collect(), stop, ..Held::default() })
     }
 
-    /// Keeps the facts about a spec that is read already.
+    /// An output that keeps the facts about a spec that is read already.
     pub(super) fn of_facts(spec: Spec, facts: Facts, stop: Arc<AtomicBool>) -> Self {
         Self::holding(Held { read: Some(spec), facts, stop, ..Held::default() })
     }
@@ -194,12 +194,12 @@ impl Output {
         }
     }
 
-    /// What was kept.
+    /// The kept answer.
     pub(super) fn into_answer(self) -> Answer {
         self.held.unwrap_or_default().answer
     }
 
-    /// What ends a long run from outside, where a program holds the answer.
+    /// The flag that ends a long run from outside, where a program holds the answer.
     pub(super) fn stop(&self) -> Option<&Arc<AtomicBool>> {
         Some(&self.held.as_ref()?.stop)
     }
@@ -229,17 +229,17 @@ impl Output {
         self.held.as_mut()?.read.take()
     }
 
-    /// Says whether results come with every remark.
+    /// Sets whether results come with every remark.
     pub(super) fn show_all_remarks(&mut self, all: bool) {
         self.screen.shows_all_remarks = all;
     }
 
-    /// What standard output is shown on.
+    /// The screen of standard output.
     pub(super) fn screen(&self) -> Screen {
         self.screen
     }
 
-    /// Keeps how a table was read that the spec names; whether that is new.
+    /// Keeps how a table of the spec was read; returns whether that is new.
     pub(super) fn keep_reading(&mut self, reading: &Reading) -> bool {
         let is_new = self.readings.iter().all(|known| known.file != reading.file);
         self.readings.extend(is_new.then(|| reading.clone()));
@@ -251,7 +251,7 @@ impl Output {
         &self.readings
     }
 
-    /// Writes a report to standard output, in JSON with how the tables were read that the spec names.
+    /// Writes a report to standard output; in JSON with how the tables of the spec were read.
     pub(super) fn report(&mut self, report: &dyn Report, format: Format) -> Result<(), Failure> {
         let readings = self.readings.clone();
         let whole = WithReading { report, readings: &readings, notes: &[] };
@@ -269,17 +269,17 @@ impl Output {
         unless_closed(self.write(&text))
     }
 
-    /// Writes text to standard output; a reader that has seen enough changes nothing.
+    /// Writes text to standard output; a closed pipe is no error.
     pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
         unless_closed(self.piece(text))
     }
 
-    /// Writes a piece of a long text to standard output; fails where nobody reads the next one.
+    /// Writes a piece of a long text to standard output; fails if the pipe is closed.
     pub(super) fn piece(&mut self, text: &str) -> Result<(), Failure> {
         self.write(&harmless_lines(text))
     }
 
-    /// Writes text in which nothing steers a terminal but the program's own colours.
+    /// Writes text in which only the program's own colours control the terminal.
     fn write(&mut self, text: &str) -> Result<(), Failure> {
         if let Some(Held { answer, .. }) = &mut self.held {
             text.clone_into(&mut answer.markdown);
@@ -303,7 +303,7 @@ impl Output {
         }
     }
 
-    /// Writes what is to be known even by who wants no remarks to standard error, as one line.
+    /// Writes a warning to standard error as one line, also with `--quiet`.
     pub(super) fn message(&mut self, text: &str) {
         if let Some(Held { answer, .. }) = &mut self.held {
             return answer.remarks.push(text.to_owned());
@@ -311,10 +311,10 @@ impl Output {
         self.say(&wrap(&harmless(text), width_of_stderr()));
     }
 
-    /// Writes lines to standard error in which nothing steers a terminal but the program's own colours.
+    /// Writes lines to standard error in which only the program's own colours control the terminal.
     fn say(&mut self, text: &str) {
         line::clear();
-        // there is nowhere left to report a failure of standard error itself
+        // there is no place to report a failure of standard error itself
         let _ = writeln!(self.stderr.lock(), "{text}");
     }
 
@@ -326,13 +326,13 @@ impl Output {
         self.say(&render(diagnostic, self.color_messages, width_of_stderr()));
     }
 
-    /// Says why a limit of the spec is open: the command does not end as if all were judged.
+    /// Says why a limit of the spec is open, and keeps that for the exit status.
     pub(super) fn leave_open(&mut self, why: &Diagnostic) {
         self.diagnostic(why);
         self.is_open = true;
     }
 
-    /// How a command ends that ended so, with the limits that are open.
+    /// The outcome of a command, with open limits counted.
     pub(super) fn ended(&self, status: Status) -> Status {
         if self.is_open { status.max(Status::Undecided) } else { status }
     }
@@ -341,7 +341,7 @@ impl Output {
     pub(super) fn finish(&mut self, result: Result<Status, Failure>) -> Status {
         let status = result.unwrap_or_else(|failure| {
             match failure {
-                // who has seen enough is told nothing, but not that all is well
+                // with a closed pipe nothing is printed, but the status is not success
                 failure if failure.is_closed_pipe() => {}
                 Failure::Diagnostics(diagnostics) => diagnostics.iter().for_each(|found| self.diagnostic(found)),
                 Failure::Usage(error) => drop(print_usage(&error)),
@@ -355,7 +355,7 @@ impl Output {
     }
 }
 
-/// Prints help, the version, or what is wrong with the arguments, of which some may be names of files that a stranger gave.
+/// Prints help, the version, or the error in the arguments, which may contain foreign file names.
 pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
     if error.use_stderr() {
         let text = wrap(&harmless_lines(&error.render().to_string()), width_of_stderr());
@@ -365,7 +365,7 @@ pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
     }
 }
 
-/// What came of writing, where a reader that has seen enough changes nothing.
+/// The result of writing, where a closed pipe is no error.
 fn unless_closed(written: Result<(), Failure>) -> Result<(), Failure> {
     written.or_else(|failure| if failure.is_closed_pipe() { Ok(()) } else { Err(failure) })
 }

@@ -1,4 +1,4 @@
-//! Pages: what `report` and `paste -o page.html` put around a result.
+//! Pages: the frame of a result in `report` and `paste -o page.html`.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -36,7 +36,7 @@ pub(super) fn reading_section(readings: &[Reading], notes: &[String]) -> Section
     Section::new("How the tables were read", reading_blocks(readings, notes))
 }
 
-/// The spec as it stands in its file, and what the command line sets of it.
+/// The spec as it stands in its file, and the keys set on the command line.
 pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
     let file = Some(("Spec", &spec.source));
     let set = spec.source.next.as_ref().map(|options| ("Set on the command line", options));
@@ -45,8 +45,7 @@ pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
         .map(|(heading, source)| Section { source: Some(source.text.clone()), ..Section::new(heading, Vec::new()) })
 }
 
-/// The blocks without the verdict that counts, the worst of them, which goes to the top of the page; `of` stands before its
-/// sentence.
+/// The blocks without the worst verdict, which goes to the top of the page; `of` stands before its sentence.
 pub(super) fn verdict_to_top(mut blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
     let status = |block: &Block| match block {
         Block::Verdict(verdict, _) => Some(verdict.map_or(Status::Undecided, Status::from)),

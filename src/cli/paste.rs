@@ -65,26 +65,26 @@ pub(super) struct Args {
     reading: ReadArgs,
 }
 
-/// The largest block that is read from standard input: beyond what anybody pastes.
+/// The largest block that is read from standard input.
 const LARGEST_BLOCK: u64 = 4 << 20;
 /// Parts that are shown at most: `batch` is for more.
 const MOST_PARTS: usize = 20_000;
 /// Rejected rows that are named on standard error.
 const PROBLEMS_SHOWN: usize = 20;
 
-/// What the name of the file that is written may end in.
+/// The endings of the output file.
 const ENDINGS: [&str; 8] = ["html", "htm", "xlsx", "dfq", "csv", "json", "md", "txt"];
 
-/// What is shown of a block.
+/// The result of a block.
 struct Shown<'a> {
-    /// What the part or the parts are called.
+    /// The name of the part or the parts.
     title: &'a str,
     report: &'a dyn Report,
     /// The rows of a workbook or a Q-DAS file, header included: a part, a space or a tooth each.
     rows: Vec<Vec<String>>,
 }
 
-/// What was read, and what there is to say of it.
+/// What was read, with remarks.
 struct ReadBlock {
     spec: Arc<Spec>,
     readings: Vec<Reading>,
@@ -134,7 +134,7 @@ impl Args {
         self.file.as_deref().filter(|path| !is_dash(path))
     }
 
-    /// What a part without a name of its own is called: the spec's title is of the pair, not of this part.
+    /// The name of a part without one: the spec's title names the pair, not this part.
     fn block_name(&self) -> String {
         let file = self.path().and_then(Path::file_name);
         file.map_or_else(|| "pasted part".to_owned(), |name| name.to_string_lossy().into_owned())
@@ -171,7 +171,7 @@ impl Args {
         }
     }
 
-    /// Prints a report with how its table was read, and writes it to the file that was asked for.
+    /// Prints a report with how its table was read, and writes it to the file asked for.
     fn report(&self, shown: &Shown<'_>, read: &ReadBlock, output: &mut Output) -> Result<(), Failure> {
         let Shown { title, report, rows } = shown;
         let readings = &read.readings;
@@ -259,7 +259,7 @@ impl Args {
         Ok(status)
     }
 
-    /// What is asked of the parts of a block.
+    /// The request for the parts of a block.
     fn request(&self, spec: &Spec) -> Result<Request, Failure> {
         Ok(Request {
             model: self.judge.model,
@@ -274,7 +274,7 @@ impl Args {
         })
     }
 
-    /// The only part of a block as `eval` shows it, with the verdict of the batch.
+    /// The only part of a block in the form of `eval`, with the verdict of the batch.
     fn only<'s>(
         &self,
         plan: &Plan,
@@ -412,7 +412,7 @@ impl PartSink for Listed {
     fn take(&mut self, parts: &[batch_room::Part], problems: &[Problem]) -> io::Result<()> {
         self.parts.extend_from_slice(parts);
         self.problems.extend_from_slice(problems);
-        // the run ends here: nothing more of a block that is refused is held
+        // the run ends here: nothing more of a refused block is kept
         if self.is_full() { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(()) }
     }
 }

@@ -1,5 +1,4 @@
-//! Pictures as SVG files. The file is begun before the run that the picture shows, so that no result is lost to a typing
-//! mistake.
+//! Pictures as SVG files. The file is begun before the run, so that no result is lost to a wrong file name.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,19 +16,19 @@ pub(super) struct PlotArgs {
 }
 
 impl PlotArgs {
-    /// The file that is asked for.
+    /// The file asked for.
     pub(super) fn path(&self) -> Option<&Path> {
         self.plot.as_deref()
     }
 
-    /// The picture that is asked for, in a run that reads `inputs`.
+    /// The picture asked for, in a run that reads `inputs`.
     pub(super) fn picture(&self, inputs: &[PathBuf]) -> Result<Option<Picture>, Failure> {
         self.plot.as_deref().map(|path| Picture::begin(path, inputs)).transpose()
     }
 }
 
-/// Draws a result to the picture that is asked for, and for a program that holds the answer. Of a run that has not come to its
-/// end the picture is kept under another name.
+/// Draws a result to the picture asked for, and for a program that holds the answer. The picture of an incomplete run is kept under
+/// another name.
 pub(super) fn draw(
     picture: Option<Picture>,
     chart: impl Fn() -> Chart,
@@ -62,7 +61,7 @@ impl Picture {
         Ok(Self { path: path.to_owned(), target: Target::create(path, inputs)? })
     }
 
-    /// Says that there is nothing to draw, of a run that was interrupted.
+    /// Reports that an interrupted run has nothing to draw.
     pub(super) fn discard(self, output: &mut Output) {
         self.target.discard(output);
     }

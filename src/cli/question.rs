@@ -1,4 +1,4 @@
-//! What a command says of a design: the spec with the design's keys set, asked as if it stood in a file.
+//! The answer of a command about a design: the spec with the design's keys set, as if it stood in a file.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::{called, command, tables};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::spec::{SET, Spec};
 
-/// The command that is asked.
+/// The command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub(super) enum Of {
     #[default]
@@ -33,7 +33,7 @@ impl Of {
 pub(super) struct Question {
     matches: ArgMatches,
     source: Arc<Source>,
-    /// What is set in every design.
+    /// The settings of every design.
     settings: Vec<String>,
     stop: Arc<AtomicBool>,
 }
@@ -74,7 +74,7 @@ impl Question {
         if unknown.is_empty() { Ok(()) } else { Err(Diagnostics(unknown)) }
     }
 
-    /// What the command says of a design, or why it says nothing; `None` once the run is to stop.
+    /// The command's answer about a design, or why there is none; `None` once the run is to stop.
     pub(super) fn answer(&self, design: &[String], facts: Facts) -> Option<Result<Answer, String>> {
         let answer = self.spec(design).map_err(|problems| problems.0).and_then(|spec| {
             let mut output = Output::of_facts(spec, facts, Arc::clone(&self.stop));
@@ -83,13 +83,13 @@ impl Question {
             let status = output.ended(status).code();
             Ok(Answer { status, ..output.into_answer() })
         });
-        // what was begun before is not to its end
+        // an answer begun before the stop is incomplete
         let is_whole = !self.stop.load(Ordering::Relaxed);
         is_whole.then(|| answer.map_err(|problems| in_words(&problems)))
     }
 }
 
-/// A problem of the last setting, said of the option `--over` that it came from.
+/// A problem of the last setting, reported for its option `--over`.
 fn as_option(mut problem: Diagnostic, over: &str) -> Diagnostic {
     const OVER: &str = "--over ";
     if let Some(place) = &mut problem.place {

@@ -1,4 +1,4 @@
-//! `rackmesh read`: what tables hold and who owns it, and the contract that closes them, written into a spec if that is wanted.
+//! `rackmesh read`: the cells of tables with their owners, and the contract that closes them, which it can write into a spec.
 //! Evaluates nothing.
 
 use std::io::{self, IsTerminal as _, Read as _};
@@ -116,7 +116,7 @@ impl Args {
         Ok(if is_closed { Status::Pass } else { Status::Undecided })
     }
 
-    /// Writes the contract into the spec, if that is wanted; whether the tables are closed then.
+    /// Writes the contract into the spec, if that is wanted; returns whether the tables are then closed.
     fn write(
         &self,
         path: &Path,
@@ -185,7 +185,7 @@ impl Args {
     }
 }
 
-/// What standard input holds, for it is looked at more than once.
+/// The content of standard input, which is used more than once.
 fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
     const LARGEST: u64 = 64 << 20;
     let mut bytes = Vec::new();
@@ -197,7 +197,7 @@ fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
     Ok(bytes.into())
 }
 
-/// The text of a spec that is to be written.
+/// The new text of a spec.
 pub(super) fn text(path: &Path) -> Result<String, Failure> {
     let name = stream::name(path);
     let bytes = std::fs::read(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
@@ -207,7 +207,7 @@ pub(super) fn text(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes).map_err(|_| Diagnostic::unreadable(&name, &"it is not text in UTF-8").into())
 }
 
-/// Shows what a table holds beside the result.
+/// Shows the columns of a table besides the result.
 pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Result<(), Failure> {
     let proposals = std::slice::from_ref(proposal);
     let shown = ReadReport { proposals, block };
@@ -230,7 +230,7 @@ impl ReadReport<'_> {
     }
 }
 
-/// How a column is read, if it is.
+/// How a column is read, if it is read.
 fn read_as<'p>(proposal: &'p Proposal, column: &ColumnAccount) -> Option<&'p ColumnReading> {
     let columns = proposal.reading.as_ref()?.columns.iter();
     columns.into_iter().find(|read| read.title == column.title && read.holds.is_some())

@@ -95,8 +95,8 @@ impl Args {
         let target = target.transpose()?;
         let mut page = Page::default();
         for path in &inputs {
-            // a file's own bytes have the mark and the line ends that it may have; of standard input it may be the spec, or
-            // a table, which is read with the others
+            // the bytes of a file keep its byte order mark and line ends; standard input may be the spec, or a table that is read with the
+            // others
             if !is_dash(path) {
                 page.inputs.push(hashed(path)?);
             } else if is_dash(&self.spec) {
@@ -140,7 +140,7 @@ impl Args {
         page.title = spec.title.clone().unwrap_or_else(|| shown(&self.spec));
         page.facts = details(spec, &[]);
         if self.contributions && spec.errors.is_empty() && !spec.has_deviations() {
-            // of random racks alone the limits are judged by `monte-carlo`
+            // only `monte-carlo` judges limits for random racks
             return Ok(if spec.limits.is_empty() { Status::Pass } else { Status::Undecided });
         }
         let known = with_known_teeth(spec.clone(), &self.spec, output)?;
@@ -149,7 +149,7 @@ impl Args {
         let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
         let mut blocks = verdict_to_top(report.blocks(), page, "");
         if worst.is_some() && spec.has_yoke() {
-            // what the mesh shows below is one placement
+            // the mesh below shows one placement
             let tables = spec_files::measured_tables(&known, &self.spec, output)?;
             let yoke = function::evaluated(&known, &tables, &report.evaluation, worst.as_ref())?;
             let bounded = yoke.iter().filter(|yoke| yoke.known().is_none()).flat_map(YokeSection::blocks);
@@ -165,7 +165,7 @@ impl Args {
         Ok(status)
     }
 
-    /// What standard input holds, if it is a table.
+    /// The content of standard input, if it is a table.
     fn stdin(&self, stop: &Arc<AtomicBool>) -> Result<Option<Arc<[u8]>>, Failure> {
         let Some(path) = self.files.iter().find(|path| is_dash(path)) else { return Ok(None) };
         let mut bytes = Vec::new();
@@ -197,8 +197,7 @@ impl Args {
         Ok(())
     }
 
-    /// The exact mesh, if the spec has the geometry, beside what its errors were judged to be, and what came of the limits on
-    /// what a yoke does.
+    /// The exact mesh, if the spec has the geometry, beside the judged errors, and the outcome of the limits on a yoke.
     fn mesh(
         &self,
         spec: &Spec,
@@ -301,7 +300,7 @@ impl Args {
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
     }
 
-    /// What is asked of parts, whatever they are judged by.
+    /// The request for parts, by formulas or by the mesh.
     fn request(&self, spec: &Spec) -> Request {
         let rule = self.judge.rule(spec);
         let (partial, lists_parts) = (self.partial, self.all_parts);
@@ -412,21 +411,21 @@ fn problem_text(problem: &crate::batch::Problem) -> String {
     format!("{}: {}", problem.place, problem.what())
 }
 
-/// An error of a part as a spec has it.
+/// An error of a part in the form of a spec.
 fn written(error: &PartError) -> WrittenError {
     error.tolerance.map_or_else(|| error.deviation.into(), WrittenError::Tolerance)
 }
 
-/// What was measured on a part, and how far it is inside its limits.
+/// The measured values of a part, and how far they are inside their limits.
 fn measured_blocks(part: &Part) -> Vec<Block> {
     let result = parts_block(&[Part { errors: Vec::new(), ..part.clone() }], "part");
     let result = result.into_iter().chain(yokes_block(std::slice::from_ref(part), "yoke of part"));
     part_block(part).into_iter().chain(result).chain(part.reason.clone().map(Block::Note)).collect()
 }
 
-/// What came of the parts of all tables.
+/// The outcome of the parts of all tables.
 struct Lot {
-    /// The spec with what the first table says where it is silent.
+    /// The spec, completed by the first table.
     spec: Arc<Spec>,
     outcome: Outcome,
     basis: Basis,
@@ -434,7 +433,7 @@ struct Lot {
     parts: Vec<Part>,
     charts: Vec<Chart>,
     small_charts: Vec<Chart>,
-    /// What does not vary.
+    /// The results that do not vary.
     level: Vec<String>,
     facts: Vec<(String, String)>,
 }

@@ -1,4 +1,4 @@
-//! `rackmesh reproduce`: the paper's tables and its last figure beside ours.
+//! `rackmesh reproduce`: the paper's tables and its last figure beside the computed ones.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};

@@ -1,4 +1,4 @@
-//! The results of a command that are compared from design to design: names, where they stand in its answer, and cells.
+//! The results of a command that are compared from design to design: names, places in its answer, and cells.
 
 use serde_json::Value;
 
@@ -14,11 +14,11 @@ pub(super) struct Column {
     /// Where it stands in the answer.
     place: String,
     pub(super) kind: ColumnKind,
-    /// Whether it is none of the results that are compared from design to design.
+    /// Whether it is not among the results that are compared from design to design.
     pub(super) is_elsewhere: bool,
 }
 
-/// What a yoke does, where there is one: of known teeth, and at most wherever errors are.
+/// The figures of a yoke, where there is one: of known teeth, and by the bound.
 const YOKE: &str = "smallest_play_mm=yoke/smallest_play_mm largest_play_mm=yoke/largest_play_mm \
     setting_from_mm=yoke/setting/from_mm setting_to_mm=yoke/setting/to_mm setting_from_deg=yoke/setting/from_deg \
     setting_to_deg=yoke/setting/to_deg torque_rising_mean_n_m=yoke/torque_n_m/rising/mean \
@@ -69,7 +69,7 @@ impl Of {
         }
     }
 
-    /// What a table for people has of these, and what is drawn: the first.
+    /// The columns of a table for people; the first one is drawn.
     const fn shown(self) -> &'static str {
         match self {
             Self::Eval => {
@@ -86,7 +86,7 @@ impl Of {
     }
 }
 
-/// What a column holds, by a first answer.
+/// The kind of a column, by a first answer.
 fn kind(name: &str, value: Option<&Value>) -> ColumnKind {
     match value {
         Some(Value::String(_)) => ColumnKind::Text,
@@ -171,7 +171,7 @@ pub(super) fn written(
     Ok(all)
 }
 
-/// What is drawn of these columns.
+/// The column to draw.
 pub(super) fn drawn<'c>(of: Of, asked: Option<&[String]>, columns: &'c [Column]) -> Option<&'c Column> {
     let is_number = |column: &&Column| column.kind == ColumnKind::Number;
     let first = of.shown().split_whitespace().next().filter(|_| asked.is_none());
@@ -183,7 +183,7 @@ pub(super) fn drawn<'c>(of: Of, asked: Option<&[String]>, columns: &'c [Column])
 }
 
 impl Column {
-    /// What stands in an answer, if anything does.
+    /// The value in an answer, if there is one.
     pub(super) fn value<'v>(&self, answer: &'v Value) -> Option<&'v Value> {
         at(answer, &self.place)
     }
@@ -193,7 +193,7 @@ impl Column {
         self.value(answer)?.as_f64()
     }
 
-    /// The cell of a design with this answer; what is of another kind than the column is none.
+    /// The cell of a design with this answer; empty if the value has another kind than the column.
     pub(super) fn cell(&self, answer: &Value) -> ResultCell<'static> {
         match (self.kind, self.value(answer)) {
             (ColumnKind::Number, Some(value)) => value.as_f64().map_or(ResultCell::Nothing, ResultCell::Number),

@@ -1,5 +1,5 @@
-//! A file of rows: as they come, or as a Parquet file, a workbook, a Q-DAS file, a table for people or an array of JSON.
-//! Begun before anything is computed, and put in its place when the run is complete.
+//! A file of rows: row by row, or as a Parquet file, a workbook, a Q-DAS file, a table for people or an array of JSON. It is begun
+//! before anything is computed, and put in its place when the run is complete.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::batch::{ColumnKind, Packing, ParquetRows, RowFormat, RowSink, Sink};
 use crate::judge::Limits;
 use crate::report::{Format, Screen};
 
-/// Rows that are not written to their file as they come.
+/// Rows that are not written row by row.
 enum Kept {
     /// Of a Parquet file, which has an end of its own.
     Parquet(Box<ParquetRows>),
@@ -29,8 +29,8 @@ pub(super) struct RowsFile {
 }
 
 impl RowsFile {
-    /// Begins the file of that name, or standard output, in a run that reads `inputs`. `named` is what a Q-DAS file calls the
-    /// rows, and their limits; of a table for people it is said whether lengths stay as they are written.
+    /// Begins the file of that name, or standard output, in a run that reads `inputs`. `named` has the name of the rows in a Q-DAS
+    /// file and their limits.
     pub(super) fn begin(
         path: Option<&Path>,
         inputs: &[PathBuf],
@@ -52,7 +52,7 @@ impl RowsFile {
         Ok(Self { file, kept: formed.map(|rows| Kept::Formed(Box::new(rows))), packing })
     }
 
-    /// What the rows are written to, now that it is known which columns they have.
+    /// The sink of the rows, once their columns are known.
     pub(super) fn sink(
         &mut self,
         format: RowFormat,
@@ -76,8 +76,7 @@ impl RowsFile {
         }
     }
 
-    /// Ends the file; whether that was not interrupted. Of a run that is not complete, what there is is kept beside, and that
-    /// is said.
+    /// Completes the file; returns whether it is complete. An incomplete run keeps the rows so far in NAME.partial and says so.
     pub(super) fn finish(
         self,
         is_complete: bool,

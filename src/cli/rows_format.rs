@@ -1,5 +1,5 @@
-//! What rows, or the summary of a batch, are written as: by the option, or by the name of the output. Shared by the
-//! subcommands that write a table.
+//! The format of rows, or of the summary of a batch: by the option, or by the name of the output. Shared by the subcommands that
+//! write a table.
 
 use std::path::PathBuf;
 
@@ -33,7 +33,7 @@ pub(super) enum RowsFormat {
 }
 
 impl RowsFormat {
-    /// The format that the ending of a name tells.
+    /// The format of a name's ending.
     fn of_ending(ending: &str) -> Option<Self> {
         Some(match ending {
             "csv" => Self::Csv,
@@ -48,12 +48,12 @@ impl RowsFormat {
         })
     }
 
-    /// Whether people read it: a table has the columns that say most.
+    /// Whether the format is for people: such a table has the most important columns.
     pub(super) const fn is_for_people(self) -> bool {
         matches!(self, Self::Table | Self::Markdown)
     }
 
-    /// What it is called on the command line.
+    /// Its name on the command line.
     fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
@@ -71,8 +71,8 @@ pub(super) struct RowsArgs {
 }
 
 impl RowsArgs {
-    /// What is written, and by that the format of the rows that the run makes, and of a summary; `summary` says whether that
-    /// is written in place of rows.
+    /// The format of the output and with it that of the run's rows, and of a summary; `summary` says whether a summary is written in
+    /// place of rows.
     pub(super) fn formats(&self, summary: bool, screen: Screen) -> Result<(RowsFormat, RowFormat, Format), Failure> {
         let (format, safe_csv) = (self.format(summary, screen)?, screen.safe_csv);
         let rows = match format {
@@ -124,7 +124,7 @@ impl RowsArgs {
         let ending = match Packing::of_name(name) {
             _ if summary => target::known_ending(path, path, &["txt", "json", "csv", "md"]),
             (Packing::None, _) => target::known_ending(path, path, &ROWS),
-            // text alone is packed
+            // only text is packed
             (_, unpacked) => target::known_ending(path, unpacked, &ROWS[..4]),
         };
         ending.map_err(|diagnostic| {

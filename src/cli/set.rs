@@ -1,4 +1,4 @@
-//! `--set KEY=VALUE`, and the spec that is read with it: what every subcommand that takes a spec has in common.
+//! `--set KEY=VALUE`, and the spec that is read with it, for every subcommand that takes a spec.
 
 use std::ffi::OsString;
 use std::io::Read as _;
@@ -68,7 +68,7 @@ impl SetArgs {
     }
 }
 
-/// What is wrong with the arguments, with how to set the key that a stranger option names: `--preload 2000` is
+/// The error in the arguments, with how to set the key that an unknown option names: `--preload 2000` is
 /// `--set simulation.preload=2000`.
 pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else { return error };
@@ -87,7 +87,7 @@ pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> c
     let value = value.unwrap_or("…");
     let mut paths: Vec<_> = spec::keys().into_iter().map(|key| key.path).collect();
     paths.retain(|path| path.rsplit('.').next() == Some(key.as_str()));
-    // an error is most likely meant, but of a simulation what it has of its own
+    // an error is most likely meant, for a simulation one of its own keys
     let sections: &[&str] = if called.name == "simulate" { &["simulation", "errors"] } else { &["errors"] };
     let own = sections.iter().map(|section| format!("{section}.{key}")).find(|own| paths.contains(own));
     if let Some(own) = own {
@@ -95,14 +95,14 @@ pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> c
     }
     let tips: Vec<_> = paths.iter().map(|path| StyledStr::from(format!("write --set {path}={value}"))).collect();
     if error.kind() == ErrorKind::UnknownArgument && !tips.is_empty() {
-        // an option that only looks alike is no better
+        // a merely similar option is no better
         error.remove(ContextKind::SuggestedArg);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
     }
     error
 }
 
-/// What a setting may begin with.
+/// The beginnings of a setting that shells complete.
 pub(super) fn keys() -> Vec<PossibleValue> {
     spec::keys().into_iter().map(|key| PossibleValue::new(key.path).help(key.doc)).collect()
 }

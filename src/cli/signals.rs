@@ -1,6 +1,6 @@
-//! Signals that end a run early: Ctrl-C, SIGTERM, and SIGHUP of a terminal that is closed. A run that looks whether one
-//! has come ends itself and says what it has; one that looks at nothing, or is too slow, is ended from here. Either way the
-//! files that it has begun are kept as partial ones, and the program is over within a second, wherever its time goes.
+//! Signals that end a run early: Ctrl-C, SIGTERM, and SIGHUP of a terminal that is closed. A run that checks for a signal ends itself
+//! with the results so far; a run that does not check, or is too slow, is ended from here. Either way the files that it has begun
+//! are kept as partial ones, and the program ends within a second.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,24 +20,24 @@ const SIGNALS: [(i32, u8); 3] = [(SIGINT, 130), (SIGTERM, 143), (signal_hook::co
 #[cfg(not(unix))]
 const SIGNALS: [(i32, u8); 2] = [(SIGINT, 130), (SIGTERM, 143)];
 
-/// How often it is looked whether a signal has come.
+/// How often signals are checked.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-/// What is said where a signal ends a run that has no result yet.
+/// The message where a signal ends a run without a result.
 pub(super) const NOTHING_YET: &str = "interrupted before there was a result: nothing was judged";
 
-/// What reports say that take the place of older ones.
+/// The text of reports that replace older ones.
 const WHY: &str = "the run was interrupted: not all parts were checked";
 
-/// What a run looks at from time to time; set by the first signal.
+/// The flag that a run checks from time to time; set by the first signal.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-/// The last signal; 0 if none has come.
+/// The last signal; 0 without one.
 static LAST: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
-/// A signal that was not seen so far; 0 if there is none.
+/// A signal that was not handled yet; 0 without one.
 static UNSEEN: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
-/// Whether the command line runs: what a program does before and after is for its own signals.
+/// Whether the command line runs: before and after, signals belong to the program around it.
 static RUNS: AtomicBool = AtomicBool::new(false);
-/// Whether the run looks at `STOP`.
+/// Whether the run checks `STOP`.
 static LOOKS: AtomicBool = AtomicBool::new(false);
 
 /// Whether a signal has come, and which of them.
@@ -50,12 +50,12 @@ pub(super) struct Interruption {
 /// Takes over the signals as long as the value is there.
 pub(super) fn watch() -> Watched {
     static BEGIN: Once = Once::new();
-    // of an earlier run
+    // signals of an earlier run
     STOP.store(false, Ordering::Relaxed);
     LAST.store(0, Ordering::Relaxed);
     UNSEEN.store(0, Ordering::Relaxed);
     BEGIN.call_once(|| {
-        // without a handler a signal ends the program at once, which is no reason not to run
+        // without a handler a signal ends the program at once, which is acceptable
         for (number, _) in SIGNALS.into_iter().filter(|(number, _)| !is_ignored(*number)) {
             let itself = usize::try_from(number).unwrap_or_default();
             let _ = flag::register_usize(number, Arc::clone(&LAST), itself);
@@ -81,8 +81,8 @@ impl Drop for Watched {
     }
 }
 
-/// Whether the program was started with this signal ignored, as `nohup` does with SIGHUP; asked of that alone, for shells
-/// ignore SIGINT in background jobs that are meant to be ended by it.
+/// Whether the program was started with this signal ignored, as by `nohup`. Only SIGHUP is checked, because shells ignore SIGINT in
+/// background jobs that it should end.
 fn is_ignored(signal: i32) -> bool {
     #[cfg(target_os = "linux")]
     if signal == signal_hook::consts::SIGHUP {
@@ -97,7 +97,7 @@ fn is_ignored(signal: i32) -> bool {
 
 /// Waits for a signal, and ends the program if the run does not end itself in time, or at the next signal.
 fn end_in_time() {
-    /// For a run that looks whether a signal has come.
+    /// The time for a run that checks for signals.
     const GRACE: Duration = Duration::from_millis(800);
     let is_new = || UNSEEN.swap(0, Ordering::Relaxed) != 0 && RUNS.load(Ordering::Relaxed);
     while !is_new() {
@@ -115,12 +115,12 @@ fn end_in_time() {
     leave();
 }
 
-/// Ends the program at once: what waits in the buffer of standard output may wait for a reader for ever.
+/// Ends the program at once: the buffer of standard output might wait for its reader forever.
 fn leave() -> ! {
     low_level::exit(last().map_or(1, |status| status.code().into()))
 }
 
-/// Says something that nobody may read.
+/// Writes a message that nobody may read.
 fn say(said: Vec<String>) {
     const SAYING: Duration = Duration::from_millis(100);
     let (saying, is_said) = channel();
@@ -138,21 +138,21 @@ fn say(said: Vec<String>) {
     let _ = is_said.recv_timeout(SAYING);
 }
 
-/// How a command ends that a signal has stopped; `None` if none has come.
+/// The outcome of a command that a signal has stopped; `None` without one.
 fn last() -> Option<Status> {
     let came = LAST.load(Ordering::Relaxed);
     let code = SIGNALS.iter().find(|(signal, _)| usize::try_from(*signal) == Ok(came)).map(|(_, code)| *code);
     code.map(Status::Interrupted)
 }
 
-/// The signals of a run that does not look whether one has come: it is ended wherever it is, and sees none.
+/// The signals of a run that does not check for them: it is ended wherever it is.
 pub(super) fn signals(output: &Output) -> Interruption {
     let stop = output.stop();
     Interruption { is_own: stop.is_none(), stop: stop.cloned().unwrap_or_default() }
 }
 
-/// The signals of a run that from here on looks whether one has come, and ends itself. A program that holds the answer has
-/// signals of its own, and says when to stop.
+/// The signals of a run that checks for them from here on, and ends itself. A program that holds the answer has its own signals, and
+/// says when to stop.
 pub(super) fn interrupted(output: &Output) -> Interruption {
     let outer = signals(output);
     if !outer.is_own {
@@ -163,7 +163,7 @@ pub(super) fn interrupted(output: &Output) -> Interruption {
 }
 
 impl Interruption {
-    /// What a run looks at from time to time; set by the first signal.
+    /// The flag that a run checks from time to time; set by the first signal.
     pub(super) fn stop(&self) -> &Arc<AtomicBool> {
         &self.stop
     }
@@ -173,13 +173,13 @@ impl Interruption {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// How a command ends that a signal has stopped; `None` if none has come.
+    /// The outcome of a command that a signal has stopped; `None` without one.
     pub(super) fn status(&self) -> Option<Status> {
         if self.is_own { last() } else { None }
     }
 
-    /// Runs what only waits for input and looks at it, be it for ever: where a signal comes before it is through, the
-    /// program does `first` and is over.
+    /// Runs a function that only waits for input and reads it: if a signal comes before it is finished, the program does `first` and
+    /// ends.
     pub(super) fn while_waiting<T>(&self, look: impl FnOnce() -> T, first: impl FnOnce() + Send) -> T {
         let (looking, looked) = channel::<()>();
         std::thread::scope(|scope| {

@@ -103,7 +103,7 @@ impl Args {
         Ok(match outcome.end {
             RunEnd::Completed => Status::of(report.evaluation.verdict, &report.evaluation.limits),
             RunEnd::Interrupted => {
-                // tables say so themselves
+                // tables report it themselves
                 if matches!(self.format, Format::Csv | Format::Json) {
                     let reached = outcome.samples.last().map_or(parameters.start_mm, |sample| sample.stroke_mm);
                     let message =
@@ -122,7 +122,7 @@ impl Args {
 
 const RIGID: &str = "limits are held against rigid teeth, as `mesh` does; the elastic part goes with the stiffness";
 
-/// ΔCD over the stroke, the exact mesh beside it; of a rack that comes back the loop of the torque.
+/// ΔCD over the stroke with the exact mesh; for a rack that comes back the loop of the torque.
 fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {
     let (there, back) = report.outcome.samples.split_at(report.outcome.there);
     if !back.is_empty() {

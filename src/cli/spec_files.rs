@@ -18,7 +18,7 @@ impl From<MeshError> for Failure {
     }
 }
 
-/// Where a table is that a spec names, relative to the spec's own folder.
+/// The path of a table that a spec names, relative to the spec's own folder.
 fn table_path(spec_path: &Path, name: &str) -> PathBuf {
     spec_path.parent().unwrap_or(Path::new("")).join(name)
 }
@@ -44,7 +44,7 @@ pub(super) fn refuse_shared_input(spec_path: &Path, tables: &[PathBuf]) -> Resul
     Ok(())
 }
 
-/// Reads the tables that a spec names, and says how.
+/// Reads the tables that a spec names, with how they were read.
 pub(super) fn measured_tables(spec: &Spec, spec_path: &Path, output: &mut Output) -> Result<MeasuredTables, Failure> {
     let read = |file: &Located<String>| -> Result<TeethTable, Failure> {
         let path = table_path(spec_path, &file.value);

@@ -17,7 +17,7 @@ pub(super) fn open(path: &Path, stop: &Arc<AtomicBool>) -> Result<Box<dyn Read +
     Ok(if is_dash(path) { Box::new(Stdin::new(Arc::clone(stop))) } else { Box::new(file(path)?) })
 }
 
-/// A file that is no folder.
+/// A file that is not a folder.
 pub(super) fn file(path: &Path) -> Result<File, Failure> {
     let file = File::open(path).map_err(|error| Diagnostic::unreadable(&shown(path), &error))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
@@ -26,12 +26,12 @@ pub(super) fn file(path: &Path) -> Result<File, Failure> {
     Ok(file)
 }
 
-/// What messages call it.
+/// Its name in messages.
 pub(super) fn name(path: &Path) -> String {
     if is_dash(path) { "<stdin>".to_owned() } else { shown(path) }
 }
 
-/// Standard input, read by a thread of its own: a slow pipe does not keep the program from ending.
+/// Standard input, read by its own thread: a slow pipe does not keep the program from ending.
 pub(super) struct Stdin {
     blocks: Receiver<io::Result<Vec<u8>>>,
     block: Cursor<Vec<u8>>,
@@ -66,7 +66,7 @@ impl Stdin {
         Self { blocks, block: Cursor::default(), stop }
     }
 
-    /// Whether something comes within this time; reading gives it.
+    /// Whether bytes arrive within this time.
     pub(super) fn comes_within(&mut self, time: Duration) -> bool {
         let Ok(Ok(block)) = self.blocks.recv_timeout(time) else { return false };
         self.block = Cursor::new(block);
@@ -91,8 +91,8 @@ impl Read for Stdin {
     }
 }
 
-/// Standard output; what is written comes in large pieces. A reader that has seen enough ends no run: the verdict and the
-/// other files do not depend on it.
+/// Standard output, written in large pieces. A closed pipe does not end a run: the verdict and the other files do not depend on
+/// it.
 pub(super) struct Stdout;
 
 impl Write for Stdout {
@@ -105,7 +105,7 @@ impl Write for Stdout {
     }
 }
 
-/// What came of writing, or `done` where nobody reads any more.
+/// The result of writing, or `done` if the pipe is closed.
 fn unless_closed<T>(written: io::Result<T>, done: T) -> io::Result<T> {
     match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(done),

@@ -1,5 +1,5 @@
-//! Tables for `batch`, `paste`, `report` and `read`: options that say how a file is to be read, and files as tables. What
-//! is not understood in any of the files ends the run before the first result.
+//! Tables for `batch`, `paste`, `report` and `read`: options for reading a file, and files as tables. A cell without an owner in any
+//! of the files ends the run before the first result.
 
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -22,7 +22,7 @@ use crate::table::{
 
 /// How files are to be read.
 #[derive(Debug, Clone, Default, clap::Args)]
-// stands last in the arguments of a subcommand: what follows would stand under its heading, too
+// stands last in the arguments of a subcommand: later ones would stand under its heading, too
 #[command(next_help_heading = "Reading tables, where it is not to be found from the table")]
 pub(super) struct ReadArgs {
     /// What stands before decimals.
@@ -63,18 +63,18 @@ pub(super) struct ReadArgs {
     range: Option<CellRange>,
 }
 
-/// A person's word that a column has a role.
+/// A person's confirmation that a column has a role.
 #[derive(Debug, Clone)]
 pub(super) struct Accepted {
     pub(super) key: String,
     pub(super) column: String,
 }
 
-/// A table, and the spec with what its file says where the spec is silent.
+/// A table, and the spec completed by its file.
 pub(super) struct Opened {
     pub(super) table: Table,
     pub(super) spec: Arc<Spec>,
-    /// What was taken from the file.
+    /// Remarks on values taken from the file.
     pub(super) notes: Vec<String>,
 }
 
@@ -93,24 +93,24 @@ pub(super) struct Opener<'a> {
     /// The formulas of the measures in Q-DAS files.
     pub(super) model: Model,
     pub(super) stop: &'a Arc<AtomicBool>,
-    /// What standard input holds, where it was read before.
+    /// The content of standard input, if it was read before.
     pub(super) stdin: Option<Arc<[u8]>>,
     /// Whether rows are teeth or spaces, where it is known.
     pub(super) teeth: Option<bool>,
 }
 
-/// The files of a run, all of them looked at.
+/// The files of a run, all of them opened once.
 pub(super) struct Files<'a> {
     opener: Opener<'a>,
-    /// Those that can be read.
+    /// The files that can be read.
     pub(super) paths: Vec<PathBuf>,
     /// The first table, and with one file the only one; `None` once it is evaluated.
     pub(super) first: Option<Opened>,
-    /// A later one from standard input, which cannot be opened again.
+    /// A later table from standard input, which cannot be opened again.
     from_stdin: Option<Opened>,
     /// The parts of the tables behind each, where the last row of a part is judged.
     later: Vec<Arc<HashSet<String>>>,
-    /// What is wrong with files that cannot be read; the others are evaluated all the same.
+    /// Faults of files that cannot be read; the others are evaluated nevertheless.
     pub(super) failed: Vec<Diagnostic>,
 }
 
@@ -128,7 +128,7 @@ impl ReadArgs {
         self.layout.as_ref()
     }
 
-    /// A contract with what the user says of the file.
+    /// A contract with the user's options.
     fn added_to(&self, layout: &Layout) -> Layout {
         let ignored = self.ignore.iter().map(|pattern| Pattern::of_heading(pattern));
         let lines = self.ignore_lines.iter().map(|line| LineRule { pattern: Pattern::of_line(line), at_most: 0 });
@@ -153,13 +153,13 @@ impl ReadArgs {
 }
 
 impl<'a> Opener<'a> {
-    /// Of tables that are evaluated.
+    /// Options for tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
         let spec = Arc::clone(spec);
         Self { how, spec, model, stop, stdin: None, teeth: None }
     }
 
-    /// What the spec and the user say of a table.
+    /// The layout of a table by the spec and the user.
     fn want(&self, spec: &Spec) -> Want {
         let layout = Arc::new(self.how.added_to(&spec.table.layout));
         Want { teeth: self.teeth, layout, ..spec.want() }
@@ -170,7 +170,7 @@ impl<'a> Opener<'a> {
         self.table(self.container(path)?, &stream::name(path))
     }
 
-    /// A file that is recognised.
+    /// A file whose format is recognised.
     fn container(&self, path: &Path) -> Result<Container, Failure> {
         Ok(match qdas_pair(path) {
             Some((definitions, values)) => {
@@ -181,7 +181,7 @@ impl<'a> Opener<'a> {
         })
     }
 
-    /// What would close the table of a file, by the rules of a spec.
+    /// The rules that would close the table of a file, beside those of a spec.
     fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
         let opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
         let container = opener.container(path)?;
@@ -189,8 +189,8 @@ impl<'a> Opener<'a> {
         Ok(container.proposal(&stream::name(path), &opener.want(&spec))?)
     }
 
-    /// What would close the table of a file. The file is looked at again by what is proposed, until that adds nothing: all of it in
-    /// one go. `accepted` is what a person says of columns.
+    /// The rules that would close the table of a file. The file is read again by each proposal until the proposal adds nothing.
+    /// `accepted` are a person's confirmations of columns.
     pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
         const ROUNDS: usize = 4;
         const MOST_RULES: usize = 1000;
@@ -201,7 +201,7 @@ impl<'a> Opener<'a> {
         let mut before = String::new();
         for _ in 0..ROUNDS {
             let block = proposal.block(Guesses::Filled);
-            // nobody writes so many rules: the table is another
+            // so many rules mean that it is another table
             if proposal.is_closed() || block == before || proposal.count() > MOST_RULES {
                 break;
             }
@@ -226,8 +226,8 @@ impl<'a> Opener<'a> {
         Ok(self.proposed(path, &Spec { table, ..(*self.spec).clone() })?.is_closed())
     }
 
-    /// The refusals of files that are not closed, all that they lack in one go; the `[table]` that closes all of them stands in the
-    /// last.
+    /// The refusals of files that are not closed, with all that they lack at once; the last one has the `[table]` that closes all of
+    /// them.
     fn refusals(&self, open: Vec<(PathBuf, Vec<Diagnostic>)>) -> Vec<Diagnostic> {
         let (mut proposals, mut refused) = (Vec::new(), Vec::new());
         for (path, problems) in open {
@@ -266,7 +266,7 @@ impl<'a> Opener<'a> {
         Ok(Opened { table, spec, notes })
     }
 
-    /// The spec with what a file says where that is silent.
+    /// The spec, completed by a file.
     fn completed(&self, container: &Container) -> Result<(Arc<Spec>, Vec<String>), Failure> {
         Ok(match container.qdas() {
             Some(qdas) => {
@@ -296,7 +296,7 @@ impl<'a> Opener<'a> {
                 }
                 Err(failure) => {
                     let problems = diagnostics(failure);
-                    // what came through a pipe is gone
+                    // a pipe cannot be read again
                     let is_open = !is_dash(path);
                     if is_open && problems.iter().any(|problem| problem.code == Code::NotUnderstood) {
                         open.push((path.clone(), problems));
@@ -334,7 +334,7 @@ impl<'a> Opener<'a> {
 }
 
 impl Files<'_> {
-    /// The next table: some were opened to look at them.
+    /// The next table: some are open already.
     pub(super) fn next(&mut self, path: &Path) -> Result<Opened, Failure> {
         if let Some(later) = self.later.pop() {
             let spec = Spec::clone(&self.opener.spec);
@@ -347,7 +347,7 @@ impl Files<'_> {
     }
 }
 
-/// A table after the first one: what their files say where the spec is silent is the same.
+/// A table after the first one: its file must complete the spec in the same way.
 fn alike(opened: Opened, first: Option<&Opened>) -> Result<Opened, Failure> {
     if let Some(first) = first {
         opened.spec.refuse_other(&opened.table.name, (&first.table.name, &first.spec))?;
@@ -378,7 +378,7 @@ pub(super) fn files_read(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// Says how tables were read, and what is worth a look.
+/// Prints how tables were read, with warnings.
 pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let told = say_readings(readings, output);
     let mut remarks = report::remarks(&told, notes);
@@ -390,12 +390,12 @@ pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     }
 }
 
-/// Says how tables were read, a line for each. Returns those that were told about.
+/// Prints how tables were read, a line for each; returns the tables with a line.
 pub(super) fn say_readings(readings: &[Reading], output: &mut Output) -> Vec<Reading> {
     let mut said: Vec<String> = Vec::new();
     let mut told = Vec::new();
     for reading in readings {
-        // lots of files that look alike are told about once
+        // files that are read alike have one line
         let shape = Reading { file: String::new(), ..reading.clone() }.to_string();
         if !said.contains(&shape) {
             output.remark(&reading.to_string());

@@ -1,5 +1,5 @@
-//! Teeth that a spec knows one by one: their mesh is solved before anything is judged. Shared by the subcommands that
-//! judge errors.
+//! Teeth that a spec gives one by one: their mesh is solved before anything is judged. Shared by the subcommands that judge
+//! errors.
 
 use std::path::Path;
 
@@ -16,25 +16,25 @@ use crate::judge::{Interval, Limit, LimitTarget, PlacedError};
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
-/// The spec, with what its teeth do if it knows them one by one; `path` is where it was read.
+/// The spec, with the effect of teeth that it gives one by one; `path` is where it was read.
 pub(super) fn with_known_teeth(spec: Spec, path: &Path, output: &mut Output) -> Result<Spec, Failure> {
     if !spec.has_deviations() {
         return Ok(spec);
     }
     let tables = measured_tables(&spec, path, output)?;
-    // that a part is not given both ways is known from here on
+    // from here on no part is given in both ways
     let input = spec.mesh(&tables)?;
     let strokes = input.judged_strokes().map_err(Diagnostics::from)?;
     Ok(spec.with_known_teeth(&tables, &input.mesh, &strokes)?)
 }
 
-/// The mesh of a spec: with its errors on all teeth, if they are, or put on some.
+/// The mesh of a spec: with its errors on all teeth if they are, else on some teeth.
 pub(super) fn mesh_of(spec: &Spec, tables: &MeasuredTables) -> Result<MeshInput, Diagnostics> {
     spec.mesh_of_all_teeth(tables)?.map_or_else(|| spec.mesh(tables), Ok)
 }
 
-/// The spec with what its teeth do, and its mesh with the errors of `[errors]` on the teeth where they are judged: on all, or
-/// on the worst that a search finds.
+/// The spec with the effect of its teeth, and its mesh with the errors of `[errors]` on the teeth where they are judged: on all, or
+/// on the worst teeth that a search finds.
 pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Spec, MeshInput), Failure> {
     let spec = with_known_teeth(spec, path, output)?;
     let mut input = mesh_of(&spec, &measured_tables(&spec, path, output)?)?;
@@ -44,7 +44,7 @@ pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Sp
     Ok((spec, input))
 }
 
-/// The errors of a spec whose known teeth are solved, held against its limits.
+/// The errors of a spec whose known teeth are solved, judged by its limits.
 pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<Evaluation, Failure> {
     let (mut evaluation, _) = judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?)?;
     judge.leave_open_without_uncertainty(spec, &mut evaluation);
@@ -58,8 +58,8 @@ pub(super) struct WorstTeeth {
 }
 
 impl WorstTeeth {
-    /// Of these errors, if the whole pair is known; none beside known teeth, with a rack that may roll, or of errors that are on
-    /// all teeth.
+    /// The worst placements of these errors, if the whole pair is known; none beside known teeth, with a rack that may roll, or for
+    /// errors on all teeth.
     pub(super) fn of(errors: Vec<PartDeviation>, basis: &Basis) -> Result<Option<Self>, Failure> {
         let GivenGeometry::Known(pairs) = &basis.geometry else { return Ok(None) };
         if basis.known_teeth.is_some() || errors.is_empty() {
@@ -87,14 +87,14 @@ impl WorstTeeth {
         Ok([of(&self.reached.lower)?, of(&self.reached.upper)?])
     }
 
-    /// How far ΔCD comes.
+    /// The range of ΔCD.
     pub(super) fn interval(&self) -> Result<Interval, Failure> {
         let Reached { lower_mm, upper_mm, .. } = self.reached;
         let interval = Interval::nearest(Range { lower: lower_mm, upper: upper_mm });
         Ok(interval.map_err(Diagnostic::with_code(Code::NoResult))?)
     }
 
-    /// Puts the errors of a mesh on these teeth: those of the end that is nearer to the limit, or of the upper one.
+    /// Puts the errors of a mesh on these teeth: those of the end nearer to the limit, or of the upper end.
     pub(super) fn place(&self, input: &mut MeshInput, limit: Option<&Limit>) -> Result<(), Failure> {
         let reached = &self.reached;
         let below = limit.and_then(|limit| limit.lower).map_or(f64::INFINITY, |lower| reached.lower_mm - lower.mm());

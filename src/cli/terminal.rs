@@ -1,5 +1,5 @@
-//! A block of values that a person pastes. On a terminal everything up to Ctrl-D belongs to it, blank lines included, or
-//! up to where the terminal says that the paste ends: what a paste leaves unread, the shell would run as commands.
+//! A block of values that a person pastes. On a terminal it extends to Ctrl-D, blank lines included, or to the terminal's mark for the
+//! end of the paste: the shell would run unread lines as commands.
 
 use std::io::{self, IsTerminal as _, Read, Write as _};
 use std::sync::Arc;
@@ -12,18 +12,18 @@ use super::stream::Stdin;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::grouped;
 
-/// What a terminal puts before and behind a paste once it is asked to.
+/// The marks of a terminal before and behind a paste.
 const PASTE_BEGINS: &[u8] = b"\x1b[200~";
 const PASTE_ENDS: &[u8] = b"\x1b[201~";
 
 /// A line of so many bytes may be the rest of a longer one: terminals cut lines.
 const CUT: usize = if cfg!(target_os = "macos") { 1023 } else { 4095 };
 
-/// What ends a block that is typed.
+/// The end of a typed block.
 const END: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
 
-/// Reads the block from standard input, of at most `largest` bytes, and leaves there what comes behind it. Where a signal comes
-/// first, it is what there was until then; callers ask whether one came before they look at it.
+/// Reads the block from standard input, up to `largest` bytes, and leaves the rest there. If a signal comes first, it returns the
+/// bytes so far; callers check for a signal before they use them.
 pub(super) fn read_block(output: &mut Output, largest: u64, rest: &mut Option<Stdin>) -> Result<Vec<u8>, Failure> {
     let interruption = signals::signals(output);
     let stdin = rest.insert(Stdin::new(Arc::clone(interruption.stop())));
@@ -34,7 +34,7 @@ pub(super) fn read_block(output: &mut Output, largest: u64, rest: &mut Option<St
         return if bytes.len() as u64 > largest { Err(too_large(largest)) } else { Ok(bytes) };
     }
     line::no_waiting();
-    // the terminal is asked to mark pastes, and has to be told when that is over
+    // the terminal is asked to mark pastes, which has to be switched off again
     let interruption = signals::interrupted(output);
     output.remark(&format!("Paste the values, then press {END} (on a line of its own):"));
     let marked = MarkedPaste::ask_for();
@@ -55,12 +55,12 @@ pub(super) fn discard_block(output: &mut Output) {
     let mut stdin = Stdin::new(Arc::clone(interruption.stop()));
     if stdin.comes_within(AHEAD) {
         output.remark(&format!("(what is typed up to {END} is not used)"));
-        // that it cannot be read to its end is no more than the failure that was told
+        // an error here adds nothing to the failure that was reported
         let _ = Typed::read(stdin, 0, || once_more(output));
     }
 }
 
-/// Asks a question on a terminal; `None` if there is no more to read. `rest` is what stands behind a block that was read.
+/// Asks a question on a terminal; `None` if there is no more to read. `rest` is the text after a block.
 pub(super) fn ask(
     question: &str,
     answers: &[&str],
@@ -119,7 +119,7 @@ impl MarkedPaste {
     }
 
     fn say(what: &[u8]) {
-        // a terminal that is not asked marks nothing, which is no fault
+        // without the request a terminal marks nothing, which is acceptable
         let _ = io::stderr().lock().write_all(what);
     }
 }
@@ -130,18 +130,18 @@ impl Drop for MarkedPaste {
     }
 }
 
-/// What came from a terminal.
+/// The input from a terminal.
 #[derive(Debug, Default)]
 struct Typed {
-    /// The first bytes, no more than are wanted.
+    /// The first bytes, up to the limit.
     bytes: Vec<u8>,
-    /// How many there were.
+    /// The number of all bytes.
     count: u64,
 }
 
 impl Typed {
-    /// Reads to the end, also what is too much. A terminal hands over a line at a time; `unfinished` is called when it
-    /// hands over less, once: Ctrl-D was pressed behind a line that has no end, and ends nothing there.
+    /// Reads to the end, also beyond the limit. A terminal hands over a line at a time; `unfinished` is called once when it hands over
+    /// less: Ctrl-D was pressed in an unfinished line, where it ends nothing.
     fn read(mut terminal: impl Read, largest: u64, mut unfinished: impl FnMut()) -> io::Result<Self> {
         let mut typed = Self::default();
         let mut said = false;

@@ -1,4 +1,4 @@
-//! `mesh --measured`: a measured curve is read as every table is, and laid on the computed one.
+//! `mesh --measured`: a measured curve is read like every table, and laid on the computed one.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -54,7 +54,7 @@ impl TraceArgs {
         Ok(Some(trace))
     }
 
-    /// The strokes: those that the options say, or the measured ones, or those of a spec.
+    /// The strokes of the options, else the measured ones, else those of the spec.
     pub(super) fn ends(stroke: &Stroke, spec: &Spec, trace: Option<&Trace>) -> Result<(f64, f64), Failure> {
         let points = trace.and_then(|trace| Some((trace.points.first()?.stroke_mm, trace.points.last()?.stroke_mm)));
         points.map_or_else(|| stroke.ends(spec), |points| stroke.ends_or(points))

@@ -1,5 +1,5 @@
-//! A contract that is written into a spec: nothing else of the text changes, and what stands there already is not written again.
-//! A `[batch]` becomes the `[table]` that takes its place.
+//! Writes a contract into a spec: the rest of the text does not change, and existing entries are not written again. `[batch]` becomes
+//! `[table]`.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use crate::diagnostic::{Code, Diagnostic};
 
-/// The day, and the version that writes.
+/// The date and the version that writes.
 pub(super) fn stamp() -> String {
     let today = chrono::Utc::now().date_naive();
     format!("# rackmesh {}, {today}", env!("CARGO_PKG_VERSION"))
@@ -16,7 +16,7 @@ pub(super) fn stamp() -> String {
 /// The text of a spec with the lines of a contract; the same text if it has them all.
 ///
 /// # Errors
-/// If the text is no TOML, or its `table` is none.
+/// If the text is not TOML, or its `table` is not a table.
 pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result<String, Diagnostic> {
     let plain = spec.replace("\r\n", "\n");
     let cannot = |what: &str| {
@@ -61,7 +61,7 @@ pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result
     Ok(with_line_ends(&text, spec))
 }
 
-/// Puts what an item holds and is not there; whether something was not.
+/// Adds the missing entries of an item; returns whether there were any.
 fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
     let Some(there) = table.get_mut(key) else {
         let mut item = item.clone();
@@ -90,7 +90,7 @@ fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
     is_changed
 }
 
-/// Adds the entries of a list that are not there, laid out as its last one is.
+/// Adds the missing entries of a list, laid out like its last one.
 fn extend(there: &mut Array, new: &Array) -> bool {
     let bare = |value: &Value| value.clone().decorated("", "").to_string();
     let mut is_changed = false;
@@ -108,7 +108,7 @@ fn extend(there: &mut Array, new: &Array) -> bool {
     is_changed
 }
 
-/// A text with the line ends of another: a line that stands there has its own, any other that of most.
+/// A text with the line ends of another one: lines of that text keep their own, new lines get the most frequent.
 fn with_line_ends(text: &str, like: &str) -> String {
     let count = like.matches("\r\n").count();
     if count == 0 {

@@ -152,7 +152,7 @@ pub enum WrittenIn {
 /// An impossible or suspicious value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doubt {
-    /// What it is for what: `much for a deviation`.
+    /// What it is for what: `large for a deviation`.
     what: &'static str,
     /// The value.
     pub value: DeviationValue,
@@ -169,7 +169,7 @@ pub struct Doubt {
 /// The doubt about the value of an error.
 #[must_use]
 pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt> {
-    const LEAD: &str = "much for a lead error";
+    const LEAD: &str = "large for a lead error";
     let usual = Reach::usual(module);
     if !usual.is_reached_by(value) {
         return None;
@@ -178,7 +178,7 @@ pub fn deviation(value: DeviationValue, module: Option<Length>) -> Option<Doubt>
     let doubt = |what, meant| Doubt { is_impossible, ..Doubt::of(what, value, meant) };
     Some(match value {
         DeviationValue::Length(length) => {
-            Doubt { module, ..doubt("much for a deviation", size_or_micrometres(length, usual.length)) }
+            Doubt { module, ..doubt("large for a deviation", size_or_micrometres(length, usual.length)) }
         }
         DeviationValue::Angle(angle) if angle.abs().degrees() < 60.0 * MUCH_LEAD => doubt(LEAD, Meant::Unit("arcmin")),
         DeviationValue::Angle(_) => doubt(LEAD, Meant::Unknown),
@@ -350,10 +350,10 @@ impl fmt::Display for DoubtedColumn {
         let Self { usual, is_lead, count } = self;
         let values = if *count == 1 { "1 value is" } else { &*format!("{count} values are") };
         if *is_lead {
-            write!(f, "{values} much for a lead error, {} or more: check the unit", usual.angle)
+            write!(f, "{values} large for a lead error, {} or more: check the unit", usual.angle)
         } else {
             let length = usual.length;
-            write!(f, "{values} much for a deviation, {length} or more: check the unit, and whether these are sizes")
+            write!(f, "{values} large for a deviation, {length} or more: check the unit, and whether these are sizes")
         }
     }
 }

@@ -35,13 +35,13 @@ impl PermittedValues {
                 }
             }
         }
-        // what lies outside the standard's scope is refused as a whole; what is missing or not known is said
+        // a size outside the standard's scope is refused; missing or unknown values are reported
         let fatal = not_given.iter().find(|(one, _, error)| match error {
             StandardError::OutOfScope { .. } => true,
             StandardError::Grade { .. } => *one == standard,
             _ => false,
         });
-        // without any value: what is wrong, or else what is missing
+        // without any value: report the fault, else what is missing
         let nothing = || {
             let known = |error: &StandardError| !matches!(error, StandardError::Missing { .. });
             let first = not_given.iter().find(|(_, _, error)| known(error)).or(not_given.first());

@@ -252,31 +252,31 @@ mod tests {
         for (text, expected) in [
             (
                 "[errors]\nrack_pitch = 12",
-                "spec.toml:2:14: warning[implausible]: `rack_pitch`: 12 mm is much for a deviation; if that is µm, write \"12 um\"",
+                "spec.toml:2:14: warning[implausible]: `rack_pitch`: 12 mm is large for a deviation; if that is µm, write \"12 um\"",
             ),
             (
                 "[pair]\nnormal_module = 1.83\n[errors]\nrack_pitch = 12",
-                "spec.toml:4:14: error[implausible]: `rack_pitch`: 12 mm is too much for a deviation (the module is 1.83 mm); \
+                "spec.toml:4:14: error[implausible]: `rack_pitch`: 12 mm is too large for a deviation (the module is 1.83 mm); \
                  if that is µm, write \"12 um\"",
             ),
             (
                 "[errors]\nrack_over_roller = 25.013",
-                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 25.013 mm is much for a deviation; \
+                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 25.013 mm is large for a deviation; \
                  if that is a measured size, write { measured = 25.013, nominal = … }",
             ),
             (
                 "[errors]\nrack_over_roller = { measured = 25.013, nominal = 22 }",
-                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 3.013 mm is much for a deviation; \
+                "spec.toml:2:20: warning[implausible]: `rack_over_roller`: 3.013 mm is large for a deviation; \
                  check the unit and the decimal mark",
             ),
             (
                 "[errors]\nrack_lead = 15",
-                "spec.toml:2:13: warning[implausible]: `rack_lead`: 15° is much for a lead error; \
+                "spec.toml:2:13: warning[implausible]: `rack_lead`: 15° is large for a lead error; \
                  if that is arc minutes, write \"15 arcmin\"",
             ),
             (
                 "[errors]\nrack_lead = { f_h_beta = 8, length = 18 }",
-                "spec.toml:2:13: warning[implausible]: `rack_lead`: 23.96° is much for a lead error; \
+                "spec.toml:2:13: warning[implausible]: `rack_lead`: 23.96° is large for a lead error; \
                  check the units of f_Hβ and of its evaluation length: a number alone is mm",
             ),
             (
@@ -296,21 +296,21 @@ mod tests {
             ),
             (
                 "[pair]\nnormal_module = 2\n[rack]\ncrowning = 5",
-                "spec.toml:4:12: error[implausible]: `crowning`: 5 mm is too much for a deviation (the module is 2 mm); \
+                "spec.toml:4:12: error[implausible]: `crowning`: 5 mm is too large for a deviation (the module is 2 mm); \
                  if that is µm, write \"5 um\"",
             ),
             (
                 "[rack]\ntip_relief = { amount = 10, start = 1 }",
-                "spec.toml:2:14: warning[implausible]: `tip_relief`: 10 mm is much for a deviation; if that is µm, write \"10 um\"",
+                "spec.toml:2:14: warning[implausible]: `tip_relief`: 10 mm is large for a deviation; if that is µm, write \"10 um\"",
             ),
             (
                 "[errors]\nrack_pitch = { value = \"3 um\", u = 3.05 }",
-                "spec.toml:2:14: warning[implausible]: `uncertainty of rack_pitch`: 3.05 mm is much for a deviation; \
+                "spec.toml:2:14: warning[implausible]: `uncertainty of rack_pitch`: 3.05 mm is large for a deviation; \
                  if that is µm, write \"3.05 um\"",
             ),
             (
                 "[decision]\nrule = \"guard=5\"",
-                "spec.toml:2:8: warning[implausible]: `rule`: 5 mm is much for a deviation; if that is µm, write \"5 um\"",
+                "spec.toml:2:8: warning[implausible]: `rule`: 5 mm is large for a deviation; if that is µm, write \"5 um\"",
             ),
             (
                 "[pair]\nnormal_module = 1830",
@@ -334,7 +334,7 @@ mod tests {
             ),
             (
                 "[[rack.deviation]]\nteeth = \"3\"\npitch = 12",
-                "spec.toml:3:9: warning[implausible]: `rack.deviation`: 12 mm is much for a deviation; \
+                "spec.toml:3:9: warning[implausible]: `rack.deviation`: 12 mm is large for a deviation; \
                  if that is µm, write \"12 um\"",
             ),
         ] {

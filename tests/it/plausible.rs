@@ -8,7 +8,7 @@ fn notes(ended: &Ended) -> Vec<String> {
     notes.iter().filter_map(|note| note.as_str().map(str::to_owned)).collect()
 }
 
-const PITCH: &str = "`rack_pitch`: 12 mm is much for a deviation; if that is µm, write \"12 um\"";
+const PITCH: &str = "`rack_pitch`: 12 mm is large for a deviation; if that is µm, write \"12 um\"";
 const PAIR: &str = "[pair]\nnormal_module = 1.83\nnormal_pressure_angle = 20\n";
 
 #[test]
@@ -74,8 +74,8 @@ fn mesh_warns_of_a_tooth_and_refuses_a_table_in_the_wrong_unit() {
     let spec = format!("{}[[rack.deviation]]\nteeth = \"4\"\nshift = 0.6\n", &spec[..rack]);
     let ended = run(&["mesh", "-", "--format", "json"], &spec);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stderr.contains("`rack.deviation`: 0.6 mm is much for a deviation"), "{}", ended.stderr);
-    assert!(notes(&ended).iter().any(|note| note.contains("0.6 mm is much for a deviation")), "{}", ended.stdout);
+    assert!(ended.stderr.contains("`rack.deviation`: 0.6 mm is large for a deviation"), "{}", ended.stderr);
+    assert!(notes(&ended).iter().any(|note| note.contains("0.6 mm is large for a deviation")), "{}", ended.stdout);
 
     let folder = Folder::new("plausible-mesh");
     std::fs::write(folder.path("pinion.csv"), "tooth,radial_deviation\n0,0.002\n1,8\n").expect("written");
@@ -84,7 +84,7 @@ fn mesh_warns_of_a_tooth_and_refuses_a_table_in_the_wrong_unit() {
     std::fs::write(folder.path("spec.toml"), with_table).expect("written");
     let ended = run(&["mesh", &folder.path("spec.toml")], "");
     assert_eq!((ended.code, ended.stdout.as_str()), (Some(2), ""), "{}", ended.stderr);
-    assert!(ended.stderr.contains("line 3: radial deviation: 8 mm is too much for a deviation"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("line 3: radial deviation: 8 mm is too large for a deviation"), "{}", ended.stderr);
 }
 
 const TABLE: &str = "part_id,rack_over_roller\nA,0.01\nB,25.013\nC,0.02\n";
@@ -100,7 +100,7 @@ fn tables_count_what_is_suspicious_and_reject_what_is_impossible() {
     std::fs::write(&table, TABLE).expect("written");
     for columns in [limits, column] {
         std::fs::write(&spec, columns).expect("written");
-        let note = "`rack_over_roller`: 1 value is much for a deviation, 1 mm or more";
+        let note = "`rack_over_roller`: 1 value is large for a deviation, 1 mm or more";
         for command in ["batch", "paste"] {
             let ended = run(&[command, &spec, &table], "");
             assert_eq!(ended.code, Some(1), "{command}: {}", ended.stderr);
@@ -126,7 +126,7 @@ fn tables_count_what_is_suspicious_and_reject_what_is_impossible() {
     for command in ["batch", "paste"] {
         let ended = run(&[command, &spec, &table], "");
         assert_eq!(ended.code, Some(0), "{command}: {}", ended.stderr);
-        assert!(!ended.stderr.contains("much for"), "{command}: {}", ended.stderr);
+        assert!(!ended.stderr.contains("large for"), "{command}: {}", ended.stderr);
     }
 }
 
@@ -139,9 +139,9 @@ fn a_column_of_arc_minutes_read_as_degrees() {
     for command in ["batch", "paste"] {
         let ended = run(&[command, &spec, &table], "");
         assert_eq!(ended.code, Some(2), "{command}: {}", ended.stderr);
-        let note = "`rack_lead`: 2 values are much for a lead error, 2° or more: check the unit";
+        let note = "`rack_lead`: 2 values are large for a lead error, 2° or more: check the unit";
         assert!(ended.stderr.contains(note), "{command}: {}", ended.stderr);
-        assert!(ended.stderr.contains("60° is too much for a lead error"), "{command}: {}", ended.stderr);
+        assert!(ended.stderr.contains("60° is too large for a lead error"), "{command}: {}", ended.stderr);
     }
 }
 

@@ -55,7 +55,7 @@ fn what_is_wrong_is_said_where_it_stands() {
         ("eror.rack_pitch=1um", "1:7: error[unknown-key]: there is no section `eror`"),
         ("pair.normal_pressure_angle=60", "1:34: error[out-of-domain]: the normal pressure angle α_n is 60°"),
         ("limits.center_distance=0.05", "1:30: error[bad-limit]: `center_distance` is a number"),
-        ("errors.rack_pitch=12", "1:25: error[implausible]: `rack_pitch`: 12 mm is too much for a deviation"),
+        ("errors.rack_pitch=12", "1:25: error[implausible]: `rack_pitch`: 12 mm is too large for a deviation"),
         ("errors.rack_pitch.u=1um", "1:7: error[usage]: `rack_pitch` has no keys to set: it is text"),
         ("errors.rack_pitch", "1:7: error[usage]: `errors.rack_pitch` has no value"),
         ("pair=2", "1:7: error[wrong-type]: `pair` is a whole number; it must be a section"),

@@ -411,9 +411,9 @@ fn every_measured_value_is_doubted() {
         format!("tooth,position [mm]\n0,{first}\n{others}")
     };
     for (part, table, what) in [
-        ("rack", "space,lead [deg]\n0,5\n1,0\n2,0\n", "much for a lead error"),
-        ("rack", "space,position_deviation [mm]\n0,0.6\n1,0\n2,0\n", "much for a deviation"),
-        ("pinion", &*turn("0.6"), "much for a deviation"),
+        ("rack", "space,lead [deg]\n0,5\n1,0\n2,0\n", "large for a lead error"),
+        ("rack", "space,position_deviation [mm]\n0,0.6\n1,0\n2,0\n", "large for a deviation"),
+        ("pinion", &*turn("0.6"), "large for a deviation"),
     ] {
         let doubted = solved(part, table);
         assert!(format!("{}{}", doubted.stdout, doubted.stderr).contains(what), "{}{}", doubted.stdout, doubted.stderr);

@@ -112,13 +112,13 @@ fn unread(file: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", stream::name(file)))
 }
 
-/// What there is when the last file has been read, whether its rows were parts or teeth.
+/// The results when the last file has been read, whether its rows were parts or teeth.
 struct Ending<'a> {
     spec: &'a Spec,
     targets: Targets,
     /// Why files could not be read.
     failed: &'a [Diagnostic],
-    /// How many of those are said already.
+    /// How many of these were reported already.
     told: usize,
     basis: Basis,
     interruption: &'a Interruption,
@@ -155,7 +155,7 @@ impl Args {
             output.finish(ended);
         };
         let mut found = interruption.while_waiting(|| opener.look(&files), nothing)?;
-        // what is missing is said before the others are computed
+        // report what is missing before computing the others
         let told = found.failed.len();
         found.failed.iter().for_each(|diagnostic| output.diagnostic(diagnostic));
         if self.teeth {
@@ -196,7 +196,7 @@ impl Args {
         self.end(ending, (outcome, written), summary_format, output)
     }
 
-    /// Runs table after table until the run is over; what is wrong with those that are not read to their end.
+    /// Runs table after table until the run is over; returns what is wrong with tables that are not read to their end.
     fn run_each(
         found: &mut Files<'_>,
         bar: &mut Bar,
@@ -220,7 +220,7 @@ impl Args {
         Ok(failed)
     }
 
-    /// Ends the files that are written, and says what came of it all.
+    /// Completes the files, and prints the outcome.
     fn end(
         &self,
         ending: Ending<'_>,
@@ -289,7 +289,7 @@ impl Args {
         })
     }
 
-    /// What parts are judged by as far as the spec says it, before there is a table.
+    /// How parts are judged, as far as the spec says it, before there is a table.
     fn basis(&self, spec: &Spec) -> Basis {
         let rule = self.judge.rule(spec);
         if self.teeth {
@@ -304,7 +304,7 @@ impl Args {
         }
     }
 
-    /// The columns that are written: those asked for, those of a table for people, or all (`None`).
+    /// The columns to write: those asked for, those of a table for people, or all (`None`).
     fn columns(&self, format: RowsFormat, spec: &Spec) -> Option<Vec<String>> {
         let of_table = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
         let count = if spec.limits.is_empty() && spec.function_limits.is_empty() { 3 } else { of_table.len() };
@@ -345,7 +345,7 @@ impl Args {
         self.rows.output.as_deref().is_some_and(|path| target::ending(path) == "xlsx")
     }
 
-    /// What the user should know before the first row.
+    /// Remarks before the first row.
     fn remarks(&self, plan: &Plan, output: &mut Output) {
         unjudged(plan, output);
         let has_limits = !plan.limits.is_empty() || plan.is_yoke_limited();
@@ -354,7 +354,7 @@ impl Args {
         }
     }
 
-    /// What is wrong with which row, and annotations.
+    /// The rejected rows with their faults, and annotations.
     fn problems(&self, basis: &Basis, outcome: &Outcome, output: &mut Output) {
         for problem in outcome.problems.iter().take(PROBLEMS_SHOWN) {
             output.message(&problem.to_string());
@@ -410,7 +410,7 @@ fn in_words(counts: &Counts, row: &str) -> String {
     line
 }
 
-/// What is wrong where a table was not read to its end.
+/// The fault where a table was not read to its end.
 pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Option<Diagnostic>, Failure> {
     match run {
         Ok(()) => Ok(None),
@@ -426,7 +426,7 @@ pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Optio
     }
 }
 
-/// The exit status: a rejected row weighs more than a failed part, and that more than an open verdict.
+/// The exit status: a rejected row counts more than a failed part, and a failed part more than an open verdict.
 pub(super) fn status(outcome: &Outcome, basis: &Basis, unread: bool) -> Status {
     let counts = &outcome.counts;
     if counts.rejected > 0 || unread || outcome.is_cut || counts.rows == 0 {

@@ -1,4 +1,4 @@
-//! What is said beside the result of a batch: what the tables lack, what every part has, why there is no range.
+//! The remarks on the result of a batch: what the tables lack, what every part has, why there is no range.
 
 use crate::batch::Plan;
 use crate::cli::output::Output;
@@ -8,7 +8,7 @@ use crate::judge::LimitTarget;
 use crate::report;
 use crate::spec::{Spec, WrittenError};
 
-/// What the tables lack of what the spec asks for, and what follows.
+/// A remark on errors that the spec asks for and the tables lack.
 fn lacking(spec: &Spec, kinds: &[DeviationKind], is_partial: bool) -> Option<String> {
     let keys = DeviationKind::keys(kinds.iter().copied());
     let consequence = if is_partial {
@@ -27,7 +27,7 @@ fn of_every_part(kinds: &[DeviationKind]) -> Option<String> {
     (!kinds.is_empty()).then(|| format!("every part has the value in [errors]: {keys}"))
 }
 
-/// What the plan leaves to say with the result.
+/// The plan's remarks on the result.
 pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     let classes = plan.errors().filter_map(|kind| Some((kind, class(spec, kind)?)));
     let mut notes: Vec<_> = classes
@@ -58,7 +58,7 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     notes
 }
 
-/// That parts have no names of their own.
+/// A remark that parts have no names of their own.
 pub(in crate::cli) fn without_names(plan: &Plan) -> Option<String> {
     let note =
         "the tables have no column `part_id`: parts are called by the number of their row; name the column with --id";

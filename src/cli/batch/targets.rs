@@ -1,6 +1,6 @@
-//! The files that a batch writes: rows in their format and packing, or the summary; rejected rows; a JUnit report. They are
-//! begun before anything is computed, and appear under their names when the run is complete; of one that is not, what there
-//! is stands beside as NAME.partial, and the JUnit report says so.
+//! The files of a batch: rows in their format and packing, or the summary; rejected rows; a JUnit report. They are begun before
+//! anything is computed, and appear under their names when the run is complete. An incomplete run leaves NAME.partial beside
+//! them, and its JUnit report says so.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -30,7 +30,7 @@ pub(super) struct Targets {
 }
 
 impl Targets {
-    /// What the rows are written to, now that it is known which columns they have.
+    /// The sink of the rows, once their columns are known.
     pub(super) fn sinks(
         &mut self,
         format: RowFormat,
@@ -63,8 +63,8 @@ impl Targets {
         target.finish()
     }
 
-    /// Ends the files of rows; whether that was not interrupted. Of a run that is not complete, what there is is kept beside,
-    /// and that is said.
+    /// Completes the files of rows; returns whether they are complete. An incomplete run keeps the rows so far in NAME.partial and
+    /// says so.
     pub(super) fn finish_rows(
         &mut self,
         is_complete: bool,
@@ -79,7 +79,7 @@ impl Targets {
     }
 }
 
-/// Begins a JUnit report. Of a run that fails it says so, for pipelines show what stands there.
+/// Begins a JUnit report. If the run fails, the report says so, because pipelines show what stands there.
 fn begin_report(path: &Path, inputs: &[PathBuf]) -> Result<Target, Failure> {
     Target::with(path, inputs, UnlessComplete::Report(report::junit_of_failure))
 }
@@ -89,14 +89,14 @@ pub(in crate::cli) fn report_of_usage(arguments: &[OsString], error: &clap::Erro
     if !error.use_stderr() {
         return;
     }
-    // an option that is wrong ends clap's reading, whatever follows
+    // a wrong option ends clap's reading, whatever follows
     let mut rest = arguments.iter().skip_while(|argument| *argument != "batch");
     let path = rest.find_map(|argument| match argument.to_str()?.strip_prefix("--junit")? {
         "" => Some(None),
         value => value.strip_prefix('=').map(|path| Some(PathBuf::from(path))),
     });
     let path = path.and_then(|path| path.or_else(|| rest.next().map(PathBuf::from)));
-    // what is wrong with the file is told when the arguments are right
+    // problems of the file are reported once the arguments are right
     drop(path.map(|path| begin_report(&path, &[])));
 }
 
@@ -107,7 +107,7 @@ impl Args {
         self.junit.as_deref().map(|path| begin_report(path, &read)).transpose()
     }
 
-    /// Begins the other files. Refuses those that are read, that are one, or whose name says what they are not.
+    /// Begins the other files. Refuses files that are read, two names of one file, and names with an ending of another format.
     pub(super) fn begin(
         &self,
         junit: Option<Target>,
@@ -145,8 +145,8 @@ impl Args {
     }
 }
 
-/// Rejected rows are the bytes of the table: a name that says otherwise is refused, and so are the process's own streams, for
-/// what shows them would obey what stands in them.
+/// Rejected rows are the bytes of the table: a name with an ending of another format is refused, and so are the process's own
+/// streams, because a terminal would obey control characters in them.
 fn refuse_other_place(path: &Path) -> Result<(), Failure> {
     const OTHERS: [&str; 7] = ["parquet", "xlsx", "xlsm", "dfq", "json", "jsonl", "ndjson"];
     if target::is_own_stream(path) {

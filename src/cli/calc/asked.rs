@@ -11,7 +11,7 @@ use crate::judge::{Interval, Limit, Verdict};
 use crate::quantity::{Angle, DomainError, Length, LengthUnit, Unit};
 use crate::report::{Calculation, WorstCase, WorstCaseResult, formula_note, noted};
 
-/// What a ΔCD formula is asked for.
+/// The question to a ΔCD formula.
 pub(super) enum Question {
     /// ΔCD of this error.
     DeltaCd(DeviationValue),
@@ -21,17 +21,17 @@ pub(super) enum Question {
     SlopeDeviation { delta_cd: Length, length: Length },
 }
 
-/// A law, and what is asked of it.
+/// A law with its question.
 pub(super) struct Asked<'a> {
     pub(super) law: Law,
     pub(super) given: &'a GivenValue,
     pub(super) question: Question,
-    /// How the law is read; `None` if there is one reading only.
+    /// The model of the law; `None` if both models agree.
     pub(super) model: Option<Model>,
 }
 
 impl Asked<'_> {
-    /// What the law gives.
+    /// The law's answer.
     fn answer(&self, model: Model) -> Result<DeviationValue, DomainError> {
         match self.question {
             Question::DeltaCd(error) => self.law.delta_cd(error, model).map(DeviationValue::Length),
@@ -42,7 +42,7 @@ impl Asked<'_> {
         }
     }
 
-    /// The error that a size is, which may be a slope deviation over a length.
+    /// A size as an error; it may be a slope deviation over a length.
     fn error(&self, size: DeviationValue) -> Result<DeviationValue, DomainError> {
         match (&self.question, size) {
             (Question::SlopeDeviation { length, .. }, DeviationValue::Length(slope)) => lead_slope(slope, *length),
@@ -68,7 +68,7 @@ impl Asked<'_> {
         size(inside)
     }
 
-    /// Prints the answer with all that there is to say of it, and what the error can do if it is asked on which teeth it is.
+    /// Prints the answer with its remarks, and the worst case of the error if its teeth are asked for.
     pub(super) fn print(
         &self,
         output: &mut Output,
@@ -77,7 +77,7 @@ impl Asked<'_> {
     ) -> Result<Status, Failure> {
         let mut notes = sensible(output, doubts)?;
         if let Question::DeltaCd(error) = self.question {
-            // what the law has no value for, the law refuses
+            // the law refuses values outside its domain
             self.answer(Model::Exact)?;
             let doubt = plausible::deviation(error, None);
             let doubt = if self.given.measured.is_some() { doubt.map(Doubt::of_difference) } else { doubt };
@@ -112,8 +112,7 @@ impl Asked<'_> {
         Ok(if is_open && is_asked { Status::Undecided } else { Status::Pass })
     }
 
-    /// What an error can do, or how large it may be beside the answer of the formula, and what that rests on; nothing more is
-    /// known of the pair.
+    /// The worst case of an error, or the largest error by the worst case, with its assumptions; nothing else is known of the pair.
     fn worst_case(&self, answer: DeviationValue) -> Result<(WorstCase, Vec<String>), Failure> {
         let kind = self.law.kind();
         let extent = self.given.extent.unwrap_or(kind.usual_extent());

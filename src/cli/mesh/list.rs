@@ -37,7 +37,7 @@ fn unsolved_stroke(error: &MeshError) -> Diagnostic {
     Diagnostic::warning(Code::NoMesh, error.to_string())
 }
 
-/// What a list of strokes is of: the mesh, and the yoke if there is one.
+/// The mesh of a list of strokes, and the yoke if there is one.
 pub(super) struct Listed<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) part: Option<&'a FunctionPart>,
@@ -49,7 +49,7 @@ impl<'a> Listed<'a> {
     }
 }
 
-/// Text of solved strokes, with what a yoke does there.
+/// Text of solved strokes, with the figures of a yoke.
 type PointsText = fn(&[ListedPoint], AtListed<'_>) -> String;
 
 pub(super) fn list_csv(strokes: &Strokes, of: &Listed<'_>, output: &mut Output) -> Result<Option<Status>, Failure> {
@@ -72,7 +72,7 @@ pub(super) fn list(
     output: &mut Output,
     (before, text, after): (&str, PointsText, impl Fn(Trust) -> String),
 ) -> Result<Option<Status>, Failure> {
-    // from the first byte on a signal has to leave whole JSON
+    // from the first byte on, a signal must leave complete JSON
     let interruption = signals::interrupted(output);
     output.piece(before)?;
     let mut trust = Trust::default();

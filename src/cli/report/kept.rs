@@ -1,5 +1,5 @@
-//! What a page keeps of the parts of tables while they are read: the run chart, what columns say of all of them, and each
-//! part where all are listed.
+//! The data that a page keeps of the parts of tables while they are read: the run chart, the texts of columns about all parts,
+//! and each part where all are listed.
 
 use std::io;
 
@@ -19,7 +19,7 @@ impl PartSink for Listed {
     }
 }
 
-/// What a page has of the rows of a batch.
+/// The page's data of the rows of a batch.
 pub(super) struct Shown {
     pub(super) run: RunChart,
     pub(super) details: Vec<Detail>,
@@ -32,7 +32,7 @@ impl ColumnSink for Shown {
     }
 }
 
-/// What a column says of all parts.
+/// The texts of a column about all parts.
 pub(super) struct Detail {
     /// The key of `[report]` that it stands for.
     key: &'static str,
@@ -70,7 +70,7 @@ impl Detail {
     }
 }
 
-/// What `[report]` says of the parts, or else the columns of the table.
+/// The texts of `[report]` about the parts, else those of the table's columns.
 pub(super) fn details(spec: &Spec, columns: &[Detail]) -> Vec<(String, String)> {
     let detail = |key: Key<String>| {
         let name = key.any.name();

@@ -89,15 +89,15 @@ struct Tried {
     warnings: usize,
 }
 
-/// What came of all designs.
+/// The outcome of all designs.
 #[derive(Default)]
 struct Tally {
     values: Vec<Option<f64>>,
     impossible: u64,
-    /// Of the first that is.
+    /// Why the first one without an answer has none.
     why: Option<String>,
     warnings: u64,
-    /// Whether none is missing.
+    /// Whether all designs were tried.
     is_complete: bool,
 }
 
@@ -144,13 +144,13 @@ struct Begun {
     title: String,
 }
 
-/// Designs, and what is asked of each.
+/// Designs, and the question about each.
 struct Sweep {
     question: Question,
     designs: Designs,
     columns: Vec<Column>,
     drawn: Option<Column>,
-    /// What is needed of an answer.
+    /// The parts of an answer that are needed.
     facts: Facts,
     threads: usize,
     /// Designs that a thread takes at once.
@@ -188,7 +188,7 @@ impl Sweep {
         Some(Tried { cells, drawn, impossible, warnings: answer.warnings.len() })
     }
 
-    /// Tries every design on all cores, and hands the rows over in order; whether none is missing.
+    /// Tries every design on all cores, and hands the rows over in order; returns whether all were tried.
     fn each(
         &self,
         interruption: &Interruption,
@@ -269,7 +269,7 @@ impl Args {
         Ok(Begun { picture: self.plot.picture(&inputs)?, file, format, rows_format, title })
     }
 
-    /// Writes the row of every design, and what is drawn of them.
+    /// Writes the row of every design, and the picture.
     fn rows(
         &self,
         sweep: &Sweep,
@@ -304,7 +304,7 @@ impl Args {
         Ok(tally)
     }
 
-    /// Draws the result that is drawn of the designs.
+    /// Draws the chosen result of the designs.
     fn draw(&self, sweep: &Sweep, begun: Begun, tally: &Tally, output: &mut Output) -> Result<(), Failure> {
         let column = sweep.drawn.as_ref();
         let (designs, values) = (&sweep.designs, &tally.values);
@@ -322,7 +322,7 @@ impl Args {
 
     /// Every design.
     fn designs(&self) -> Result<Designs, Failure> {
-        /// Of a range without a step in which a result is sought.
+        /// Parts of a range without a step in which a result is sought.
         const STEPS: u32 = 16;
         let axes = self.over.iter().map(|over| Axis::parse(over, is_whole)).collect::<Result<Vec<_>, _>>();
         let mut axes = axes.map_err(Diagnostic::with_code(Code::Usage))?;
@@ -367,7 +367,7 @@ impl Args {
             }
         }
         let asked = self.columns.as_deref();
-        // without an answer there is nothing to check names by
+        // names can be checked only against an answer
         let known = asked.filter(|_| !first.is_null());
         let columns = results::written(self.of, known, format.is_for_people(), &first)?;
         let drawn = match &self.until {
@@ -381,7 +381,7 @@ impl Args {
         Ok(Some(Sweep { question, designs, columns, drawn, facts, threads, chunk }))
     }
 
-    /// Finds where a result is reached that is to be, and leaves these designs; `None` once the run is to stop.
+    /// Finds where a result is reached, and keeps only these designs; `None` once the run is to stop.
     fn reached(
         &self,
         sweep: &mut Sweep,

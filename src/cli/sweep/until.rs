@@ -3,7 +3,7 @@
 use crate::design::Axis;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// A result and the value that it is to have.
+/// A result and its target value.
 #[derive(Debug, Clone)]
 pub(super) struct Until {
     pub(super) name: String,
@@ -20,7 +20,7 @@ pub(super) fn parse(text: &str) -> Result<Until, String> {
 }
 
 impl Until {
-    /// Where it is reached.
+    /// The remark on where the result is reached.
     pub(super) fn in_words(&self, axis: &Axis, crossing: &Crossing) -> String {
         let Self { name, value } = self;
         let (key, at) = (&axis.key, axis.at(crossing.at).text);
@@ -32,7 +32,7 @@ impl Until {
         }
     }
 
-    /// That it is reached nowhere over these values of the key, with what the result is there, or why there is none.
+    /// The message that the result is not reached over these values of the key, with its values, or why there is none.
     pub(super) fn never_reached(&self, over: &str, values: &[Option<f64>], why: Option<String>) -> Diagnostic {
         let message = format!("{} does not come to {} over {over}", self.name, self.value);
         let ends = values.iter().flatten().map(|value| (*value, *value));
@@ -48,15 +48,15 @@ impl Until {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Crossing {
     pub(super) at: f64,
-    /// By how much the result is off on both sides, where it jumps over the value.
+    /// The differences from the target on both sides, where the result jumps over it.
     pub(super) jump: Option<(f64, f64)>,
 }
 
-/// A value of the key, and by how much the result is off there.
+/// A value of the key, and the difference of the result from the target.
 type Point = (f64, f64);
 
-/// Every crossing between neighbours that have a result on either side; `off_at` tells by how much the result is off between
-/// them, `None` for keys with whole numbers, of which the first behind the crossing is told.
+/// Every crossing between neighbours with results on either side of the target. `off_at` gives the difference between them; it is
+/// `None` for keys with whole numbers, for which the first value behind the crossing is returned.
 pub(super) fn crossings(points: &[(f64, Option<f64>)], off_at: Option<&dyn Fn(f64) -> Option<f64>>) -> Vec<Crossing> {
     let mut found = Vec::new();
     for (index, (at, off)) in points.iter().enumerate() {
@@ -75,8 +75,8 @@ pub(super) fn crossings(points: &[(f64, Option<f64>)], off_at: Option<&dyn Fn(f6
     found
 }
 
-/// The crossing between two values, by the secant and by halves in turn, so that a jump is found as fast; `None` where the
-/// result ends between them.
+/// The crossing between two values, by secant and halving in turn, so that a jump is found as fast; `None` where the result ends
+/// between them.
 fn between(mut a: Point, mut b: Point, off_at: &dyn Fn(f64) -> Option<f64>) -> Option<Crossing> {
     const MOST_STEPS: usize = 90;
     /// Of the range between the first two values, and of the larger difference there.

@@ -1,6 +1,6 @@
-//! Files that are begun and not yet complete, of the whole process: whatever ends it early takes them from here. A begun
-//! file stands beside the place that it is to have, as `.NAME.PROCESS-LETTERS.part`, and is locked. One that can be
-//! locked belongs to a process that was killed: the next file that is begun for the same place removes it.
+//! The files of the process that are begun and not yet complete: an early end takes them from here. A begun file stands beside its
+//! final place, as `.NAME.PROCESS-LETTERS.part`, and is locked. A file that can be locked belongs to a killed process: the next
+//! file that is begun for the same place removes it.
 
 use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, Seek as _, Write};
@@ -12,15 +12,15 @@ use tempfile::{Builder, NamedTempFile, PersistError};
 
 use super::names::{is_input, shown};
 
-/// What ends the name of a begun file.
+/// The ending of a begun file's name.
 const SUFFIX: &str = ".part";
 
 /// A file that is begun.
 struct Begun {
     id: u64,
-    /// What it was called on the command line.
+    /// Its name on the command line.
     path: PathBuf,
-    /// Where it is to stand, links resolved.
+    /// Its final place, links resolved.
     place: PathBuf,
     /// Files that are read.
     inputs: Vec<PathBuf>,
@@ -29,17 +29,17 @@ struct Begun {
     unless_complete: UnlessComplete,
 }
 
-/// What becomes of a file that is not completed.
+/// What happens to a file that is not completed.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::cli) enum UnlessComplete {
-    /// What there is stands in `NAME.partial`.
+    /// Its content is kept as `NAME.partial`.
     Partial,
-    /// A report of the reason takes the place of an older report, which pipelines would show.
+    /// A report of the reason replaces an older report, which pipelines would show.
     Report(fn(&str) -> String),
 }
 
 static BEGUN: Mutex<Vec<Begun>> = Mutex::new(Vec::new());
-/// What is to be said of files that were dropped.
+/// Messages about dropped files.
 static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// The files that were put in their places, as the command line names them.
@@ -50,7 +50,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Begins the file `path`, which is to stand at `place`, where `old` was found: its number.
+/// Begins the file `path` for the final `place`, where `old` was found; returns its number.
 pub(super) fn begin(
     path: &Path,
     place: PathBuf,
@@ -60,7 +60,7 @@ pub(super) fn begin(
 ) -> io::Result<(u64, Writer)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     if old.is_some() {
-        // a file that must not be written must not be replaced
+        // a read-only file must not be replaced either
         OpenOptions::new().write(true).open(&place)?;
     }
     clear(&place);
@@ -75,7 +75,7 @@ pub(super) fn begin(
     Ok((id, writer))
 }
 
-/// What the name of every file begins with that is begun for this place.
+/// The beginning of the names of all files begun for this place.
 fn prefix(place: &Path) -> String {
     /// Characters: the whole name has to fit a folder's longest.
     const LONGEST: usize = 40;
@@ -100,14 +100,14 @@ fn beside(place: &Path) -> io::Result<NamedTempFile> {
     loop {
         let made = builder.tempfile_in(folder(place))?;
         let is_taken = matches!(made.as_file().try_lock(), Err(TryLockError::WouldBlock));
-        // until it is locked, another process may take it for what a killed one left
+        // until it is locked, another process may take it for the rest of a killed one
         if !is_taken && made.path().exists() {
             return Ok(made);
         }
     }
 }
 
-/// Removes what killed processes have left beside `place`: what can be locked is of no process that runs.
+/// Removes the files of killed processes beside `place`: a file that can be locked belongs to no running process.
 fn clear(place: &Path) {
     let prefix = prefix(place);
     let is_left = |name: &str| {
@@ -124,13 +124,13 @@ fn clear(place: &Path) {
         if let Some(Ok(file)) = opened
             && file.try_lock().is_ok()
         {
-            // one that cannot be removed is in nobody's way
+            // a file that cannot be removed does no harm
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// Writes to a begun file in whole pieces: whoever keeps what there is finds no half of one.
+/// Writes to a begun file in whole pieces, so that a partial file has no half piece.
 pub(super) struct Writer {
     path: PathBuf,
     file: File,
@@ -148,18 +148,18 @@ impl Write for Writer {
     }
 }
 
-/// Takes a file from those that are begun. Whoever does holds them until the file is where it is to be: nobody ends the
-/// process meanwhile.
+/// Takes a file from the begun ones. The lock on them is held until the file is in its place, so that nothing ends the process
+/// meanwhile.
 fn take(begun: &mut Vec<Begun>, id: u64) -> Option<Begun> {
     let place = begun.iter().position(|begun| begun.id == id)?;
     Some(begun.swap_remove(place))
 }
 
-/// Puts a begun file in its place, now that it is complete: its bytes are on the disk before its name is. `replaces` says
-/// whether an old file may be there.
+/// Puts a complete file in its place: its bytes are on the disk before its name. `replaces` says whether an old file may be
+/// there.
 pub(super) fn finish(id: u64, replaces: bool) -> io::Result<()> {
     let file = lock(&BEGUN).iter().find(|begun| begun.id == id).map(|begun| begun.temporary.as_file().try_clone());
-    // without the lock: a slow disk keeps nobody from ending
+    // without the lock, so that a slow disk does not delay an end
     file.transpose()?.map_or(Ok(()), |file| file.sync_all())?;
     let mut all = lock(&BEGUN);
     let Some(begun) = take(&mut all, id) else { return Ok(()) };
@@ -172,7 +172,7 @@ pub(super) fn finish(id: u64, replaces: bool) -> io::Result<()> {
         return Err(error);
     }
     drop(all);
-    // some systems have no folders that can be opened, some disks none that can be waited for
+    // some systems cannot open folders, and some disks cannot synchronise them
     #[cfg(unix)]
     let _ = File::open(folder(&place)).and_then(|folder| folder.sync_all());
     Ok(())
@@ -183,19 +183,19 @@ pub(super) fn discard(id: u64) {
     drop(take(&mut lock(&BEGUN), id));
 }
 
-/// Ends a file that is not complete. Returns what is to be said of it.
+/// Ends an incomplete file and returns the message about it.
 pub(super) fn abandon(id: u64, why: &str) -> Option<String> {
     let mut all = lock(&BEGUN);
     take(&mut all, id)?.abandon(why)
 }
 
-/// Ends a file that is not complete; what is to be said of it is kept.
+/// Ends an incomplete file and keeps the message about it.
 pub(super) fn drop_file(id: u64) {
     let said = abandon(id, "the run failed: its messages say why");
     lock(&SAID).extend(said);
 }
 
-/// What is to be said of files that were not completed, and was not said so far.
+/// Messages about incomplete files that were not printed yet.
 pub(in crate::cli) fn said() -> Vec<String> {
     std::mem::take(&mut *lock(&SAID))
 }
@@ -205,13 +205,13 @@ pub(super) fn note_written(name: String) {
     lock(&WRITTEN).push(name);
 }
 
-/// The files that were written, and were not named so far.
+/// The written files that were not reported yet.
 pub(in crate::cli) fn written() -> Vec<String> {
     std::mem::take(&mut *lock(&WRITTEN))
 }
 
-/// Ends all files, none of which is complete, for a process that ends next: nobody begins, writes or completes one any
-/// more. Returns what is to be said of them; `None` if a file is just being written, and that does not come to an end.
+/// Ends all incomplete files, for a process that ends next: from then on no file can be begun, written or completed. Returns the
+/// messages about them; `None` if a file is being written and that does not finish.
 pub(in crate::cli) fn abandon_all(why: &str) -> Option<Vec<String>> {
     const TRIES: usize = 10;
     const INTERVAL: std::time::Duration = std::time::Duration::from_millis(10);
@@ -242,7 +242,7 @@ impl Begun {
             UnlessComplete::Report(report) => {
                 let place = self.place.clone();
                 if may_hold_report(&place) && self.put(report(why).as_bytes()).is_err() {
-                    // none is better than an older one
+                    // no report is better than an older one
                     let _ = fs::remove_file(place);
                 }
                 None
@@ -261,7 +261,7 @@ impl Begun {
     }
 }
 
-/// Whether a report may take this place unasked: nothing is there, or an older report.
+/// Whether a report may be written to this place: it is empty, or has an older report.
 fn may_hold_report(place: &Path) -> bool {
     const START: usize = 512;
     let Ok(file) = File::open(place) else { return !place.exists() };
@@ -270,7 +270,7 @@ fn may_hold_report(place: &Path) -> bool {
     read.is_ok() && (start.is_empty() || String::from_utf8_lossy(&start).contains("<testsuite"))
 }
 
-/// The name of what there is of an incomplete file: not that of a file that is read.
+/// The name for an incomplete file's content; never the name of a file that is read.
 fn partial_place(place: &Path, inputs: &[PathBuf]) -> PathBuf {
     let named = |end: &str| {
         let mut name = place.file_name().unwrap_or_default().to_owned();

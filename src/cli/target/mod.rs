@@ -1,7 +1,6 @@
-//! Files that are written. A file appears under its name once it is complete and on the disk: until then it stands beside
-//! it under a name of its own, and a run that fails or is interrupted leaves the old file as it was, or none, and what
-//! there is in `NAME.partial`. A file that is read is never written, whatever it is called. Pipes and devices are written
-//! as they are.
+//! Files that are written. A file appears under its name once it is complete and on the disk. Until then it stands beside its place
+//! under another name; a run that fails or is interrupted leaves the old file, if there is one, and the content so far in
+//! `NAME.partial`. A file that is read is never written, under any name. Pipes and devices are written directly.
 
 mod begun;
 mod names;
@@ -17,12 +16,12 @@ use super::output::{Failure, Output};
 use super::stream;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// A file that is being written. One that is dropped without [`Target::finish`] is not complete.
+/// A file that is being written. If it is dropped without [`Target::finish`], it is incomplete.
 pub(super) struct Target {
-    /// What it was called on the command line.
+    /// Its name on the command line.
     path: PathBuf,
     writer: Box<dyn Write + Send>,
-    /// Its number among the files that are begun; `None` for what is no file.
+    /// Its number among the begun files; `None` for a pipe or a device.
     begun: Option<u64>,
 }
 
@@ -32,7 +31,7 @@ impl Target {
         Self::with(path, inputs, UnlessComplete::Partial)
     }
 
-    /// The same of a file of which it is said what becomes of it if it is not completed.
+    /// Begins a file with the given treatment if it is not completed.
     pub(super) fn with(
         path: impl AsRef<Path>,
         inputs: &[impl AsRef<Path>],
@@ -50,12 +49,12 @@ impl Target {
         std::mem::replace(&mut self.writer, Box::new(io::sink()))
     }
 
-    /// Puts the file in its place, now that it is complete.
+    /// Puts the complete file in its place.
     pub(super) fn finish(self) -> Result<(), Failure> {
         self.put(true)
     }
 
-    /// Puts the file in its place, now that it is complete, if nothing is there.
+    /// Puts the complete file in its place, if nothing is there.
     pub(super) fn finish_new(self) -> Result<(), Failure> {
         self.put(false)
     }
@@ -70,7 +69,7 @@ impl Target {
         Ok(())
     }
 
-    /// Puts the file in its place if the run is complete; otherwise keeps what there is beside it, and says so.
+    /// Puts the file in its place if the run is complete; otherwise keeps its content beside it, and says so.
     pub(super) fn end(mut self, is_complete: bool, output: &mut Output) -> Result<(), Failure> {
         if is_complete {
             return self.finish();
@@ -88,7 +87,7 @@ impl Target {
         Ok(())
     }
 
-    /// Removes a file that is good for nothing as long as it is not complete, and says so.
+    /// Removes a file that is useless while incomplete, and says so.
     pub(super) fn discard(self, output: &mut Output) {
         self.begun.into_iter().for_each(begun::discard);
         let path = shown(&self.path);
@@ -137,7 +136,7 @@ struct Stream(PathBuf, std::fs::File);
 
 impl Write for Stream {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // that the reader of this one is gone is a fault, as it is not of standard output
+        // here a closed pipe is an error, unlike on standard output
         self.1.write(bytes).map_err(|error| io::Error::other(named(&shown(&self.0), &error)))
     }
 
@@ -156,14 +155,14 @@ fn open(
     }
     let found = names::metadata(path)?;
     if names::is_stream(path, found.as_ref()) {
-        // what is behind another descriptor of the process may be a file, of which nothing may be lost
+        // another descriptor of the process may be a file, which must not be truncated
         return Ok((Box::new(Stream(path.to_owned(), OpenOptions::new().append(true).open(path)?)), None));
     }
     let (begun, writer) = begun::begin(path, names::behind_links(path)?, found, inputs, unless_complete)?;
     Ok((Box::new(writer), Some(begun)))
 }
 
-/// Writes a file whose bytes are all there.
+/// Writes a file from all its bytes.
 pub(super) fn write(path: impl AsRef<Path>, inputs: &[impl AsRef<Path>], bytes: &[u8]) -> Result<(), Failure> {
     Target::create(path, inputs)?.write_whole(bytes)
 }
@@ -180,7 +179,7 @@ pub(super) fn named(what: &str, error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), format!("{what}: {error}"))
 }
 
-/// Why a file cannot be written. That the reader of a pipe has seen enough is no fault.
+/// Why a file cannot be written. A closed pipe is no error.
 fn unwritable(path: &Path, error: io::Error) -> Failure {
     if error.kind() == io::ErrorKind::BrokenPipe {
         return Failure::Write(error);

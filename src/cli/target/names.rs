@@ -1,4 +1,4 @@
-//! Names of files: what they lead to, which are of one file, and what their endings tell.
+//! Names of files: where they lead, which of them are one file, and what their endings say.
 
 use std::fs::{self, Metadata};
 use std::io;
@@ -18,7 +18,7 @@ pub(in crate::cli) fn is_dash(path: impl AsRef<Path>) -> bool {
     path.as_ref() == Path::new("-")
 }
 
-/// What is found behind a name; `None` if there is nothing.
+/// The file behind a name; `None` if there is none.
 pub(super) fn metadata(path: &Path) -> io::Result<Option<Metadata>> {
     match fs::metadata(path) {
         _ if path.as_os_str().as_encoded_bytes().last().is_some_and(|end| std::path::is_separator((*end).into())) => {
@@ -69,12 +69,12 @@ pub(super) fn is_input(path: &Path, inputs: &[PathBuf]) -> bool {
     inputs.iter().any(|input| same_file(named(input), path))
 }
 
-/// A name for what is read: standard input may be a file.
+/// A name for an input: standard input may be a file.
 fn named(input: &Path) -> &Path {
     if is_dash(input) { Path::new("/dev/stdin") } else { input }
 }
 
-/// Refuses two files to be written that are one; pipes and devices may be.
+/// Refuses two outputs that are one file; pipes and devices may be the same.
 pub(in crate::cli) fn refuse_same(paths: &[&Path]) -> Result<(), Failure> {
     for (index, path) in paths.iter().enumerate() {
         if let Some(other) = paths[..index].iter().find(|other| same_file(other, path)) {
@@ -91,7 +91,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     match (is_file(a), is_file(b)) {
         (Ok(a_is_file), Ok(b_is_file)) => a_is_file && b_is_file && (is_same_entry(a, b) || is_same_place(a, b)),
         (Err(_), Err(_)) => is_same_place(a, b),
-        // what is there is not what is not
+        // an existing file and a missing one are not the same
         _ => false,
     }
 }
@@ -106,7 +106,7 @@ fn is_same_place(a: &Path, b: &Path) -> bool {
     place_of(a).is_some_and(|a| place_of(b).is_some_and(|b| a == b))
 }
 
-/// Where a name leads to, written in the one way that every place has.
+/// The canonical form of the place that a name leads to.
 fn place_of(path: &Path) -> Option<PathBuf> {
     let path = behind_links(path).ok()?;
     if let Ok(place) = fs::canonicalize(&path) {
