@@ -263,11 +263,25 @@ pub struct Outcome {
     pub interrupted: bool,
     /// Whether the run ended before the end of a table, because it could not be read further, or at the first rejected row.
     pub is_cut: bool,
+    /// The first contradiction for which a table is not accepted, in words.
+    pub contradiction: Option<String>,
     /// Bytes read, after unpacking.
     pub bytes: u64,
 }
 
 impl Outcome {
+    /// Why the run does not speak for all parts, if it does not.
+    #[must_use]
+    pub fn why_incomplete(&self) -> Option<&str> {
+        if self.interrupted {
+            Some("the run was interrupted: later parts were not checked")
+        } else if let Some(contradiction) = &self.contradiction {
+            Some(contradiction)
+        } else {
+            self.is_cut.then_some("a table was not read to its end: not all parts were checked")
+        }
+    }
+
     /// Adds the warning on repeated part names to the last table's reading, where warnings stand, and a note if not all names were
     /// checked.
     pub fn tell_duplicates(&mut self) {

@@ -141,6 +141,9 @@ impl<'a> Batch<'a> {
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
         outcome.readings.push(reading);
         outcome.is_cut |= matches!(failure, Some(RunError::Read(_) | RunError::Contradiction(_)));
+        if let Some(RunError::Contradiction(contradiction)) = &failure {
+            outcome.contradiction.get_or_insert_with(|| contradiction.message.clone());
+        }
         failure.map_or(Ok(()), Err)
     }
 

@@ -138,7 +138,7 @@ impl Args {
     /// The part of the spec itself.
     fn of_spec(&self, spec: &Spec, page: &mut Page, output: &mut Output) -> Result<Status, Failure> {
         page.title = spec.title.clone().unwrap_or_else(|| shown(&self.spec));
-        page.facts = details(spec, &[]);
+        page.facts = details(spec, &[], false);
         if self.contributions && spec.errors.is_empty() && !spec.has_deviations() {
             // only `monte-carlo` judges limits for random racks
             return Ok(if spec.limits.is_empty() { Status::Pass } else { Status::Undecided });
@@ -276,7 +276,8 @@ impl Args {
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
         let detailed = outcome.worst.first().filter(|part| !part.errors.is_empty() && !interruption.came());
         if let ([part], 1) = (outcome.worst.as_slice(), outcome.counts.rows) {
-            page.title = format!("Part {}", spec.get(keys::REPORT_PART).unwrap_or_else(|| part.id.clone()));
+            let named = page.facts.iter().find(|(key, _)| key == keys::REPORT_PART.any.name());
+            page.title = format!("Part {}", named.map_or(&part.id, |(_, part)| part));
             page.sections.push(Section::new("Measured values", measured_blocks(part)));
         } else {
             let plural = if outcome.counts.rows == 1 { "" } else { "s" };
@@ -347,7 +348,7 @@ impl Args {
         let basis = Basis::of(&plan);
         let Histograms { judged, errors, level } = Histograms::of(&outcome);
         let charts = judged.into_iter().chain(shown.run.chart(&basis.limits)).collect();
-        let facts = details(&spec, &shown.details);
+        let facts = details(&spec, &shown.details, plan.has_id);
         Ok(Lot { spec, outcome, basis, parts: parts.0, charts, small_charts: errors, level, facts })
     }
 
@@ -366,6 +367,7 @@ impl Args {
             rows: self.request(spec),
         };
         let basis = Basis::of_teeth(spec, &request.rows.rule);
+        let has_names = found.first.as_ref().is_some_and(|first| first.table.has_id);
         let measured = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut parts = Listed::default();
         let sinks = Sinks { parts: self.all_parts.then_some(&mut parts as &mut dyn PartSink), ..Sinks::default() };
@@ -387,7 +389,7 @@ impl Args {
             charts: judged.into_iter().collect(),
             small_charts: Vec::new(),
             level,
-            facts: details(spec, &[]),
+            facts: details(spec, &[], has_names),
         })
     }
 

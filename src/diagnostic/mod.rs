@@ -94,6 +94,8 @@ pub struct Diagnostic {
     pub message: String,
     /// What the message is about, a line each.
     pub list: Box<[String]>,
+    /// Lines below the list that are copied from there: no line of them is broken.
+    pub block: Box<[String]>,
     /// Where, if it is in a file.
     pub place: Option<Place>,
     /// What to do.
@@ -103,7 +105,8 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
-        Self { code, severity: Severity::Error, message: message.into(), list: Box::default(), place: None, help: None }
+        let (severity, list, block) = (Severity::Error, Box::default(), Box::default());
+        Self { code, severity, message: message.into(), list, block, place: None, help: None }
     }
 
     /// An error in what was asked for.
@@ -146,10 +149,10 @@ impl Diagnostic {
         }
     }
 
-    /// What is wrong, with its list below.
+    /// What is wrong, with its list and its block below.
     #[must_use]
     pub fn message_with_list(&self) -> String {
-        self.list.iter().fold(self.message.clone(), |text, line| text + "\n  " + line)
+        self.list.iter().chain(&self.block).fold(self.message.clone(), |text, line| text + "\n  " + line)
     }
 
     /// Adds what to do.

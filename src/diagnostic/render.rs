@@ -27,6 +27,7 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
     // `error[code]: `
     let before = u16::try_from(diagnostic.code.name().len()).unwrap_or(0) + 11;
     let message = wrap(&message, width.map(|width| width.saturating_sub(before)));
+    let message = diagnostic.block.iter().fold(message, |text, line| text + "\n  " + &harmless(line));
     let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
     let lines = diagnostic.place.as_ref().map(Lines::of);
@@ -89,5 +90,21 @@ impl<'p> Lines<'p> {
             span: at(start)..at(end.max(start)),
             label: harmless(&place.label),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Code;
+
+    #[test]
+    fn lines_that_are_copied_are_not_broken() {
+        let line =
+            "rack_pitch = { name = \"pitch of the rack\", unit = \"um\" }   # a guess: its numbers are of that size";
+        let message = "a line has no owner, and is shown here at some length, so that it has to be broken";
+        let error = Diagnostic { block: [line.to_owned()].into(), ..Diagnostic::error(Code::NotUnderstood, message) };
+        let shown = render(&error, false, Some(40));
+        assert!(shown.contains(line) && !shown.contains(message), "{shown}");
     }
 }

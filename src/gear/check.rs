@@ -29,7 +29,7 @@ impl ContactRatio {
 #[non_exhaustive]
 pub enum GeometryWarning {
     /// A rack cutter as high as this rack would undercut the pinion.
-    #[error("undercut: profile shift {} is below the limit {} for this addendum", Rounded(*.profile_shift), Rounded(*.limit))]
+    #[error("undercut: profile shift {} is below the limit {limit:.4} for this addendum", Rounded(*.profile_shift))]
     Undercut {
         /// The pinion's profile shift coefficient.
         profile_shift: f64,
@@ -38,8 +38,7 @@ pub enum GeometryWarning {
     },
     /// The rack's tip reaches further down than the involute.
     #[error(
-        "tip interference: the rack's tip reaches {} mm deeper than the involute, which starts at diameter {} mm",
-        Rounded(*.depth_mm), Rounded(*.root_form_diameter_mm)
+        "tip interference: the rack's tip reaches {depth_mm:.4} mm deeper than the involute, which starts at diameter {root_form_diameter_mm:.3} mm"
     )]
     TipInterference {
         /// How much lower than the lowest point of contact of the involute the rack's tip is, mm.
@@ -49,7 +48,7 @@ pub enum GeometryWarning {
     },
     /// Less than 0.2 m_n of the pinion's tooth is left at its tip.
     #[error(
-        "pinion tooth is nearly pointed: normal thickness {} mm at the tip, less than {} mm", Rounded(*.tip_thickness_mm), Rounded(*.limit_mm)
+        "pinion tooth is nearly pointed: normal thickness {tip_thickness_mm:.4} mm at the tip, less than {} mm", Rounded(*.limit_mm)
     )]
     NearlyPointed {
         /// Normal tooth thickness at the tip, mm.
@@ -59,9 +58,9 @@ pub enum GeometryWarning {
     },
     /// Flanks so steep that the centre distance amplifies every displacement of theirs.
     #[error(
-        "sensitive: at a normal pressure angle of {}° the centre distance moves {} times as far as a flank does \
+        "sensitive: at a normal pressure angle of {}° the centre distance moves {gain:.3} times as far as a flank does \
          (1 / (2 tan α_n))",
-        Rounded(*.normal_pressure_angle_deg), Rounded(*.gain)
+        Rounded(*.normal_pressure_angle_deg)
     )]
     Sensitive {
         /// Normal pressure angle α_n, degrees.
@@ -70,7 +69,7 @@ pub enum GeometryWarning {
         gain: f64,
     },
     /// A flank pair leaves contact before the next one enters it.
-    #[error("contact ratio {} is below 1 (transverse {}, overlap {})", Rounded(*.total), Rounded(*.transverse), Rounded(*.overlap))]
+    #[error("contact ratio {total:.4} is below 1 (transverse {transverse:.4}, overlap {overlap:.4})")]
     LowContactRatio {
         /// Transverse contact ratio.
         transverse: f64,

@@ -293,11 +293,7 @@ impl<'a> BatchReport<'a> {
                 notes.push(format!("{name}: no standard deviation, because the sum of the squares is too large"));
             }
         }
-        if self.outcome.interrupted {
-            notes.push("The run is incomplete: it was interrupted, and this is of the rows up to there.".to_owned());
-        } else if self.outcome.is_cut {
-            notes.push("The run is incomplete: a table was not read to its end.".to_owned());
-        }
+        notes.extend(self.outcome.why_incomplete().map(|why| format!("The run is incomplete: {why}.")));
         notes
     }
 }

@@ -207,15 +207,8 @@ fn doubt(name: &str, kind: &'static str, message: String) -> Case {
 
 /// What keeps a run from speaking for all parts.
 fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
-    let incomplete = if outcome.interrupted {
-        Some("the run was interrupted: later parts were not checked")
-    } else if outcome.is_cut {
-        Some("a table was not read to its end: not all parts were checked")
-    } else if outcome.counts.rows == 0 {
-        Some("there were no parts to check")
-    } else {
-        None
-    };
+    let without_parts = || (outcome.counts.rows == 0).then_some("there were no parts to check");
+    let incomplete = outcome.why_incomplete().or_else(without_parts);
     let incomplete = incomplete.map(|why| doubt(COMPLETE, "incomplete", why.to_owned()));
     let unjudged = basis.unjudged_sentence(&outcome.counts);
     let unjudged = unjudged.map(|why| doubt("every limit is judged", "unjudged", why));

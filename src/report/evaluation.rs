@@ -434,10 +434,11 @@ impl Report for EvaluationReport<'_> {
         blocks.extend(self.contribution_table());
         blocks.push(self.combination_table());
         blocks.extend(self.limit_table());
+        // what the result rests on comes before the rules of the decision are said
+        blocks.extend(self.rests_on.iter().cloned().chain(self.evaluation.note_of_unsolved()).map(Block::Remark));
         blocks.extend(self.uncertainty.iter().flat_map(UncertaintyPart::blocks));
         let (rule, is_uncertain) = (&self.evaluation.rule, self.uncertainty.is_some());
         blocks.extend(UncertaintyPart::decision_blocks(rule, &self.evaluation.limits, is_uncertain));
-        blocks.extend(self.rests_on.iter().cloned().chain(self.evaluation.note_of_unsolved()).map(Block::Remark));
         blocks.extend(self.class_notes().map(Block::Note));
         let mesh_notes = self.mesh.iter().flat_map(|mesh| &mesh.notes);
         blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));

@@ -147,7 +147,7 @@ pub(super) fn why_ends_differ(
     combined: Option<Interval>,
     notes: &[Note],
 ) -> Option<String> {
-    let combined = combined?;
+    let combined = combined.filter(|_| !errors.is_empty())?;
     let own = notes.iter().find_map(|note| match note {
         Note::OwnRange(range) | Note::KnownTeeth(range) => Some(*range),
         Note::OwnCurveAt(mm) => Some(Range { lower: *mm, upper: *mm }),

@@ -8,9 +8,12 @@ pub(super) use crate::quantity::{padded, plain, plain_padded, signed, tidy};
 /// The last decimal that columns of mm have.
 pub(super) const SEEN_MM: f64 = 1e-4;
 
+/// The smallest length that the mesh tells from none, mm.
+const NOTHING_MM: f64 = 1e-6;
+
 /// A length in mm for people: signed, to 0.1 µm; a smaller one to 1 nm.
 pub(super) fn millimetres(mm: f64) -> String {
-    signed(mm, 4)
+    signed(if mm.abs() < NOTHING_MM { 0.0 } else { mm }, 4)
 }
 
 /// The magnitude of a length that has no sign, in mm for people.
@@ -88,7 +91,8 @@ mod tests {
             (0.013, "+0.0130"),
             (-0.00006, "-0.0001"),
             (0.00004, "+0.00004"),
-            (-0.000_000_6, "-0.000001"),
+            (-0.000_001_2, "-0.000001"),
+            (-0.000_000_6, "0.0000"),
             (-8.02e-8, "0.0000"),
             (-1e-300, "0.0000"),
             (1e8, "+1.00e8"),

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
 use super::function::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
-use super::number::{millimetres, percent, plain, tidy};
+use super::number::{millimetres, percent, plain, tidy, unsigned};
 use super::{Block, Report, Table, contributions, fact, titled};
 use crate::chance::racks::{
     Bin, CONFIDENCE, Contributions, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
@@ -77,18 +77,22 @@ impl RacksReport<'_> {
         let or_unknown = |text: Option<String>| text.unwrap_or_else(|| "?".to_owned());
         let rows = self.quantities().into_iter().flat_map(|(name, of)| {
             let is_short = matches!(name, "smallest" | "largest");
-            let deviation = or_unknown(of.standard_deviation_mm.map(|mm| format!("{mm:.4}")));
-            let moments = (format!("{}: mean, σ", key_in_words(name)), of.mean_mm, [deviation, String::new()]);
+            // no peak to peak is negative
+            let length = if name == "peak_to_peak" { unsigned } else { millimetres };
+            let title = if name == "mean" { name.to_owned() } else { format!("{}, mean", key_in_words(name)) };
+            let deviation = or_unknown(of.standard_deviation_mm.map(unsigned));
+            let moments = (title, length(of.mean_mm), deviation, [String::new(), String::new()]);
             let shown = of.quantiles.iter().filter(move |quantile| !is_short || FEW.contains(&quantile.share));
             let quantiles = shown.map(move |quantile| {
-                let ends = [quantile.lower_mm, quantile.upper_mm].map(|end| or_unknown(end.map(millimetres)));
-                (format!("  {}", percent(quantile.share)), quantile.value_mm, ends)
+                let ends = [quantile.lower_mm, quantile.upper_mm].map(|end| or_unknown(end.map(length)));
+                (format!("  {}", percent(quantile.share)), length(quantile.value_mm), String::new(), ends)
             });
             std::iter::once(moments).chain(quantiles)
         });
         Table::of(rows)
             .text("ΔCD along the stroke", |(name, ..)| name.clone())
-            .number("value\n[mm]", |(_, value, _)| millimetres(*value))
+            .number("value\n[mm]", |(_, value, ..)| value.clone())
+            .number("σ\n[mm]", |(.., deviation, _)| deviation.clone())
             .number("95 % from\n[mm]", |(.., [from, _])| from.clone())
             .number("to\n[mm]", |(.., [_, to])| to.clone())
             .block()

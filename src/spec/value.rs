@@ -99,6 +99,12 @@ impl Spec {
         self.values.at(key.any.path).and_then(|located| T::of(&located.value))
     }
 
+    /// Whether a setting gives the key, and not the spec's own text.
+    #[must_use]
+    pub fn is_set<T>(&self, key: Key<T>) -> bool {
+        self.place(key).is_some_and(|place| place.start >= self.source.text.len())
+    }
+
     /// The value of a key whose default is zero.
     #[must_use]
     pub fn or_zero<T: KeyType + Default>(&self, key: Key<T>) -> T {

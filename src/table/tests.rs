@@ -38,7 +38,7 @@ fn given(kind: DeviationKind, nominal: Option<DeviationValue>) -> GivenColumn {
 fn read_file(name: &str, bytes: &[u8], want: &Want) -> Result<Read, String> {
     let in_words = |Diagnostics(problems): Diagnostics| {
         let each = |problem: &Diagnostic| {
-            format!("{problem} | {} | {}", problem.list.join("\n"), problem.help.clone().unwrap_or_default())
+            format!("{problem} | {} | {}", problem.message_with_list(), problem.help.clone().unwrap_or_default())
         };
         problems.iter().map(each).collect::<Vec<_>>().join("\n")
     };

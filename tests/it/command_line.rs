@@ -298,6 +298,43 @@ fn a_block_of_more_parts_than_are_shown_is_refused() {
 }
 
 #[test]
+fn a_page_of_measured_parts_is_named_by_their_table_and_by_what_is_set() {
+    const LAYOUT: &str = "[table.columns]\npart_id = \"Teil\"\ninspector = \"Who\"\n\
+                          rack_over_roller = { name = \"M\", unit = \"mm\", nominal = 25 }\n";
+    const REPORT: &str = "[report]\npart = \"0417\"\ninspector = \"Weber\"\norder = \"A-77\"\n";
+    let folder = Folder::new("page-names");
+    let [spec, table, page] = ["spec.toml", "lot.csv", "page.html"].map(|name| folder.path(name));
+    std::fs::write(&spec, format!("{REPORT}[limits]\ncenter_distance = \"±0.05\"\n{LAYOUT}")).unwrap();
+    let line = ["report", &spec, &table, "-o", &page, "--partial"];
+    for rows in ["0419;25.002;Frey\n", "0419;25.002;Frey\n0420;25.001;Frey\n"] {
+        std::fs::write(&table, format!("Teil;M;Who\n{rows}")).unwrap();
+        for (set, has) in [(&[][..], false), (&["--set", "report.part=0417", "--set", "report.inspector=Weber"], true)]
+        {
+            let ended = run(&[&line, set].concat(), "");
+            assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+            let html = std::fs::read_to_string(&page).unwrap();
+            let head = html.split("<pre").next().unwrap();
+            assert_eq!(head.contains("0417") && head.contains("Weber"), has, "{rows}: {head}");
+            assert!(head.contains("0419") && head.contains("A-77"), "{rows}: {head}");
+        }
+    }
+}
+
+#[test]
+fn a_part_that_is_there_twice_is_what_junit_and_the_last_line_say() {
+    let folder = Folder::new("twice");
+    let [spec, table, junit] = ["spec.toml", "lot.csv", "parts.xml"].map(|name| folder.path(name));
+    std::fs::write(&spec, "[limits]\ncenter_distance = \"±0.05\"\n").unwrap();
+    std::fs::write(&table, "part_id,rack_over_roller\nP1,0.01\nP2,0.01\nP1,0.01\n").unwrap();
+    let ended = run(&["batch", &spec, &table, "--junit", &junit, "-f", "csv"], "");
+    assert_eq!((ended.code, ended.stdout.lines().count()), (Some(2), 4), "{}", ended.stderr);
+    assert!(!ended.stderr.contains("ends here"), "every row was read: {}", ended.stderr);
+    assert!(ended.stderr.contains("3 rows: 3 pass, 0 fail, but part `P1` is there twice\n"), "{}", ended.stderr);
+    let report = std::fs::read_to_string(&junit).unwrap();
+    assert!(report.contains("part `P1` is there twice") && !report.contains("not read to its end"), "{report}");
+}
+
+#[test]
 fn decimals_beyond_those_of_a_length_are_zeros() {
     let ended = run(&["calc", "radial", "4um", "--decimals", "30"], "");
     assert_eq!(ended.stdout, format!("0.004{} mm\n", "0".repeat(27)));

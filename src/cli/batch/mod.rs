@@ -267,7 +267,8 @@ impl Args {
                 None => output.report(&report, format)?,
             }
         } else {
-            output.remark(&counted);
+            let not_accepted = outcome.contradiction.iter().map(|why| format!("{counted}, but {why}"));
+            output.remark(&not_accepted.fold(counted.clone(), |_, line| line));
         }
         if let Some(status) = interruption.status().filter(|_| outcome.interrupted) {
             return Ok(status);
@@ -419,8 +420,10 @@ pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Optio
         Err(RunError::Contradiction(contradiction)) => {
             let Contradiction { line, column, message, help } = contradiction;
             let column = if column.is_empty() { column } else { format!(", column `{column}`") };
-            let line = if line == 0 { String::new() } else { format!(", line {line}") };
-            let message = format!("{}{line}{column}: {message}; the run ends here", stream::name(path));
+            // what the whole table says has no line, and the table was read to its end
+            let (line, end) =
+                if line == 0 { (String::new(), "") } else { (format!(", line {line}"), "; the run ends here") };
+            let message = format!("{}{line}{column}: {message}{end}", stream::name(path));
             Ok(Some(Diagnostic::error(Code::BadTable, message).help(help)))
         }
     }

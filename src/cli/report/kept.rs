@@ -70,12 +70,15 @@ impl Detail {
     }
 }
 
-/// The texts of `[report]` about the parts, else those of the table's columns.
-pub(super) fn details(spec: &Spec, columns: &[Detail]) -> Vec<(String, String)> {
+/// What the head of a page says of the parts: by a setting, or else by the columns of the table, or else by the spec's own
+/// `[report]`. Of parts that have names in their table, `[report]` does not name one.
+pub(super) fn details(spec: &Spec, columns: &[Detail], has_names: bool) -> Vec<(String, String)> {
     let detail = |key: Key<String>| {
         let name = key.any.name();
         let column = columns.iter().find(|column| column.key == name && !column.texts.is_empty());
-        Some((name.to_owned(), spec.get(key).or_else(|| column.map(Detail::shown))?))
+        let is_of_table = has_names && name == keys::REPORT_PART.any.name();
+        let written = spec.get(key).filter(|_| spec.is_set(key) || (column.is_none() && !is_of_table));
+        Some((name.to_owned(), written.or_else(|| column.map(Detail::shown))?))
     };
     keys::REPORT_KEYS.into_iter().filter_map(detail).collect()
 }

@@ -28,7 +28,7 @@ impl Proposal {
             list.push(format!("and {more} more"));
         }
         list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
-        list.extend(block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")));
+        let block = block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")).collect();
         let of_columns =
             |open: &&Open| matches!(open, Open::Column { .. } | Open::Characteristic { .. } | Open::Missing { .. });
         let different = || self.open.iter().filter(of_columns);
@@ -48,7 +48,7 @@ impl Proposal {
         });
         let how = "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec";
         let help = std::iter::once(how).chain(others).collect::<Vec<_>>().join("; ");
-        Diagnostic { list: list.into(), ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
+        Diagnostic { list: list.into(), block, ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
     }
 
     /// How the file differs from its contract: `new column "Spindel"`, `column "fp" is gone`.
