@@ -1,4 +1,4 @@
-//! What the parts of a batch are evaluated by and held against, for its reports.
+//! How the parts of a batch are evaluated and judged, for its reports.
 
 use super::grounds::{Assumption, assumptions};
 use super::judged_without;
@@ -10,31 +10,31 @@ use crate::function::YokeJudge;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
 use crate::spec::Spec;
 
-/// What the parts of a batch were evaluated by and held against.
+/// How the parts of a batch were evaluated and judged.
 #[derive(Debug, Default)]
 pub struct Basis {
     /// The model.
     pub model: &'static str,
     /// The combination that is judged; `None` for the exact mesh, which combines nothing.
     pub stack: Option<Stack>,
-    /// How a verdict is reached.
+    /// The decision rule.
     pub rule: Rule,
     /// The limits that are judged.
     pub limits: Limits,
-    /// The limits that something needed is missing for.
+    /// The limits that cannot be judged.
     pub unjudged: Vec<LimitTarget>,
     /// Errors that the spec asks for and the parts were judged without.
     pub without: Vec<DeviationKind>,
     /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
     pub is_all_placed: bool,
-    /// What the yoke is held against, if the spec has one.
+    /// The limits on the yoke, if the spec has one.
     pub yoke: Option<YokeJudge>,
-    /// What verdicts take for granted of what is not known.
+    /// What verdicts assume.
     pub assumes: Vec<Assumption>,
 }
 
 impl Basis {
-    /// Of parts by the formulas.
+    /// The basis of parts by the formulas.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
@@ -50,14 +50,14 @@ impl Basis {
         }
     }
 
-    /// Of parts with their teeth, judged by a rule.
+    /// The basis of parts with their teeth, judged by a rule.
     #[must_use]
     pub fn of_teeth(spec: &Spec, rule: &Rule) -> Self {
         let is_judged = |on: LimitTarget| match on {
             LimitTarget::CenterDistance => true,
             LimitTarget::Error(kind) => spec.every_part.contains(&kind),
         };
-        // what teeth have one by one is no single error
+        // deviations of single teeth are no single error
         let (limits, unjudged): (Limits, Limits) = spec.limits().into_iter().partition(|(on, _)| is_judged(*on));
         Self {
             model: "exact mesh",
@@ -70,7 +70,7 @@ impl Basis {
         }
     }
 
-    /// Which limits are not judged, or of how many parts, if there are such.
+    /// A remark on limits that are not judged, or on how many parts they are not judged.
     pub(crate) fn unjudged_sentence(&self, counts: &Counts) -> Option<String> {
         let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
         if !names.is_empty() {
@@ -102,7 +102,7 @@ impl Basis {
         format!("{by}{}{}{}", self.and_mesh(), rule_words(&self.rule), judged_without(&self.without))
     }
 
-    /// Who judges beside the worst case.
+    /// The method that judges besides the worst case.
     pub(super) const fn and_mesh(&self) -> &'static str {
         if self.is_all_placed { ", or the exact mesh where that does not pass" } else { "" }
     }

@@ -16,7 +16,7 @@ use crate::evaluation::JudgedBy;
 use crate::judge::{LimitTarget, Stack, Verdict};
 use crate::statistics::capability::{FEWEST_PARTS, Gauge, Index, PRELIMINARY_PARTS};
 
-/// A batch's outcome with what it was held against.
+/// A batch's outcome with its basis.
 #[derive(Debug)]
 pub struct BatchReport<'a> {
     title: Option<&'a str>,
@@ -25,7 +25,7 @@ pub struct BatchReport<'a> {
     results: Vec<ResultFact<'a>>,
 }
 
-/// One result over all parts, and how capable the process is of its limits.
+/// One result over all parts, and the capability of the process.
 #[derive(Debug, Serialize)]
 struct ResultFact<'a> {
     name: &'a str,
@@ -37,14 +37,14 @@ struct ResultFact<'a> {
     quantiles: [QuantileFact; QUANTILES.len()],
     limit_lower_mm: Option<f64>,
     limit_upper_mm: Option<f64>,
-    /// Of the end of a range against the limit on its side.
+    /// The capability of the end of a range against the limit on its side.
     #[serde(flatten)]
     capability: Capability,
     #[serde(skip)]
     quantity: &'a Quantity,
 }
 
-/// How capable the process is of both limits on all errors together: the least index of its ends, each against its side.
+/// The capability for both limits on all errors together: the least index of the two ends, each against its side.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 struct WholeCapability {
     cpk: Option<Index>,
@@ -84,11 +84,11 @@ impl<'a> BatchReport<'a> {
         Self { title, basis, outcome, results: outcome.quantities.iter().map(ResultFact::from).collect() }
     }
 
-    /// How many parts there are, and what became of them.
+    /// The number of parts, and of each outcome.
     #[must_use]
     pub fn counts_table(&self) -> Block {
         let rows = self.outcome.counts.rows;
-        // a part in a million that fails is not 0 %, and one that does not is not 100 %
+        // one failing part in a million is not 0 %, and one passing part is not 100 %
         let share = |count: u64| match 100.0 * count as f64 / rows.max(1) as f64 {
             share if count > 0 && share < 0.01 => "< 0.01 %".to_owned(),
             share if count < rows && share > 99.99 => "> 99.99 %".to_owned(),
@@ -104,7 +104,7 @@ impl<'a> BatchReport<'a> {
 
     fn statistics_table(&self) -> Block {
         let mm = |value: Option<f64>| value.map(millimetres);
-        // a statistical sum of what does not scatter has no value
+        // without scatter a statistical sum has no value
         Table::of(self.results.iter().filter(|result| result.mean_mm.is_some()))
             .text("ΔCD", |result| result.shown())
             .number("mean\n[mm]", |result| mm(result.mean_mm))
@@ -142,7 +142,7 @@ impl<'a> BatchReport<'a> {
             .block_if_any()
     }
 
-    /// What measuring does to the spread; `None` where no uncertainty is given.
+    /// The share of measuring in the spread; `None` without uncertainties.
     fn gauge_table(&self) -> Option<Block> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         Table::of(self.results.iter().filter_map(|result| Some((result.shown(), result.capability.gauge?))))
@@ -167,7 +167,7 @@ impl<'a> BatchReport<'a> {
         judged(table, worst).block()
     }
 
-    /// What a page says of how the parts are spread.
+    /// The spread of the parts for a page.
     #[must_use]
     pub fn spread(&self) -> Vec<Block> {
         let mut blocks = vec![self.statistics_table()];

@@ -10,19 +10,19 @@ use crate::batch::{ColumnSink, Outcome, Plan, Quantity, ResultColumn, ResultColu
 use crate::judge::{LimitTarget, Limits};
 use crate::quantity::Length;
 
-/// How results are spread: in pictures where they vary, in a sentence where they do not.
+/// The spread of results: in pictures where they vary, in a sentence where they do not.
 #[derive(Debug, Default)]
 pub struct Histograms {
-    /// Of the end of what is judged that is nearer to its limit.
+    /// The picture of the judged end that is nearer to its limit.
     pub judged: Option<Chart>,
-    /// Of ΔCD of each error, small.
+    /// Small pictures of ΔCD of each error.
     pub errors: Vec<Chart>,
-    /// What all parts have alike.
+    /// Results that are equal for all parts.
     pub level: Vec<String>,
 }
 
 impl Histograms {
-    /// Of the results of a batch.
+    /// The spread of a batch's results.
     #[must_use]
     pub fn of(outcome: &Outcome) -> Self {
         let mut all = Self::default();
@@ -45,17 +45,17 @@ impl Histograms {
     }
 }
 
-/// How many bars show values that reach from the least to the largest: of the width of Freedman and Diaconis, 2 IQR / ∛n.
+/// The number of bars for values from the least to the largest, by the width of Freedman and Diaconis, 2 IQR / ∛n.
 fn bins(statistics: &Statistics, reach: f64) -> usize {
     const MOST: f64 = 40.0;
     let (count, quarters) = (statistics.count() as f64, [0.25, 0.75].map(|share| statistics.quantile_mm(share)));
     let middle = quarters[1].zip(quarters[0]).map_or(0.0, |(upper, lower)| upper - lower);
-    // by Sturges where half of the values are the same
+    // by Sturges where half of the values are equal
     let bins = if middle > 0.0 { reach / (2.0 * middle) * libm::cbrt(count) } else { 1.0 + libm::log2(count) };
     bins.ceil().clamp(1.0, MOST) as usize
 }
 
-/// A picture of a result that varies; of another one a sentence.
+/// A picture of a result that varies, else a sentence.
 fn histogram(Quantity { name, on, limits, statistics, .. }: &Quantity, level: &mut Vec<String>) -> Option<Chart> {
     let of = if matches!(on, Some(LimitTarget::Error(_))) { "ΔCD of " } else { "" };
     let title = format!("{of}{}", result_in_words(name));
@@ -121,7 +121,7 @@ impl ColumnSink for RunChart {
 }
 
 impl RunChart {
-    /// Of the worst case.
+    /// A chart of the worst case.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self { ends: plan.range_columns(), ..Self::default() }
@@ -142,7 +142,7 @@ impl RunChart {
         }
     }
 
-    /// The picture, with the limits on ΔCD; `None` of a part alone.
+    /// The picture, with the limits on ΔCD; `None` for a single part.
     #[must_use]
     pub fn chart(&self, limits: &Limits) -> Option<Chart> {
         if self.groups.len() < 2 {

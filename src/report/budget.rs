@@ -16,20 +16,20 @@ use crate::judge::class::ErrorClass;
 use crate::judge::{Interval, Stack, Verdict};
 use crate::quantity::{Length, LengthUnit};
 
-/// A budget with what it was asked for.
+/// A budget with its request.
 #[derive(Debug)]
 pub struct BudgetReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
     /// The budget.
     pub budget: &'a Budget,
-    /// What was asked for.
+    /// The request.
     pub request: &'a Request,
-    /// What fixed classes came to.
+    /// The permissible values of fixed classes.
     pub classes: &'a [ErrorClass],
     /// For free tolerances, the coarsest grade that stays within them, if a standard is known.
     pub grades: &'a [ErrorClass],
-    /// What the exact mesh reaches with these tolerances on the worst teeth that a search finds, if it was asked.
+    /// The range that the exact mesh reaches with these tolerances on the worst teeth that a search finds, if it was asked for.
     pub reached: Option<Interval>,
     /// Remarks on the result's validity.
     pub notes: Vec<String>,
@@ -37,7 +37,7 @@ pub struct BudgetReport<'a> {
     pub screen: Screen,
 }
 
-/// What a quantity is called.
+/// The name of a quantity.
 fn input_name(input: Influence) -> String {
     let gear = match input {
         Influence::NormalPressureAngle => domain::NORMAL_PRESSURE_ANGLE,
@@ -64,7 +64,7 @@ impl SensitivityFact {
     }
 }
 
-/// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them; without those that are not known of one error.
+/// The sum of ∂ΔCD/∂input over the errors, as the worst case adds them; `None` if it is not known for one of them.
 fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
     let mut all: Vec<SensitivityFact> = Vec::new();
     for line in &budget.lines {
@@ -75,7 +75,7 @@ fn sensitivities(budget: &Budget) -> Vec<SensitivityFact> {
             }
         }
     }
-    // where the errors' parts cancel, what is left is that of ΔCD kept to 1e-12 mm
+    // where the errors' parts cancel, the rest is rounding of ΔCD to 1e-12 mm
     all.retain(|sum| sum.value.is_some_and(|value| value.abs() > 1e-9));
     all
 }
@@ -100,7 +100,7 @@ impl Swing {
 }
 
 impl BudgetReport<'_> {
-    /// What the errors may make, widest first.
+    /// The ΔCD that the errors may make, widest first.
     fn swings(&self) -> Vec<Swing> {
         let mut swings: Vec<_> = self.budget.lines.iter().map(Swing::of).collect();
         swings.sort_by(|a, b| b.width_mm().total_cmp(&a.width_mm()));
@@ -140,7 +140,7 @@ impl BudgetReport<'_> {
         }
     }
 
-    /// What the free tolerances add up to, in words.
+    /// The sum of the free tolerances, in words.
     fn sentence(&self) -> String {
         let budget = self.budget;
         match (&self.request.rule, budget.conforming) {
@@ -161,12 +161,12 @@ impl BudgetReport<'_> {
         }
     }
 
-    /// What the budget takes for granted of what is not known.
+    /// What the budget assumes.
     fn assumptions(&self) -> Vec<Assumption> {
         assumptions(&self.budget.notes, true, &[])
     }
 
-    /// What the mesh makes of the tolerances, beside their bound.
+    /// The range of the tolerances in the mesh, beside their bound.
     fn reached_text(&self) -> Option<String> {
         let (reached, bound) = (self.reached?, self.budget.combined.range.ok()?);
         let (reached, bound) = (interval_text(&reached), interval_text(&bound));
@@ -195,7 +195,7 @@ impl BudgetReport<'_> {
         format!("the fixed tolerances take more than the limit: {}; {}", names.join(", "), self.sentence())
     }
 
-    /// What was simulated, for programs.
+    /// The simulation, for programs.
     fn simulation_fact(&self) -> Value {
         match self.request.rule {
             Summation::Simulation(settings) => json!({
@@ -243,7 +243,7 @@ fn tolerance_text(line: &Line) -> String {
     if ends.nearer.is_some() {
         return deviation_text(line.error.value(), Some(ends.base()));
     }
-    // cut, not rounded: what is printed meets the limit
+    // cut, not rounded: printed tolerances meet the limit
     match line.error.value() {
         DeviationValue::Length(length) => {
             format!("±{} µm", truncated(length.abs().in_unit(LengthUnit::Micrometre), 3))
@@ -255,7 +255,7 @@ fn tolerance_text(line: &Line) -> String {
 /// Assemblies outside the limit from which their share is known to about a tenth.
 const FEWEST_SEEN: f64 = 100.0;
 
-/// A fraction in percent; nearly all is not shown as all.
+/// A fraction in percent; below 1 it is never shown as 100 %.
 fn percent(fraction: f64) -> f64 {
     (fraction * 1e12).round() / 1e10
 }

@@ -15,36 +15,36 @@ use crate::quantity::{Angle, Length, Unit, plain, tidy};
 pub struct Calculation {
     /// The formula, as `explain` knows it.
     pub formula: &'static FormulaPage,
-    /// What was computed, by the chosen model if there is a choice.
+    /// The result, by the chosen model if there is a choice.
     pub result: DeviationValue,
-    /// The chosen model; `None` if the formula has one reading only.
+    /// The chosen model; `None` if both models agree.
     pub model: Option<Model>,
-    /// What the other model gives.
+    /// The result of the other model.
     pub other: Option<DeviationValue>,
     /// The unit of the result.
     pub unit: ResultUnit,
-    /// Decimals of what is printed; `None` for all of them, and at least six.
+    /// Printed decimals; `None` for all of them, and at least six.
     pub decimals: Option<usize>,
     /// Whether the result is the largest value allowed, so that it must not be rounded up.
     pub is_bound: bool,
-    /// What the error can do wherever it is, or how large it may be there.
+    /// The worst case of the error, or the largest error by it.
     pub worst_case: Option<WorstCase>,
     /// Remarks on the result's validity.
     pub notes: Vec<String>,
 }
 
-/// What an error can do wherever it is, of a pair of which nothing is known but what its formula needs.
+/// The worst case of an error for a pair of which only the inputs of the formula are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstCase {
     /// The kind of error.
     pub kind: DeviationKind,
     /// On which teeth it is.
     pub extent: Extent,
-    /// What that comes to.
+    /// The result.
     pub result: Result<WorstCaseResult, NoBound>,
 }
 
-/// What is asked of a worst case.
+/// The question to a worst case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WorstCaseResult {
     /// The lowest and the highest ΔCD of an error.
@@ -82,7 +82,7 @@ impl ResultUnit {
     }
 }
 
-/// What a bound of one formula rests on, in words; `None` for what only the spec of a pair can say.
+/// What a bound of one formula assumes, in words; `None` for remarks that only apply to the spec of a pair.
 #[must_use]
 pub fn formula_note(note: &Note) -> Option<String> {
     Some(match note {
@@ -113,7 +113,7 @@ impl Calculation {
         match (value, self.unit.unit) {
             (DeviationValue::Length(length), Unit::Length(unit)) => length.in_unit(unit),
             (DeviationValue::Angle(angle), Unit::Angle(unit)) => angle.in_unit(unit),
-            // a result has the dimension of its unit
+            // the dimension of a result is that of its unit
             (value, _) => value.base(),
         }
     }
@@ -129,7 +129,7 @@ impl Calculation {
         format!("{text} {}", self.unit.spelling)
     }
 
-    /// Both ends in the unit of the result, or one where they are the same.
+    /// Both ends in the unit of the result, or one if they are equal.
     fn range_text(&self, Interval { lower, upper }: Interval) -> String {
         let end = |end: Length| {
             let text = self.value_text(end.into());
@@ -146,7 +146,7 @@ impl Calculation {
         }
     }
 
-    /// What the error can do, or how large it may be, and on which teeth; `None` of a formula that is of no error.
+    /// The worst case of the error, or the largest error by it, and on which teeth; `None` for a formula without an error.
     #[must_use]
     pub fn worst_case_remark(&self) -> Option<String> {
         let worst_case = self.worst_case?;
@@ -157,7 +157,7 @@ impl Calculation {
         })
     }
 
-    /// Whether the worst case is more than the value itself, or leaves less of it.
+    /// Whether the worst case is more than the value, or allows less than it.
     #[must_use]
     pub fn is_worse(&self) -> bool {
         let is_alone = |result| match result {
@@ -175,7 +175,7 @@ impl Calculation {
         self.value_text(self.result)
     }
 
-    /// Which model the number is of, and what the other gives; `None` if there is one reading only.
+    /// The model of the number, and the other model's result; `None` if both models agree.
     #[must_use]
     pub fn model_remark(&self) -> Option<String> {
         let (model, other) = (self.model?, self.other?);

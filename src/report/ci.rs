@@ -1,4 +1,4 @@
-//! A batch as pipelines show it: a JUnit report, and annotations of GitHub Actions.
+//! A batch for pipelines: a JUnit report, and annotations of GitHub Actions.
 
 use std::fmt::Write as _;
 use std::io::{self, Read, Seek, Write};
@@ -14,7 +14,7 @@ use crate::judge::Verdict;
 /// Annotations that a page shows of one step.
 pub const ANNOTATIONS_SHOWN: usize = 10;
 
-/// What is wrong with a part, and what came out for it.
+/// Why a part does not pass, with its result.
 fn sentence(part: &Part) -> String {
     let why = part.reason.clone().unwrap_or_default();
     let (lower, upper) = part.result_mm;
@@ -22,17 +22,17 @@ fn sentence(part: &Part) -> String {
     format!("{why}: {result} mm")
 }
 
-/// A JUnit report: a test case for each part and for each row that makes none, as they come, so that memory does not
-/// depend on how many there are. What keeps the run from speaking for all parts is an error of its own. File and line stand
-/// in the class name and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
+/// A JUnit report: a test case for each part and for each rejected row, written one by one, so that memory does not depend on
+/// their number. A reason why the run does not cover all parts is a test case with an error. File and line stand in the class
+/// name and the text: pipelines that check the form (Jenkins, xUnit plugin) refuse attributes for them.
 pub struct Junit<F> {
     /// The test cases so far.
     cases: F,
-    /// What the report is called where these cannot be kept.
+    /// The name of the report where the test cases cannot be kept.
     name: String,
     counts: CaseCounts,
     begun: Instant,
-    /// When the last cases came.
+    /// The time of the last cases.
     last: Instant,
 }
 
@@ -94,7 +94,7 @@ impl<F: Read + Write + Seek> Junit<F> {
         Self { cases, name, counts: CaseCounts::default(), begun: Instant::now(), last: Instant::now() }
     }
 
-    /// Writes the report of a run that came to this.
+    /// Writes the report of a run with this outcome.
     ///
     /// # Errors
     /// If it cannot be written, or the test cases cannot be read back.
@@ -129,19 +129,19 @@ impl<F: Read + Write + Seek> Junit<F> {
     }
 }
 
-/// What a suite is called that has no title.
+/// The name of a suite without a title.
 const BATCH: &str = "rackmesh batch";
 /// The end of every report.
 const ENDED: &str = "</testsuite>\n</testsuites>\n";
 
-/// The JUnit report of a batch that has no outcome, and why it has none: an error.
+/// The JUnit report of a batch without an outcome: an error with the reason.
 #[must_use]
 pub fn junit_of_failure(why: &str) -> String {
     let case = doubt(COMPLETE, "incomplete", why.to_owned());
     CaseCounts { tests: 1, errors: 1, ..CaseCounts::default() }.begun(BATCH, 0.0) + &case.xml(0.0) + ENDED
 }
 
-/// The test case that every part was looked at.
+/// The test case that every part was checked.
 const COMPLETE: &str = "the run is complete";
 
 /// A test case.
@@ -205,7 +205,7 @@ fn doubt(name: &str, kind: &'static str, message: String) -> Case {
     Case { class: "run".to_owned(), name: name.to_owned(), tag: Some("error"), kind, message, place: None }
 }
 
-/// What keeps a run from speaking for all parts.
+/// Why a run does not cover all parts.
 fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     let without_parts = || (outcome.counts.rows == 0).then_some("there were no parts to check");
     let incomplete = outcome.why_incomplete().or_else(without_parts);
@@ -220,8 +220,8 @@ fn escaped(text: &str) -> String {
     escape(text).replace('\n', "&#10;")
 }
 
-/// The batch as workflow commands of GitHub Actions: what keeps it from speaking for all parts, the first parts that did
-/// not pass, the first rejected rows, and the counts.
+/// The batch as workflow commands of GitHub Actions: why it does not cover all parts, the first parts that do not pass, the
+/// first rejected rows, and the counts.
 #[must_use]
 pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     let mut text = String::new();

@@ -89,7 +89,7 @@ fn rounded(mm: f64) -> f64 {
     if rounded.is_finite() { rounded } else { mm }
 }
 
-/// One permissible value and what it does.
+/// One permissible value and its ΔCD.
 #[derive(Debug, Clone)]
 pub struct ClassRow {
     /// The value.
@@ -423,7 +423,7 @@ impl Report for GradeSearchReport {
     }
 }
 
-/// What a class came to, for programs.
+/// A resolved class, for programs.
 pub(super) fn class_fact(ErrorClass { permissible, diameter, .. }: &ErrorClass) -> Value {
     json!({
         "standard": permissible.standard.id(),

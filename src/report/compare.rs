@@ -1,4 +1,4 @@
-//! Specs side by side: what differs in them, and what that does to the results. Called by `compare`.
+//! Specs side by side: their differences, and the effect on the results, for `compare`.
 
 use serde_json::{Value, json};
 
@@ -11,7 +11,7 @@ use crate::judge::Verdict;
 /// A spec that is compared.
 #[derive(Debug, Default)]
 pub struct ComparedSpec {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Its title.
     pub title: Option<String>,
@@ -23,7 +23,7 @@ pub struct ComparedSpec {
     pub curve: Vec<(f64, f64)>,
     /// Its limits of ΔCD, mm.
     pub limits: Vec<f64>,
-    /// What is outside its limits.
+    /// Its verdict on the limits.
     pub outside: Vec<String>,
     /// The exit status by itself.
     pub exit_status: u8,
@@ -35,10 +35,10 @@ pub struct ComparedSpec {
 #[derive(Debug)]
 pub struct CompareReport<'a>(pub &'a [ComparedSpec]);
 
-/// What each spec has under a name, `None` where that is nothing.
+/// The entry of each spec under a name; `None` if it has none.
 type Line<'a, T> = (&'a str, Vec<Option<&'a T>>);
 
-/// The names that any list has, each where the lists have it, with what stands under it in each.
+/// All names of the lists in their order, with the entry of each list.
 fn merged<'a, T>(lists: &[&'a [(String, T)]]) -> Vec<Line<'a, T>> {
     let mut names: Vec<&str> = Vec::new();
     for list in lists {
@@ -64,7 +64,7 @@ fn change(values: &[Option<&Value>], index: usize) -> Option<f64> {
 }
 
 impl<'a> CompareReport<'a> {
-    /// The keys that are not the same in all specs; titles and what pages say of a part are left out.
+    /// The keys that differ between the specs, without titles and `[report]`.
     fn differences(&self) -> Vec<Line<'a, String>> {
         let keys: Vec<_> = self.0.iter().map(|spec| spec.keys.as_slice()).collect();
         let mut differences = merged(&keys);
@@ -82,7 +82,7 @@ impl<'a> CompareReport<'a> {
         results
     }
 
-    /// What a spec is called in a heading: the name of its file, unless another has that, too.
+    /// The name of a spec in a heading: its file name, if that is unique.
     fn short_name(&self, spec: &'a ComparedSpec) -> &'a str {
         let file = |spec: &'a ComparedSpec| spec.name.rsplit(['/', '\\']).next().unwrap_or(&spec.name);
         let same = self.0.iter().filter(|other| file(other) == file(spec)).count();
@@ -120,7 +120,7 @@ impl<'a> CompareReport<'a> {
         Chart::along_the_stroke(&title, layers.collect())
     }
 
-    /// What came of a spec, in a sentence.
+    /// The outcome of a spec, in a sentence.
     fn verdict(&self, spec: &'a ComparedSpec) -> Block {
         let result = |name: &str| spec.results.iter().find(|(own, _)| own == name).map(|(_, value)| value);
         let verdict = result("verdict").and_then(Value::as_str);

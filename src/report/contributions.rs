@@ -61,11 +61,11 @@ pub(super) fn rows(of: &Contributions, seed: u64) -> Vec<Vec<String>> {
     fact::rows(&json(of, seed), "indices", names)
 }
 
-/// Its table and what it rests on.
+/// The table with its remarks.
 #[must_use]
 pub fn blocks(of: &Contributions) -> Vec<Block> {
     let mut last = "";
-    // what is the same as above is left out
+    // a value equal to the one above is left out
     let quantities = of
         .indices
         .iter()
@@ -82,7 +82,7 @@ pub fn blocks(of: &Contributions) -> Vec<Block> {
     vec![table, Block::Remark(note(of))]
 }
 
-/// What the shares are, and how they were found.
+/// The definition of the shares, and how they were computed.
 fn note(of: &Contributions) -> String {
     let Contributions { samples, asked, racks, .. } = of;
     let early =

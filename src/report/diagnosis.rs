@@ -33,7 +33,7 @@ pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
     found.collect()
 }
 
-/// How it was found, and what the curve cannot tell.
+/// How the errors were found, and what the curve cannot tell.
 pub(super) fn json(diagnosis: &Diagnosis, is_fitted: bool) -> Value {
     json!({
         "noise_mm": tidy(diagnosis.noise_mm),

@@ -22,21 +22,21 @@ use crate::quantity::Length;
 pub struct EvaluationReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
-    /// What was computed.
+    /// The results.
     pub evaluation: Evaluation,
-    /// What the bound rests on.
+    /// What the bound assumes.
     pub rests_on: Vec<String>,
-    /// Remarks on the results' validity besides.
+    /// Further remarks on the results' validity.
     pub notes: Vec<String>,
     /// The exact mesh over a stroke, where it was asked for.
     pub mesh: Option<MeshPart>,
-    /// What is known of the yoke, if the spec has one.
+    /// The results for the yoke, if the spec has one.
     pub yoke: Option<YokeSection>,
-    /// What errors given as classes came to.
+    /// The permissible values of errors given as classes.
     pub classes: Vec<ErrorClass>,
     /// The uncertainty of the results, where uncertainties are given.
     pub uncertainty: Option<UncertaintyPart>,
-    /// Errors that the spec asks for and the part was judged without.
+    /// Errors that the spec asks for and without which the part was judged.
     pub without: Vec<DeviationKind>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> EvaluationReport<'a> {
         }
     }
 
-    /// What came of the limits on what a yoke does.
+    /// The outcome of the limits on a yoke.
     fn checks(&self) -> &[Check] {
         self.yoke.as_ref().map_or(&[], YokeSection::checks)
     }
@@ -84,7 +84,7 @@ impl<'a> EvaluationReport<'a> {
         self.evaluation.verdict_with(self.checks()).map(Verdict::name)
     }
 
-    /// Why it is open, or what errors do not reach.
+    /// Why the verdict is open, or that the errors do not reach the limit.
     fn reason(&self) -> Option<String> {
         let beyond = || self.evaluation.limits.iter().find_map(|check| beyond_reach(check, &self.evaluation));
         self.evaluation.open_with(self.checks()).or_else(beyond)
@@ -94,7 +94,7 @@ impl<'a> EvaluationReport<'a> {
         self.classes.iter().find(|class| class.kind == kind)
     }
 
-    /// What errors given as classes came to, in words.
+    /// The permissible values of errors given as classes, in words.
     fn class_notes(&self) -> impl Iterator<Item = String> + '_ {
         self.classes.iter().map(|class| format!("class: {}", class.in_words()))
     }
@@ -105,7 +105,7 @@ impl<'a> EvaluationReport<'a> {
         notes.chain(self.notes.iter().cloned()).collect()
     }
 
-    /// What programs read of each error.
+    /// Each error, for programs.
     fn contributions(&self) -> impl Iterator<Item = Value> + '_ {
         let model = self.evaluation.model;
         self.evaluation.contributions.iter().map(move |c| {
@@ -137,7 +137,7 @@ impl<'a> EvaluationReport<'a> {
     fn contribution_table(&self) -> Option<Block> {
         let evaluation = &self.evaluation;
         let (model, other) = (evaluation.model, evaluation.model.other());
-        // a permissible deviation has no sign, and ΔCD has one only where it can push one way
+        // a permissible deviation has no sign, and its ΔCD has one only where it can push one way only
         let either_way = |text: String, is: bool| if is { text.replacen('+', "±", 1) } else { text };
         let is_unsigned = |c: &Contribution| {
             c.two_ends().is_none() && (c.tolerance.is_some() || matches!(c.extent, Extent::Each | Extent::Total))
@@ -159,7 +159,7 @@ impl<'a> EvaluationReport<'a> {
             .block_if_any()
     }
 
-    /// What the exact mesh makes of errors of which nothing is left to place.
+    /// The exact mesh of errors of which nothing is left to place.
     fn beside_the_bound(&self) -> Option<Interval> {
         let Evaluation { judged, judged_by, contributions, .. } = &self.evaluation;
         judged.ok().filter(|_| *judged_by == JudgedBy::Mesh && !contributions.is_empty())
@@ -167,12 +167,12 @@ impl<'a> EvaluationReport<'a> {
 
     fn combination_table(&self) -> Block {
         let combined = &self.evaluation.combined;
-        // without errors known teeth are all that there is
+        // without errors only known teeth count
         let by_mesh = self.evaluation.judged_by == JudgedBy::Mesh;
         let is_mesh_alone = by_mesh && self.evaluation.contributions.is_empty();
         let ends = |interval: &Interval| [interval.lower, interval.upper].map(|end| millimetres(end.mm()));
         let open = || ["open"; 2].map(str::to_owned);
-        // known teeth leave nothing to statistics
+        // known teeth do not scatter
         let shown = Stack::ALL
             .into_iter()
             .filter(|stack| !by_mesh && combined.judged(*stack) == *stack || *stack == Stack::Range);
@@ -201,7 +201,7 @@ impl<'a> EvaluationReport<'a> {
             .block()
     }
 
-    /// The stack: from where to where each error moves ΔCD, what they come to together, and the limits on that.
+    /// The stack: the range of each error, their combination, and its limits.
     #[must_use]
     pub fn chart(&self) -> Chart {
         let Evaluation { contributions, combined, reached, limits, .. } = &self.evaluation;
@@ -277,9 +277,9 @@ impl<'a> EvaluationReport<'a> {
     }
 }
 
-/// What the exact mesh judges.
+/// The assumption where the exact mesh judges.
 const OF_KNOWN_TEETH: &str = "the exact mesh of the known teeth, all strokes at which they can carry";
-/// Where errors are when it is said what they reach.
+/// The places of errors for the range that they reach.
 pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth that a search finds";
 
 fn unjudged_text(unjudged: Unjudged) -> &'static str {
@@ -290,7 +290,7 @@ fn unjudged_text(unjudged: Unjudged) -> &'static str {
     }
 }
 
-/// Which end of the limit is broken and by how much, however little that is.
+/// Which end of the limit is broken and by how much.
 pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     let what = subject(check.on, stack);
     let Ok(result) = check.result else { return what };
@@ -299,14 +299,14 @@ pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
     format!("{what}: {}", parts.join(", and "))
 }
 
-/// Of a failed limit on the combination that no placement found reaches: how far they come.
+/// For a failed limit on the combination that no placement reaches: how far the placements come.
 fn beyond_reach(check: &LimitCheck, evaluation: &Evaluation) -> Option<String> {
     let failed = check.verdict == Some(Verdict::Fail) && check.on == LimitTarget::CenterDistance;
     let reached = evaluation.reached.filter(|reached| failed && check.limit.judge(*reached) == Verdict::Pass)?;
     Some(format!("no placement found goes that far, the worst ones reach {} mm", interval_text(&reached)))
 }
 
-/// What came of a limit, for programs.
+/// The outcome of a limit, for programs.
 fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
     let result = check.result.ok();
     json!({
@@ -327,7 +327,7 @@ const COLUMNS: &str = "kind name extent deviation_mm deviation_deg delta_cd_mm d
                        limit_lower_mm=limit/lower_mm limit_upper_mm=limit/upper_mm verdict=limit/verdict \
                        standard=class/standard grade=class/grade diameter_mm=class/diameter_mm reason=limit/reason";
 
-/// What a row of CSV is made of, with what it is of.
+/// The content of a row of CSV, with its kind.
 fn record(kind: &str, name: impl Into<Value>, mut fact: Value) -> Value {
     fact["kind"] = kind.into();
     fact["name"] = name.into();

@@ -1,4 +1,4 @@
-//! Facts as programs read them: what serialises becomes a document of JSON, and rows of CSV are columns of its records.
+//! Facts for programs: serialised values become a document of JSON, and rows of CSV are columns of its records.
 
 use serde_json::{Map, Value};
 
@@ -32,8 +32,8 @@ pub(super) fn rows(result: &Value, records: &str, names: &str) -> Vec<Vec<String
     std::iter::once(header).chain(records.map(row)).collect()
 }
 
-/// What stands at a place of a result, such as `contributions/rack_pitch/delta_cd_mm`: an element of a list is called by the
-/// first text in it.
+/// The value at a place of a result, such as `contributions/rack_pitch/delta_cd_mm`: an element of a list is called by its first
+/// text.
 #[cfg(feature = "cli")]
 pub(crate) fn at<'v>(result: &'v Value, place: &str) -> Option<&'v Value> {
     place.split('/').try_fold(result, |value, name| match value {
@@ -42,13 +42,13 @@ pub(crate) fn at<'v>(result: &'v Value, place: &str) -> Option<&'v Value> {
     })
 }
 
-/// What an element of a list is called: the first text in it.
+/// The name of an element of a list: its first text.
 #[cfg(feature = "cli")]
 pub(crate) fn element_name(element: &Value) -> Option<&str> {
     element.as_object()?.values().find_map(Value::as_str)
 }
 
-/// A value as the text of a cell: nothing where it is null.
+/// A value as the text of a cell; empty for null.
 fn cell(value: &Value) -> String {
     match value {
         Value::Null => String::new(),

@@ -1,5 +1,5 @@
-//! A pair's geometry, to be held against its drawings: a wrong sign of a helix angle shows in the hands and the shaft
-//! angle. Part of the report of `mesh`.
+//! A pair's geometry, for comparison with its drawings: a wrong sign of a helix angle shows in the hands and the shaft angle. Part
+//! of the report of `mesh`.
 
 use serde_json::{Value, json};
 

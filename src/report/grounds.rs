@@ -1,4 +1,4 @@
-//! What verdicts take for granted and what a bound rests on, in words.
+//! The assumptions of verdicts and bounds, in words.
 
 use super::number::{SEEN_MM, ends, plain, tidy};
 use crate::evaluation::Evaluation;
@@ -7,7 +7,7 @@ use crate::judge::{Interval, LimitTarget};
 use crate::quantity::Length;
 use crate::uncertainty::Unstated;
 
-/// What a pass takes for granted. In facts it is its text.
+/// An assumption of a pass; facts have its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Assumption {
     text: String,
@@ -21,7 +21,7 @@ impl serde::Serialize for Assumption {
     }
 }
 
-/// What verdicts take for granted of what is not known, a clause each; that of the error-free pair where the sum is judged.
+/// The assumptions of verdicts, a clause each; that of the error-free pair where the sum is judged.
 #[must_use]
 pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -> Vec<Assumption> {
     let clause = |note: &Note| match note {
@@ -37,7 +37,7 @@ pub fn assumptions(notes: &[Note], sum_is_judged: bool, unstated: &[Unstated]) -
     known.chain(unstated).map(|(text, is_default)| Assumption { text, is_default }).collect()
 }
 
-/// What a verdict takes for granted where nothing is stated.
+/// An assumption of a verdict where nothing is stated.
 #[must_use]
 pub const fn unstated(what: Unstated) -> &'static str {
     match what {
@@ -58,7 +58,7 @@ pub(super) fn assumptions_of(evaluation: &Evaluation) -> Vec<Assumption> {
     assumptions(&evaluation.notes, sum_is_judged, &evaluation.unstated)
 }
 
-/// What a pass takes for granted, as part of its sentence.
+/// The assumptions of a pass, as part of its sentence.
 pub(super) fn assumed(assumptions: &[Assumption]) -> String {
     let shown = assumptions.iter().filter(|assumption| !assumption.is_default);
     match shown.map(|assumption| assumption.text.as_str()).collect::<Vec<_>>().as_slice() {
@@ -68,7 +68,7 @@ pub(super) fn assumed(assumptions: &[Assumption]) -> String {
     }
 }
 
-/// What a bound rests on, a remark each, the most important one first; what would narrow it is one remark.
+/// The assumptions of a bound, a remark each, the most important first; the keys that would narrow it are one remark.
 #[must_use]
 pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
     let rank = |note: &&Note| match note {
@@ -85,7 +85,7 @@ pub fn bound_remarks(notes: &[Note], missing: &[&str]) -> Vec<String> {
     ranked.chunk_by(are_one).map(in_words).collect()
 }
 
-/// What a bound rests on, in words; the keys of the pair's geometry that are `missing` are named.
+/// The assumptions of a bound, in words; with the `missing` keys of the pair's geometry.
 #[must_use]
 pub fn bound_note(note: &Note, missing: &[&str]) -> String {
     match note {

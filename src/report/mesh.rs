@@ -24,7 +24,7 @@ use crate::quantity::{Length, Rounded};
 pub struct MeshReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
-    /// What was solved.
+    /// The solved mesh.
     pub mesh: &'a Mesh,
     /// The nominal measure M over the pin, if the spec has what it takes.
     pub over_pin: Option<Length>,
@@ -32,14 +32,14 @@ pub struct MeshReport<'a> {
     pub curve: Curve,
     /// Strokes to list in tables.
     pub listed: Vec<ListedPoint>,
-    /// What the formulas say about the same deviations.
+    /// The same deviations by the formulas.
     pub prediction: Prediction,
     /// The limit of the combined ΔCD.
     pub limit: Option<&'a Limit>,
-    /// What is held against the limits, over all strokes at which a deviated tooth can carry or wherever errors are, and what
-    /// came of it.
+    /// The range that the limits judge, over all strokes at which a deviated tooth can carry or wherever errors are, and its
+    /// verdicts.
     pub evaluation: Evaluation,
-    /// What a yoke does over the stroke, if the spec has one.
+    /// The yoke over the stroke, if the spec has one.
     pub yoke: Option<YokeSection>,
     /// A measured curve, if there is one.
     pub measured: Option<TracePart>,
@@ -62,7 +62,7 @@ impl MeshReport<'_> {
         Some(format!("ΔCD is {} mm at every stroke from {from} to {to} mm.", millimetres(summary.mean_mm)))
     }
 
-    /// The picture of the curve, with what it is held against.
+    /// The picture of the curve, with its limits.
     #[must_use]
     pub fn chart(&self) -> Chart {
         if let Some(measured) = &self.measured {
@@ -109,12 +109,12 @@ impl MeshReport<'_> {
         Some(Layer::new(&text, Shape::Marks(vec![mark])))
     }
 
-    /// What came of the limits on what a yoke does.
+    /// The outcome of the limits on a yoke.
     fn checks(&self) -> &[Check] {
         self.yoke.as_ref().map_or(&[], YokeSection::checks)
     }
 
-    /// What a yoke does on the curve, where that is known.
+    /// The yoke's figures on the curve, where they are known.
     #[must_use]
     pub fn function(&self) -> Option<&FunctionPart> {
         self.yoke.as_ref()?.known()
@@ -136,7 +136,7 @@ impl MeshReport<'_> {
     }
 }
 
-/// What came of each limit, in a sentence.
+/// The outcome of each limit, in a sentence.
 pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
     let Evaluation { stack, rule, judged_by, .. } = evaluation;
     let assumed = assumed(&assumptions_of(evaluation));
@@ -189,7 +189,7 @@ fn summary_table(summary: &Summary) -> Block {
         .block()
 }
 
-/// What the formulas say, and the mesh beside it.
+/// The range of the formulas, with that of the mesh.
 fn comparison_table(summary: &Summary, prediction: &Prediction) -> Block {
     let (lower, upper) = prediction.range_mm();
     let together = [("formulas, together", lower, upper), ("exact mesh", summary.min_mm, summary.max_mm)];
@@ -382,7 +382,7 @@ impl Report for MeasureReport {
     }
 
     fn rows(&self) -> Vec<Vec<String>> {
-        // a table of measured teeth has the deviation of the radius, and not the radius
+        // a table of measured teeth has the deviation of the radius, not the radius
         let columns: Vec<_> = self.columns.iter().copied().filter(|name| *name != "radius_mm").collect();
         fact::rows(&self.json(), "rows", &columns.join(" "))
     }

@@ -10,13 +10,13 @@ use super::{Block, Table, function};
 use crate::function::AtStroke;
 use crate::mesh::{Carrier, Ending, LARGEST_ROLL_RAD, MeshError, MeshPoint};
 
-/// A stroke with its solution, or why there is none.
+/// A stroke with its solution, or why it has none.
 pub type ListedPoint = (f64, Result<MeshPoint, MeshError>);
 
 pub(super) const COLUMNS: &str =
     "stroke_mm delta_cd_mm center_distance_mm pinion_angle_deg right_tooth left_tooth right_contact left_contact";
 
-/// What a list of points amounts to as far as it can be trusted.
+/// How far a list of points can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Trust {
     /// Strokes that did not converge, those solved to [`SOLVED_MM`](crate::mesh::SOLVED_MM) apart.
@@ -50,7 +50,7 @@ impl Trust {
         points.into_iter().fold(Self::default(), |trust, (_, point)| trust.and(Self::of_point(point.as_ref())))
     }
 
-    /// What there is to say of strokes that did not converge.
+    /// Remarks on strokes that did not converge.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let strokes = |count: usize| if count == 1 { "1 stroke".to_owned() } else { format!("{count} strokes") };
@@ -90,7 +90,7 @@ impl Trust {
     }
 }
 
-/// What a yoke does at each of some strokes, if there is one.
+/// The yoke's figures at each of some strokes, if there is one.
 pub type AtListed<'a> = Option<&'a [Option<AtStroke>]>;
 
 /// The columns of a list of strokes.
@@ -140,7 +140,7 @@ fn numbers(point: &MeshPoint) -> [f64; 3] {
     [point.delta_cd_mm, point.center_distance_mm, point.pinion_angle_rad.to_degrees()].map(tidy)
 }
 
-/// A point, with what a yoke does there if there is one.
+/// A point, with the figures of a yoke if there is one.
 pub(super) fn json_point(stroke: f64, point: Option<&MeshPoint>, yoke: Option<&AtStroke>) -> Value {
     let Some(point) = point else { return json!({ "stroke_mm": stroke, "delta_cd_mm": null }) };
     let [delta, center, angle] = numbers(point);

@@ -1,8 +1,7 @@
-//! Results as people and programs read them.
+//! Results for people and programs.
 //!
-//! A result says once what it holds ([`Report`]): its JSON, its rows for CSV, and its blocks of text and
-//! tables. One writer per format turns that into text ([`write`](fn@write)). The command line prints
-//! what comes out; nothing here computes a result.
+//! A result describes itself once ([`Report`]): its JSON, its rows for CSV, and its blocks of text and tables. One writer per
+//! format turns that into text ([`write`](fn@write)), which the command line prints; nothing here computes a result.
 //!
 //! JSON and CSV are for programs: keys carry their unit, numbers are the shortest text that reads back
 //! as the same double, and what could not be computed is `null` or an empty field. Tables and Markdown
@@ -101,7 +100,7 @@ use serde_json::Value;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{harmless, harmless_lines, is_formula};
 
-/// Adds texts to a list: those that are not there.
+/// Adds the texts that a list does not have.
 #[cfg(feature = "batch")]
 pub(crate) fn add_new(all: &mut Vec<String>, more: impl IntoIterator<Item = String>) {
     for one in more {
@@ -135,11 +134,11 @@ pub struct Screen {
     pub width: Option<u16>,
     /// Whether to use colours.
     pub color: bool,
-    /// Whether it only prints line after line of plain text, so that nothing is drawn on it.
+    /// Whether it only prints lines of plain text, so that nothing can be drawn.
     pub is_dumb: bool,
     /// Whether remarks are left out.
     pub is_quiet: bool,
-    /// Whether a table comes with all remarks, and not only with the first ones.
+    /// Whether a table comes with all remarks, not only the first ones.
     pub shows_all_remarks: bool,
     /// Whether a text in CSV that a spreadsheet would compute gets an apostrophe.
     pub safe_csv: bool,
@@ -164,7 +163,7 @@ pub trait Report {
     /// The whole result as JSON.
     fn json(&self) -> Value;
 
-    /// What is compared from design to design, at the same places.
+    /// The values that are compared from design to design, at the same places.
     fn brief(&self) -> Value {
         self.json()
     }
@@ -198,13 +197,13 @@ fn titled(title: Option<&str>) -> Vec<Block> {
     title.map(|title| Block::Title(title.to_owned())).into_iter().collect()
 }
 
-/// The end of a verdict's sentence: what the parts were judged without, as the user asked for.
+/// The end of a verdict's sentence: the errors without which the user had the parts judged.
 fn judged_without(kinds: &[DeviationKind]) -> String {
     let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
     if names.is_empty() { String::new() } else { format!("; judged without {}", names.join(", ")) }
 }
 
-/// The column of what parts were judged without, as `batch` writes it.
+/// The column of errors without which parts were judged, in `batch`.
 const WITHOUT: &str = "judged_without";
 
 /// The errors in that column.

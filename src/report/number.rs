@@ -1,4 +1,4 @@
-//! Numbers as text. Called by all reports: how many digits a column has is decided here.
+//! Numbers as text. All reports call it; it decides how many digits a column has.
 
 use crate::deviation::DeviationValue;
 use crate::judge::Interval;
@@ -33,7 +33,7 @@ pub(super) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-/// From one length to another, in mm for people; one where they are the same.
+/// From one length to another, in mm for people; one number if they are equal.
 pub(super) fn ends(lower_mm: f64, upper_mm: f64) -> String {
     let (lower, upper) = (millimetres(lower_mm), millimetres(upper_mm));
     if lower == upper { upper } else { format!("{lower} … {upper}") }

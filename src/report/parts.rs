@@ -1,4 +1,4 @@
-//! Parts of a batch for people: what was measured on each, and how far it is inside its limits.
+//! Parts of a batch for people: the measured values of each, and how far they are inside their limits.
 
 use super::number::{deviation_text, ends, millimetres};
 use super::table::Rows;
@@ -7,7 +7,7 @@ use crate::batch::{Part, PartError};
 use crate::deviation::DeviationValue;
 use crate::judge::{LimitTarget, Verdict};
 
-/// A size, in mm or degrees as another value of its kind.
+/// A size in mm or degrees, by the kind of another value.
 fn size(base: f64, like: DeviationValue) -> String {
     let unit = if matches!(like, DeviationValue::Length(_)) { "" } else { "°" };
     format!("{base:.4}{unit}")
@@ -21,7 +21,7 @@ fn margin(error: &PartError) -> Option<String> {
     error.margin.map(|margin| millimetres(margin.mm()))
 }
 
-/// What was measured on one part, an error a row; `None` of a part whose teeth were measured.
+/// The measured values of one part, an error a row; `None` for a part with measured teeth.
 #[must_use]
 pub fn part_block(part: &Part) -> Option<Block> {
     let has_nominal = part.errors.iter().any(|error| error.nominal.is_some());
@@ -38,7 +38,7 @@ pub fn part_block(part: &Part) -> Option<Block> {
         .block_if_any()
 }
 
-/// What was measured on parts, a part a row; `name` is above their names.
+/// The measured values of parts, a part a row; `name` is above their names.
 #[must_use]
 pub fn parts_block(parts: &[Part], name: &str) -> Option<Block> {
     let errors = parts.iter().map(|part| part.errors.as_slice()).max_by_key(|errors| errors.len()).unwrap_or_default();
@@ -56,7 +56,7 @@ pub fn parts_block(parts: &[Part], name: &str) -> Option<Block> {
     table.block_if_any()
 }
 
-/// Adds what parts are held against, what came out, and the verdict.
+/// Adds the limits of parts, their results, and the verdict.
 pub(super) fn judged<'p>(table: Rows<&'p Part>, parts: &[Part]) -> Rows<&'p Part> {
     let has_others = parts.iter().any(|part| part.on.is_some_and(|on| on != LimitTarget::CenterDistance));
     let result = |part: &&Part| {

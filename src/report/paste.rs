@@ -21,19 +21,19 @@ pub struct PartsReport<'a> {
     pub parts: &'a [BatchPart],
     /// Rows that make no part.
     pub problems: &'a [Problem],
-    /// What the parts are held against.
+    /// How the parts are judged.
     pub basis: &'a Basis,
-    /// What they come to.
+    /// Their outcome.
     pub outcome: &'a Outcome,
 }
 
-/// The ends of what is judged, which JSON has as one range.
+/// The ends of the judged range, which JSON has as one range.
 const JUDGED: [&str; 2] = ["lower_mm", "upper_mm"];
-/// What people see of a part, in this order.
+/// The columns of a part for people, in this order.
 const SHOWN: [&str; 7] = ["part_id", "lower_mm", "upper_mm", "margin_mm", "nearest_limit", "verdict", "reason"];
 const STANDARD: &str = "_standard_uncertainty_mm";
 
-/// Whether a column is a length, and not how certain one is.
+/// Whether a column is a length, not an uncertainty.
 fn is_result(name: &str) -> bool {
     name.ends_with("_mm")
         && !["uncertainty", "monte_carlo"].iter().any(|word| name.contains(word))
@@ -55,7 +55,7 @@ impl PartsReport<'_> {
         self.rows.iter().map(row).collect()
     }
 
-    /// A part, or a row that makes none.
+    /// A part, or a row that makes no part.
     fn fact(&self, name: &str, line: u64, part: Option<(&BatchPart, &Vec<String>)>, reason: Option<&str>) -> Value {
         let number = |name: &str| -> Option<f64> {
             let place = self.names().iter().position(|own| own == name)?;
@@ -128,7 +128,7 @@ impl Report for PartsReport<'_> {
 pub struct SpacesReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
-    /// What was measured.
+    /// The measured values.
     pub measured: &'a MeasuredPart,
     /// The exact mesh, if it is solved.
     pub mesh: Option<MeshReport<'a>>,

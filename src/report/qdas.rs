@@ -49,7 +49,7 @@ impl QdasRows {
         })
     }
 
-    /// What stands before all rows. All parts of a table are judged without the same errors.
+    /// The head of the file. All parts of a table are judged without the same errors.
     fn definitions(&self, first_row: &[&str]) -> Vec<u8> {
         let column = |(index, stem, unit): (usize, &str, &str)| {
             let limited = |target: &LimitTarget| match target {
@@ -78,7 +78,7 @@ impl QdasRows {
     }
 }
 
-/// What stands in a column, if there is one.
+/// The cell of a column, if there is one.
 fn text<'r>(row: &[&'r str], column: Option<usize>) -> &'r str {
     column.and_then(|column| row.get(column)).map_or("", |text| *text)
 }

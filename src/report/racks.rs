@@ -29,11 +29,11 @@ pub struct RacksReport<'a> {
     pub title: Option<&'a str>,
     /// How the teeth scatter.
     pub scatter: &'a Scatter,
-    /// What classes came to.
+    /// The permissible values of classes.
     pub classes: &'a [ErrorClass],
     /// The racks, counted.
     pub study: &'a RacksStudy,
-    /// What they came to.
+    /// Their summary.
     pub summary: &'a RacksSummary,
     /// The yoke and its limits, if there is one.
     pub yoke: Option<&'a YokeJudge>,
@@ -41,12 +41,12 @@ pub struct RacksReport<'a> {
     pub contributions: Option<&'a Contributions>,
     /// Remarks.
     pub notes: Vec<String>,
-    /// What of the spec is not held against the racks, so that none of them passes.
+    /// Limits of the spec that racks are not judged by, so that no rack passes.
     pub unjudged: Vec<String>,
 }
 
 impl RacksReport<'_> {
-    /// What is drawn, and how.
+    /// The scatter as drawn.
     fn spreads(&self) -> impl Iterator<Item = (&'static str, Uncertainty)> {
         self.scatter.spreads().into_iter().filter_map(|(of, drawn)| Some((of, drawn?)))
     }
@@ -103,7 +103,7 @@ impl RacksReport<'_> {
         Some(RacksYokePart { judge: self.yoke?, racks: self.summary, yoke })
     }
 
-    /// What is counted of the racks, in the order of the reports.
+    /// The quantities counted of the racks, in the order of the reports.
     fn quantities(&self) -> [(&'static str, &RackStatistics); 4] {
         let RacksSummary { mean, peak_to_peak, smallest, largest, .. } = self.summary;
         [("mean", mean), ("peak_to_peak", peak_to_peak), ("smallest", smallest), ("largest", largest)]
@@ -124,7 +124,7 @@ impl RacksReport<'_> {
             .into()
     }
 
-    /// How the smallest, mean and largest ΔCD of the racks are distributed, and the limit on ΔCD; or where that comes from.
+    /// The distributions of the smallest, mean and largest ΔCD of the racks, with the limit on ΔCD; or where the spread comes from.
     #[must_use]
     pub fn chart(&self, limit: Option<&Limit>) -> Chart {
         if let Some(contributions) = self.contributions {
@@ -147,7 +147,7 @@ impl RacksReport<'_> {
         }
     }
 
-    /// Why the verdict is open, where something of the spec is not judged.
+    /// Why the verdict is open, where a limit of the spec is not judged.
     fn reason(&self) -> Option<String> {
         (self.summary.verdict.is_none() && !self.unjudged.is_empty()).then(|| self.unjudged.join("; "))
     }
@@ -196,12 +196,12 @@ impl RacksReport<'_> {
     }
 }
 
-/// Whether it is an angle, and no length.
+/// Whether it is an angle; else it is a length.
 fn is_angle(of: &str) -> bool {
     of == "rack_lead"
 }
 
-/// Whether it is the difference of the places of two teeth, which are what is drawn.
+/// Whether it is the difference of the drawn places of two teeth.
 fn is_difference(of: &str) -> bool {
     matches!(of, "rack_pitch" | "pinion_pitch")
 }
@@ -246,7 +246,7 @@ pub fn rack_lines(first_rack: u64, results: &[RackResult]) -> String {
     lines
 }
 
-/// What a file with a study holds.
+/// The content of a study's file.
 #[derive(Serialize, Deserialize)]
 struct StudyFile<S> {
     format_version: u32,
@@ -254,13 +254,13 @@ struct StudyFile<S> {
     study: S,
 }
 
-/// What such a file says that it holds.
+/// The kind that such a file names.
 const HOLDS: &str = "random racks";
 
-/// A study as JSON, to be kept and merged.
+/// A study as JSON, for merging.
 ///
 /// # Errors
-/// None that a study has.
+/// None for a valid study.
 pub fn study_json(study: &RacksStudy) -> Result<String, serde_json::Error> {
     let file = StudyFile { format_version: FORMAT_VERSION, holds: HOLDS.to_owned(), study };
     Ok(serde_json::to_string(&file)? + "\n")
@@ -286,16 +286,16 @@ pub fn read_study(text: &str) -> Result<RacksStudy, StudyFileError> {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyFileError {
-    /// No JSON, or not that of a study.
+    /// It is not JSON, or not the JSON of a study.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// It holds something else.
+    /// It has another kind of content.
     #[error("it holds {0:?}, not {HOLDS:?}")]
     OtherContent(String),
-    /// Of another version of the program.
+    /// It is of another version of the program.
     #[error("its format_version is {0}, and this program reads {FORMAT_VERSION}")]
     OtherVersion(u32),
-    /// What it says does not agree.
+    /// Its content is inconsistent.
     #[error(transparent)]
     Study(#[from] StudyError),
 }
@@ -307,7 +307,7 @@ impl Report for RacksReport<'_> {
         let of = self.study.study_of();
         let scatter = self.spreads().map(|(of, drawn)| {
             let is_normal = drawn.distribution == Distribution::Normal;
-            // the difference of two places, each within half as much
+            // the difference of two places, each within half of it
             let standard = if is_difference(of) && !is_normal { FRAC_1_SQRT_2 } else { 1.0 } * drawn.standard;
             let key = if is_angle(of) { "standard_deviation_rad" } else { "standard_deviation_mm" };
             let mut fact = json!({

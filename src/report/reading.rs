@@ -1,4 +1,4 @@
-//! How tables were read, as part of whatever was made of them. Wraps the report of a result; computes nothing.
+//! How tables were read, as part of another report. Wraps the report of a result; computes nothing.
 
 use serde_json::{Value, json};
 
@@ -11,11 +11,11 @@ pub struct WithReading<'a> {
     pub report: &'a dyn Report,
     /// How each table was read.
     pub readings: &'a [Reading],
-    /// What was left out or assumed besides.
+    /// Remarks on what was left out or assumed.
     pub notes: &'a [String],
 }
 
-/// What the user must know of the reading: what was assumed, what was left out.
+/// The remarks on the reading that the user must know.
 #[must_use]
 pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
     let mut all: Vec<String> = notes.to_vec();
@@ -23,7 +23,7 @@ pub fn remarks(readings: &[Reading], notes: &[String]) -> Vec<String> {
     all
 }
 
-/// How tables were read and what the user must know of it, a line each.
+/// How tables were read, with these remarks, a line each.
 #[must_use]
 pub fn said(readings: &[Reading], notes: &[String]) -> Vec<String> {
     readings.iter().map(ToString::to_string).chain(remarks(readings, notes)).collect()
@@ -41,7 +41,7 @@ pub fn reading_blocks(readings: &[Reading], notes: &[String]) -> Vec<Block> {
     blocks
 }
 
-/// What stands between cells and before decimals, and where the names stand.
+/// The separator, the decimal mark, and the line of names.
 #[must_use]
 pub fn reading_form(reading: &Reading) -> Block {
     let format = [Some(reading.format), reading.separator.as_deref(), reading.encoding.as_deref()];
@@ -57,7 +57,7 @@ pub fn reading_form(reading: &Reading) -> Block {
     Table::of(rows).text("table", |(what, _)| what.clone()).text(&reading.file, |(_, how)| how.clone()).block()
 }
 
-/// Every column, and what was not used.
+/// Every column, and the cells that were not used.
 fn columns(reading: &Reading) -> Block {
     let used = reading.columns.iter().map(|column| {
         let unit = column.unit.clone().unwrap_or_default();
@@ -85,7 +85,7 @@ impl Report for WithReading<'_> {
             };
             notes.extend(remarks.into_iter().map(Value::from));
             object.insert("notes".to_owned(), notes.into());
-            // of a table of parts and of those that the spec names
+            // the tables of parts and the tables that the spec names
             let mut readings = match object.get("reading") {
                 Some(Value::Array(readings)) => readings.clone(),
                 _ => Vec::new(),

@@ -1,4 +1,4 @@
-//! The report of `reproduce`: the paper's tables beside ours.
+//! The report of `reproduce`: the paper's tables beside the computed ones.
 
 use serde_json::{Value, json};
 
@@ -11,14 +11,14 @@ use crate::reproduction::{
     pair, simulate_all,
 };
 
-/// Where the pair comes from, which the paper does not publish.
+/// The source of the pair, which the paper does not publish.
 const FITTED: &str = "fitted to Table 1's multibody column";
 
 /// One row of a table of the paper, computed again.
 #[derive(Debug, Clone)]
 struct Row {
     printed: Printed,
-    /// By the paper's model, rounded as it is printed.
+    /// The value by the paper's model, rounded as it is printed.
     rounded: String,
     paper_mm: f64,
     exact_mm: f64,
@@ -33,7 +33,7 @@ pub struct Reproduction {
 }
 
 impl Reproduction {
-    /// Recomputes the tables; `watch` is told how much is done, 0 to 1.
+    /// Recomputes the tables; `watch` gets the share that is done, 0 to 1.
     ///
     /// # Errors
     /// None that the printed values can cause; the formulas' own are passed on.
@@ -80,7 +80,7 @@ impl Row {
 
     fn multibody_mm(&self) -> Option<f64> {
         let run = self.simulated.as_ref().ok()?;
-        // a run that stopped has means of what it reached, which are not the row's
+        // the means of a run that stopped are not those of the row
         run.multibody_mm.filter(|_| run.outcome.completed()).map(tidy)
     }
 
@@ -91,7 +91,7 @@ impl Row {
         let micrometres = |mm: f64| {
             if mm.abs() < 5e-6 { "less than 0.01 µm".to_owned() } else { format!("{} µm", signed(1000.0 * mm, 2)) }
         };
-        // what the load takes off the second part more than off the first
+        // the difference of the elastic parts of both rack parts
         let elastic = outcome.difference_mm().zip(outcome.rigid_difference_mm()).map(|(all, rigid)| all - rigid);
         let left = outcome.rigid_difference_mm().map(|rigid| rigid - mesh);
         let gives_way = match elastic.zip(left) {
@@ -156,7 +156,7 @@ const fn of_table(table: PaperTable) -> (u8, &'static str, &'static str, &'stati
     }
 }
 
-/// What the paper's multibody values are above ours, for each error.
+/// The paper's multibody values less the computed ones, for each error.
 fn residuals<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
     let each = rows.filter(|row| row.exact_mm != 0.0).filter_map(|row| {
         let printed: f64 = row.printed.multibody.parse().ok()?;
@@ -211,7 +211,7 @@ impl Report for Reproduction {
         const NAMES: &str = "table deviation unit printed_delta_cd_mm delta_cd_paper_mm delta_cd_exact_mm agrees \
                              printed_multibody_mm multibody_mm exact_mesh_mm why pair";
         let mut json = self.json();
-        // what the paper prints, to its last digit
+        // the paper's values, to the last printed digit
         for (record, Row { printed, .. }) in json["rows"].as_array_mut().into_iter().flatten().zip(&self.rows) {
             record["deviation"] = printed.error.into();
             record["unit"] = of_table(printed.table).2.into();

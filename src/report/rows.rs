@@ -1,4 +1,4 @@
-//! The rows of a batch for people: its columns with headings in words. Called by whoever shows them as a table or a sheet.
+//! The rows of a batch for people, with headings in words: for tables and sheets.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use super::{Block, Column, Report, Table};
 use crate::deviation::key_in_words;
 use crate::quantity::{Rounded, Unit};
 
-/// What ends the name of a result that has a unit, and the unit.
+/// The endings of result names with a unit, and the unit.
 const UNITS: [(&str, &str); 5] = [("_mm", "mm"), ("_um", "µm"), ("_deg", "°"), ("_n_m", "N m"), ("_n", "N")];
 
 /// A column's name without its unit, and the unit, which is empty where it has none. A key of the spec may have any unit.
@@ -24,7 +24,7 @@ pub fn row_heading(name: &str) -> String {
     heading(name, '\n')
 }
 
-/// What a column is called, with its unit behind a character. Keys of the spec, places in JSON and symbols stay as they are.
+/// The heading of a column, with its unit behind a character. Keys of the spec, places in JSON and symbols stay as they are.
 pub(super) fn heading(name: &str, between: char) -> String {
     let (own, unit) = match name {
         "part_id" => ("part", ""),
@@ -53,8 +53,8 @@ pub(super) fn number_text(name: &str, number: f64) -> String {
     short.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// What a column of results holds, in words: of `delta_cd_rack_pitch_mm` the error, of `range_upper_mm` the worst case's
-/// upper end.
+/// The name of a column of results in words: for `delta_cd_rack_pitch_mm` the error, for `range_upper_mm` the worst case's upper
+/// end.
 pub(super) fn result_in_words(name: &str) -> String {
     let name = name.trim_start_matches("delta_cd_").trim_end_matches("_mm");
     key_in_words(name).replacen("range", "worst case", 1)
@@ -79,11 +79,11 @@ impl Report for RowsReport<'_> {
         self.rows.to_vec()
     }
 
-    /// A table without the columns in which nothing stands.
+    /// A table without empty columns.
     fn blocks(&self) -> Vec<Block> {
         let Some((names, rows)) = self.rows.split_first() else { return Vec::new() };
         let is_copied = |index: usize| (1..=self.copied).contains(&index);
-        // a key's value is what the user wrote
+        // a key's value stays as the user wrote it
         let is_rounded = |index: usize| {
             let name = names[index].as_str();
             !(self.as_written || is_copied(index) || name.contains('.') || name == "part_id")

@@ -16,19 +16,19 @@ use crate::multibody::{
 pub struct SimulationReport<'a> {
     /// The spec's title.
     pub title: Option<&'a str>,
-    /// What was simulated.
+    /// The scene.
     pub parameters: &'a Parameters,
     /// Inertia of the pinion's rotation, mass of what moves along Z, inertia of the rack's roll, in N s²/mm and N mm
     /// s², as the scene took or computed them.
     pub inertias: [f64; 3],
     /// Whether it was solved as an equilibrium at each stroke.
     pub quasi_static: bool,
-    /// What came out.
+    /// The result.
     pub outcome: &'a Outcome,
     /// The exact mesh, averaged over the same strokes as the steady value of the nominal and of the
     /// deviating teeth, mm.
     pub exact_mm: [Option<f64>; 2],
-    /// What the errors do, held against the limits: rigid teeth on all strokes, as [`MeshReport`](super::MeshReport) has it.
+    /// The errors judged by the limits: rigid teeth on all strokes, as in [`MeshReport`](super::MeshReport).
     pub evaluation: Evaluation,
     /// Remarks.
     pub notes: Vec<String>,
@@ -77,7 +77,7 @@ fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A given number for people: as it was written, a computed one to five digits.
+/// A number for people: a given one as it was written, a computed one to five digits.
 fn short(value: f64) -> String {
     let text = plain(value);
     if text.len() <= 9 { text } else { plain(format!("{value:.4e}").parse().unwrap_or(value)) }
@@ -88,11 +88,11 @@ fn three_digits(value: f64) -> String {
     plain(format!("{value:.2e}").parse().unwrap_or(value))
 }
 
-/// What steps that are short enough leave of the balance of energy at most, of its largest part.
+/// Largest error of the energy balance with short enough steps, as a share of its largest part.
 const CLOSED_BALANCE: f64 = 0.1;
 
 impl SimulationReport<'_> {
-    /// Where the elastic part of ΔCD comes from.
+    /// The source of the elastic part of ΔCD.
     fn elastic_part(&self) -> &'static str {
         match self.parameters.contact {
             ContactModel::Spheres(_) => "stiffness as given, not a material's: of one sphere",
@@ -132,7 +132,7 @@ impl SimulationReport<'_> {
     fn steady_table(&self) -> Option<Block> {
         let mm = |value: f64| signed(tidy(value), 5);
         let micrometres = |mm: f64| signed(1000.0 * mm, 3);
-        // what was simulated, the same with the indentation added back, and the exact mesh
+        // the simulated ΔCD, that with the indentation added back, and the exact mesh
         let parts = self.parts().into_iter().filter_map(|(name, steady, exact)| {
             let of = steady?;
             Some((name, steady, of.delta_cd_mm, Some(of.delta_cd_mm + of.indentation_mm), exact))
@@ -233,7 +233,7 @@ impl SimulationReport<'_> {
         format!("{support}; {contact}; {time}{}", if p.returns { "; there and back" } else { "" })
     }
 
-    /// The parameters that the run follows, and masses, as they are told.
+    /// The parameters of the run and its masses, as text.
     fn given(&self) -> Vec<(ParameterName, f64)> {
         use ParameterName as Name;
         let p = self.parameters;

@@ -12,7 +12,7 @@ pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Opti
     labelled(points, [width, height], "ΔCD [mm]", [format!("{:.1}", first.0), format!("{:.1} mm", last.0)])
 }
 
-/// The same of `points` in the order of x, with what y is called and what stands below the ends of x.
+/// Draws `points` in the order of x, with the name of y and the texts below the ends of x.
 pub(super) fn labelled(
     points: &[(f64, f64)],
     [width, height]: [usize; 2],

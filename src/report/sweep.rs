@@ -10,16 +10,16 @@ use crate::design::{self, Designs};
 pub struct SweptResult<'a> {
     /// The designs.
     pub designs: &'a Designs,
-    /// What the result is called.
+    /// The name of the result.
     pub name: &'a str,
     /// Its value; `None` of a design without one, and missing behind the last that was computed.
     pub values: &'a [Option<f64>],
 }
 
-/// Lines that are told apart.
+/// The most lines that can be distinguished.
 const MOST_LINES: usize = 8;
 
-/// What an axis of numbers is called.
+/// The name of an axis of numbers.
 fn label(axis: &design::Axis) -> String {
     if axis.unit.is_empty() { axis.key.clone() } else { format!("{} [{}]", axis.key, axis.unit) }
 }
@@ -103,7 +103,7 @@ impl SweptResult<'_> {
 
     /// Every design of two keys as a rectangle.
     fn map(&self, [columns, rows]: [usize; 2]) -> Layer {
-        /// Texts that have room.
+        /// The most texts for which there is room.
         const MOST_TEXTS: [usize; 2] = [9, 14];
         let known = || self.values.iter().flatten().copied();
         let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));

@@ -21,16 +21,16 @@ pub enum Block {
     Table(Table),
     /// Lines drawn with characters; for screens.
     Drawing(String),
-    /// A line that says by itself what it is: the model, an overall grade, how values differ.
+    /// A line without a mark: the model, an overall grade, how values differ.
     Note(String),
-    /// A remark on what the result rests on; the writer says that it is a note.
+    /// A remark on the result's assumptions; the writer marks it as a note.
     Remark(String),
     /// The verdict and its sentence; without one, why there is none.
     Verdict(Option<Verdict>, String),
 }
 
 impl Block {
-    /// Escapes what would steer that which shows it. Only a drawing has line breaks, and a heading, of the program's own.
+    /// Escapes control characters of a terminal. Only drawings and headings have line breaks, which are the program's own.
     pub(super) fn show(&mut self) {
         let one_line = |text: &mut String| *text = harmless(text).into_owned();
         match self {
@@ -62,7 +62,7 @@ pub struct Column {
     pub heading: String,
     /// How its cells are aligned.
     pub align: Align,
-    /// Whether a screen that is too narrow for the table is spared the column.
+    /// Whether the column is left out on a screen that is too narrow for the table.
     pub may_go: bool,
 }
 
@@ -86,7 +86,7 @@ impl Column {
         Self { align: Align::Right, ..Self::text(heading) }
     }
 
-    /// The same column, which a screen that is too narrow for the table is spared.
+    /// The column, which is left out on a screen that is too narrow for the table.
     pub(crate) fn unless_narrow(self) -> Self {
         Self { may_go: true, ..self }
     }
@@ -101,7 +101,7 @@ impl Table {
     }
 }
 
-/// A table that is being made: a column is a heading and what stands below it for an item.
+/// A table under construction: a column is a heading and the cell for an item.
 pub(crate) struct Rows<T> {
     items: Vec<T>,
     table: Table,
@@ -140,7 +140,7 @@ impl<T> Rows<T> {
     }
 }
 
-/// What stands in a cell for people.
+/// The text of a cell for people.
 pub(crate) trait Cell {
     /// Its text.
     fn text(self) -> String;
@@ -158,19 +158,19 @@ impl Cell for &str {
     }
 }
 
-/// Where there is nothing, a line says so.
+/// A dash where there is no value.
 impl<C: Cell> Cell for Option<C> {
     fn text(self) -> String {
         self.map_or_else(|| "-".to_owned(), C::text)
     }
 }
 
-/// What stands before a verdict's sentence.
+/// The word before a verdict's sentence.
 pub(super) fn verdict_word(verdict: Option<Verdict>) -> String {
     verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase())
 }
 
-/// A remark for people, marked as what it is.
+/// A remark for people, with its mark.
 #[must_use]
 pub fn noted(remark: &str) -> String {
     format!("note: {remark}")
@@ -250,7 +250,7 @@ pub(crate) fn table_text(table: &Table, width: Option<u16>) -> String {
     lines.join("\n")
 }
 
-/// The table without columns that may go, the last one first, as long as its lines are longer than the screen.
+/// The table without columns that may be left out, the last one first, until its lines fit the screen.
 fn without_what_may_go(table: &Table, room: usize) -> Table {
     let mut table = table.clone();
     let longest =
@@ -268,19 +268,19 @@ fn without_what_may_go(table: &Table, room: usize) -> Table {
     table
 }
 
-/// What stands in a column, its heading too.
+/// The texts of a column, with its heading.
 fn texts(table: &Table, column: usize) -> impl Iterator<Item = &str> {
     let cells = table.rows.iter().filter_map(move |row| row.get(column));
     cells.chain(std::iter::once(&table.columns[column].heading)).map(String::as_str)
 }
 
-/// The columns' widths, with the blank before each, such that lines break between words only, and numbers that belong
-/// together only where there is no other way; nothing if no line needs to, or if there is no room for the longest words.
+/// The columns' widths, with the blank before each, such that lines break only between words, and between numbers that belong
+/// together only if nothing else helps; `None` if no line has to break, or if there is no room for the longest words.
 fn column_widths(table: &Table, room: usize) -> Option<Vec<usize>> {
     widths_by(table, room, true).or_else(|| widths_by(table, room, false))
 }
 
-/// The same with numbers kept together, or not.
+/// The widths with numbers kept together, or not.
 fn widths_by(table: &Table, room: usize, keeps_numbers: bool) -> Option<Vec<usize>> {
     let texts = |column: usize| texts(table, column);
     let longest = |parts: &mut dyn Iterator<Item = &str>| 1 + parts.map(|part| part.chars().count()).max().unwrap_or(0);
@@ -296,7 +296,7 @@ fn widths_by(table: &Table, room: usize, keeps_numbers: bool) -> Option<Vec<usiz
     if full.iter().sum::<usize>() <= room {
         return None;
     }
-    // who needs least is served first, so that few columns break
+    // the narrowest columns get their room first, so that few columns break
     let mut order: Vec<_> = (0..widths.len()).collect();
     order.sort_by_key(|&column| full[column] - widths[column]);
     for (served, &column) in order.iter().enumerate() {
@@ -327,12 +327,12 @@ pub(super) fn markdown(blocks: &[Block]) -> String {
     out
 }
 
-/// Text in Markdown that is no tag, link or picture of HTML, also where a `\` or a backtick stands before it.
+/// Text in Markdown that cannot become a tag, link or picture, also after a `\` or a backtick.
 fn markdown_text(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace("](", "]&#40;").replace("][", "]&#91;")
 }
 
-/// The same in a cell, which a `|` would end.
+/// Text in a cell of Markdown, which a `|` would end.
 fn markdown_cell(text: &str) -> String {
     markdown_text(text).replace('|', "&#124;")
 }

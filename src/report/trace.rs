@@ -165,7 +165,7 @@ impl TracePart {
         blocks
     }
 
-    /// What is to be known of the comparison.
+    /// Remarks on the comparison.
     fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if let Some(placement) = &self.overlay.placement {

@@ -1,4 +1,4 @@
-//! What a result's uncertainty says, as a part of another report: tables, JSON and rows of `eval`.
+//! The uncertainty of a result, as a part of another report: tables, JSON and rows of `eval`.
 
 use serde_json::{Value, json};
 
@@ -20,15 +20,15 @@ pub struct UncertaintyPart {
     pub simulation: Option<PartSimulation>,
     /// Measured errors without an uncertainty.
     pub taken_as_exact: Vec<DeviationKind>,
-    /// Whether that of teeth that are known one by one is in it.
+    /// Whether it includes teeth that are known one by one.
     pub through_mesh: bool,
 }
 
 /// One result of a part, with its uncertainty.
 struct UncertainResult<'a> {
-    /// What programs call it.
+    /// Its name for programs.
     key: &'static str,
-    /// What people call it.
+    /// Its name for people.
     name: String,
     linear: &'a Linear,
     simulated: Option<&'a Simulation>,
@@ -48,7 +48,7 @@ pub(super) fn micrometres(mm: f64) -> String {
     }
 }
 
-/// A probability for people; one that is neither 0 nor 1 is not printed as such.
+/// A probability for people; only 0 and 1 themselves are printed as 0 and 100 %.
 fn probability(p: f64) -> String {
     let text = format!("{:.2} %", 100.0 * p);
     match text.as_str() {
@@ -115,7 +115,7 @@ impl UncertaintyPart {
         let [_, upper] = self.end_names();
         let Linear { contributions, standard_mm, .. } = &self.propagation.upper;
         let shares: f64 = contributions.iter().filter_map(|c| c.share).sum();
-        // what independent contributions do not account for has no source
+        // the rest beyond independent contributions has no source
         let is_correlated = *standard_mm > 0.0 && (shares - 1.0).abs() > 1e-9;
         let rows = contributions.iter().map(Some).chain(is_correlated.then_some(None));
         Table::of(rows)
@@ -209,7 +209,7 @@ impl UncertaintyPart {
         notes
     }
 
-    /// What a decision rule made of each limit, of results with an uncertainty or without.
+    /// The decision on each limit, for results with an uncertainty or without.
     pub(super) fn decision_blocks(rule: &Rule, checks: &[LimitCheck], is_uncertain: bool) -> Vec<Block> {
         let decided: Vec<_> = checks.iter().filter_map(|check| Some((check, check.decision.as_ref()?))).collect();
         if decided.is_empty() {
@@ -252,7 +252,7 @@ impl UncertaintyPart {
                         "input": c.source.key(),
                         "standard_uncertainty_mm": (!angle).then_some(c.standard),
                         "standard_uncertainty_deg": angle.then_some(c.standard),
-                        // infinity is no JSON number: it is null
+                        // JSON has no infinity: it is null
                         "degrees_of_freedom": c.dof,
                         "sensitivity": c.sensitivity,
                         "sensitivity_unit": if angle { "mm/deg" } else { "mm/mm" },
@@ -395,7 +395,7 @@ fn rule_notes(rule: &Rule, decided: &[(&LimitCheck, &Decision)]) -> Vec<String> 
     notes
 }
 
-/// The rule as the end of what a verdict is judged by; nothing for the simple one.
+/// The rule at the end of a verdict's method; empty for the simple one.
 pub(super) fn rule_words(rule: &Rule) -> String {
     if *rule == Rule::Simple { String::new() } else { format!(", rule {}", rule.in_words()) }
 }

@@ -1,5 +1,5 @@
-//! Rows of a report as an Excel workbook. Called by the command line. A row goes to a temporary file at once, so that
-//! memory does not depend on how many there are.
+//! Rows of a report as an Excel workbook. A row goes to a temporary file at once, so that memory does not depend on the number
+//! of rows.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
@@ -22,7 +22,7 @@ const SECOND_ROW: &str = "<row r=\"2\"";
 /// A workbook with a sheet of rows: the first is the header, cells that are numbers are numbers, all others are text. A
 /// second sheet has the notes.
 ///
-/// The library makes a workbook of the header and one row, and in its place come the rows: it holds all rows in memory, or
+/// The library writes a workbook of the header and one row, which the rows then replace: by itself it holds all rows in memory, or
 /// panics where its own temporary file cannot be written.
 pub struct Book {
     workbook: Workbook,
@@ -40,7 +40,7 @@ struct BookColumn {
     name: String,
     /// How wide its widest cell is, in pixels.
     width: u32,
-    /// What a cell has that is a number: results in mm are shown to 0.1 µm.
+    /// The format of numbers: results in mm are shown to 0.1 µm.
     style: String,
 }
 
@@ -96,9 +96,9 @@ impl Book {
         self.below.write_all(b"</row>")
     }
 
-    /// Writes the header, of results in words, and the row that others take the place of.
+    /// Writes the header, with results in words, and the row that the rows replace.
     fn header(&mut self, names: &[&str]) -> io::Result<()> {
-        /// What opens a filter.
+        /// The room for a filter's button.
         const BUTTON: u32 = 18;
         let (heading, length, other) =
             (Format::new().set_bold().set_text_wrap(), Format::new().set_num_format("0.0000"), Format::new());
@@ -178,7 +178,7 @@ impl Book {
     }
 }
 
-/// The number that a cell is; names such as `007` and `+1` are none.
+/// The number of a cell; names such as `007` and `+1` are not numbers.
 fn number(cell: &str) -> Option<f64> {
     let is_name = cell.starts_with('+') || has_leading_zero(cell);
     cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_name)

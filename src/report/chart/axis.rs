@@ -1,6 +1,6 @@
 //! An axis: what it spans, where its round numbers lie, and where a value lies in the picture.
 
-/// What an axis shows.
+/// The content of an axis.
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
     /// Its name with the unit.
@@ -14,7 +14,7 @@ pub struct Axis {
 pub enum Scale {
     /// From the lowest to the highest value.
     Tight,
-    /// With some air around them; equal values lie in a window of 1 µm.
+    /// With a margin around them; equal values lie in a window of 1 µm.
     #[default]
     Airy,
     /// As [`Scale::Tight`], with whole numbers at the ticks.

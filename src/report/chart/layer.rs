@@ -3,16 +3,16 @@
 use super::Plane;
 use super::paint::{BAND, GRID, INK, LIMIT, Paint, SOFT, text};
 
-/// Something that is shown.
+/// A layer of the picture.
 #[derive(Debug, Clone)]
 pub struct Layer {
-    /// What it is, for the legend; nothing if it needs no word.
+    /// Its name in the legend; empty for none.
     pub label: String,
     /// How it is drawn.
     pub shape: Shape,
 }
 
-/// How something is drawn. Points are x and y; what has no place on the axes is left out.
+/// The shape of a layer. Points are x and y; points outside the axes are left out.
 #[derive(Debug, Clone)]
 pub enum Shape {
     /// A line through points in the order of x.

@@ -20,13 +20,13 @@ use paint::{GRID, INK, PAPER, Paint, SERIES, SOFT, text};
 /// A picture over two axes.
 #[derive(Debug, Clone)]
 pub struct Chart {
-    /// Above the picture, and its name for those who do not see it.
+    /// The title above the picture, also its name for screen readers.
     pub title: String,
     /// The horizontal axis.
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// What it shows, the hindmost first.
+    /// The layers, the hindmost first.
     pub layers: Vec<Layer>,
     /// Width in pixels of a screen.
     pub width: f64,
@@ -61,7 +61,7 @@ struct Plane<'a> {
     y: Ruler<'a>,
 }
 
-/// What the layers are, above the axes.
+/// The legend of the layers, above the axes.
 struct Legend {
     svg: String,
     height: f64,
@@ -133,7 +133,7 @@ impl Chart {
         self.title.chars().take(room.saturating_sub(1)).chain(['…']).collect()
     }
 
-    /// In words, for those who do not see the picture.
+    /// The picture in words, for screen readers.
     fn description(&self) -> String {
         let shown = self.layers.iter().filter(|layer| layer.is_named()).map(|layer| layer.label.as_str());
         let shown: Vec<_> = shown.collect();

@@ -20,7 +20,7 @@ pub(super) const SOFT: Paint = paint("soft", "#5b6675", "#9aa6b5");
 pub(super) const INK: Paint = paint("ink", "#1d2530", "#e6eaf0");
 pub(super) const BAND: Paint = paint("band", "#de9220", "#e6aa4e");
 pub(super) const LIMIT: Paint = paint("limit", "#be2828", "#ff7b72");
-/// Of curves; told apart by their darkness in print without colour, and by people who see few colours.
+/// Colours of curves, which differ in darkness for print without colour and for colour-blind readers.
 pub(super) const SERIES: [Paint; 8] = [
     paint("s0", "#1254a0", "#6fb1ff"),
     paint("s1", "#c8501e", "#ff9a66"),
@@ -55,7 +55,7 @@ impl Paint {
     }
 }
 
-/// What turns charts dark on a dark screen; print stays light.
+/// The style that turns charts dark on a dark screen; print stays light.
 pub(crate) fn dark_style() -> String {
     let paints = [PAPER, GRID, SOFT, INK, BAND, LIMIT].into_iter().chain(SERIES);
     let rules: Vec<_> = paints.map(|paint| format!(".chart .{}{{color:{}}}", paint.class, paint.dark)).collect();

@@ -1,4 +1,4 @@
-//! What a yoke does where a bound of ΔCD is known, and not the teeth.
+//! The report on a yoke where a bound of ΔCD is known and the teeth are not.
 
 use serde_json::{Value, json};
 
@@ -8,7 +8,7 @@ use super::super::{Block, Table};
 use super::{WHEREVER, check_json, scope_of_bound, setting_json, settings_in_words, torque_json};
 use crate::function::{Bounded, Bounds, Check, Function, SafeSettings, Setting, Target, Yoke};
 
-/// What is known of a yoke where a bound of ΔCD is, and not the teeth.
+/// The results for a yoke where a bound of ΔCD is known and the teeth are not.
 #[derive(Debug)]
 pub struct BoundPart {
     yoke: Yoke,
@@ -19,7 +19,7 @@ pub struct BoundPart {
     pub checks: Vec<Check>,
 }
 
-/// What follows from the bound.
+/// The results of the bound.
 #[derive(Debug)]
 struct Bound {
     safe: SafeSettings,
@@ -30,7 +30,7 @@ struct Bound {
 }
 
 impl BoundPart {
-    /// Of a bound, and of the pair without errors.
+    /// The results of a bound, and of the pair without errors.
     #[must_use]
     pub fn new(
         yoke: Yoke,

@@ -1,4 +1,4 @@
-//! Pictures of a yoke along the stroke: what the assembler sets, and the torque with its terms.
+//! Pictures of a yoke along the stroke: the play that the assembler sets, and the torque with its terms.
 
 use super::super::chart::{Axis, Chart, Layer, Scale, Shape, Span};
 use super::FunctionPart;
@@ -6,13 +6,13 @@ use crate::function::{ForcesAt, Target};
 use crate::mesh::MeshPoint;
 
 impl FunctionPart {
-    /// Both pictures, as far as there is something to show.
+    /// Both pictures, if there is something to show.
     #[must_use]
     pub fn charts(&self, points: &[MeshPoint]) -> Vec<Chart> {
         std::iter::once(self.play_chart(None, points)).chain(self.torque_chart(None, points)).collect()
     }
 
-    /// What the assembler sets: the play along the stroke between its limits, and what the settings make of it.
+    /// The play along the stroke between its limits, and its range for the settings that keep them.
     #[must_use]
     pub fn play_chart(&self, title: Option<&str>, points: &[MeshPoint]) -> Chart {
         let function = &self.function;

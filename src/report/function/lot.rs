@@ -11,7 +11,7 @@ use crate::judge::Verdict;
 use crate::quantity::tidy;
 
 impl YokeSection {
-    /// What a yoke does on a part that was judged.
+    /// The figures of a yoke on a judged part.
     #[must_use]
     pub fn of_part(judged: &JudgedYoke, judge: &YokeJudge) -> Self {
         let JudgedYoke { yoke, function, bounded, checks } = judged.clone();
@@ -38,7 +38,7 @@ pub(in crate::report) fn lot_json(yoke: &Yoke, settings: &Settings) -> Value {
     json!({ "parts": settings.parts, "without_setting": settings.without, "shared_setting": shared })
 }
 
-/// The same for people; `None` where no part's settings are known.
+/// That position for people; `None` where no part's settings are known.
 pub(in crate::report) fn lot_table(yoke: &Yoke, settings: &Settings) -> Option<Block> {
     if settings.parts == 0 {
         return None;
@@ -63,7 +63,7 @@ pub(in crate::report) fn lot_table(yoke: &Yoke, settings: &Settings) -> Option<B
     )
 }
 
-/// The same in a line.
+/// That position in a line.
 #[must_use]
 pub fn plug_in_words(yoke: &Yoke, settings: &Settings) -> Option<String> {
     let of = grouped(settings.parts);
@@ -80,7 +80,7 @@ pub fn plug_in_words(yoke: &Yoke, settings: &Settings) -> Option<String> {
     })
 }
 
-/// What a yoke does on each part, with the verdicts on it; `name` is above the parts' names. `None` where there is no yoke.
+/// The figures of a yoke on each part, with their verdicts; `name` is above the parts' names. `None` without a yoke.
 #[must_use]
 pub fn yokes_block(parts: &[Part], name: &str) -> Option<Block> {
     let yokes: Vec<_> = parts.iter().filter_map(|part| Some((part.id.clone(), part.yoke.as_deref()?))).collect();

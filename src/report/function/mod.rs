@@ -1,4 +1,4 @@
-//! What a yoke does, in the reports of the mesh: its play, the setting of its plug, torque and lift-off, and their limits.
+//! The yoke in the reports of the mesh: its play, the setting of its plug, torque and lift-off, and their limits.
 
 mod bound;
 mod charts;
@@ -24,12 +24,12 @@ use crate::mesh::{Mesh, MeshPoint, Sampler};
 use crate::multibody::Extent;
 use crate::quantity::Rounded;
 
-/// What a yoke does on a solved curve, and what came of its limits.
+/// The figures of a yoke on a solved curve, and the outcome of its limits.
 #[derive(Debug)]
 pub struct FunctionPart {
     /// The yoke.
     pub yoke: Yoke,
-    /// What it does.
+    /// Its figures.
     pub function: Function,
     /// Permitted play.
     pub window: Option<Bounds>,
@@ -39,12 +39,12 @@ pub struct FunctionPart {
     pub is_known: bool,
 }
 
-/// What is known of a yoke in an evaluation.
+/// The results for a yoke in an evaluation.
 #[derive(Debug)]
 pub enum YokeSection {
-    /// The teeth of both parts are.
+    /// The teeth of both parts are known.
     Known(Box<FunctionPart>),
-    /// A bound of ΔCD is.
+    /// A bound of ΔCD is known.
     Bounded(Box<BoundPart>),
 }
 
@@ -58,7 +58,7 @@ impl YokeSection {
         }
     }
 
-    /// What the yoke does on the curve, where that is known.
+    /// The yoke's figures on the curve, where they are known.
     #[must_use]
     pub fn known(&self) -> Option<&FunctionPart> {
         if let Self::Known(part) = self { Some(part) } else { None }
@@ -134,7 +134,7 @@ fn play_in_words(yoke: &Yoke, mm: f64) -> String {
     format!("{} mm{degrees}", unsigned_play(mm))
 }
 
-/// Settings from one end to the other; `none` is said where there are none.
+/// Settings from one end to the other; the text `none` without any.
 fn settings_in_words(yoke: &Yoke, setting: Option<Setting>, none: &str) -> String {
     match setting {
         None => none.to_owned(),
@@ -219,7 +219,7 @@ impl FunctionPart {
         let settings = self.window.map(|_| settings_in_words(&self.yoke, function.setting, "none"));
         let play = |mm: f64| play_in_words(&self.yoke, mm);
         let (from, to) = function.strokes_mm;
-        // elsewhere on the teeth the same errors leave other settings, of which none is recommended
+        // elsewhere on the teeth the same errors leave other settings, so none is recommended
         let in_window =
             if self.is_known { "settings that keep the window" } else { "settings with the errors placed so" };
         let set = match (self.yoke.play_mm, self.is_known) {
@@ -294,7 +294,7 @@ impl FunctionPart {
         )
     }
 
-    /// What the values take for granted, and where they are not the whole truth.
+    /// The assumptions of the values, and where they are incomplete.
     fn notes(&self) -> Vec<String> {
         let (function, yoke) = (&self.function, &self.yoke);
         let mut notes = Vec::new();
@@ -332,7 +332,7 @@ impl FunctionPart {
         notes
     }
 
-    /// What the verdicts are about.
+    /// The scope of the verdicts.
     fn scope(&self, check: &Check) -> String {
         if !self.is_known {
             return scope_of_bound(check).to_owned();
@@ -347,10 +347,10 @@ fn unsigned_play(mm: f64) -> String {
     text.trim_start_matches('+').to_owned()
 }
 
-/// What verdicts are about where the teeth are not known.
+/// The scope of verdicts where the teeth are not known.
 const WHEREVER: &str = "wherever on the teeth the errors are";
 
-/// What the verdict on a limit is about there: the bound proves a pass, and a placement a fail.
+/// The scope of the verdict on a limit there: the bound proves a pass, a placement a fail.
 fn scope_of_bound(check: &Check) -> &'static str {
     if check.verdict == Some(Verdict::Fail) { "with the errors where a search put them" } else { WHEREVER }
 }

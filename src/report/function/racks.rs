@@ -1,4 +1,4 @@
-//! What a yoke does on random racks: distributions, shares, and one plug for all of them.
+//! A yoke on random racks: distributions, shares, and one plug for all of them.
 
 use serde_json::{Map, Value, json};
 

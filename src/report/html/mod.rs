@@ -35,10 +35,10 @@ impl Section {
     }
 }
 
-/// Something that the page was made from.
+/// An input of the page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InputFile {
-    /// As it was named.
+    /// Its name on the command line.
     pub name: String,
     /// Its size.
     pub bytes: u64,
@@ -88,13 +88,13 @@ impl fmt::Display for Headline {
 pub struct Page {
     /// Its title.
     pub title: String,
-    /// What else is above everything: of which part, when, by whom.
+    /// The facts above the verdict: part, date, inspector.
     pub facts: Vec<(String, String)>,
     /// The verdict that counts.
     pub verdict: Option<Headline>,
     /// Its parts.
     pub sections: Vec<Section>,
-    /// What it was made from.
+    /// Its inputs.
     pub inputs: Vec<InputFile>,
 }
 
@@ -195,7 +195,7 @@ fn block_html(block: &Block) -> String {
     }
 }
 
-/// A table; what its first column is called names it.
+/// A table, named by the heading of its first column.
 fn table_html(table: &Table) -> String {
     let class = |align: Align| if align == Align::Right { " class=\"n\"" } else { "" };
     let heading = |text: &str| escape(&text.replace('\n', " "));
