@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 
 use super::contact::{Pose, Touch};
 use super::sampler::{Constants, Looks, Sampler, Seen, Slot};
-use super::{FlankSide, MeshError, Support};
+use super::{FlankSide, MeshError, MeshPoint, Support};
 use crate::trig;
 
 /// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
@@ -38,6 +38,42 @@ pub(super) struct Demand {
     pub(super) pose: Pose,
     /// The rack tooth's nominal place.
     pub(super) place: f64,
+}
+
+/// What a flank pair asks for near a rotation: a straight line over it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairLine {
+    side: FlankSide,
+    pub(crate) rack_tooth: i64,
+    pub(crate) pinion_tooth: i64,
+    value_mm: f64,
+    /// Its derivative by the rotation, mm/rad.
+    rate: f64,
+}
+
+impl PairLine {
+    /// The centre distance at which the highest lines of both sides cross; `None` if a side has none.
+    pub(crate) fn crossing(lines: &[Self]) -> Option<f64> {
+        const MOST_STEPS: usize = 16;
+        const ENOUGH_RAD: f64 = 1e-12;
+        let mut turned = 0.0;
+        let highest = |side: FlankSide, turned: f64| {
+            let of_side = lines.iter().filter(|line| line.side == side);
+            of_side.map(|line| (line.value_mm + line.rate * turned, line.rate)).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        for _ in 0..MOST_STEPS {
+            let (right, left) = (highest(FlankSide::Right, turned)?, highest(FlankSide::Left, turned)?);
+            let step = (right.0 - left.0) / (left.1 - right.1);
+            if !step.is_finite() {
+                return None;
+            }
+            if step.abs() < ENOUGH_RAD {
+                return Some(right.0.max(left.0));
+            }
+            turned += step;
+        }
+        Some(highest(FlankSide::Right, turned)?.0.max(highest(FlankSide::Left, turned)?.0))
+    }
 }
 
 /// One side at one rotation: what all its flank pairs share.
@@ -112,8 +148,8 @@ impl Sampler<'_> {
         Ok([self.demand(FlankSide::Right, position, offset)?, self.demand(FlankSide::Left, position, offset)?])
     }
 
-    /// The largest demand of one side.
-    pub(super) fn demand(&mut self, side: FlankSide, position: &Position, offset: f64) -> Result<Demand, MeshError> {
+    /// One side with the pinion turned by `offset`, and its flank pairs in reach, counted from the rack's nearest tooth.
+    fn turn<'p>(&self, side: FlankSide, position: &'p Position, offset: f64) -> (Turn<'p>, RangeInclusive<i64>) {
         let Constants { angular_pitch, window, eccentricity, .. } = self.constants;
         let (sign, angle) = (side.sign(), position.angle + offset);
         let (along, across) = eccentricity;
@@ -131,13 +167,17 @@ impl Sampler<'_> {
             FlankSide::Left => (-window.1, -window.0, 1),
         };
         let pose = Pose { c: 0.0, shift: 0.0, offset, offset_rate, across };
-        let turn = Turn { side, position, angle, first: position.tooth + ahead, pose };
-        let (from, to) =
-            (((low - angle) / angular_pitch).ceil() as i64, ((high - angle) / angular_pitch).floor() as i64);
-        let mut best = self.best(&turn, from..=to);
+        let pairs = ((low - angle) / angular_pitch).ceil() as i64..=((high - angle) / angular_pitch).floor() as i64;
+        (Turn { side, position, angle, first: position.tooth + ahead, pose }, pairs)
+    }
+
+    /// The largest demand of one side.
+    pub(super) fn demand(&mut self, side: FlankSide, position: &Position, offset: f64) -> Result<Demand, MeshError> {
+        let (turn, pairs) = self.turn(side, position, offset);
+        let mut best = self.best(&turn, pairs.clone());
         if best.demand.is_none() && self.looks == Looks::AtPeaks {
             self.looks = Looks::Everywhere;
-            best = self.best(&turn, from..=to);
+            best = self.best(&turn, pairs);
             self.looks = Looks::AtPeaks;
         }
         let stroke_mm = position.stroke_mm;
@@ -147,6 +187,32 @@ impl Sampler<'_> {
         let best = best.demand.ok_or(MeshError::NoContact { stroke_mm, side })?;
         self.carries(side, best.tooth);
         Ok(best)
+    }
+
+    /// What each flank pair in reach asks for at the rotation of a point, of those that `is_asked` by their teeth of rack and
+    /// pinion; `None` if teeth are out of order. For a fixed rack.
+    pub(crate) fn lines(&mut self, at: &MeshPoint, is_asked: impl Fn(i64, i64) -> bool) -> Option<Vec<PairLine>> {
+        let position = self.locate(at.stroke_mm).ok()?;
+        let teeth = i64::from(self.mesh.pair().pinion().teeth);
+        let mut lines = Vec::new();
+        for side in [FlankSide::Right, FlankSide::Left] {
+            let (turn, pairs) = self.turn(side, &position, -at.transmission_error_rad);
+            for n in pairs {
+                let (rack_tooth, pinion_tooth) = (turn.first + n, (position.tooth + n).rem_euclid(teeth));
+                if !is_asked(rack_tooth, pinion_tooth) {
+                    continue;
+                }
+                let mut alone = Best::default();
+                self.look(&turn, n, &mut alone);
+                if alone.disorder.is_some() {
+                    return None;
+                }
+                let line =
+                    |Demand { value: value_mm, rate, .. }| PairLine { side, rack_tooth, pinion_tooth, value_mm, rate };
+                lines.extend(alone.demand.map(line));
+            }
+        }
+        Some(lines)
     }
 
     /// The highest demand of these flank pairs.

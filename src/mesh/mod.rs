@@ -56,6 +56,7 @@ mod summary;
 pub use contact::ContactKind;
 pub use coverage::CarryingStrokes;
 pub use curve::{Curve, Kink};
+pub(crate) use demand::PairLine;
 pub use measure::{PinionReading, RackReading};
 pub use outcome::{Carrier, Ending, FlankSide, MeshError, MeshPoint, SOLVED_MM, Work};
 pub(crate) use prepare::MatingFlanks;

@@ -1,6 +1,6 @@
 #![doc = include_str!("diagnosis.md")]
 
-use super::search::{DiagnosisRequest, SAME_CURVE, Search, UNSEEN_MM, Watch};
+use super::search::{DiagnosisRequest, SAME_CURVE, Search, UNSEEN_MM, Watch, near};
 use super::sight::{Effects, Explains, Sight};
 use super::tooth_error::{ToothError, ToothErrorKind};
 use super::{Overlay, TraceError};
@@ -100,7 +100,7 @@ impl Diagnosis {
             .min_by(|(a, _), (b, _)| a.cost().total_cmp(&b.cost()))
             .ok_or(TraceError::TooFewPoints)?;
         let found = search.explained(watch)?;
-        let sight = search.sight(&search.errors, &search.points, &[])?;
+        let sight = search.sight(&search.errors, &search.points, false)?;
         let points: Vec<f64> = overlay.points.iter().map(|point| point.delta_cd_mm).collect();
         let mean = |of: &mut dyn Iterator<Item = f64>| of.sum::<f64>() / points.len() as f64;
         let apart = || points.iter().zip(&sight.model_mm).map(|(measured, model)| measured - model);
@@ -127,13 +127,15 @@ impl Diagnosis {
 impl Search<'_> {
     /// Adds errors as long as one stands out of the noise, then finds the errors that the curve would not show.
     fn add_all(&mut self, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
+        /// Of what an error has to explain, what it has to explain at a first look.
+        const LEAST: f64 = 0.5;
         loop {
             let errors = self.errors.clone();
-            let sights = [&self.means, &self.points].map(|points| self.sight(&errors, points, &[]));
+            let sights = [&self.means, &self.points].map(|points| self.sight(&errors, points, false));
             let [means, points] = sights;
             let (means, points) = (means?, points?);
             let screened = self.screened(&errors, &means, |_| true, watch)?;
-            let best = self.best(&errors, (&means, &points), &screened).into_iter().next();
+            let best = self.best(&errors, (&means, &points), &screened, LEAST * self.threshold).into_iter().next();
             match best.filter(|(_, explains)| explains.gain > self.threshold && errors.len() < MOST_ERRORS) {
                 Some((error, explains)) => self.errors.push((error, explains.size_mm)),
                 None => return Ok(self.unseen(&means, &screened)),
@@ -204,14 +206,14 @@ impl Search<'_> {
         while let Some(&(error, size_mm)) = self.errors.get(at) {
             let mut others = self.errors.clone();
             others.remove(at);
-            let means = self.sight(&others, &self.means, &others)?;
-            let points = self.sight(&others, &self.points, &others)?;
-            let own = self.effect(&others, error, size_mm, &points).unwrap_or_default();
+            let means = self.sight(&others, &self.means, true)?;
+            let points = self.sight(&others, &self.points, true)?;
+            let own = self.effect(&others, error, size_mm, points.curve()).unwrap_or_default();
             let is_alike = |other: &ToothError| self.acts_like(*other, &own, &points);
             let screened = self.screened(&others, &means, is_alike, watch)?;
-            let mut best = self.best(&others, (&means, &points), &screened);
-            let (member, effects) = self.refined(&others, error, &[0.5 * size_mm, size_mm, 1.5 * size_mm], &points);
-            best.retain(|(other, _)| *other != error);
+            let mut best = self.best(&others, (&means, &points), &screened, 0.0);
+            let (member, effects) = self.refined(&others, error, &near(size_mm), &points);
+            best.retain(|(other, of)| *other != error || of.size_mm * member.size_mm < 0.0);
             if let Some((other, explains)) = best.first().filter(|(_, better)| better.gain > member.gain + SAME_CURVE)
                 && swaps < MOST_SWAPS
             {
@@ -267,7 +269,7 @@ impl Search<'_> {
         loop {
             let size = best.size_mm + way * step;
             if !effects.has(size) {
-                effects.insert(size, self.effect(others, error, size, sight)?);
+                effects.insert(size, self.effect(others, error, size, sight.curve())?);
             }
             if lacks(&effects, size) {
                 let (mut inner, mut outer) = (inside, size);

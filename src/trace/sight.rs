@@ -16,6 +16,8 @@ pub(super) struct Sight {
     /// The columns that are fitted beside an error: a constant, slopes of the curve, effects of other errors.
     beside: Vec<Vec<f64>>,
     inverse: Vec<Vec<f64>>,
+    /// The coefficient of each column in the fit to the differences; 0 for a dependent column.
+    steps: Vec<f64>,
 }
 
 impl Sight {
@@ -27,15 +29,34 @@ impl Sight {
         beside: &[Vec<f64>],
     ) -> Self {
         let rest_mm = measured_mm.iter().zip(&model_mm).map(|(measured, model)| measured - model).collect();
-        let mut sight = Self { strokes_mm, model_mm, rest_mm, weights, beside: Vec::new(), inverse: Vec::new() };
+        let steps = vec![0.0; beside.len()];
+        let mut sight = Self { strokes_mm, model_mm, rest_mm, weights, beside: Vec::new(), inverse: Vec::new(), steps };
         let (kept, fit) = sight.fitted(beside);
-        sight.inverse = fit.map(|fit| fit.inverse).unwrap_or_default();
+        if let Some(fit) = fit {
+            kept.iter().zip(&fit.coefficients).for_each(|(at, step)| sight.steps[*at] = *step);
+            sight.inverse = fit.inverse;
+        }
         sight.beside = kept.into_iter().map(|at| beside[at].clone()).collect();
         sight
     }
 
+    /// The strokes, and the computed curve there.
+    pub(super) fn curve(&self) -> (&[f64], &[f64]) {
+        (&self.strokes_mm, &self.model_mm)
+    }
+
+    /// The number of columns, dependent ones included.
+    pub(super) fn columns(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The coefficient of a column in the fit to the differences.
+    pub(super) fn step(&self, column: usize) -> f64 {
+        self.steps.get(column).copied().unwrap_or(0.0)
+    }
+
     /// The linearly independent columns, and their fit to the differences.
-    pub(super) fn fitted(&self, columns: &[Vec<f64>]) -> (Vec<usize>, Option<LeastSquares>) {
+    fn fitted(&self, columns: &[Vec<f64>]) -> (Vec<usize>, Option<LeastSquares>) {
         let (mut kept, mut fit) = (Vec::new(), None);
         for at in 0..columns.len() {
             kept.push(at);
@@ -102,11 +123,21 @@ impl Effects {
         self.0.iter().find(|(size, _)| (size - size_mm).abs() < 1e-12).map(|(_, effect)| effect.as_slice())
     }
 
-    /// The solved sizes on either side of a size, and the size itself.
+    /// The solved sizes next to one that have its sign, and itself.
     pub(super) fn around(&self, size_mm: f64) -> Vec<f64> {
         let at = self.0.partition_point(|(size, _)| *size < size_mm - 1e-12);
-        let near = at.saturating_sub(1)..(at + 2).min(self.0.len());
-        self.0[near].iter().map(|(size, _)| *size).chain([size_mm]).collect()
+        let near = self.0[at.saturating_sub(1)..(at + 2).min(self.0.len())].iter().map(|(size, _)| *size);
+        near.filter(|size| size * size_mm > 0.0).chain([size_mm]).collect()
+    }
+
+    /// A size beyond the outermost that is solved, if that is the one.
+    pub(super) fn beyond(&self, size_mm: f64) -> Option<f64> {
+        let from_end = |(end, before): (&(f64, Vec<f64>), &(f64, Vec<f64>))| {
+            let is_it = end.0 != 0.0 && (end.0 - size_mm).abs() < 1e-12;
+            is_it.then(|| end.0 + (end.0 - before.0))
+        };
+        let ends = [self.0.first().zip(self.0.get(1)), self.0.last().zip(self.0.iter().rev().nth(1))];
+        ends.into_iter().flatten().find_map(from_end)
     }
 
     /// Whether a size is near enough to a solved one.
@@ -118,9 +149,24 @@ impl Effects {
 
     /// The size that explains most.
     pub(super) fn best(&self, sight: &Sight) -> Explains {
+        let [negative, positive] = self.best_of_each_sign(sight);
+        if negative.gain > positive.gain { negative } else { positive }
+    }
+
+    /// The negative size that explains most, and the positive one.
+    pub(super) fn best_of_each_sign(&self, sight: &Sight) -> [Explains; 2] {
+        [true, false].map(|is_negative| {
+            let is_of_sign = |size: f64| if is_negative { size <= 0.0 } else { size >= 0.0 };
+            self.best_within(sight, is_of_sign)
+        })
+    }
+
+    /// The size that explains most between solved sizes that are both some.
+    fn best_within(&self, sight: &Sight, is_tried: impl Fn(f64) -> bool) -> Explains {
         let mut best = Explains { size_mm: 0.0, gain: 0.0 };
         let all = sight.chi_square();
-        for ((from, a), (to, b)) in self.0.iter().zip(self.0.iter().skip(1)) {
+        let pieces = self.0.iter().zip(self.0.iter().skip(1));
+        for ((from, a), (to, b)) in pieces.filter(|(from, to)| is_tried(from.0) && is_tried(to.0)) {
             let rest: Vec<f64> = sight.rest_mm.iter().zip(a).map(|(rest, a)| rest - a).collect();
             let along: Vec<f64> = a.iter().zip(b).map(|(a, b)| b - a).collect();
             let (left, square) = (sight.inner(&rest, &along), sight.inner(&along, &along));

@@ -80,6 +80,20 @@ impl ToothError {
         }
     }
 
+    /// Whether it changes the flank pair of these teeth.
+    pub(super) fn is_of(&self, pair: &Pair, rack_tooth: i64, pinion_tooth: i64) -> bool {
+        match (self.part, self.kind) {
+            (Part::Rack, ToothErrorKind::Pitch) => rack_tooth >= self.tooth,
+            (Part::Rack, _) => rack_tooth == self.tooth,
+            // a space has a flank of either tooth beside it
+            (Part::Pinion, ToothErrorKind::Radial) => {
+                let behind = (self.tooth + 1).rem_euclid(i64::from(pair.pinion().teeth));
+                [self.tooth, behind].contains(&pinion_tooth)
+            }
+            (Part::Pinion, _) => pinion_tooth == self.tooth,
+        }
+    }
+
     /// The angle of a lead error of this size, rad.
     #[must_use]
     pub fn lead_rad(&self, pair: &Pair, size_mm: f64) -> Option<f64> {

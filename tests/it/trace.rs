@@ -94,14 +94,18 @@ fn a_trace_is_read_by_the_contract() {
     assert_eq!(read["measured"]["points"][1]["measured_mm"], 0.0025);
 }
 
-/// A trace of two turns of a spec with errors, with 1 µm of noise at 0.1 mm and an offset.
-fn noisy(errors: &str, seed: u64) -> String {
+/// Points of a trace of a turn of the pinion, and of two.
+const TURN: i32 = 503;
+const TWO_TURNS: i32 = 1005;
+
+/// A trace of a spec with errors, with 1 µm of noise at 0.1 mm and an offset.
+fn noisy(errors: &str, seed: u64, count: i32) -> String {
     let mut state = seed;
     let mut unit = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let strokes: Vec<f64> = (0..=1005).map(|at| 0.1 * f64::from(at)).collect();
+    let strokes: Vec<f64> = (0..=count).map(|at| 0.1 * f64::from(at)).collect();
     let rows = strokes.iter().zip(computed(&(SPEC.to_owned() + errors), &strokes)).map(|(stroke, mm)| {
         // near enough to the normal distribution
         let noise = (0..12).map(|_| unit()).sum::<f64>() - 6.0;
@@ -120,7 +124,7 @@ fn rack(tooth: i64, key: &str, um: i64) -> String {
 fn teeth_that_explain_the_curve_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let ask_about = |errors: &str, seed| {
-        let path = table(&folder, &noisy(errors, seed));
+        let path = table(&folder, &noisy(errors, seed, TWO_TURNS));
         ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap()
     };
     let is_it = |found: &Value, part: &str, kind: &str, tooth: i64, um: f64| {
@@ -148,6 +152,38 @@ fn teeth_that_explain_the_curve_are_named() {
     let unseen = none["measured"]["explained"]["unseen"].as_array().unwrap();
     let thin = unseen.iter().find(|of| of["part"] == "rack" && of["kind"] == "thickness" && of["sign"] == "-");
     assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
+}
+
+/// An error of a tooth: part, kind, tooth, size in µm.
+type Error = (&'static str, &'static str, i64, f64);
+
+/// Errors with the same curve are one answer, whichever of them the rack has: thickness e and over-roller e/(2 tan α_n), right
+/// and shift of one tooth, a rack tooth and a pinion space where the trace has one turn.
+#[test]
+fn errors_with_the_same_curve_are_alternatives() {
+    let folder = tempfile::tempdir().unwrap();
+    // 2 tan 19.9°
+    const TWICE: f64 = 0.724;
+    let cases: [(&str, i64, i64, i32, [Error; 2]); 5] = [
+        ("thickness", 5, 40, TWO_TURNS, [("rack", "thickness", 5, 40.0), ("rack", "over_roller", 5, 40.0 / TWICE)]),
+        ("over_roller", 9, 30, TWO_TURNS, [("rack", "over_roller", 9, 30.0), ("rack", "thickness", 9, 30.0 * TWICE)]),
+        ("right", 9, 35, TWO_TURNS, [("rack", "right", 9, 35.0), ("rack", "shift", 9, 35.0)]),
+        ("shift", 6, 24, TWO_TURNS, [("rack", "shift", 6, 24.0), ("rack", "right", 6, 24.0)]),
+        ("over_roller", 4, 25, TURN, [("rack", "over_roller", 4, 25.0), ("pinion", "radial", 3, 25.0)]),
+    ];
+    for (at, (kind, tooth, um, count, expected)) in cases.into_iter().enumerate() {
+        let path = table(&folder, &noisy(&rack(tooth, kind, um), at as u64 + 11, count));
+        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+        let found = answer["diagnosis"].as_array().unwrap();
+        assert_eq!(found.len(), 1, "{kind}: {found:?}");
+        let others = found[0]["alternatives"].as_array().into_iter().flatten();
+        let all: Vec<&Value> = std::iter::once(&found[0]).chain(others).collect();
+        for (part, kind, tooth, um) in expected {
+            let is_it = |one: &&&Value| one["part"] == part && one["kind"] == kind && one["tooth"] == tooth;
+            let one = all.iter().find(is_it).unwrap_or_else(|| panic!("{part} {kind} {tooth}: {all:?}"));
+            assert!((1000.0 * number(one, "/value_mm") - um).abs() <= 2.0, "{part} {kind} {tooth} {um}: {one}");
+        }
+    }
 }
 
 /// A measured stretch does not shrink the travel over which a yoke is judged.
