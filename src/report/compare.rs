@@ -23,7 +23,7 @@ pub struct ComparedSpec {
     pub curve: Vec<(f64, f64)>,
     /// Its limits of ΔCD, mm.
     pub limits: Vec<f64>,
-    /// Its verdict on the limits.
+    /// The limits that it breaks, in words.
     pub outside: Vec<String>,
     /// The exit status by itself.
     pub exit_status: u8,
