@@ -151,8 +151,9 @@ impl Args {
                 return Ok(Status::Undecided);
             }
         }
-        target::write(path, files, new.as_bytes())?;
+        // what cannot be read is not written
         let status = is_closed(&new)?;
+        target::write(path, files, new.as_bytes())?;
         if status != Status::Pass {
             output
                 .remark(&format!("{name}: not all has an owner yet: what stands there as a comment is for you to say"));

@@ -16,8 +16,8 @@ use crate::formula::Model;
 use crate::report;
 use crate::spec::{Spec, TableSection};
 use crate::table::{
-    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, PartNames, Parts, Pattern,
-    Proposal, Reading, Repeats, Separator, Source, Table, Want,
+    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, MOST_RULES, PartNames, Parts,
+    Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -193,7 +193,6 @@ impl<'a> Opener<'a> {
     /// `accepted` are a person's confirmations of columns.
     pub(super) fn proposal(&self, path: &Path, accepted: &[Accepted]) -> Result<Proposal, Failure> {
         const ROUNDS: usize = 4;
-        const MOST_RULES: usize = 1000;
         let mut proposal = self.proposed(path, &self.spec)?;
         let accept =
             |proposal: &mut Proposal| accepted.iter().filter(|one| proposal.accept(&one.key, &one.column)).count();

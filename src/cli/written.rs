@@ -36,7 +36,8 @@ pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result
     let Some(table) = document.get_mut("table") else {
         let gap = if plain.is_empty() || plain.ends_with("\n\n") { "" } else { "\n" };
         let end = if plain.is_empty() || plain.ends_with('\n') { "" } else { "\n" };
-        return Ok(with_line_ends(&format!("{plain}{end}{gap}{stamp}\n{block}"), spec));
+        let text = format!("{plain}{end}{gap}{stamp}\n{block}");
+        return Ok(with_line_ends(as_it_ends(&text, &plain), spec));
     };
     let Some(table) = table.as_table_like_mut() else { return Err(cannot("its `table` is no table")) };
     let mut is_changed = is_renamed;
@@ -54,11 +55,13 @@ pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result
     } else if !is_changed {
         return Ok(spec.to_owned());
     }
-    let mut text = document.to_string();
-    if !text.ends_with('\n') {
-        text.push('\n');
-    }
-    Ok(with_line_ends(&text, spec))
+    let text = document.to_string();
+    Ok(with_line_ends(as_it_ends(&format!("{}\n", text.strip_suffix('\n').unwrap_or(&text)), &plain), spec))
+}
+
+/// A text that ends in a line end, or without one, as another does.
+fn as_it_ends<'t>(text: &'t str, like: &str) -> &'t str {
+    if like.is_empty() || like.ends_with('\n') { text } else { text.strip_suffix('\n').unwrap_or(text) }
 }
 
 /// Adds the missing entries of an item; returns whether there were any.
@@ -151,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_spec_without_a_contract_gets_one_at_its_end() {
-        assert_eq!(merge("[pair]\nx = 1 # one"), format!("[pair]\nx = 1 # one\n\n# stamp\n{BLOCK}"));
+        assert_eq!(merge("[pair]\nx = 1 # one"), format!("[pair]\nx = 1 # one\n\n# stamp\n{}", BLOCK.trim_end()));
         assert_eq!(merge(""), format!("# stamp\n{BLOCK}"));
         assert_eq!(merge("a = 1\r\n\r\n"), format!("a = 1\n\n# stamp\n{BLOCK}").replace('\n', "\r\n"));
     }

@@ -16,8 +16,8 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{Unit, shown};
 use crate::table::{
-    DecimalMark, DeclaredColumn, Encoding, Field, Layout, LineRule, PartNames, Parts, Pattern, Repeats, Separator,
-    StatusColumn,
+    DecimalMark, DeclaredColumn, Encoding, Field, Layout, LineRule, MOST_RULES, PartNames, Parts, Pattern, Repeats,
+    Separator, StatusColumn,
 };
 
 /// Renames `[batch]`, the old name, to `[table]`; returns whether the spec has the old name.
@@ -122,6 +122,8 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         _ => Repeats::All,
     });
     let patterns = |texts: Vec<Located<String>>| texts.iter().map(|text| Pattern::of_heading(&text.value)).collect();
+    let few = ["ignore", "ignore_lines", "comments"].map(|list| has_few(reader, list));
+    let [ignore, lines, comments] = few;
     let mut layout = Layout {
         parts: parts.flatten(),
         teeth,
@@ -140,9 +142,9 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         status,
         of_characteristics: Vec::new(),
         of_format: Vec::new(),
-        ignore: patterns(reader.texts("ignore")),
-        ignore_lines: line_rules(reader),
-        comments: patterns(reader.texts("comments")),
+        ignore: if ignore { patterns(reader.texts("ignore")) } else { Vec::new() },
+        ignore_lines: if lines { line_rules(reader) } else { Vec::new() },
+        comments: if comments { patterns(reader.texts("comments")) } else { Vec::new() },
         ignores_others: reader.get(keys::TABLE_OTHERS).is_some(),
         repeats: repeats.unwrap_or_default(),
         later: Arc::default(),
@@ -154,6 +156,19 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
     layout.ignore.extend(details.iter().map(|(_, heading)| Pattern::of_heading(heading)));
     layout.details = details;
     TableSection { columns, layout: Arc::new(layout), ..TableSection::default() }
+}
+
+/// Whether a list of rules is no longer than a person writes and reads; a problem if it is.
+fn has_few(reader: &mut SectionReader<'_>, list: &'static str) -> bool {
+    let Some(value) = reader.table.get(list) else { return true };
+    let count = value.get_ref().as_array().map_or(0, |rules| rules.len());
+    if count > MOST_RULES {
+        let message = format!("`{list}` has {count} rules, and {MOST_RULES} at most are read");
+        let help = "write one for all that is alike: \"Temp*\" for headings, \"Datum: #\" or \"Mittelwert;*\" for lines, others = \"ignore\" \
+                    for every further column";
+        reader.report(Diagnostic::error(Code::WrongType, message).help(help), value.span());
+    }
+    count <= MOST_RULES
 }
 
 /// Where the names of parts stand.

@@ -97,7 +97,7 @@ pub struct Block {
     /// What each rule of a contract left out, by its number.
     pub(crate) left_out: Vec<Tally>,
     /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
-    pub(crate) doubtful: Vec<(usize, u64)>,
+    pub(crate) doubtful: Vec<(usize, u64, String)>,
     /// Rows that are rejected, and that may be no parts.
     pub(crate) odd: Vec<Odd>,
     /// What is left out of the row that is being read.

@@ -15,6 +15,9 @@ use super::workbook::CellRange;
 use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 
+/// Rules of a kind that a contract has at most: nobody writes or reads more.
+pub(crate) const MOST_RULES: usize = 1000;
+
 /// Where the values of a part stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]

@@ -11,7 +11,7 @@ use super::cell::{Cell, Record};
 use crate::quantity::shown;
 
 /// What the format of a file says besides values, as a rule.
-pub(crate) const OF_FORMAT: &str = "the format's";
+pub(crate) const OF_FORMAT: &str = "by its format";
 /// How many texts of each rule are shown.
 const SHOWN: usize = 3;
 

@@ -6,7 +6,6 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ledger::LeftOut;
-use super::ledger::OF_FORMAT;
 use crate::quantity::shown;
 
 /// How many lines between rows are kept.
@@ -80,9 +79,7 @@ impl Reading {
     /// What is to be known before the result is trusted: what is worth a look, and what was left out.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        // what its format says is nobody's rule
-        let is_rule = |rule: &&LeftOut| rule.tally.count > 0 && rule.rule != OF_FORMAT;
-        let used = self.left_out.iter().filter(is_rule).map(ToString::to_string);
+        let used = self.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string);
         let left_out = self.sentence("left out:", &used.collect::<Vec<_>>(), "");
         self.notes.iter().cloned().chain(left_out).collect()
     }

@@ -18,7 +18,7 @@ pub(crate) struct Report {
     /// What it says besides values.
     pub(crate) said: Tally,
     /// What rules left out, by the number of the rule.
-    pub(crate) left_out: Vec<(usize, String)>,
+    pub(crate) left_out: Vec<(usize, u64, String)>,
     /// What is neither the format's nor left out.
     pub(crate) open: Vec<Open>,
 }
@@ -214,9 +214,9 @@ impl Pcdmis<'_> {
         match self.layout.covering(&record) {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
-                self.report.left_out.push((rule, format!("line {number}: {line}")));
+                self.report.left_out.push((rule, 0, format!("line {number}: {line}")));
             }
-            None => self.report.open.push(Open::Line { line: number, text: line.to_owned() }),
+            None => self.report.open.push(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
         }
     }
 

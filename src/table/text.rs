@@ -112,7 +112,6 @@ impl Text {
             return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into());
         };
         let Report { format, records, layout, said, left_out, open } = report;
-        let left_out = left_out.into_iter().map(|(rule, text)| (rule, 0, text)).collect();
         let file = File { open, left_out, said, ..File::new(&self.name, format) };
         let mut table = of_records(&file, records, std::iter::empty(), &Arc::new(layout), want)?;
         table.reading.header_line = None;

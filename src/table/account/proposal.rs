@@ -8,14 +8,14 @@ use serde::Serialize;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::quantity::shown;
 use crate::table::Table;
-use crate::table::block::{Block, Odd};
+use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
-use crate::table::layout::Layout;
+use crate::table::layout::{Layout, LineRule};
 use crate::table::pattern::escaped_heading;
 use crate::table::propose::Guesses;
-use crate::table::propose::guess::{Guess, guesses};
+use crate::table::propose::guess::{Guess, guesses, undecided};
 use crate::table::propose::lines::Shapes;
 use crate::table::propose::rules::{self, Found, Rule, Rules};
 use crate::table::reading::Reading;
@@ -147,6 +147,7 @@ impl Proposal {
             }
         }
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
+        undecided(&matched, (&proposal.open, rows), want, &guesses, &mut proposal.rules.list);
         proposal.rules.list.extend(rules::pinned(&found, layout));
         proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
         if !owners.contains(&Some(Owner::Role(Role::PartId))) && layout.part_id.is_none() {
@@ -174,17 +175,28 @@ impl Proposal {
         proposal.columns.retain(|column| !column.title.is_empty());
         proposal.rules.list = rules::pinned(&found, &layout);
         let (mut reading, refuses_repeats) = (table.reading.clone(), table.refuses_repeats);
-        let (mut shapes, mut odd) = (Shapes::default(), Vec::new());
+        let (mut shapes, mut odd, mut doubtful) = (Shapes::default(), Vec::new(), vec![0; layout.ignore_lines.len()]);
         for block in table.rows(Wanted::default()) {
             let block = block.map_err(unreadable)?;
             proposal.count_rows(&block, &mut shapes);
             block.tell(&mut reading);
+            for (rule, _, text) in block.doubtful {
+                let LineRule { pattern, at_most } = &layout.ignore_lines[rule];
+                doubtful[rule] += 1;
+                let more = (doubtful[rule] > *at_most).then(|| rules::one_more(pattern.text(), &text));
+                proposal.rules.list.extend(more);
+            }
+            if let Some(Contradiction { line, message, help, .. }) = block.contradiction {
+                let what = format!("line {line}: {message}");
+                proposal.open.push(Open::Wrong { what, help: help.to_owned() });
+            }
             odd.extend(block.odd);
         }
         if let Some(twice) = shapes.twice.take().filter(|_| refuses_repeats) {
             let what = format!("the part `{}` is there more than once", shown(&twice));
             proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
-            proposal.rules.list.push(rules::repeats());
+            proposal.rules.list.extend(rules::repeats());
+            proposal.rules.list.extend(shapes.words.iter().map(|(name, count)| rules::named(name, *count)));
         }
         for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
             proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });
@@ -204,9 +216,6 @@ impl Proposal {
         let room = SHOWN.saturating_sub(self.rejected.len());
         let faults = block.faults().iter().take(room);
         self.rejected.extend(faults.map(|fault| format!("line {}: {}", block.lines[fault.row], fault.message)));
-        if let Some(contradiction) = &block.contradiction {
-            self.rejected.push(format!("line {}: {}", contradiction.line, contradiction.message));
-        }
     }
 
     /// Whether nothing is without an owner.
@@ -262,7 +271,7 @@ impl Proposal {
 /// What a line without an owner is.
 fn line_account(open: &Open) -> Option<LineAccount> {
     let (place, text) = match open {
-        Open::Line { line, text } | Open::Row(Odd { line, text, .. }) => (format!("line {line}"), text),
+        Open::Line { line, text, .. } | Open::Row(Odd { line, text, .. }) => (format!("line {line}"), text),
         Open::Comment { place, text } => (place.clone(), text),
         _ => return None,
     };

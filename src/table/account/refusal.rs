@@ -75,7 +75,7 @@ impl Open {
             Self::Column { title, .. } => format!("new column {}", quoted(title)),
             Self::Characteristic { title, .. } => format!("new characteristic {}", quoted(title)),
             Self::Missing { name, .. } => format!("column {} is gone", quoted(name)),
-            Self::Line { line, text } | Self::Row(Odd { line, text, .. }) => {
+            Self::Line { line, text, .. } | Self::Row(Odd { line, text, .. }) => {
                 format!("new line {line} {}", quoted(text))
             }
             Self::Comment { place, text } => format!("new comment in {place} {}", quoted(text)),

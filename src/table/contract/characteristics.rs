@@ -7,11 +7,13 @@ use super::heading::{Matched, key, matched, owner};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
+use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::{Layout, OwnRule, Repeats};
 use crate::table::ledger::RowLedger;
+use crate::table::want::Want;
 
 /// What stands beside a value in a row of its characteristic.
 const BESIDE: [Beside; 6] =
@@ -60,10 +62,17 @@ struct Reader<'r, 'l> {
     owned: HashSet<[String; 2]>,
     /// The names that are listed as without an owner.
     listed: HashSet<String>,
+    /// Whether no row has an error that the spec asks for.
+    lacks_error: bool,
 }
 
 /// The table of parts of the records below the line of headings.
-pub(super) fn turned(records: &[Record], heading: usize, layout: &Layout, left_out: &mut Tallies) -> Turned {
+pub(super) fn turned(
+    records: &[Record],
+    heading: usize,
+    (layout, want): (&Layout, &Want),
+    left_out: &mut Tallies,
+) -> Turned {
     let below = &records[heading + 1..];
     let mut columns = matched(&records[heading], below, layout, Form::Characteristics);
     left_out.headings(&columns);
@@ -79,8 +88,14 @@ pub(super) fn turned(records: &[Record], heading: usize, layout: &Layout, left_o
         owners: HashMap::new(),
         owned: HashSet::new(),
         listed: HashSet::new(),
+        lacks_error: false,
     };
     reader.look(below);
+    let is_read = |kind: &DeviationKind| {
+        let role = Owner::Role(Role::Value(Field::Error(*kind)));
+        reader.owners.values().any(|owner| *owner == Ok(Some(role)))
+    };
+    reader.lacks_error = !want.expected.iter().all(is_read);
     for record in below {
         reader.row(record);
     }
@@ -139,13 +154,15 @@ impl<'r> Reader<'r, '_> {
             return self.left_out.add(self.layout.own_rule(OwnRule::RepeatedParts), record.line, 0, &line);
         }
         let Some(title) = self.name(record) else {
-            return self.open.push(Open::Line { line: record.line, text: line });
+            return self.open.push(Open::Line { line: record.line, text: line, is_heading: false });
         };
         match self.owners.get(&title).cloned().unwrap_or(Ok(None)) {
             Ok(Some(Owner::Role(Role::Value(field)))) => self.value(record, field, title),
             Ok(Some(Owner::Rule(rule))) if !self.repeats_owned(record, rule) => self.ignored(record, rule),
             Err(open) => self.unowned(open),
-            _ if record.filled().len() == 1 => self.open.push(Open::Line { line: record.line, text: line }),
+            _ if record.filled().len() == 1 => {
+                self.open.push(Open::Line { line: record.line, text: line, is_heading: false });
+            }
             _ => {
                 let places = [Beside::Measured, Beside::Deviation].map(|of| self.place(Role::Of(of)));
                 let value = places.into_iter().flatten().map(|place| record.cell(place)).find(|cell| !cell.is_empty());
@@ -165,11 +182,11 @@ impl<'r> Reader<'r, '_> {
         self.open.extend(is_new.then_some(open));
     }
 
-    /// Whether the rule for all others would leave out what has the nominal value and the unit of a characteristic that is read: it
-    /// may be the same, measured again.
+    /// Whether the rule for all others would leave out what has the nominal value and the unit of a characteristic that is read, or what
+    /// may be an error that the table lacks: it may be the same, measured again, or that error.
     fn repeats_owned(&self, record: &Record, rule: usize) -> bool {
         rule == self.layout.own_rule(OwnRule::Others)
-            && self.nominal(record).is_some_and(|nominal| self.owned.contains(&nominal))
+            && (self.lacks_error || self.nominal(record).is_some_and(|nominal| self.owned.contains(&nominal)))
     }
 
     /// The rows of a record's part; the last ones of it.

@@ -12,6 +12,7 @@ mod owner;
 mod table;
 mod tallies;
 mod units;
+mod unowned;
 mod whole;
 
 pub(crate) use columns::plausible_units;
@@ -167,13 +168,16 @@ impl Layout {
         }
     }
 
-    /// The rule that leaves out a line, by its place among those for lines. A heading is never left out.
+    /// The rule that leaves out a line, by its place among those for lines. A heading is left out by a rule that fits it alone.
     pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
-        if self.ignore_lines.is_empty() || heading::is_one(record, self) {
+        if self.ignore_lines.is_empty() {
             return None;
         }
         let line = line_of(record);
-        self.ignore_lines.iter().position(|rule| rule.pattern.fits(&line))
+        let rule = self.ignore_lines.iter().position(|rule| rule.pattern.fits(&line))?;
+        let fitting = self.ignore_lines[rule..].iter().enumerate().filter(|(_, other)| other.pattern.fits(&line));
+        let exact = || fitting.clone().find(|(_, other)| other.pattern.is_exact()).map(|(at, _)| rule + at);
+        if heading::is_one(record, self) { exact() } else { Some(rule) }
     }
 
     pub(crate) fn rule_of_line(&self, line_rule: usize) -> usize {

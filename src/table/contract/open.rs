@@ -15,8 +15,8 @@ pub(crate) enum Open {
     Column { place: usize, title: String, first: Vec<String>, may_decide: bool },
     /// A characteristic without a role or a rule, with its first value.
     Characteristic { title: String, first: Vec<String> },
-    /// A line that is no part.
-    Line { line: u64, text: String },
+    /// A line that is no part; it may have headings of another table.
+    Line { line: u64, text: String, is_heading: bool },
     /// A row that is no part by its name, or because it has no value.
     Row(Odd),
     /// A comment or a text box of a workbook.
@@ -61,7 +61,7 @@ impl Open {
             }
             Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
             Self::Characteristic { title, first } => format!("characteristic `{}`: {}", shown(title), first.join(", ")),
-            Self::Line { line, text } => format!("line {line}: {}", shown(text)),
+            Self::Line { line, text, .. } => format!("line {line}: {}", shown(text)),
             Self::Row(Odd { line, text, .. }) => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),
             Self::Sheets { names } => format!("several sheets have cells: {}: choose one with --sheet", listed(names)),

@@ -87,7 +87,7 @@ impl Rules {
                     entries.extend(of(rule, guesses).into_iter().map(|text| (text, None)));
                     entries.extend(commented(&format!("a guess: {why}")));
                 }
-                (Certainty::Choice(why), _) => entries.extend(commented(why)),
+                (Certainty::Choice(why) | Certainty::OneOf(why), _) => entries.extend(commented(why)),
             }
         }
         if entries.is_empty() {
@@ -110,8 +110,7 @@ fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
     let Rule::Lines { exact, like, at_most } = rule else { return Vec::new() };
     match like {
         Some(like) if guesses == Guesses::Filled || exact.len() > MOST_EXACT => vec![line_rule(like, *at_most)],
-        _ if exact.len() > 1 => exact.iter().map(|text| line_rule(text, (*at_most).min(1))).collect(),
-        _ => exact.iter().map(|text| line_rule(text, *at_most)).collect(),
+        _ => exact.iter().map(|(text, count)| line_rule(text, *count)).collect(),
     }
 }
 
@@ -129,6 +128,6 @@ fn entry(text: &str, certainty: &Certainty, guesses: Guesses) -> String {
         (Certainty::Exact, _) => format!("{text}\n"),
         (Certainty::Guess(why), Guesses::Filled) => format!("{text}   # a guess: {why}\n"),
         (Certainty::Guess(why), Guesses::AsComments) => format!("# {text}   # a guess: {why}\n"),
-        (Certainty::Choice(why), _) => format!("# {text}   # {why}\n"),
+        (Certainty::Choice(why) | Certainty::OneOf(why), _) => format!("# {text}   # {why}\n"),
     }
 }

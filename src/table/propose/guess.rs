@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use super::rules::{Rule, Suggestion};
+use super::rules::{Certainty, Rule, Suggestion};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
 use crate::table::contract::{Matched, Open, Owner, plausible_units};
 use crate::table::dictionary::{Form, Heading, Role, headings_of, lookup, normal};
 use crate::table::field::Field;
 use crate::table::grid::unit_of;
+use crate::table::pattern::escaped_heading;
 use crate::table::want::{Want, quoted};
 
 /// Columns that are looked at, at most.
@@ -48,6 +49,23 @@ struct Candidate<'c> {
 }
 
 impl Candidate<'_> {
+    /// The units in which its numbers may be values of an error; none if its own unit is of something else.
+    fn units(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> Vec<&'static str> {
+        let is_other = |unit: &String| unit_of(unit, Field::Error(kind).is_angle()).is_none();
+        let found = plausible_units(kind, self.title, self.place, rows, want);
+        if self.unit.as_ref().is_some_and(is_other) { Vec::new() } else { found }
+    }
+
+    /// The entry of a contract that says that it has values of an error.
+    fn entry(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> String {
+        let unit = self.unit.clone().or_else(|| match self.units(kind, rows, want)[..] {
+            [unit] => Some(unit.to_owned()),
+            _ => None,
+        });
+        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(&unit)));
+        format!("{{ name = {}{unit} }}", quoted(&self.name))
+    }
+
     /// Whether nearly all that stands there are numbers.
     fn is_numeric(&self) -> bool {
         let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
@@ -67,15 +85,7 @@ impl Candidate<'_> {
 
 /// The guesses for the columns of a table, one a column.
 pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
-    let of_open = matched.open.iter().filter_map(|open| match open {
-        Open::Column { place, title, .. } if !title.is_empty() && matched.titles.get(*place) == Some(title) => {
-            let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
-            let Heading { name, unit } = matched.headings[*place].clone();
-            Some(Candidate { place: *place, title, name, unit, cells })
-        }
-        _ => None,
-    });
-    let mut left: Vec<Candidate<'_>> = of_open.take(MOST).collect();
+    let mut left: Vec<Candidate<'_>> = candidates(matched, &matched.open, rows).take(MOST).collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
     let mut guesses = characteristics(&left);
     if !guesses.is_empty() {
@@ -90,6 +100,74 @@ pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     }
     guesses.extend(status);
     guesses
+}
+
+/// The columns that nobody owns.
+fn candidates<'c>(
+    matched: &'c Matched,
+    open: &'c [Open],
+    rows: &'c [Record],
+) -> impl Iterator<Item = Candidate<'c>> + 'c {
+    open.iter().filter_map(move |open| match open {
+        Open::Column { place, title, .. } if !title.is_empty() && matched.titles.get(*place) == Some(title) => {
+            let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
+            let Heading { name, unit } = matched.headings[*place].clone();
+            Some(Candidate { place: *place, title, name, unit, cells })
+        }
+        _ => None,
+    })
+}
+
+/// What may be an error that the spec asks for and nothing is known or guessed to be: each such column is one of several, and that it is
+/// not used is a guess. So it is of a column whose heading is like one of an error that the table lacks.
+pub(crate) fn undecided(
+    matched: &Matched,
+    (open, rows): (&[Open], &[Record]),
+    want: &Want,
+    guesses: &[Guess],
+    rules: &mut Vec<Suggestion>,
+) {
+    let is_found = |kind: &DeviationKind| {
+        matched.owners.contains(&Some(Owner::Role(Role::Value(Field::Error(*kind)))))
+            || guesses.iter().any(|guess| guess.key == kind.key())
+    };
+    if !matches!(matched.form, Form::Parts) {
+        return;
+    }
+    let missing: Vec<DeviationKind> = want.expected.iter().copied().filter(|kind| !is_found(kind)).collect();
+    let (mut doubtful, mut choices): (Vec<(String, &str)>, Vec<Suggestion>) = (Vec::new(), Vec::new());
+    let choice = |kind: &DeviationKind, entry: String| {
+        Rule::Column { key: kind.key().to_owned(), entry }.one_of("or another column, or none: say which")
+    };
+    for (at, column) in candidates(matched, open, rows).enumerate() {
+        if guesses.iter().any(|guess| guess.place == column.place) {
+            continue;
+        }
+        let able = missing.iter().filter(|kind| at < MOST && !column.units(**kind, rows, want).is_empty());
+        let able: Vec<&DeviationKind> = able.filter(|_| column.is_numeric()).collect();
+        let is_near = |kind: &DeviationKind| {
+            !is_found(kind) && column.nearness(Role::Value(Field::Error(*kind))) >= NEAR && column.is_numeric()
+        };
+        if !able.is_empty() || at >= MOST && !missing.is_empty() {
+            doubtful.push((escaped_heading(column.title), "it may be an error that the spec asks for"));
+        } else if at < MOST && DeviationKind::ALL.iter().any(is_near) {
+            doubtful.push((escaped_heading(column.title), IS_NEAR));
+        }
+        choices.extend(able.into_iter().map(|kind| choice(kind, column.entry(*kind, rows, want))));
+    }
+    for open in open.iter().filter(|_| !missing.is_empty()) {
+        let Open::Characteristic { title, .. } = open else { continue };
+        doubtful.push((escaped_heading(title), "it may be an error that the spec asks for"));
+        choices.extend(missing.iter().map(|kind| choice(kind, format!("{{ name = {} }}", quoted(title)))));
+    }
+    choices.truncate(MOST);
+    for Suggestion { rule, certainty } in rules.iter_mut().filter(|known| known.certainty == Certainty::Exact) {
+        let Rule::Entry("ignore", text) = rule else { continue };
+        if let Some((_, why)) = doubtful.iter().find(|(title, _)| title == text) {
+            *certainty = Certainty::Guess((*why).to_owned());
+        }
+    }
+    rules.extend(choices);
 }
 
 /// The columns of a row per characteristic: of their names, most of which are known of errors, of their values, and of the part.
@@ -140,11 +218,7 @@ fn values(
     let asked = if want.expected.is_empty() { DeviationKind::ALL.to_vec() } else { want.expected.clone() };
     let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
     let (mut guesses, mut taken) = (Vec::new(), Vec::new());
-    let units = |column: &Candidate<'_>, kind: DeviationKind| {
-        let is_other = |unit: &String| unit_of(unit, Field::Error(kind).is_angle()).is_none();
-        let found = plausible_units(kind, column.title, column.place, rows, want);
-        if column.unit.as_ref().is_some_and(is_other) { Vec::new() } else { found }
-    };
+    let units = |column: &Candidate<'_>, kind: DeviationKind| column.units(kind, rows, want);
     loop {
         let is_left = |kind: &DeviationKind| !is_found(*kind) && !taken.contains(kind);
         let kinds: Vec<DeviationKind> = DeviationKind::ALL.into_iter().filter(is_left).collect();
@@ -165,12 +239,7 @@ fn values(
         let column = left.remove(at);
         missing.retain(|other| *other != kind);
         taken.push(kind);
-        let unit = column.unit.clone().or_else(|| match units(&column, kind)[..] {
-            [unit] => Some(unit.to_owned()),
-            _ => None,
-        });
-        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(&unit)));
-        guesses.push(column.guess(kind.key(), format!("{{ name = {}{unit} }}", quoted(&column.name)), why));
+        guesses.push(column.guess(kind.key(), column.entry(kind, rows, want), why));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lines that are no parts: what they have in common, and how they differ from the names of parts.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use crate::table::block::Block;
 use crate::table::ledger::digest;
@@ -14,18 +14,26 @@ pub(crate) struct Shapes {
     names: HashSet<u64>,
     /// The first name that is there again.
     pub(crate) twice: Option<String>,
+    /// Names without a digit that are there again, and how often each is there.
+    pub(crate) words: BTreeMap<String, u64>,
 }
 
 impl Shapes {
     /// Takes the names of parts.
     pub(crate) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
         const MOST: usize = 1000;
+        const MOST_WORDS: usize = 20;
         let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
         for name in names {
             if self.of_names.len() < MOST {
                 self.of_names.insert(shape(&name));
             }
             if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
+                if !name.contains(|c: char| c.is_numeric())
+                    && (self.words.len() < MOST_WORDS || self.words.contains_key(&*name))
+                {
+                    *self.words.entry(name.clone().into_owned()).or_insert(1) += 1;
+                }
                 self.twice.get_or_insert_with(|| name.into_owned());
             }
         }

@@ -27,6 +27,8 @@ pub(crate) enum Certainty {
     Guess(String),
     /// One of several, of which a person chooses.
     Choice(String),
+    /// The same, and it says all that is needed.
+    OneOf(String),
 }
 
 /// Something that a contract may say.
@@ -36,8 +38,8 @@ pub(crate) enum Rule {
     Key(&'static str, String),
     /// An entry of a list of `[table]`: of `ignore` a column that is not used, of `comments` a comment of a workbook.
     Entry(&'static str, String),
-    /// Lines that belong to no part: as they stand there, and a pattern that fits more.
-    Lines { exact: Vec<String>, like: Option<String>, at_most: u64 },
+    /// Lines that belong to no part: as they stand there, each with how many of it could be parts, and a pattern that fits more.
+    Lines { exact: Vec<(String, u64)>, like: Option<String>, at_most: u64 },
     /// An entry of `[table.columns]`, with its value as TOML.
     Column { key: String, entry: String },
 }
@@ -68,6 +70,10 @@ impl Rule {
     fn choice(self, why: impl Into<String>) -> Suggestion {
         Suggestion { rule: self, certainty: Certainty::Choice(why.into()) }
     }
+
+    pub(crate) fn one_of(self, why: impl Into<String>) -> Suggestion {
+        Suggestion { rule: self, certainty: Certainty::OneOf(why.into()) }
+    }
 }
 
 /// The rules that would own what has no owner.
@@ -83,6 +89,9 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Column { title, may_decide, .. } => unless_it_decides(ignore(title), *may_decide),
         Open::Characteristic { title, first } => {
             unless_it_decides(ignore(title), may_decide(first.iter().map(Cow::from)))
+        }
+        Open::Line { text, is_heading: true, .. } => {
+            vec![line_as_it_is(text).guess("it has headings of another table")]
         }
         Open::Line { text, .. } => vec![line(text, 0)],
         Open::Row(odd) => of_odd(odd, &Shapes::default()).into_iter().collect(),
@@ -100,30 +109,17 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
             let or = if units.is_empty() { "its unit".to_owned() } else { units.join(" or ") };
             vec![entry(units.first().unwrap_or(&"?")).choice(format!("say which unit: {or}"))]
         }
-        Open::Mark { .. } => {
-            vec![Rule::Key("decimal", "\"comma\"".to_owned()).choice("or \"point\": say which")]
-        }
-        Open::Encoding { names } => {
-            let key = |name: &str| Rule::Key("encoding", quoted(name));
-            match names[..] {
-                [name] => vec![key(name).guess("more of its headings are known")],
-                _ => names
-                    .iter()
-                    .take(1)
-                    .map(|name| key(name).choice(format!("say which: {}", names.join(" or "))))
-                    .collect(),
-            }
-        }
-        Open::Sheets { names } => {
-            let others: Vec<_> = names.iter().skip(1).map(|name| quoted(name)).collect();
-            let sheet = names.first().map_or_else(String::new, |name| quoted(name));
-            vec![Rule::Key("sheet", sheet).choice(format!("or {}: say which", others.join(" or ")))]
-        }
+        Open::Mark { .. } => each("decimal", ["comma", "point"].into_iter()),
+        Open::Encoding { names } => match names[..] {
+            [name] => vec![Rule::Key("encoding", quoted(name)).guess("more of its headings are known")],
+            _ => each("encoding", names.iter().copied()),
+        },
+        Open::Sheets { names } => each("sheet", names.iter().map(String::as_str)),
         Open::Separator { names } => {
             vec![Rule::Key("separator", "\";\"".to_owned()).choice(format!("say which: {}", names.join(" or ")))]
         }
         Open::Twice { titles: [one, other], .. } if one != other => {
-            vec![ignore(other).choice(format!("or {}: say which of them is not used", quoted(one)))]
+            [one, other].map(|title| ignore(title).one_of("say which of them is not used")).to_vec()
         }
         _ => Vec::new(),
     }
@@ -147,15 +143,36 @@ pub(crate) fn no_values(want: &Want) -> Suggestion {
 }
 
 /// What becomes of parts that are there more than once.
-pub(crate) fn repeats() -> Suggestion {
-    Rule::Key("repeats", "\"last\"".to_owned()).choice("or \"all\": say which")
+pub(crate) fn repeats() -> Vec<Suggestion> {
+    each("repeats", ["last", "all"].into_iter())
+}
+
+/// The values that a key may have, of which a person chooses.
+fn each<'v>(key: &'static str, values: impl Iterator<Item = &'v str>) -> Vec<Suggestion> {
+    values.map(|value| Rule::Key(key, quoted(value)).one_of("say which")).collect()
+}
+
+/// A line, as it stands there.
+fn line_as_it_is(text: &str) -> Rule {
+    Rule::Lines { exact: vec![(escaped(text.trim()), 0)], like: None, at_most: 0 }
+}
+
+/// Lines with the name of a part that is there again and has no digit, so many of them: they may be no part.
+pub(crate) fn named(name: &str, count: u64) -> Suggestion {
+    let like = Some(format!("{};*", escaped(name)));
+    Rule::Lines { exact: Vec::new(), like, at_most: count }.one_of("or the lines of that name are no part: say which")
+}
+
+/// One more line of a rule of the contract that could be a part.
+pub(crate) fn one_more(pattern: &str, text: &str) -> Suggestion {
+    row(text, pattern.to_owned(), 1)
 }
 
 /// The rule for a row that is no part by its name.
 fn row(text: &str, like: String, at_most: u64) -> Suggestion {
     let exact = escaped(text.trim());
     let (is_same, like_any) = (like == exact, like.contains('*'));
-    let rule = Rule::Lines { exact: vec![exact], like: (!is_same).then_some(like), at_most };
+    let rule = Rule::Lines { exact: vec![(exact, at_most)], like: (!is_same).then_some(like), at_most };
     if is_same { rule.exact() } else { rule.guess(if like_any { "whatever stands there" } else { "any number there" }) }
 }
 
@@ -221,7 +238,7 @@ pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
 pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
     let pattern = |suggestion: &Suggestion| {
         let Rule::Lines { exact, .. } = &suggestion.rule else { return None };
-        let text = exact.first()?;
+        let (text, _) = exact.first()?;
         let (label, rest) = text.split_once([':', ';'])?;
         let name = rest.trim_start_matches([':', ';', ' ']);
         let is_known = lookup(Form::Parts, label.trim())?.role == Role::PartId;
@@ -236,43 +253,60 @@ pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
 }
 
 /// Takes a person's word that a guess is right. Whether there was one.
-pub(crate) fn accept(rules: &mut [Suggestion], key: &str, column: &str) -> bool {
+pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bool {
     let (name, whole) = (quoted(&Heading::of(column).name), escaped_heading(column));
     let mut found = false;
-    for Suggestion { rule, certainty } in rules {
+    for Suggestion { rule, certainty } in rules.iter_mut() {
         let is_it = match rule {
             Rule::Column { key: own, entry } => own == key && entry.contains(&name),
             Rule::Entry(own, text) => *own == key && *text == whole,
-            _ => false,
+            Rule::Key(own, value) => *own == key && *value == name,
+            Rule::Lines { .. } => false,
         };
         if is_it && !matches!(certainty, Certainty::Choice(_)) {
             (found, *certainty) = (true, Certainty::Exact);
         }
     }
+    // one is chosen
+    let is_other = |rule: &Rule| match rule {
+        Rule::Column { key: own, .. } => own == key,
+        Rule::Key(own, _) => *own == key,
+        Rule::Entry(..) | Rule::Lines { .. } => false,
+    };
+    rules.retain(|known| !(found && is_other(&known.rule) && matches!(known.certainty, Certainty::OneOf(_))));
     found
 }
 
 impl Rule {
     /// What another rule has in common that says the same.
-    fn identity(&self) -> (u8, &str) {
+    fn identity(&self, certainty: &Certainty) -> (u8, String) {
         match self {
-            Self::Key(key, _) => (0, key),
-            Self::Entry(list, text) => (if *list == "ignore" { 1 } else { 3 }, text),
+            Self::Key(key, value) => (0, format!("{key} = {value}")),
+            Self::Entry(list, text) => (if *list == "ignore" { 1 } else { 3 }, text.clone()),
             Self::Lines { exact, like, .. } => {
-                (2, like.as_deref().or(exact.first().map(String::as_str)).unwrap_or_default())
+                (2, like.as_ref().or(exact.first().map(|(text, _)| text)).cloned().unwrap_or_default())
             }
-            Self::Column { key, .. } => (4, key),
+            // one of several columns is none of the others
+            Self::Column { key, entry } if matches!(certainty, Certainty::OneOf(_)) => (5, format!("{key} = {entry}")),
+            Self::Column { key, .. } => (4, key.clone()),
         }
     }
 
     /// Takes what another rule says that is the same.
     fn take(&mut self, next: Suggestion, certainty: &mut Certainty) {
         match (self, next.rule) {
-            (Self::Lines { exact, at_most, .. }, Self::Lines { exact: more, at_most: most, .. }) => {
+            (Self::Lines { exact, at_most, .. }, Self::Lines { exact: more, at_most: most, .. })
+                if !matches!(next.certainty, Certainty::OneOf(_)) =>
+            {
                 *at_most += most;
-                let room = (MOST_EXACT + 1).saturating_sub(exact.len());
-                let new: Vec<String> = more.into_iter().filter(|text| room > 0 && !exact.contains(text)).collect();
-                exact.extend(new.into_iter().take(room));
+                let has_room = exact.len() <= MOST_EXACT;
+                for (text, count) in more {
+                    match exact.iter_mut().find(|(known, _)| *known == text) {
+                        Some((_, known)) => *known += count,
+                        None if has_room => exact.push((text, count)),
+                        None => {}
+                    }
+                }
             }
             // its unit, that is found once its column is
             (Self::Column { entry, .. }, Self::Column { entry: more, .. })
@@ -290,8 +324,8 @@ pub(crate) fn settle(rules: &mut Vec<Suggestion>) {
     let mut places: HashMap<(u8, String), usize> = HashMap::new();
     let mut settled: Vec<Suggestion> = Vec::new();
     for suggestion in rules.drain(..) {
-        let (kind, text) = suggestion.rule.identity();
-        let place = *places.entry((kind, text.to_owned())).or_insert(settled.len());
+        let identity = suggestion.rule.identity(&suggestion.certainty);
+        let place = *places.entry(identity).or_insert(settled.len());
         match settled.get_mut(place) {
             Some(known) => known.rule.take(suggestion, &mut known.certainty),
             None => settled.push(suggestion),
@@ -303,11 +337,23 @@ pub(crate) fn settle(rules: &mut Vec<Suggestion>) {
 /// Adds the rules of another file: what is a role in both by different names needs no rule, and lines that differ are generalised.
 pub(crate) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, file: &str) {
     for other in others {
+        let is_known = |known: &&mut Suggestion| matches!((&known.rule, &other.rule), (Rule::Entry(..), _) if known.rule == other.rule);
         match &other.rule {
+            _ if matches!(other.certainty, Certainty::OneOf(_)) => {
+                if !rules.contains(&other) {
+                    rules.push(other);
+                }
+            }
+            // a guess in one file is one in all
+            Rule::Entry(..) => match rules.iter_mut().find(is_known) {
+                Some(known) if known.certainty == Certainty::Exact => known.certainty = other.certainty,
+                Some(_) => {}
+                None => rules.push(other),
+            },
             Rule::Lines { exact, at_most, .. } => {
                 let found = rules.iter_mut().find_map(|known| match &mut known.rule {
                     Rule::Lines { exact: own, like, at_most } => {
-                        let (first, next) = (own.first()?, exact.first()?);
+                        let ((first, _), (next, _)) = (own.first()?, exact.first()?);
                         let pattern = common(like.as_ref().unwrap_or(first), next).or_else(|| common(first, next))?;
                         Some((own, like, at_most, &mut known.certainty, pattern))
                     }

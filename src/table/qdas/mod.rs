@@ -8,7 +8,8 @@
 //! counts the characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a
 //! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
 //! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. One whose K2004 is not 0 is no size,
-//! and its values are none. K0009, K1900 and K2900 are remarks, and so is K0005 in words. Values are either K0001 lines, with
+//! and its values are none. K0009, K1900 and K2900 are remarks, and so are words under keys
+//! that have numbers (K0005, K2005, …), reasons of a test (K1203) and texts of characteristics (K2092). Values are either K0001 lines, with
 //! attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
 //! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
 //! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
@@ -22,6 +23,7 @@
 
 mod closed;
 mod definition;
+mod keys;
 mod read;
 mod table;
 mod write;

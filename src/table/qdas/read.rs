@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::definition::{Draft, NUMBERS, Said};
+use super::keys::{Line, changes_values, counts, has_free_words, is_number, is_of_format, keyed};
 use super::{Characteristic, LeftOut, OF_NO_SIZE, PartDefinition, Qdas, Remark, Value};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::{Decimal, parse_f64};
+use crate::quantity::Decimal;
 use crate::table::cell::Content;
 use crate::table::chunk::LONGEST_RECORD;
 use crate::table::ledger::Tally;
@@ -17,22 +18,6 @@ use crate::table::number::{DecimalMark, normalise};
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 500_000;
-/// Whether a key says what is measured, where, when, with what and by whom: those that are read, and others that say nothing of
-/// values. All further keys and those of remarks need a rule.
-#[rustfmt::skip]
-const fn is_of_format(key: u16) -> bool {
-    matches!(
-        key,
-        1..=2 | 4..=8 | 10..=12 | 14..=17 | 53 | 97 | 100..=101 | 1001..=1017 | 1021..=1022 | 1031..=1032 | 1041..=1046
-        | 1051..=1055 | 1061..=1063 | 1071..=1072 | 1081..=1087 | 1091..=1092 | 1100..=1115 | 1201..=1231 | 1301..=1303
-        | 1311..=1315 | 1341..=1363 | 2001..=2011 | 2015..=2016 | 2022..=2024 | 2027..=2031 | 2041..=2049 | 2060..=2061
-        | 2071..=2072 | 2090..=2093 | 2101..=2106 | 2110..=2117 | 2120..=2121 | 2130..=2131 | 2141..=2143 | 2151..=2152
-        | 2201..=2228 | 2301..=2322 | 2401..=2411
-    )
-}
-
-/// The key of an event: a number of a catalogue, or words.
-const EVENT: u16 = 5;
 /// Values of a file at most: a lot of a million parts has some millions.
 const MOST_VALUES: usize = 8_000_000;
 /// What keys with `/0` may say in all, one for each characteristic.
@@ -66,23 +51,6 @@ struct Reader {
     remarks: Vec<Remark>,
     /// What else the file says.
     said: Tally,
-}
-
-/// One line with a key.
-struct Line<'t> {
-    key: u16,
-    index: usize,
-    text: &'t str,
-    /// Where the line starts.
-    at: usize,
-    /// Where the text starts.
-    start: usize,
-}
-
-impl Line<'_> {
-    fn span(&self) -> Range<usize> {
-        self.start..self.start + self.text.len()
-    }
 }
 
 /// Reads a file, or a file of definitions and the file of its values: name and text of each, in that order.
@@ -160,7 +128,7 @@ impl Reader {
     fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
         let text = line.text.trim();
         let index = self.source.text[line.at..line.start].trim();
-        let is_own = is_of_format(line.key) && !(line.key == EVENT && text.contains(char::is_alphabetic));
+        let is_own = is_of_format(line.key) && !(has_free_words(line.key) && text.contains(char::is_alphabetic));
         if is_own {
             // the index of a value is said by the order of values
             let said = if line.key == 1 { index.to_owned() } else { format!("{index} {text}") };
@@ -417,44 +385,4 @@ impl Reader {
             part_names: self.part_names,
         })
     }
-}
-
-/// Whether a value with that attribute (K0002) counts.
-fn counts(attribute: &str) -> bool {
-    attribute.is_empty() || attribute.parse() == Ok(0)
-}
-
-/// Whether a text with a decimal point is a number.
-fn is_number(text: &str) -> bool {
-    parse_f64(text).is_ok()
-}
-
-/// A line that starts with a key; an error if the key is followed by an index that is none.
-fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>> {
-    let digits = line.strip_prefix(['K', 'k'])?.get(..4).filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()))?;
-    let key: u16 = digits.parse().ok()?;
-    let rest = &line[5..];
-    let (index, text) = match rest.strip_prefix('/') {
-        None => ("", rest.strip_prefix([' ', '\t']).unwrap_or(rest)),
-        Some(indexed) => indexed.split_once([' ', '\t']).unwrap_or((indexed, "")),
-    };
-    // a second index counts values, whose order says the same
-    let first = index.split('/').next().unwrap_or("");
-    let parsed = if first.is_empty() { Some(usize::from(key >= 1000)) } else { first.parse().ok() };
-    let Some(index) = parsed else {
-        return Some(Err(format!("K{key:04}: `/{index}` is not a number of a characteristic or part")));
-    };
-    let (at, start) = (start, start + line.len() - text.len());
-    Some(Ok(Line { key, index, text, at, start }))
-}
-
-/// What a key says that values are changed by, if it changes them: the additive constant (K2071) or the factor (K2072).
-fn changes_values(key: u16, text: &str) -> Option<&'static str> {
-    let (what, neutral) = match key {
-        2071 => ("an additive constant of", 0.0),
-        2072 => ("a factor of", 1.0),
-        _ => return None,
-    };
-    let is_neutral = text.is_empty() || text.replace(',', ".").parse() == Ok(neutral);
-    (!is_neutral).then_some(what)
 }

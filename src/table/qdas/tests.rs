@@ -291,3 +291,23 @@ fn what_contradicts_itself_is_refused() {
         assert!(read(&[("lot.dfq", text)]).is_ok(), "{text}");
     }
 }
+
+/// Whatever key a text stands under, another text there is seen: it is read, needs a rule, or is in the digest of the format.
+#[test]
+fn no_key_goes_unnoticed() {
+    let seen = |key: u16, text: &str| {
+        let line = format!("K{key:04}/1 {text}\n");
+        let (above, below) = if key < 100 { ("", &*line) } else { (&*line, "") };
+        let file = format!("{HEAD}{above}25,013\u{f}12\n{below}");
+        read(&[("lot.dfq", &file)]).map(|qdas| (qdas.said, qdas.remarks, qdas.parts, qdas.characteristics.len()))
+    };
+    let words = ["alle Werte in Zoll", "ungueltig 412"];
+    for key in (2..10_000).filter(|key| *key != 100) {
+        for [one, other] in [words, ["1", "2"]] {
+            let (one, other) = (seen(key, one), seen(key, other));
+            assert!(one.is_err() || other.is_err() || one.ok() != other.ok(), "K{key:04}");
+        }
+        let has_words = |key: u16| seen(key, words[0]).is_ok_and(|(_, remarks, ..)| remarks.is_empty());
+        assert!(!matches!(key, 5 | 9 | 15 | 1203 | 1900 | 2005 | 2092 | 2900) || !has_words(key), "K{key:04}");
+    }
+}

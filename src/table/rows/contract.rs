@@ -35,7 +35,7 @@ pub(crate) struct Doubtful {
 impl Doubtful {
     /// Takes those of one more block.
     pub(crate) fn add(&mut self, rows: &Rows, block: &Block) {
-        for (rule, line) in &block.doubtful {
+        for (rule, line, _) in &block.doubtful {
             self.counts.resize(self.counts.len().max(rule + 1), 0);
             self.counts[*rule] += 1;
             if self.counts[*rule] > rows.setup.contract.layout.ignore_lines[*rule].at_most {
@@ -64,7 +64,7 @@ impl Rows {
         }
         if let Some(rule) = contract.layout.covering(record) {
             if self.could_be_part(record) {
-                block.doubtful.push((rule, record.line));
+                block.doubtful.push((rule, record.line, line_of(record)));
             }
             return no_part(contract.layout.rule_of_line(rule), record, block);
         }

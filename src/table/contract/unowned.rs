@@ -1,0 +1,118 @@
+//! What of a table without an owner is found around its columns: headings that nobody knows, lines above and rows that are no parts, and
+//! columns that the rule for all others must not take.
+
+use super::Contract;
+use super::heading::{Matched, is_one};
+use super::open::Open;
+use super::owner::{Owner, line_of};
+use crate::deviation::DeviationKind;
+use crate::quantity::shown;
+use crate::table::block::Odd;
+use crate::table::cell::Record;
+use crate::table::column::{Column, Nominal};
+use crate::table::companions::Companions;
+use crate::table::dictionary::{Form, Role};
+use crate::table::field::Field;
+use crate::table::grid::unit_of;
+use crate::table::layout::{Layout, OwnRule};
+use crate::table::want::Want;
+
+/// Where the headings may stand, of records of which no line has any that is known: to show what has no owner.
+pub(super) fn likely_heading(records: &[Record], layout: &Layout) -> usize {
+    let uncovered = || records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
+    let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
+    let likely = uncovered().find(|(_, record)| is_likely(record)).or_else(|| uncovered().next());
+    likely.map_or(0, |(at, _)| at)
+}
+
+/// Whether each line of some records that could have headings has numbers.
+pub(super) fn is_bare(records: &[Record], layout: &Layout) -> bool {
+    let uncovered = records.iter().filter(|record| layout.covering(record).is_none() && record.filled().len() > 1);
+    layout.headings.is_empty() && uncovered.clone().next().is_some() && uncovered.clone().all(|row| row.numbers() > 0)
+}
+
+/// That values stand there without headings, with the option that gives them.
+pub(super) fn no_headings(want: &Want) -> Open {
+    let unit = |kind: &DeviationKind| {
+        let is_size = want.given(*kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
+        format!("{}[{}]", kind.key(), if is_size { "mm" } else { "um" })
+    };
+    let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
+    let headings = std::iter::once("part_id".to_owned()).chain(kinds.iter().map(unit)).collect::<Vec<_>>();
+    let what = "values stand there without headings".to_owned();
+    Open::Wrong { what, help: format!("give a heading to each column, such as --as '{}'", headings.join(",")) }
+}
+
+/// That no heading is of a value.
+pub(super) fn no_values(matched: &Matched) -> Open {
+    if matches!(matched.form, Form::Parts | Form::Characteristics) {
+        return Open::NoValues { titles: matched.titles.clone() };
+    }
+    let titles: Vec<_> = matched.titles.iter().map(|title| format!("`{}`", shown(title))).collect();
+    if matched.form == Form::Trace {
+        let what = format!("no column is known as the stroke or ΔCD of a measured curve: {}", titles.join(", "));
+        let help = "call them stroke and delta_cd, or say which they are: [table.columns] stroke = { name = \"…\", unit = \"mm\" }";
+        return Open::Wrong { what, help: help.to_owned() };
+    }
+    let what = format!("no column is known as that of a rack's spaces or a pinion's teeth: {}", titles.join(", "));
+    let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+                tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
+    Open::Wrong { what, help: help.to_owned() }
+}
+
+/// A line above a table that no rule leaves out.
+pub(super) fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
+    let is_open = !record.says_nothing() && layout.covering(record).is_none();
+    let is_heading = is_one(record, layout);
+    is_open.then(|| Open::Line { line: record.line, text: line_of(record), is_heading })
+}
+
+/// Gives back what the rule for all others takes and what has the nominal value and the unit of a column of values: it may be
+/// another measurement of the same. Where an error of the spec has no column, it takes none.
+pub(super) fn open_to_others(
+    matched: &mut Matched,
+    columns: &[Column],
+    below: &[Record],
+    (layout, want): (&Layout, &Want),
+) {
+    let has = |kind: &DeviationKind| matched.owners.contains(&Some(Owner::Role(Role::Value(Field::Error(*kind)))));
+    let lacks_error = matched.form == Form::Parts && !want.expected.iter().all(has);
+    for place in 0..matched.owners.len() {
+        if matched.owners[place] != Some(Owner::Rule(layout.own_rule(OwnRule::Others))) {
+            continue;
+        }
+        let unit = matched.headings[place].unit.as_deref();
+        let cells = || below.iter().map(|record| record.cell(place)).filter(|cell| !cell.is_missing());
+        let is_again = |column: &Column| {
+            matches!(column.nominal, Nominal::Fixed(nominal) if !nominal.is_zero())
+                && unit.is_none_or(|unit| unit_of(unit, column.field.is_angle()) == Some(column.unit))
+                && cells().next().is_some()
+                && cells().all(|cell| matches!(column.value(cell, Companions::default()), Ok(Some(_))))
+        };
+        if lacks_error || columns.iter().any(is_again) {
+            matched.open.push(Open::column(place, &matched.titles[place], below));
+        }
+    }
+}
+
+/// Rows that are no parts, to be shown with all else that has no owner: those with the name of a statistic, and lines of words.
+pub(super) fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
+    let place_of = |role: Role| matched.owners.iter().position(|owner| *owner == Some(Owner::Role(role)));
+    let (id, is_value) =
+        (place_of(Role::PartId), |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(_)))));
+    let values: Vec<usize> = (0..matched.owners.len()).filter(|place| is_value(&matched.owners[*place])).collect();
+    let row = |record: &Record| {
+        let numbers = values.iter().filter(|place| record.cell(**place).is_number()).count();
+        let name = id.map(|place| record.cell(place)).filter(|name| !name.is_missing());
+        let statistic = name.filter(|name| Contract::is_statistic(name));
+        let is_line = || record.numbers() == 0 && record.filled().len() == 1 || record.cell(0).text().contains(':');
+        if is_one(record, layout) || statistic.is_none() && (numbers > 0 || !is_line()) {
+            return None;
+        }
+        let name = statistic.unwrap_or_else(|| record.cell(0)).text().into_owned();
+        let (is_no_name, could_be_part) = (statistic.is_some(), statistic.is_some() && numbers == values.len());
+        let (line, text) = (record.line, line_of(record));
+        Some(Open::Row(Odd { line, text, name, is_no_name, has_text: false, could_be_part }))
+    };
+    below.iter().filter(|record| !record.filled().is_empty()).filter_map(row).collect()
+}

@@ -1,0 +1,303 @@
+//! Puts the rows of a table of spaces or teeth together to parts, and refuses columns and rows that are none of them.
+
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+use super::{LineFault, Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, ToothedPart};
+use crate::deviation::{DeviationKind, DeviationValue};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::quantity::Angle;
+use crate::table::block::{Block, Fault};
+use crate::table::column::{Column, Nominal, is_rack};
+use crate::table::field::{Field, ValueKind};
+use crate::table::{Container, Reading, Source, Table, Want};
+
+/// A space or tooth has no higher number: racks have some thousands at most.
+const FARTHEST: u64 = 100_000;
+
+const OVER_PIN: &[Field] = &[Field::OverPin, Field::Error(DeviationKind::RackOverRoller)];
+const POSITION: &[Field] = &[Field::Position];
+const RADIAL: &[Field] = &[Field::Radial, Field::Error(DeviationKind::PinionRadial)];
+const LEAD: &[Field] = &[Field::Lead, Field::Error(DeviationKind::RackLead)];
+
+/// Puts the rows of a table together to parts.
+pub(crate) struct Gatherer {
+    name: Arc<str>,
+    is_rack: bool,
+    columns: Vec<Column>,
+    /// Whether a column numbers the spaces or teeth; else they count from 0.
+    is_numbered: bool,
+    /// How many teeth the spec's pinion has.
+    pinion_teeth: Option<i64>,
+    parts: Vec<ToothedPart>,
+    known: HashMap<String, usize>,
+    /// The part whose name stood in the row before or above it, and in no other, as where cells are merged.
+    named_once: Option<usize>,
+    records: u64,
+}
+
+impl Gatherer {
+    /// For the rows of a table.
+    ///
+    /// # Errors
+    /// If its columns are not those of a rack or a pinion, or leave open which they are.
+    pub(crate) fn new(table: &Table) -> Result<Self, Diagnostic> {
+        check_columns(table)?;
+        Ok(Self {
+            name: Arc::clone(&table.name),
+            is_rack: is_rack(&table.columns, table.index_field),
+            columns: table.columns.clone(),
+            is_numbered: table.index_field.is_some(),
+            pinion_teeth: table.pinion_teeth,
+            parts: Vec::new(),
+            known: HashMap::new(),
+            named_once: None,
+            records: 0,
+        })
+    }
+
+    /// Whether the rows are spaces of a rack.
+    pub(crate) fn is_rack(&self) -> bool {
+        self.is_rack
+    }
+
+    /// Takes the rows of a block.
+    pub(crate) fn take(&mut self, block: &Block, keeps_raw: bool) {
+        let mut faults = block.faults.iter().peekable();
+        for row in 0..block.rows() {
+            let line = block.lines[row];
+            let name = block.name(row).map_or_else(|| "1".to_owned(), std::borrow::Cow::into_owned);
+            let number = self.part_of_row(&name, line, self.records + block.records[row]);
+            if keeps_raw {
+                let raw = block.raw.get(row).map_or(&b""[..], |span| block.bytes(*span));
+                self.parts[number].raw.extend_from_slice(raw);
+            }
+            let mut present = vec![true; self.columns.len()];
+            while let Some(fault) = faults.next_if(|fault| fault.row == row) {
+                match (fault.is_missing, fault.column) {
+                    (true, Some(column)) => present[column] = false,
+                    _ => self.refuse(number, line, fault),
+                }
+            }
+            let value = |column: usize| block.values[column].get(row).filter(|_| present[column]);
+            let index = block.index.get(row).copied().flatten();
+            self.row(number, line, index, &value);
+        }
+        self.records += block.record_count;
+    }
+
+    /// The part of a row: that of its name, or of the row before where only the first of a part's rows has it.
+    fn part_of_row(&mut self, name: &str, line: u64, record: u64) -> usize {
+        if let Some(part) = self.named_once.filter(|_| name.is_empty()) {
+            return part;
+        }
+        let known = self.known.get(name).copied();
+        let part = known.unwrap_or_else(|| {
+            let table = self.name.to_string();
+            let teeth = if self.is_rack {
+                Teeth::Rack(RackSpaces { name: table, rows: Vec::new() })
+            } else {
+                Teeth::Pinion(PinionTeeth { name: table, rows: Vec::new() })
+            };
+            let (name, raw, numbers) = (name.to_owned(), Vec::new(), BTreeSet::new());
+            self.known.insert(name.clone(), self.parts.len());
+            self.parts.push(ToothedPart { name, line, record, teeth, raw, fault: None, numbers });
+            self.parts.len() - 1
+        });
+        self.named_once = Some(part).filter(|_| known.is_none() && !name.is_empty());
+        part
+    }
+
+    fn refuse(&mut self, part: usize, line: u64, fault: &Fault) {
+        let column = fault.column.and_then(|column| self.columns.get(column));
+        let message = match column {
+            Some(column) => format!("column `{}`: {}", column.title, fault.message),
+            None if fault.text.is_empty() => fault.message.clone(),
+            None => format!("{}: `{}`", fault.message, fault.text),
+        };
+        self.parts[part].fault.get_or_insert(LineFault { line, message });
+    }
+
+    fn row(&mut self, part: usize, line: u64, index: Option<i64>, value: &dyn Fn(usize) -> Option<DeviationValue>) {
+        let columns = &self.columns;
+        let length = |fields: &[Field]| match value(find(columns, fields)?)? {
+            DeviationValue::Length(length) => Some(length),
+            _ => None,
+        };
+        let lead = find(columns, LEAD).and_then(value).and_then(as_angle);
+        let measured = |fields: &[Field]| {
+            let deviates = columns[find(columns, fields)?].deviates();
+            length(fields).map(if deviates { Measured::Deviation } else { Measured::Absolute })
+        };
+        let part = &mut self.parts[part];
+        let number = if self.is_numbered { index } else { i64::try_from(part.numbers.len()).ok() };
+        let Some(number) = number else { return };
+        let extent = match (0..columns.len()).filter(|column| value(*column).is_some()).count() {
+            0 => RowExtent::Nothing,
+            all if all == columns.len() => RowExtent::Whole,
+            _ => RowExtent::Part,
+        };
+        let what = match &mut part.teeth {
+            Teeth::Rack(rack) => {
+                let (over_pin, position) = (measured(OVER_PIN), measured(POSITION));
+                rack.rows.push(RackSpace { space: number, over_pin, position, lead, extent, line });
+                "space"
+            }
+            Teeth::Pinion(pinion) => {
+                pinion.rows.push(PinionTooth {
+                    tooth: number,
+                    radial: length(RADIAL),
+                    position: length(POSITION),
+                    left_pitch: length(&[Field::LeftPitch]),
+                    right_pitch: length(&[Field::RightPitch]),
+                    lead,
+                    extent,
+                    line,
+                });
+                "tooth"
+            }
+        };
+        if number.unsigned_abs() > FARTHEST {
+            let message = format!("{number} is no number of a {what}, which is at most {FARTHEST}: check the column");
+            part.fault.get_or_insert(LineFault { line, message });
+        }
+        if !part.numbers.insert(number) {
+            part.fault.get_or_insert(LineFault { line, message: format!("{what} {number} has two rows") });
+        }
+    }
+
+    /// The parts in the order of their first rows. Where all teeth of a pinion are there and count from 1, the last is tooth 0 of
+    /// the next turn.
+    pub(crate) fn finish(mut self) -> Vec<ToothedPart> {
+        let Some(teeth) = self.pinion_teeth else { return self.parts };
+        for part in &mut self.parts {
+            let Teeth::Pinion(pinion) = &mut part.teeth else { continue };
+            if part.numbers.iter().copied().eq(1..=teeth) {
+                pinion.rows.iter_mut().for_each(|row| row.tooth %= teeth);
+            }
+            if usize::try_from(teeth) == Ok(part.numbers.len()) && part.fault.is_none() {
+                part.fault = pinion.without_signs();
+            }
+        }
+        self.parts
+    }
+}
+
+fn as_angle(value: DeviationValue) -> Option<Angle> {
+    match value {
+        DeviationValue::Angle(angle) => Some(angle),
+        slope @ DeviationValue::Slope(_) => Angle::from_degrees(slope.base()).ok(),
+        DeviationValue::Length(_) => None,
+    }
+}
+
+/// The column of one of some fields.
+fn find(columns: &[Column], fields: &[Field]) -> Option<usize> {
+    columns.iter().position(|column| fields.contains(&column.field))
+}
+
+/// Refuses columns that are not those of a rack or a pinion, or leave open which they are.
+fn check_columns(table: &Table) -> Result<(), Diagnostic> {
+    let columns = &table.columns;
+    let refused = |what: &str, help: &str| {
+        Err(Diagnostic::error(Code::BadTable, format!("{}{what}", table.name)).help(help.to_owned()))
+    };
+    if columns.is_empty() {
+        let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
+                    tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
+        return refused(" has no column of a rack's spaces or a pinion's teeth", help);
+    }
+    columns.iter().try_for_each(|column| refuse_unused(&table.name, column))?;
+    let title = |fields: &[Field]| find(columns, fields).map(|column| &columns[column].title);
+    let flanks = [Field::LeftPitch, Field::RightPitch];
+    if let [Some(title), None] | [None, Some(title)] = flanks.map(|flank| title(&[flank])) {
+        let other = if find(columns, &flanks[..1]).is_some() { flanks[1] } else { flanks[0] }.key();
+        let what = format!(": `{title}` is of one flank side, and of the other nothing is said");
+        return refused(&what, &format!("add a column {other}; 0 says that these flanks stand where they should"));
+    }
+    for fields in [OVER_PIN, RADIAL, LEAD] {
+        let mut same = columns.iter().filter(|column| fields.contains(&column.field)).map(|column| &column.title);
+        if let (Some(one), Some(other)) = (same.next(), same.next()) {
+            let what = format!(": `{one}` and `{other}` are the same quantity of a space or tooth");
+            return refused(&what, "leave one of them out with --ignore");
+        }
+    }
+    let is_of_rack = find(columns, OVER_PIN).is_some() || table.index_field == Some(Field::Space);
+    if is_of_rack && !is_rack(columns, table.index_field) {
+        return refused(" mixes spaces of a rack with teeth of a pinion", "give them one after the other");
+    }
+    let radial = find(columns, RADIAL).map(|radial| &columns[radial]);
+    if let Some(radial) = radial.filter(|radial| radial.holds == Some(ValueKind::Measured)) {
+        let what = format!(": `{}` holds measured radii; their deviations are needed", radial.title);
+        return refused(&what, "give the column of radial deviations");
+    }
+    Ok(())
+}
+
+/// Refuses a column that says nothing of a space or tooth, or whose companions could not be used.
+fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
+    let (code, what, help) = match column.field {
+        Field::Error(DeviationKind::PinionPitch) => (
+            Code::AmbiguousBlock,
+            "of a tooth could be that of its left or its right flank",
+            "name it left_pitch or right_pitch",
+        ),
+        Field::Error(DeviationKind::RackPitch) => (
+            Code::BadTable,
+            "is a pitch, and spaces of a rack have positions",
+            "write columns space and position_deviation, which is the sum of the pitch errors up to that space",
+        ),
+        Field::Error(DeviationKind::PinionLead) => {
+            (Code::BadTable, "is the lead of a whole pinion", "name that of a tooth lead_deviation")
+        }
+        Field::Position if column.nominal != Nominal::None => (
+            Code::BadTable,
+            "has nominal positions beside it, and space j stands nominally at (j + 1/2) p_x",
+            "give position_deviation, or leave the nominal positions out with --ignore",
+        ),
+        _ => return Ok(()),
+    };
+    Err(Diagnostic::error(code, format!("{name}: `{}` {what}", column.title)).help(help))
+}
+
+/// Puts the rows of blocks together to parts.
+pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<ToothedPart>, Diagnostic> {
+    for block in blocks {
+        if let Some(contradiction) = &block.contradiction {
+            let message = format!("{}, line {}: {}", gatherer.name, contradiction.line, contradiction.message);
+            return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help));
+        }
+        gatherer.take(block, false);
+    }
+    Ok(gatherer.finish())
+}
+
+/// The teeth or spaces of one part, and how their table was read.
+pub struct TeethTable {
+    /// The teeth or spaces.
+    pub teeth: Teeth,
+    /// How they were read.
+    pub reading: Reading,
+}
+
+/// Reads a table of the teeth or spaces of one part, as a spec names it.
+///
+/// # Errors
+/// If it cannot be read, holds what is not understood, or its rows are wrong.
+pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<TeethTable, Diagnostics> {
+    let want = Want { teeth: Some(true), ..want.clone() };
+    let table = Container::open(name, source, &want)?.table(name, &want)?;
+    let gatherer = Gatherer::new(&table)?;
+    let reading = table.reading.clone();
+    let bad = |message: String| Diagnostic::error(Code::BadTable, message);
+    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(name, &error))?;
+    let mut parts = gather(gatherer, &blocks)?.into_iter();
+    let Some(part) = parts.next() else { return Err(bad(format!("{name} has no rows")).into()) };
+    if parts.next().is_some() {
+        return Err(bad(format!("{name} has rows of several parts")).help("give a table of one part").into());
+    }
+    match part.fault {
+        Some(LineFault { line, message }) => Err(bad(format!("{name}, line {line}: {message}")).into()),
+        None => Ok(TeethTable { teeth: part.teeth, reading }),
+    }
+}
