@@ -11,6 +11,10 @@ const MOST_ATTRIBUTES: usize = 30;
 const MOST_LONG_FUNCTIONS: usize = 10;
 /// Functions of more than 6 arguments, `self` included.
 const MOST_WIDE_FUNCTIONS: usize = 0;
+/// Lines of a file of the program or of its tests.
+const MOST_LINES_OF_A_FILE: usize = 450;
+/// Files with more.
+const MOST_LONG_FILES: usize = 3;
 /// Rooms that use each other, directly or through others.
 const MOST_ROOMS_IN_CYCLES: usize = 0;
 /// Files that import each other, directly or through others.
@@ -171,6 +175,17 @@ fn lines_of_code() {
     for (room, lines) in rooms {
         println!("  {lines:6} {room}");
     }
+}
+
+#[test]
+fn files_are_short() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    ["src", "tests/it"].iter().for_each(|folder| sources(&root.join(folder), &mut files));
+    let lines = files.iter().map(|file| (file, std::fs::read_to_string(file).unwrap().lines().count()));
+    let long = lines.filter(|(_, lines)| *lines > MOST_LINES_OF_A_FILE);
+    let long: Vec<_> = long.map(|(file, lines)| format!("{}: {lines} lines", file.display())).collect();
+    hold(&format!("files above {MOST_LINES_OF_A_FILE} lines"), &long, MOST_LONG_FILES);
 }
 
 #[test]
