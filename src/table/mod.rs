@@ -1,9 +1,9 @@
 //! Tables of measured values, whatever file they are in, as typed columns: the one reader.
 //!
 //! The command line opens files and hands them in as bytes ([`Container::open`]); the spec and the user say what is known
-//! ([`Want`]). What comes out is a [`Table`]: columns with roles, units and nominal values, how that was found
-//! ([`Reading`]), and the rows, as [`Block`]s of columns. `batch`, `paste`, `report`, `read` and the tables that a spec names
-//! all read so. Nothing here knows gear geometry.
+//! ([`Want`]). The result is a [`Table`]: columns with roles, units and nominal values, how these were found ([`Reading`]), and
+//! the rows, as [`Block`]s of columns. `batch`, `paste`, `report`, `read` and the tables that a spec names all use this reader.
+//! Nothing here knows gear geometry.
 //!
 //! # How a table is read
 //! ```text
@@ -16,11 +16,11 @@
 //! |---|---|
 //! | `encoding`, `chunk`, `split`, `grid`, `fixed` | bytes to text, text to records, records to cells |
 //! | `workbook`, `qdas`, `parquet`, `report`, `typed` | files whose cells are typed, and reports whose format says what each cell is |
-//! | `field`, `dictionary`, `layout`, `pattern` | what a column can hold, which whole headings say so, and what a person says |
+//! | `field`, `dictionary`, `layout`, `pattern` | the roles of columns, the known headings, and a person's contract |
 //! | `contract` | gives each column and line its owner, or refuses the table |
-//! | `account`, `propose` | what a table holds and who owns it; what would close it: no path to a result |
+//! | `account`, `propose` | the cells of a table with their owners; the lines that would close it: no path to a result |
 //! | `ledger` | which cells were read, and what rules left out |
-//! | `number`, `column`, `companions` | what a cell means |
+//! | `number`, `column`, `companions` | the meaning of a cell |
 //! | `rows`, `pieces`, `block` | rows to columns |
 //! | `reading` | how it was read, for the result |
 //! | `teeth`, `trace` | rows that are spaces of a rack, teeth of a pinion, or points of a measured curve |
@@ -110,17 +110,17 @@ use std::sync::Arc;
 use crate::deviation::DeviationKind;
 use crate::quantity::{Unit, shown};
 
-/// A table whose columns are found, and whose rows are still to be read.
+/// A table with known columns, whose rows are still to be read.
 pub struct Table {
-    /// What messages call it.
+    /// Its name in messages.
     pub name: Arc<str>,
     /// How it was read.
     pub reading: Reading,
-    /// Whether each row is a tooth or a space, and not a part.
+    /// Whether each row is a tooth or a space; else it is a part.
     pub is_teeth: bool,
     /// Whether parts have names.
     pub has_id: bool,
-    /// Whether no part may be there twice.
+    /// Whether a part may appear only once.
     pub(crate) refuses_repeats: bool,
     /// The names of all columns, where rows are parts.
     pub titles: Vec<String>,
@@ -137,12 +137,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// The errors that it has columns of.
+    /// The errors with a column.
     pub fn kinds(&self) -> impl Iterator<Item = DeviationKind> + '_ {
         self.columns.iter().filter_map(|column| column.kind)
     }
 
-    /// All of its rows, in its order.
+    /// All rows, in order.
     pub(crate) fn rows(self, wanted: Wanted) -> impl Iterator<Item = std::io::Result<Block>> {
         let (rows, mut queue) = self.pieces.open(wanted);
         let mut piece = Piece::default();
@@ -169,8 +169,7 @@ impl Table {
         self.rows(Wanted::default()).collect()
     }
 
-    /// Its columns as a message lists them, as many as it has room for; one without a name (the margin of a
-    /// sheet) is none to choose.
+    /// The columns for a message, up to a limit; columns without a name (the margin of a sheet) are left out.
     pub(crate) fn titles_in_words(&self) -> String {
         const MOST: usize = 30;
         let titles = || {

@@ -1,5 +1,5 @@
-//! What a table holds and who owns it, and what is said of one that is not closed. Made by the reader where a table is not closed,
-//! and by `read` of any table; has no path to a result.
+//! The cells of a table with their owners, and the refusal of a table that is not closed. The reader makes it where a table is not
+//! closed, `read` for any table; it has no path to a result.
 
 mod proposal;
 mod refusal;

@@ -1,4 +1,4 @@
-//! One column of values: from what a cell holds to a deviation. Made once per table; asked for every cell.
+//! One column of values: from the content of a cell to a deviation. Made once per table, called for every cell.
 
 mod beside;
 mod declared;

@@ -1,5 +1,5 @@
-//! Tables that are read by a contract: each column is a role or left out by a rule, and each line is a part, left out by a rule,
-//! or rejected. What has no owner ends the run with all of it listed. Called for tables whose spec has a `[table]`.
+//! Tables that are read by a contract: each column has a role or is left out by a rule, and each line is a part, left out by a
+//! rule, or rejected. Cells without an owner end the run, and all of them are listed.
 //!
 //! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark;
 //! [`Contract::close`] is the only way to a table that can be read, and says what has no owner.
@@ -31,7 +31,7 @@ use super::layout::{Layout, OwnRule, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
 use crate::quantity::shown;
 
-/// A table of which every column has an owner. Only this one can be read.
+/// A table in which every column has an owner. Only such a table can be read.
 #[derive(Debug, Clone)]
 pub(crate) struct Contract {
     pub(crate) layout: Arc<Layout>,
@@ -61,7 +61,7 @@ impl Contract {
     /// Closes a table: every column has an owner.
     ///
     /// # Errors
-    /// The table with everything that has none.
+    /// The table with every cell that has no owner.
     pub(crate) fn close(layout: &Arc<Layout>, matched: Matched) -> Result<Self, Box<Matched>> {
         if !matched.open.is_empty() {
             return Err(Box::new(matched));

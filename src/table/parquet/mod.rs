@@ -1,8 +1,8 @@
 //! Parquet files as stored columns.
 //!
 //! A file is opened with [`ParquetTable::open`], and [`next`](ParquetTable::next) reads its rows, some at a time, of the
-//! columns that are looked at. Nothing becomes text on the way: a double is its shortest decimal, a `DECIMAL` and an integer
-//! are what they are. Nothing here knows what a column means.
+//! columns that are needed. Nothing becomes text on the way: a double means its shortest decimal, a `DECIMAL` and an integer
+//! their exact value. Nothing here knows what a column means.
 
 mod arrow;
 mod column;
@@ -89,10 +89,10 @@ pub(crate) struct StoredRows {
 }
 
 impl ParquetTable {
-    /// Opens a file, on a disk or in memory; `name` is what messages call it.
+    /// Opens a file, on a disk or in memory; messages call it `name`.
     ///
     /// # Errors
-    /// If it is no Parquet file, or an encrypted one.
+    /// If it is not a Parquet file, or an encrypted one.
     pub(crate) fn open<R: ChunkReader + Again + 'static>(name: &str, source: R) -> Result<Self, Diagnostic> {
         check_marks(name, &source)?;
         let length = source.len();

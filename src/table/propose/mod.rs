@@ -1,5 +1,5 @@
-//! What would close a table, as the lines of a contract; written into a spec by the command line. It is text for a person: a contract
-//! comes from a spec that was read, and nothing here becomes one, so that a guess never reaches an evaluator.
+//! The lines of a contract that would close a table, which the command line can write into a spec. They are text for a person: only
+//! a spec that was read becomes a contract, so that a guess never reaches an evaluator.
 
 mod block;
 pub(crate) mod guess;

@@ -1,7 +1,7 @@
 //! Q-DAS ASCII files (AQDEF): `.dfq`, or a `.dfd` with definitions and its `.dfx` with values.
 //!
-//! The command line reads the files and calls [`read`]; what comes out is a [`Qdas`], from which `Qdas::table` makes
-//! a table with a row per measured part, made row by row. Results go back with [`definition_lines`] and [`row_lines`]. Nothing here knows formulas.
+//! The command line reads the files and calls [`read`], which gives a [`Qdas`]; `Qdas::table` makes a table from it, with a row per
+//! measured part, row by row. [`definition_lines`] and [`row_lines`] write results. Nothing here knows formulas.
 //!
 //! # The format, as far as it is read
 //! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
@@ -17,9 +17,9 @@
 //! other key, and every remark, needs a rule.
 //!
 //! # Which values count
-//! Those with attribute 0 or none. The maker lists the attributes 0 (valid), 129, 255, 256 and 290 (Hexagon, Q-DAS data
-//! format, "Defined contents K00xx"), and none but 0 enters a calculation. Whatever has another attribute, one that is
-//! not in that list included, is no value; [`Qdas::left_out`] lists them.
+//! Values with attribute 0 or none count. The maker lists the attributes 0 (valid), 129, 255, 256 and 290 (Hexagon, Q-DAS data
+//! format, "Defined contents K00xx"), and only 0 enters a calculation. A value with any other attribute, also one outside that
+//! list, does not count; [`Qdas::left_out`] lists them.
 
 mod closed;
 mod definition;
@@ -61,13 +61,13 @@ pub struct Characteristic {
     pub uncertainty: Option<String>,
     /// Which part definition of the file it belongs to, from 0.
     pub part: usize,
-    /// Limits that are found and not used, with why.
+    /// Limits that are not used, with the reason.
     pub unused: Vec<String>,
     values: Vec<Value>,
 }
 
 impl Characteristic {
-    /// How many values it has, invalid ones included.
+    /// The number of values, invalid ones included.
     #[must_use]
     pub fn len(&self) -> usize {
         self.values.len()
@@ -109,7 +109,7 @@ impl Characteristic {
 /// One value. Files have millions of them.
 #[derive(Debug, Clone, Copy)]
 struct Value {
-    /// `None` if there is none, or its attribute (K0002) says that it does not count.
+    /// `None` if there is no value, or its attribute (K0002) says that it does not count.
     number: Option<Decimal>,
     /// The decimal mark that it is written with.
     mark: Option<DecimalMark>,
@@ -140,11 +140,11 @@ pub struct Qdas {
     pub characteristics: Vec<Characteristic>,
     /// The values that do not count, by their attribute, in the order of their first lines.
     pub left_out: Vec<LeftOut>,
-    /// What is remarked, and what stands under keys that are not known.
+    /// Remarks, and texts under unknown keys.
     pub remarks: Vec<Remark>,
-    /// What else the file says, which is its format's.
+    /// The other keys of the format.
     pub(crate) said: Tally,
-    /// What messages call the file of its values.
+    /// The name of the file of values in messages.
     pub name: String,
     part_names: Vec<String>,
 }
@@ -164,7 +164,7 @@ pub struct Remark {
 /// The code of values of a characteristic that is none of a size.
 const OF_NO_SIZE: &str = "K2004";
 
-/// Values that an attribute (K0002) marks as none, or the kind of their characteristic (K2004).
+/// Values that do not count because of their attribute (K0002) or the kind of their characteristic (K2004).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// The attribute, as it is written.
@@ -176,7 +176,7 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    /// What the maker's list calls such values; `None` if it does not have the attribute.
+    /// The name of such values in the maker's list; `None` if the list does not have the attribute.
     #[must_use]
     pub fn meaning(&self) -> Option<&'static str> {
         match self.code.as_str() {

@@ -1,6 +1,5 @@
-//! Rows to columns: each record of a table with a row per part, space or tooth becomes a row of a [`Block`]. A line of
-//! plain numbers is read in one pass over its bytes; every other record is cut into cells first. Made once per table;
-//! workers share it.
+//! Rows to columns: each record of a table with a row per part, space or tooth becomes a row of a [`Block`]. A line of plain numbers
+//! is read in one pass over its bytes; every other record is cut into cells first. A table has one reader, which workers share.
 
 mod contract;
 mod stored;

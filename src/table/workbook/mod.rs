@@ -1,10 +1,9 @@
 //! Excel workbooks (`.xlsx`).
 //!
-//! The command line reads the file and calls [`Workbook::open`]; `head` shows how a sheet starts, so that
-//! one is chosen, and `records` streams it. Cells come out as they are held: a number as the shortest
-//! decimal that is the same double, which is what was typed in, and neither a date nor an error is ever a number.
-//! A workbook is unpacked once to count its bytes before anything is parsed, so that a small file that unpacks to a
-//! huge one is refused.
+//! The command line reads the file and calls [`Workbook::open`]; `head` gives the first rows of a sheet, so that one can be chosen,
+//! and `records` streams it. A number comes out as the shortest decimal of its double, which is the number typed in; a date or an
+//! error is never a number. A workbook is unpacked once to count its bytes before anything is parsed, so that a small file that
+//! unpacks to a huge one is refused.
 
 mod comments;
 mod format;
@@ -57,15 +56,15 @@ pub(crate) struct SheetRecords {
     pub(crate) hidden: Option<String>,
     /// The comments on cells of the workbook.
     pub(crate) comments: Vec<Comment>,
-    /// Each row that is not empty, the first one first; a row ends with its last cell that is not empty.
+    /// Each row that is not empty, in order; a row ends with its last cell that is not empty.
     pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
 }
 
 impl Workbook {
-    /// Opens a workbook from its bytes; `name` is what messages call it.
+    /// Opens a workbook from its bytes; messages call it `name`.
     ///
     /// # Errors
-    /// If it is no workbook, or unpacks to more than any sheet holds.
+    /// If it is not a workbook, or unpacks to more than any sheet holds.
     pub fn open(name: &str, bytes: Vec<u8>) -> Result<Self, Diagnostic> {
         let checked = check(name, &bytes)?;
         let book = Xlsx::new(Cursor::new(bytes)).map_err(|error| no_workbook(name, &error))?;
@@ -85,7 +84,7 @@ impl Workbook {
         names.map(|name| (name.clone(), self.checked.digests.get(name).copied().unwrap_or_default())).collect()
     }
 
-    /// The sheets to look at: all of them, or the one that is named.
+    /// The sheets to read: all of them, or the named one.
     ///
     /// # Errors
     /// If there is none of that name.
