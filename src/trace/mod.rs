@@ -6,8 +6,6 @@ mod diagnosis;
 mod search;
 mod sight;
 mod spectrum;
-#[cfg(all(test, feature = "spec"))]
-mod tests;
 mod tooth_error;
 
 pub use diagnosis::{Alternative, Diagnosis, FoundError, Unseen};

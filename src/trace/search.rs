@@ -178,7 +178,7 @@ impl<'a> Search<'a> {
     }
 
     /// The mesh with some errors at strokes: each point, and what every flank pair asks for there.
-    pub(super) fn lines(
+    fn lines(
         &self,
         errors: &[(ToothError, f64)],
         strokes_mm: &[f64],
@@ -194,7 +194,7 @@ impl<'a> Search<'a> {
 
     /// The approximate effect of an error of a size at these points of the mesh with some errors: only its own flank pairs are
     /// solved, and every demand is a straight line over the rotation. It takes a tenth of the time of [`effect`](Self::effect).
-    pub(super) fn rough_effect(
+    fn rough_effect(
         &self,
         errors: &[(ToothError, f64)],
         error: ToothError,
@@ -230,9 +230,12 @@ impl<'a> Search<'a> {
         let sizes: Vec<f64> = SIZES_MM.iter().copied().chain((scale > 1.0).then_some(scale * SIZES_MM[1])).collect();
         let is_fixed = self.mesh.support() == Support::Fixed;
         let lines = if is_fixed { self.lines(errors, &sight.strokes_mm)? } else { Vec::new() };
-        let effect = |error: ToothError, size: f64| match is_fixed {
-            true => self.rough_effect(errors, error, size, &lines),
-            false => self.effect(errors, error, size, sight.curve()),
+        let effect = |error: ToothError, size: f64| {
+            if is_fixed {
+                self.rough_effect(errors, error, size, &lines)
+            } else {
+                self.effect(errors, error, size, sight.curve())
+            }
         };
         let of = |at: u64| {
             let error = tried[at as usize];

@@ -132,12 +132,12 @@ impl Effects {
 
     /// A size beyond the outermost that is solved, if that is the one.
     pub(super) fn beyond(&self, size_mm: f64) -> Option<f64> {
-        let from_end = |(end, before): (&(f64, Vec<f64>), &(f64, Vec<f64>))| {
-            let is_it = end.0 != 0.0 && (end.0 - size_mm).abs() < 1e-12;
-            is_it.then(|| end.0 + (end.0 - before.0))
-        };
-        let ends = [self.0.first().zip(self.0.get(1)), self.0.last().zip(self.0.iter().rev().nth(1))];
-        ends.into_iter().flatten().find_map(from_end)
+        let size = |at: usize| self.0.get(at).map(|(size, _)| *size);
+        let count = self.0.len();
+        [(Some(0), Some(1)), (count.checked_sub(1), count.checked_sub(2))].into_iter().find_map(|(end, before)| {
+            let (end, before) = (size(end?)?, size(before?)?);
+            (end != 0.0 && (end - size_mm).abs() < 1e-12).then_some(end + (end - before))
+        })
     }
 
     /// Whether a size is near enough to a solved one.
