@@ -385,7 +385,7 @@ pub(crate) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, f
                 }
             }
             _ if rules.contains(&other) => {}
-            _ => rules.push(other),
+            Rule::Key(..) => rules.push(other),
         }
     }
 }

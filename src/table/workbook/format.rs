@@ -26,10 +26,17 @@ struct Section {
     is_other: bool,
     /// How many digits are shown of a whole number at least; 0 if it is shown with decimals.
     digits: usize,
-    /// Whether it is for texts.
-    is_text: bool,
-    /// Whether it is for numbers that meet a condition.
-    has_condition: bool,
+    /// What it is for.
+    holds: Holds,
+}
+
+/// What a section of a format is for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Holds {
+    #[default]
+    Numbers,
+    NumbersOfCondition,
+    Texts,
 }
 
 /// What stands before and behind a text that is struck through.
@@ -47,13 +54,14 @@ impl Style {
     pub(super) fn of_code(code: &str, is_struck_through: bool) -> Option<Self> {
         let plain = || Section { is_shown: true, ..Section::default() };
         let mut all: Vec<Section> = if code.is_empty() { Vec::new() } else { sections(code) };
-        let text = all.pop_if(|last| last.is_text).or_else(|| if all.len() > 3 { all.pop() } else { None });
+        let text =
+            all.pop_if(|last| last.holds == Holds::Texts).or_else(|| if all.len() > 3 { all.pop() } else { None });
         let text = text.unwrap_or_else(plain);
         let positive = all.first().cloned().unwrap_or_else(plain);
         let negative = all.get(1).cloned().map_or_else(|| positive.clone(), without_minus);
         let zero = all.get(2).cloned().unwrap_or_else(|| positive.clone());
         let mut sections = [positive, negative, zero, text];
-        if all.iter().any(|section| section.has_condition) {
+        if all.iter().any(|section| section.holds == Holds::NumbersOfCondition) {
             // which of them is meant is not computed
             let is_plain = |section: &Section| section.is_plain() || without_minus(section.clone()).is_plain();
             let one = Section { is_other: !all.iter().all(is_plain), ..plain() };
@@ -147,10 +155,6 @@ fn sections(code: &str) -> Vec<Section> {
                 section.show(behind(end));
                 skipped = behind(end).chars().count() + 1;
             }
-            '\\' => {
-                section.show(&rest.chars().take(1).collect::<String>());
-                skipped = 1;
-            }
             '[' => {
                 let end = rest.find(']').unwrap_or(rest.len());
                 section.bracket(behind(end));
@@ -158,8 +162,8 @@ fn sections(code: &str) -> Vec<Section> {
             }
             // a blank of that width
             '_' => skipped = 1,
-            // a character that fills the cell
-            '*' => {
+            // a character as it is, and one that fills the cell
+            '\\' | '*' => {
                 section.show(&rest.chars().take(1).collect::<String>());
                 skipped = 1;
             }
@@ -168,7 +172,7 @@ fn sections(code: &str) -> Vec<Section> {
                 section.is_shown = true;
             }
             '.' => {}
-            '@' => (section.is_text, section.is_shown) = (true, true),
+            '@' => (section.holds, section.is_shown) = (Holds::Texts, true),
             // thousands, if digits follow; else a part of the number
             ',' if section.is_shown => {
                 let next = rest.trim_start_matches(',').chars().next();
@@ -208,7 +212,9 @@ impl Section {
         if let Some(currency) = inside.strip_prefix('$') {
             self.show(currency.split('-').next().unwrap_or_default());
         }
-        self.has_condition |= inside.starts_with(['<', '>', '=']);
+        if inside.starts_with(['<', '>', '=']) {
+            self.holds = Holds::NumbersOfCondition;
+        }
     }
 }
 

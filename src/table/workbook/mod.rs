@@ -8,6 +8,7 @@
 mod comments;
 mod format;
 mod merged;
+mod parts;
 mod range;
 mod sheet;
 mod xml;
@@ -26,7 +27,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use comments::{comments, conditional, once_each, struck_through};
 use format::{Style, struck};
 use merged::MergedCells;
-use sheet::{Known, SheetPart, SheetReader, SheetXml, sheet_parts};
+use parts::{SheetPart, sheet_parts};
+use sheet::{Known, SheetReader, SheetXml};
 
 /// Bytes of a sheet at most: a full one, a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -300,7 +302,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         let file = archive.by_index(index).map_err(|error| broken(&error))?;
         let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
         if [".xml", ".rels", ".vml"].into_iter().any(|suffix| part.ends_with(suffix)) {
-            parts.push((part.starts_with("xl/worksheets/") && part.ends_with(".xml"), part, index));
+            parts.push((part.starts_with("xl/worksheets/") && part.strip_suffix(".xml").is_some(), part, index));
         }
     }
     // what is said of texts and formats stands before the sheets

@@ -2,7 +2,7 @@
 //! merged, prompts and page headers, and XML that programs read differently. Found while the sheets are unpacked to be
 //! counted; nothing here opens a file.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 use std::io::{self, Write};
 
 use super::comments::{Comment, is_on, shows_otherwise, unescaped};
@@ -54,16 +54,26 @@ struct CellXml {
     /// Its row, from 1, and the column behind it.
     row: u32,
     column: u32,
-    is_text: bool,
-    is_shared: bool,
-    is_written: bool,
+    kind: CellKind,
     has_formula: bool,
     has_value: bool,
     /// How many tags with what it holds.
     values: u32,
-    is_struck: bool,
     /// Whether what it holds has begun and not ended.
     is_open: bool,
+}
+
+/// How a cell holds what it does.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+enum CellKind {
+    #[default]
+    Number,
+    /// By the number of a text.
+    Shared,
+    /// The result of a formula, as a text.
+    Text,
+    /// A text of its own.
+    Written,
 }
 
 /// What the XML of a sheet says.
@@ -226,9 +236,9 @@ impl<'k> SheetReader<'k> {
             ("v", _) if tag.ends_with('/') => self.cell.values += 1,
             ("v", _) => (self.cell.is_open, self.cell.values) = (true, self.cell.values + 1),
             (_, Some("v")) => self.end_of_value(text),
-            ("is", _) if !self.cell.is_written => self.refuse_cell("holds more than a number or text"),
+            ("is", _) if self.cell.kind != CellKind::Written => self.refuse_cell("holds more than a number or text"),
             ("is", _) if !tag.ends_with('/') => (self.cell.values, self.cell.has_value) = (self.cell.values + 1, true),
-            ("strike", _) => self.cell.is_struck |= is_on(tag),
+            ("strike", _) if is_on(tag) => self.strike(),
             _ => {}
         }
     }
@@ -257,34 +267,48 @@ impl<'k> SheetReader<'k> {
                 next
             }
         };
-        let kind = attribute(tag, "t");
-        let (is_text, is_written) = (matches!(kind, Some("str" | "inlineStr")), kind == Some("inlineStr"));
-        let column = column.saturating_add(1);
-        self.cell = CellXml { row, column, is_text, is_written, is_shared: kind == Some("s"), ..CellXml::default() };
+        let kind = match attribute(tag, "t") {
+            Some("s") => CellKind::Shared,
+            Some("str") => CellKind::Text,
+            Some("inlineStr") => CellKind::Written,
+            _ => CellKind::Number,
+        };
+        self.cell = CellXml { row, column: column.saturating_add(1), kind, ..CellXml::default() };
     }
 
     fn end_of_value(&mut self, text: &str) {
         self.cell.is_open = false;
         self.cell.has_value |= !text.is_empty();
-        if self.cell.is_written || !self.cell.is_text && text.contains('&') {
+        let is_text = matches!(self.cell.kind, CellKind::Text | CellKind::Written);
+        if self.cell.kind == CellKind::Written || !is_text && text.contains('&') {
             self.refuse_cell("holds more than a number or text");
         }
-        if self.cell.is_shared {
-            self.cell.is_struck |= text.trim().parse().is_ok_and(|number| self.known.struck.contains(&number));
+        let is_shared = self.cell.kind == CellKind::Shared;
+        if is_shared && text.trim().parse().is_ok_and(|number| self.known.struck.contains(&number)) {
+            self.strike();
         }
     }
 
+    fn place(&self) -> Place {
+        (self.cell.row.saturating_sub(1), self.cell.column.saturating_sub(1))
+    }
+
+    fn strike(&mut self) {
+        self.sheet.struck.insert(self.place());
+    }
+
     fn end_of_cell(&mut self) {
-        let CellXml { row, column, values, has_formula, has_value, is_struck, is_text, .. } = self.cell;
-        let place = (row.saturating_sub(1), column.saturating_sub(1));
+        let CellXml { values, has_formula, has_value, kind, .. } = self.cell;
+        let place = self.place();
         if values > 1 {
             self.refuse_cell("holds two values");
         }
         // a formula may result in an empty text
-        let without_result = has_formula && !has_value && !(is_text && values > 0);
-        let of_cell = [(is_struck, &mut self.sheet.struck), (without_result, &mut self.sheet.without_result)];
-        for (_, cells) in of_cell.into_iter().filter(|(is_it, _)| *is_it) {
-            cells.insert(place);
+        let is_text = matches!(kind, CellKind::Text | CellKind::Written);
+        if has_formula && !has_value && !(is_text && values > 0) {
+            self.sheet.without_result.insert(place);
+        }
+        for cells in [&mut self.sheet.struck, &mut self.sheet.without_result] {
             if cells.len() > MOST_CELLS {
                 let problem = format!("more than {MOST_CELLS} cells are struck through, or have no result");
                 self.sheet.problem.get_or_insert(problem);
@@ -334,37 +358,6 @@ fn is_hidden(tag: &str) -> bool {
 /// Whether a size is one of which nobody sees anything.
 fn is_tiny(tag: &str, key: &str) -> bool {
     attribute(tag, key).and_then(|size| size.parse::<f64>().ok()).is_some_and(|size| size < 1.0)
-}
-
-/// A sheet of a workbook: its part in small letters, `xl/worksheets/sheet1.xml`, its name, and whether it is hidden.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) struct SheetPart {
-    pub(super) part: String,
-    pub(super) name: String,
-    pub(super) is_hidden: bool,
-}
-
-/// The sheets of a workbook in their order. `workbook` is the XML that lists them, `relations` that which says where they are.
-pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
-    let mut targets: HashMap<String, String> = HashMap::new();
-    Tags::default().each(relations, &mut |tag, _| {
-        if name(tag) == "Relationship"
-            && let (Some(id), Some(target)) = (attribute(tag, "Id"), attribute(tag, "Target"))
-        {
-            let part = target.strip_prefix('/').map_or_else(|| format!("xl/{target}"), str::to_owned);
-            targets.insert(id.to_owned(), part.to_ascii_lowercase());
-        }
-    });
-    let mut sheets = Vec::new();
-    Tags::default().each(workbook, &mut |tag, _| {
-        if name(tag) == "sheet" {
-            let part = attribute(tag, "id").and_then(|id| targets.get(id)).cloned().unwrap_or_default();
-            let name = attribute(tag, "name").map(unescaped).unwrap_or_default();
-            let is_hidden = matches!(attribute(tag, "state"), Some("hidden" | "veryHidden"));
-            sheets.push(SheetPart { part, name, is_hidden });
-        }
-    });
-    sheets
 }
 
 #[cfg(test)]
@@ -428,18 +421,5 @@ mod tests {
                 problem(rows)
             );
         }
-    }
-
-    #[test]
-    fn sheets_stand_in_the_workbooks_order() {
-        let workbook = b"<workbook><sheets><sheet name=\"B &amp; C\" sheetId=\"2\" r:id=\"rId7\"/>\
-                         <sheet name=\"A\" state=\"hidden\" sheetId=\"1\" r:id='rId1'/><sheet name=\"?\"/></sheets></workbook>";
-        let relations = b"<Relationships><Relationship Id=\"rId1\" Target=\"/xl/worksheets/Sheet1.xml\"/>\
-                          <Relationship Target=\"worksheets/sheet2.xml\" Id=\"rId7\"/></Relationships>";
-        let sheet =
-            |part: &str, name: &str, is_hidden| SheetPart { part: part.to_owned(), name: name.to_owned(), is_hidden };
-        let (first, second) = ("xl/worksheets/sheet2.xml", "xl/worksheets/sheet1.xml");
-        let expected = [sheet(first, "B & C", false), sheet(second, "A", true), sheet("", "?", false)];
-        assert_eq!(sheet_parts(workbook, relations), expected);
     }
 }
