@@ -271,7 +271,7 @@ mod tests {
             ("rack_pich [um]", Stored::doubles(&[200.0][..])),
         ];
         let refused = evaluate(&evaluator, &with_stranger).unwrap_err();
-        assert!(refused.0[0].list.join("\n").contains("rack_pich"), "{refused}");
+        assert!(refused.0[0].message_with_list().contains("rack_pich"), "{refused}");
         let lacking = evaluate(&evaluator, &[("rack_over_roller", Stored::doubles(&[25.01][..]))]).unwrap();
         assert_eq!(texts("verdict", &lacking), [None]);
         let reason = "not judged: the spec asks for rack_pitch, and the table has none";

@@ -83,6 +83,15 @@ impl Place {
     }
 }
 
+/// A line below a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ListLine {
+    /// What it says.
+    pub text: String,
+    /// Whether it is copied from there, such as a line of a spec: it is not broken.
+    pub is_copied: bool,
+}
+
 /// One problem.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -93,9 +102,7 @@ pub struct Diagnostic {
     /// What is wrong.
     pub message: String,
     /// What the message is about, a line each.
-    pub list: Box<[String]>,
-    /// Lines below the list that are copied from there: no line of them is broken.
-    pub block: Box<[String]>,
+    pub list: Box<[ListLine]>,
     /// Where, if it is in a file.
     pub place: Option<Place>,
     /// What to do.
@@ -105,8 +112,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
-        let (severity, list, block) = (Severity::Error, Box::default(), Box::default());
-        Self { code, severity, message: message.into(), list, block, place: None, help: None }
+        Self { code, severity: Severity::Error, message: message.into(), list: Box::default(), place: None, help: None }
     }
 
     /// An error in what was asked for.
@@ -149,10 +155,10 @@ impl Diagnostic {
         }
     }
 
-    /// What is wrong, with its list and its block below.
+    /// What is wrong, with its list below.
     #[must_use]
     pub fn message_with_list(&self) -> String {
-        self.list.iter().chain(&self.block).fold(self.message.clone(), |text, line| text + "\n  " + line)
+        self.list.iter().fold(self.message.clone(), |text, line| text + "\n  " + &line.text)
     }
 
     /// Adds what to do.

@@ -23,11 +23,13 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
         Severity::Warning => Level::WARNING,
     };
     let message = harmless(&diagnostic.message).into_owned();
-    let message = diagnostic.list.iter().fold(message, |text, line| text + "\n  " + &harmless(line));
     // `error[code]: `
     let before = u16::try_from(diagnostic.code.name().len()).unwrap_or(0) + 11;
-    let message = wrap(&message, width.map(|width| width.saturating_sub(before)));
-    let message = diagnostic.block.iter().fold(message, |text, line| text + "\n  " + &harmless(line));
+    let width_of_message = width.map(|width| width.saturating_sub(before));
+    let message = diagnostic.list.iter().fold(wrap(&message, width_of_message), |text, line| {
+        let shown = format!("  {}", harmless(&line.text));
+        text + "\n" + &if line.is_copied { shown } else { wrap(&shown, width_of_message) }
+    });
     let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
     let lines = diagnostic.place.as_ref().map(Lines::of);
@@ -96,14 +98,15 @@ impl<'p> Lines<'p> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Code;
+    use crate::diagnostic::{Code, ListLine};
 
     #[test]
     fn lines_that_are_copied_are_not_broken() {
         let line =
             "rack_pitch = { name = \"pitch of the rack\", unit = \"um\" }   # a guess: its numbers are of that size";
         let message = "a line has no owner, and is shown here at some length, so that it has to be broken";
-        let error = Diagnostic { block: [line.to_owned()].into(), ..Diagnostic::error(Code::NotUnderstood, message) };
+        let copied = ListLine { text: line.to_owned(), is_copied: true };
+        let error = Diagnostic { list: [copied].into(), ..Diagnostic::error(Code::NotUnderstood, message) };
         let shown = render(&error, false, Some(40));
         assert!(shown.contains(line) && !shown.contains(message), "{shown}");
     }

@@ -1,7 +1,7 @@
 //! What is said of a table that is not closed.
 
 use super::proposal::{LineAccount, Proposal, REJECTED};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, ListLine};
 use crate::quantity::shown;
 use crate::table::block::Odd;
 use crate::table::contract::Open;
@@ -28,7 +28,9 @@ impl Proposal {
             list.push(format!("and {more} more"));
         }
         list.extend(block.map(|_| "what closes the table, in the spec:".to_owned()));
-        let block = block.into_iter().flat_map(str::lines).map(|line| format!("  {line}")).collect();
+        let mut list: Vec<_> = list.into_iter().map(|text| ListLine { text, is_copied: false }).collect();
+        let copied = block.into_iter().flat_map(str::lines);
+        list.extend(copied.map(|line| ListLine { text: format!("  {line}"), is_copied: true }));
         let of_columns =
             |open: &&Open| matches!(open, Open::Column { .. } | Open::Characteristic { .. } | Open::Missing { .. });
         let different = || self.open.iter().filter(of_columns);
@@ -48,7 +50,7 @@ impl Proposal {
         });
         let how = "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec";
         let help = std::iter::once(how).chain(others).collect::<Vec<_>>().join("; ");
-        Diagnostic { list: list.into(), block, ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
+        Diagnostic { list: list.into(), ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
     }
 
     /// How the file differs from its contract: `new column "Spindel"`, `column "fp" is gone`.
