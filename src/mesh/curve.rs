@@ -57,8 +57,10 @@ const MAX_STEPS: f64 = 4e6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
 const MAX_DEPTH: u32 = 36;
 
-/// Halvings after which a kink may be called harmless: 1/(32·2¹²) of a pitch.
+/// Halvings after which a kink may be called harmless: 1/(32·2¹²) of a pitch. Where the same teeth carry on, at another place
+/// of their flanks, 1/(32·2⁶): of an edge near its end rounding says whether that is a corner, again and again.
 const HARMLESS_DEPTH: u32 = 12;
+const HARMLESS_PLACE_DEPTH: u32 = 6;
 /// A kink is harmless if it bends the curve by less than this share of the tolerance between its neighbours.
 const HARMLESS: f64 = 1e-3;
 
@@ -205,7 +207,10 @@ impl Refiner<'_> {
             return Ok(());
         }
         // a kink that bends the curve by less than the tolerance is located well enough
-        if kinked && depth >= HARMLESS_DEPTH && sagitta <= HARMLESS * self.tolerance {
+        let teeth = |at: &MeshPoint| (at.right.rack_tooth, at.left.rack_tooth);
+        let keeps_teeth = teeth(a) == teeth(&m) && teeth(&m) == teeth(b);
+        let deep = if keeps_teeth { HARMLESS_PLACE_DEPTH } else { HARMLESS_DEPTH };
+        if kinked && depth >= deep && sagitta <= HARMLESS * self.tolerance {
             self.finish(a, b, true);
             return Ok(());
         }

@@ -3,6 +3,7 @@
 #![allow(clippy::pedantic, clippy::disallowed_methods)]
 
 use crate::common::pairs::{spur, steering};
+use crate::process::run;
 use rackmesh::deviation::*;
 use rackmesh::gear::Pair;
 use rackmesh::mesh::{Carrier, ContactKind, Curve, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
@@ -106,7 +107,7 @@ fn a_curve_begins_with_so_many_steps() {
 
 /// Kinks are where the carriers change, and both sides of one that shows are kept, while other points keep their distance.
 /// A kink that bends the curve by a thousandth of the tolerance is not looked for any further, but is where it is said
-/// to be, to less than a tooth's part in a hundred thousand.
+/// to be, to less than a tooth's part in a hundred thousand, or in two thousand where the same teeth carry on.
 #[test]
 fn harmless_kinks_are_located_well_enough_and_no_better() {
     let pair = Pair::new(&spur()).unwrap();
@@ -120,11 +121,26 @@ fn harmless_kinks_are_located_well_enough_and_no_better() {
     assert_eq!(fine.kinks.len(), coarse.kinks.len());
     for (fine, coarse) in fine.kinks.iter().zip(&coarse.kinks) {
         let off = coarse.stroke_mm - fine.stroke_mm;
-        assert!(off.abs() <= 1e-5 * pitch && (coarse.before, coarse.after) == (fine.before, fine.after), "{off:e}");
+        let teeth = |(right, left): (Carrier, Carrier)| (right.rack_tooth, left.rack_tooth);
+        let near = if teeth(fine.before) == teeth(fine.after) { 5e-4 } else { 1e-5 };
+        assert!(off.abs() <= near * pitch && (coarse.before, coarse.after) == (fine.before, fine.after), "{off:e}");
     }
     // 32 steps a pitch, a middle in each, and twelve halvings with two middles each at a kink
     let expected = 161 + 160 + 24 * coarse.kinks.len();
     assert!(coarse.resolved && coarse.solved <= expected, "{} {expected}", coarse.solved);
+}
+
+/// Whether an edge that touches near its end is a corner says rounding, again and again: that is not looked at as closely as a
+/// kink that shows.
+#[test]
+fn names_that_flicker_take_few_strokes() {
+    let spec = "[pair]\nnormal_module = 0.5\nnormal_pressure_angle = 25\n\
+        [rack]\nface_width = 5\naddendum = 0.425\nhelix_angle = 5\ncrowning = \"30 um\"\n\
+        [pinion]\nteeth = 300\nhelix_angle = 0\nprofile_shift = 0.3\nface_width = 6.5\ntip_diameter = 151.15\nprofile_slope = \"5 um\"\n\
+        [support]\nroll = \"free\"\nroll_axis_depth = 0\n";
+    let ended = run(&["mesh", "-", "--from", "2.6", "--to", "2.8", "-f", "csv"], spec);
+    let lines = ended.stdout.lines().count();
+    assert!(ended.code == Some(0) && (20..300).contains(&lines), "{lines}: {}", ended.stderr);
 }
 
 /// A tolerance below what a solve leaves is given up at once, and said so; many steps are refined in blocks, of which
