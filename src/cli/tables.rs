@@ -384,9 +384,13 @@ pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
     report::add_new(&mut remarks, warnings.iter().cloned());
     let (warnings, remarks): (Vec<_>, Vec<_>) = remarks.into_iter().partition(|remark| warnings.contains(remark));
-    warnings.iter().for_each(|warning| output.message(&report::noted(warning)));
+    for warning in &warnings {
+        output.message(&report::noted(warning));
+    }
     let shown = if output.screen().shows_all_remarks { remarks.len() } else { report::REMARKS_SHOWN };
-    remarks.iter().take(shown).for_each(|remark| output.remark(&report::noted(remark)));
+    for remark in remarks.iter().take(shown) {
+        output.remark(&report::noted(remark));
+    }
     if let more @ 1.. = remarks.len().saturating_sub(shown) {
         output.remark(&report::more_remarks(more));
     }

@@ -52,7 +52,8 @@ fn a_part_without_anything_that_scatters_has_no_statistical_sum() {
     std::fs::write(&spec, each).expect("written");
     std::fs::write(&table, "part_id,rack_over_roller [mm]\nA,0.005\nB,0\n").expect("written");
     let ended = batch(&[&spec, &table, "--stack", "rss", "-f", "json"], b"");
-    let rows: serde_json::Value = serde_json::from_slice(&ended.stdout).expect(text(&ended.stderr));
+    let rows: serde_json::Value =
+        serde_json::from_slice(&ended.stdout).unwrap_or_else(|_| panic!("{}", text(&ended.stderr)));
     let row = |index: usize| {
         let row = &rows[index];
         (row["rss_upper_mm"].as_f64(), row["margin_mm"].as_f64(), row["verdict"].clone())

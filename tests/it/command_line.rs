@@ -263,7 +263,7 @@ fn an_inverse_says_what_the_worst_case_leaves() {
             let ask = |question: &[&str]| {
                 let ended =
                     run(&[&["calc", formula], question, gear, &["--extent", extent, "-f", "json"]].concat(), "");
-                (ended.code == Some(0)).then(|| ended.json()).unwrap_or_else(|| panic!("{formula}: {}", ended.stderr))
+                if ended.code == Some(0) { ended.json() } else { panic!("{formula}: {}", ended.stderr) }
             };
             let answer = ask(&["--inverse", "0.05"]);
             let (key, unit) = if formula == "lead" { ("deg", "deg") } else { ("mm", "mm") };

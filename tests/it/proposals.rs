@@ -317,7 +317,7 @@ fn a_thousand_rules_are_the_most() {
 fn a_spec_ends_as_it_did() {
     let folder = Folder::new("end");
     let file = folder.file("a.csv", &format!("{NAMES};Temp\nP1;25,011;3,1;20,1\n"));
-    for text in [SPEC.trim_end().to_owned(), SPEC.to_owned(), format!("{}\n[table]\nignore = []", SPEC)] {
+    for text in [SPEC.trim_end().to_owned(), SPEC.to_owned(), format!("{SPEC}\n[table]\nignore = []")] {
         let spec = folder.file("rack.toml", &text);
         assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 0);
         let written = std::fs::read_to_string(&spec).unwrap();

@@ -161,9 +161,9 @@ type Error = (&'static str, &'static str, i64, f64);
 /// and shift of one tooth, a rack tooth and a pinion space where the trace has one turn.
 #[test]
 fn errors_with_the_same_curve_are_alternatives() {
-    let folder = tempfile::tempdir().unwrap();
     // 2 tan 19.9°
     const TWICE: f64 = 0.724;
+    let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, i64, i64, i32, [Error; 2]); 5] = [
         ("thickness", 5, 40, TWO_TURNS, [("rack", "thickness", 5, 40.0), ("rack", "over_roller", 5, 40.0 / TWICE)]),
         ("over_roller", 9, 30, TWO_TURNS, [("rack", "over_roller", 9, 30.0), ("rack", "thickness", 9, 30.0 * TWICE)]),

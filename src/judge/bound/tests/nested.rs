@@ -2,7 +2,7 @@
 
 use super::property::{extremes, outside};
 use super::random::{self, Drawn, Random};
-use crate::judge::bound::{Basis, Extent, GivenGeometry, GivenPair, KnownPairs, Range};
+use crate::judge::bound::{Basis, ErrorRange, Extent, GivenGeometry, GivenPair, KnownPairs, Range};
 use crate::judge::reached::placed::Placed;
 use crate::judge::reached::reached;
 use crate::mesh::Support;
@@ -56,7 +56,7 @@ fn check(seed: u64) -> Option<Vec<String>> {
     for (basis, tolerance) in [(&known, OF_CURVES_MM), (&Basis::default(), TOLERANCE_MM), (&both_flanks, TOLERANCE_MM)]
     {
         let alone = outer.iter().zip(&inner).map(|(outer, inner)| {
-            let of = |error| basis.alone(error).map(|range| range.alone());
+            let of = |error| basis.alone(error).map(ErrorRange::alone);
             (of(outer), of(inner))
         });
         let together = (basis.together(&outer).range, basis.together(&inner).range);
@@ -70,7 +70,9 @@ fn check(seed: u64) -> Option<Vec<String>> {
     }
     let bound: Range = known.together(&inner).range.ok()?;
     let mut placed = Placed::new(&pair);
-    tolerances.iter().for_each(|[_, drawn]| put(&mut placed, &mut random, drawn));
+    for [_, drawn] in &tolerances {
+        put(&mut placed, &mut random, drawn);
+    }
     let mesh = placed.mesh(&given).ok()?;
     let of_mesh = extremes(&mesh, if rolls { 5 } else { 24 })?;
     let found = reached(&inner, &given).ok()?;

@@ -290,7 +290,9 @@ fn around(random: &mut Random, drawn: &Drawn, z: usize, value: f64) -> Vec<f64> 
             let farther: f64 = steps.iter().map(|step| (step - end).abs()).sum();
             if farther > 0.0 {
                 let share = sum.abs() / farther;
-                steps.iter_mut().for_each(|step| *step += share * (end - *step));
+                for step in &mut steps {
+                    *step += share * (end - *step);
+                }
             }
         }
         _ => {
