@@ -57,6 +57,9 @@ impl Axis {
             }
             return Ok(Self { key, unit, values: Values::Range { from: from.0, to: to.0, step } });
         }
+        if let Some(range) = with_hyphen(values) {
+            return Err(refused(&format!("write a range as {range}")));
+        }
         let list: Vec<String> = split(values).into_iter().map(|value| value.trim().to_owned()).collect();
         if list.iter().any(String::is_empty) {
             return Err(refused("a value between two commas is missing"));
@@ -180,6 +183,15 @@ fn range(text: &str) -> Option<(Measure<'_>, Measure<'_>, Option<Measure<'_>>)> 
     let (to, step) = rest.split_once(':').map_or((rest, None), |(to, step)| (to, Some(step)));
     let step = step.map(number);
     Some((number(from)?, number(to)?, if let Some(step) = step { Some(step?) } else { None }))
+}
+
+/// A range with a hyphen between its ends, `18-24`, as ranges are written: `18..24:1`.
+fn with_hyphen(text: &str) -> Option<String> {
+    let at = text.char_indices().skip(1).find(|(_, c)| matches!(c, '-' | '–'))?.0;
+    let (from, to) = (text[..at].trim(), text[at..].trim_start_matches(['-', '–']).trim());
+    let width = number(to)?.0 - number(from)?.0;
+    // a power of ten, such that there are 4 steps at least
+    (width > 0.0).then(|| format!("{from}..{to}:{}", plain(10_f64.powf((width / 4.0).log10().floor()))))
 }
 
 /// Splits at the commas that stand neither in brackets nor in quotes.

@@ -4,7 +4,7 @@
 use super::request::Request;
 use crate::chance::Simulation;
 use crate::deviation::DeviationKind;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, nearest_or};
 use crate::function::{FIGURES, Target};
 use crate::judge::{Interval, LimitTarget, Stack};
 use crate::quantity::Length;
@@ -203,10 +203,21 @@ impl Output {
                 return Err(Diagnostic::usage(message)
                     .help("give the errors one, such as `rack_pitch = { u = \"0.8 um\" }` in [errors]"));
             }
-            let known: Vec<_> = all.iter().chain(&others).map(|output| output.name(request.stack)).collect();
-            let (known, titles) = (known.join(", "), table.titles_in_words());
-            Err(Diagnostic::usage(format!("there is no column `{name}` to write"))
-                .help(format!("the results are {known}; {} also has {titles}", table.name)))
+            let mut known: Vec<String> = Vec::new();
+            for name in all.iter().chain(&others).map(|output| output.name(request.stack)) {
+                if !known.contains(&name) {
+                    known.push(name);
+                }
+            }
+            let all = || {
+                let titles = table.titles_in_words();
+                format!("the results are {}; {} also has {titles}", known.join(", "), table.name)
+            };
+            Err(Diagnostic::usage(format!("there is no column `{name}` to write")).help(nearest_or(
+                name,
+                known.iter().chain(&table.titles),
+                all,
+            )))
         };
         names.iter().map(output).collect()
     }

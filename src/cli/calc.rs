@@ -308,7 +308,8 @@ impl Common {
             output.report(&calculation, format)?;
         } else if self.explain {
             let width = output.screen().width;
-            output.text(&for_screen(&calculation.explanation(), width))?;
+            let page = for_screen(calculation.formula.text, width);
+            output.text(&format!("{}\n{page}", calculation.by_each_model()))?;
         } else {
             output.text(&format!("{}\n", calculation.line()))?;
             if let Some(remark) = calculation.model_remark() {

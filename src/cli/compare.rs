@@ -22,7 +22,7 @@ use crate::report::Format;
 use crate::report::compare::{CompareReport, ComparedSpec};
 use crate::spec::Spec;
 
-pub(super) const ABOUT: &str = "Compare specs: what differs, and what that does to ΔCD and the verdict";
+pub(super) const ABOUT: &str = "Compare specs: what differs, and what that does to the results";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

@@ -6,7 +6,7 @@ use clap::builder::PossibleValue;
 
 use super::completions::Suggested;
 use super::output::{Failure, Output, Status};
-use crate::diagnostic::{Code, Diagnostic, wrap};
+use crate::diagnostic::{Code, Diagnostic, nearest_or, wrap};
 use crate::formula::{CATALOGUE, FormulaPage as Page};
 use crate::report::{Column, Table, table_text};
 use crate::spec::{self, KeyEntry};
@@ -180,16 +180,11 @@ fn topics() -> Vec<PossibleValue> {
 }
 
 fn unknown(topic: &str) -> Diagnostic {
-    let all = || names().map(str::to_owned).chain(spec::keys().into_iter().map(|key| key.path));
-    let similar = all()
-        .map(|name| (strsim::jaro_winkler(topic, &name), name))
-        .filter(|(likeness, _)| *likeness > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let aliases = CATALOGUE.iter().chain(METHODS).flat_map(|page| page.aliases).copied();
+    let all = names().chain(aliases).map(str::to_owned).chain(spec::keys().into_iter().map(|key| key.path));
     let message = format!("there is no formula, method or diagnostic `{topic}`");
-    Diagnostic::error(Code::UnknownTopic, message).help(match similar {
-        Some((_, name)) => format!("did you mean `{name}`?"),
-        None => "`rackmesh explain` lists them all".to_owned(),
-    })
+    Diagnostic::error(Code::UnknownTopic, message)
+        .help(nearest_or(topic, all, || "`rackmesh explain` lists them all".to_owned()))
 }
 
 #[cfg(test)]

@@ -46,6 +46,8 @@ impl Args {
 fn is_shown(page: &[u8]) -> bool {
     let man = process::Command::new("man").args(["-l", "-"]).stdin(Stdio::piped()).stderr(Stdio::null()).spawn();
     let Ok(mut man) = man else { return false };
+    // no line is drawn over the page
+    super::line::no_waiting();
     // leaving the pager early closes the pipe
     let _ = man.stdin.take().map(|mut pipe| pipe.write_all(page));
     man.wait().is_ok_and(|status| status.success())

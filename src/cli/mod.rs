@@ -300,6 +300,8 @@ mod tests {
         lines_of_short_help(&mut command, &mut found);
         let too_long: Vec<_> = found.iter().filter(|(_, lines)| *lines > 40).collect();
         assert!(found.len() > 20 && too_long.is_empty(), "{too_long:?}");
+        let template = help_template();
+        assert_eq!(template.lines().find(|line| line.chars().count() > 80), None);
         let batch = command.find_subcommand_mut("batch").expect("a subcommand");
         assert!(!batch.render_help().to_string().contains("--strict"));
         let help = batch.render_long_help().to_string();

@@ -239,6 +239,11 @@ impl Output {
         self.screen
     }
 
+    /// The screen that standard error is shown on.
+    pub(super) fn screen_of_messages(&self) -> Screen {
+        Screen { width: width_of_stderr(), ..self.screen.of_file() }
+    }
+
     /// Keeps how a table of the spec was read; returns whether that is new.
     pub(super) fn keep_reading(&mut self, reading: &Reading) -> bool {
         let is_new = self.readings.iter().all(|known| known.file != reading.file);
@@ -361,7 +366,11 @@ pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
         let text = wrap(&harmless_lines(&error.render().to_string()), width_of_stderr());
         write!(io::stderr().lock(), "{text}")
     } else {
-        error.print()
+        let text = wrap(
+            &error.render().ansi().to_string(),
+            width_of(io::stdout().is_terminal(), terminal_size_of(io::stdout())),
+        );
+        write!(anstream::stdout().lock(), "{text}")
     }
 }
 

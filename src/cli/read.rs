@@ -212,7 +212,7 @@ pub(super) fn text(path: &Path) -> Result<String, Failure> {
 pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Result<(), Failure> {
     let proposals = std::slice::from_ref(proposal);
     let shown = ReadReport { proposals, block };
-    for line in report::write(&shown, Format::Table, output.screen().of_file())?.lines() {
+    for line in report::write(&shown, Format::Table, output.screen_of_messages())?.lines() {
         output.message(line);
     }
     Ok(())

@@ -85,6 +85,11 @@ pub(super) struct Args {
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         spec_files::refuse_shared_input(&self.spec, &self.files)?;
+        if self.output.is_none() && output.screen().width.is_some() {
+            return Err(Diagnostic::usage("a terminal does not show a page")
+                .help("write it to a file: -o page.html")
+                .into());
+        }
         let spec = self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?;
         let files: Vec<PathBuf> = self.reading.layout_file().into_iter().chain(&self.files).cloned().collect();
         let inputs = spec_files::inputs(&spec, &self.spec, &files);

@@ -1,5 +1,6 @@
 //! `--set KEY=VALUE`, and the spec that is read with it, for every subcommand that takes a spec.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::Read as _;
 use std::path::Path;
@@ -12,7 +13,7 @@ use super::held::HeldSpec;
 use super::output::{Failure, Output};
 use super::stream;
 use super::target::is_dash;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, nearest};
 use crate::spec::{self, LARGEST_SPEC, Spec};
 
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -68,38 +69,72 @@ impl SetArgs {
     }
 }
 
-/// The error in the arguments, with how to set the key that an unknown option names: `--preload 2000` is
-/// `--set simulation.preload=2000`.
+/// The error in the arguments, with what is most likely meant: `--preload 2000` is `--set simulation.preload=2000`, and
+/// `--json` is `--format json`.
 pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> clap::Error {
-    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else { return error };
+    if let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) {
+        let known = super::subcommands().map(|known| known.name);
+        if let Some(nearest) = nearest(name, known) {
+            let nearest = ContextValue::Strings(vec![nearest.to_owned()]);
+            error.insert(ContextKind::SuggestedSubcommand, nearest);
+        }
+        return error;
+    }
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg).cloned() else { return error };
+    let Some(name) = option.strip_prefix("--") else { return error };
+    if error.kind() != ErrorKind::UnknownArgument {
+        return error;
+    }
+    // no value begins with two hyphens, so that it would stand behind `--`
+    error.remove(ContextKind::Suggested);
     let words: Vec<_> = arguments.iter().map(|word| word.to_string_lossy()).collect();
-    let takes_settings = |known: &&super::Subcommand| {
-        let command = (known.arguments)(clap::Command::new(known.name));
-        words.iter().any(|word| word == known.name)
-            && command.get_arguments().any(|argument| argument.get_id() == "set")
-    };
-    let Some(called) = super::subcommands().find(takes_settings) else { return error };
-    let Some(key) = option.strip_prefix("--").map(|option| option.replace('-', "_")) else { return error };
+    let called = words.iter().find_map(|word| super::subcommands().find(|known| known.name == word));
+    let Some(called) = called else { return error };
+    let mut command = (called.arguments)(clap::Command::new(called.name).bin_name(format!("rackmesh {}", called.name)));
+    let tips = tips(name, &command, called.name, &words);
+    if !tips.is_empty() {
+        // an option that only looks alike is no better
+        error.remove(ContextKind::SuggestedArg);
+        error.insert(ContextKind::Usage, ContextValue::StyledStr(command.render_usage()));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
+    error
+}
+
+/// What an option that is none of a command may mean: a format, a file to write, a key of the spec.
+fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>]) -> Vec<StyledStr> {
+    /// Of keys; more are no answer.
+    const MOST: usize = 4;
+    let argument = |id: &str| command.get_arguments().find(|argument| argument.get_id() == id);
+    let formats = argument("format").map(clap::Arg::get_possible_values).unwrap_or_default();
+    if formats.iter().any(|format| format.matches(name, false)) {
+        return vec![format!("write --format {name}").into()];
+    }
+    if name == "output" && argument("format").is_some() {
+        return vec!["the result goes to standard output: write > FILE behind the command".into()];
+    }
+    if argument("set").is_none() {
+        return Vec::new();
+    }
+    let option = format!("--{name}");
     let value = words.iter().enumerate().find_map(|(index, word)| match word.strip_prefix(option.as_str())? {
         "" => words.get(index + 1).map(|next| &**next).filter(|next| !next.starts_with("--")),
         rest => rest.strip_prefix('='),
     });
     let value = value.unwrap_or("…");
-    let mut paths: Vec<_> = spec::keys().into_iter().map(|key| key.path).collect();
-    paths.retain(|path| path.rsplit('.').next() == Some(key.as_str()));
+    let key = name.replace('-', "_");
+    let all: Vec<_> = spec::keys().into_iter().map(|key| key.path).collect();
+    let ending = |end: String| all.iter().filter(move |path| path.ends_with(&end)).collect::<Vec<_>>();
+    let mut paths = ending(format!(".{key}"));
     // an error is most likely meant, for a simulation one of its own keys
-    let sections: &[&str] = if called.name == "simulate" { &["simulation", "errors"] } else { &["errors"] };
-    let own = sections.iter().map(|section| format!("{section}.{key}")).find(|own| paths.contains(own));
-    if let Some(own) = own {
+    let sections: &[&str] = if called == "simulate" { &["simulation", "errors"] } else { &["errors"] };
+    let is_own = |path: &&String| sections.iter().any(|section| **path == format!("{section}.{key}"));
+    if let Some(own) = paths.iter().copied().find(is_own) {
         paths = vec![own];
+    } else if paths.is_empty() {
+        paths = ending(format!("_{key}"));
     }
-    let tips: Vec<_> = paths.iter().map(|path| StyledStr::from(format!("write --set {path}={value}"))).collect();
-    if error.kind() == ErrorKind::UnknownArgument && !tips.is_empty() {
-        // a merely similar option is no better
-        error.remove(ContextKind::SuggestedArg);
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
-    }
-    error
+    paths.iter().take(MOST).map(|path| format!("write --set {path}={value}").into()).collect()
 }
 
 /// The beginnings of a setting that shells complete.

@@ -16,7 +16,7 @@ use crate::mesh::Mesh;
 use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
 use crate::quantity::Length;
 use crate::report::chart::{Axis, Chart, Layer, Scale, Shape};
-use crate::report::{Format, SimulationReport};
+use crate::report::{CurveEnd, Format, SimulationReport, extreme_in_words};
 
 pub(super) const ABOUT: &str = "Simulate forces: elastic bodies in contact along the stroke";
 
@@ -140,9 +140,14 @@ fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {
     let exact = strokes.iter().zip(mesh.sample(&strokes));
     let exact = exact.filter_map(|(stroke, point)| Some((*stroke, point.ok()?.delta_cd_mm)));
     let simulated = samples.map(|sample| (sample.stroke_mm, sample.delta_cd_mm));
-    let layers = vec![
+    let mut layers = vec![
         Layer::new("simulated", Shape::Line(simulated.collect())),
         Layer::new("exact mesh", Shape::Line(exact.collect())),
     ];
+    layers.extend(report.outcome.extremes().and_then(|ends| {
+        let ends =
+            ends.map(|at| CurveEnd { stroke_mm: at.stroke_mm, delta_cd_mm: at.delta_cd_mm, rack_teeth: at.carrying });
+        extreme_in_words(ends, mesh.pair().pinion().teeth)
+    }));
     Chart::along_the_stroke(report.title.unwrap_or("ΔCD along the stroke"), layers)
 }

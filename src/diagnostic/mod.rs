@@ -6,12 +6,16 @@
 
 mod code;
 mod harmless;
+#[cfg(feature = "table")]
+mod nearest;
 #[cfg(feature = "spec")]
 mod render;
 mod wrap;
 
 pub use code::Code;
 pub use harmless::{harmless, harmless_lines, is_formula, is_steering};
+#[cfg(feature = "table")]
+pub(crate) use nearest::{nearest, nearest_or};
 #[cfg(feature = "spec")]
 pub use render::render;
 pub use wrap::wrap;

@@ -16,6 +16,15 @@ named! {
 
 display_by_name!(FlankSide);
 
+impl FlankSide {
+    /// The pinion tooth, 0 to z − 1, that touches the flank of a rack tooth on this side.
+    #[must_use]
+    pub fn pinion_tooth(self, rack_tooth: i64, teeth: u32) -> u32 {
+        let partner = if self == Self::Right { rack_tooth } else { rack_tooth - 1 };
+        u32::try_from(partner.rem_euclid(i64::from(teeth))).unwrap_or(0)
+    }
+}
+
 /// The flank pair that carries on one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Carrier {

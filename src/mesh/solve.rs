@@ -217,11 +217,9 @@ impl Sampler<'_> {
     }
 
     fn carrier(&self, side: FlankSide, demand: &Demand) -> Carrier {
-        let teeth = i64::from(self.mesh.pair().pinion().teeth);
-        let partner = if side == FlankSide::Right { demand.tooth } else { demand.tooth - 1 };
         Carrier {
             rack_tooth: demand.tooth,
-            pinion_tooth: u32::try_from(partner.rem_euclid(teeth)).unwrap_or(0),
+            pinion_tooth: side.pinion_tooth(demand.tooth, self.mesh.pair().pinion().teeth),
             contact: demand.touch.kind,
         }
     }

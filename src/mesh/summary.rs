@@ -2,7 +2,7 @@
 //!
 //! Called by reports; computes from solved points only.
 
-use super::{Curve, Mesh};
+use super::{Curve, Mesh, MeshPoint};
 
 /// A curve in a few numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,22 +35,30 @@ pub struct Summary {
 const TIE_MM: f64 = 1e-11;
 
 impl Curve {
+    /// The points with the smallest and the largest ΔCD; of values that differ by rounding only, the first
+    /// stroke counts. `None` without points.
+    #[must_use]
+    pub fn extremes(&self) -> Option<[&MeshPoint; 2]> {
+        let first = self.points.first()?;
+        let values = || self.points.iter().map(|point| point.delta_cd_mm);
+        let at =
+            |value: f64| self.points.iter().find(|point| (point.delta_cd_mm - value).abs() <= TIE_MM).unwrap_or(first);
+        Some([at(values().fold(f64::INFINITY, f64::min)), at(values().fold(f64::NEG_INFINITY, f64::max))])
+    }
+
     /// Summarises the curve; `None` if it has no points.
     #[must_use]
     pub fn summary(&self, mesh: &Mesh) -> Option<Summary> {
         let first = self.points.first()?;
         let pitch = mesh.pair().rack().pitch_mm;
-        let (mut low, mut high) = (first, first);
         let (mut te_low, mut te_high) = (first.transmission_error_rad, first.transmission_error_rad);
+        let [low, high] = self.extremes()?;
+        let (mut min_mm, mut max_mm) = (first.delta_cd_mm, first.delta_cd_mm);
         let mut area = 0.0;
         let mut largest_rate: f64 = 0.0;
         for point in &self.points {
-            if point.delta_cd_mm < low.delta_cd_mm {
-                low = point;
-            }
-            if point.delta_cd_mm > high.delta_cd_mm {
-                high = point;
-            }
+            min_mm = min_mm.min(point.delta_cd_mm);
+            max_mm = max_mm.max(point.delta_cd_mm);
             te_low = te_low.min(point.transmission_error_rad);
             te_high = te_high.max(point.transmission_error_rad);
         }
@@ -64,19 +72,15 @@ impl Curve {
                 largest_rate = largest_rate.max(((ends[1].delta_cd_mm - ends[0].delta_cd_mm) / width).abs());
             }
         }
-        // of values that differ by rounding only, the first stroke counts
-        let first_at = |value: f64| {
-            self.points.iter().find(|point| (point.delta_cd_mm - value).abs() <= TIE_MM).unwrap_or(first).stroke_mm
-        };
         let range = self.points.last().map_or(0.0, |last| last.stroke_mm - first.stroke_mm);
         let transmission_error_rad = te_high - te_low;
         Some(Summary {
             mean_mm: first.delta_cd_mm + if range > 0.0 { area / range } else { 0.0 },
-            min_mm: low.delta_cd_mm,
-            min_stroke_mm: first_at(low.delta_cd_mm),
-            max_mm: high.delta_cd_mm,
-            max_stroke_mm: first_at(high.delta_cd_mm),
-            peak_to_peak_mm: high.delta_cd_mm - low.delta_cd_mm,
+            min_mm,
+            min_stroke_mm: low.stroke_mm,
+            max_mm,
+            max_stroke_mm: high.stroke_mm,
+            peak_to_peak_mm: max_mm - min_mm,
             tooth_to_tooth_mm: largest_swing(self.points.iter().map(|at| (at.stroke_mm, at.delta_cd_mm)), pitch),
             largest_rate,
             transmission_error_rad,

@@ -190,9 +190,9 @@ impl Calculation {
         })
     }
 
-    /// The value by each model, and the formula's page.
+    /// The value by each model.
     #[must_use]
-    pub fn explanation(&self) -> String {
+    pub fn by_each_model(&self) -> String {
         let named = |model: Option<Model>| model.map(|model| format!("{model} model: ")).unwrap_or_default();
         let mut text = format!("{}{}\n", named(self.model), self.line());
         if let (Some(model), Some(other)) = (self.model, self.other) {
@@ -201,7 +201,7 @@ impl Calculation {
         if self.is_bound {
             text.push_str("This is the largest error within the ΔCD.\n");
         }
-        format!("{text}\n{}", self.formula.text)
+        text
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Block {
         ("hand of the pinion", hand(pair.pinion().helix_angle_rad)),
         ("shaft angle Σ", Degrees(pair.shaft_angle_rad().abs()).to_string()),
         ("contact ratio ε", format!("{:.3}", ratio.total)),
-        ("offset of the contact c", format!("{:.3}", ratio.offset)),
+        ("offset of the contact c", format!("{:.3} pitches", ratio.offset)),
         ("centre distance a_0", millimetres(pair.nominal_center_distance_mm())),
     ];
     let over_pin = over_pin.map(|measure| ("measure M over the pin", millimetres(measure.mm())));

@@ -16,7 +16,7 @@ use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
 use crate::function::Check;
 use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
-use crate::mesh::{Curve, FlankSide, Mesh, MeshPoint, PinionReading, RackReading, Summary};
+use crate::mesh::{Curve, FlankSide, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
 
 /// A solved stroke range.
@@ -89,24 +89,15 @@ impl MeshReport<'_> {
             Layer::new("exact mesh", Shape::Line(points)),
             Layer::new("contact moves to the right (r) or left (l) flank of a tooth", Shape::Marks(marks.collect())),
         ];
-        layers.extend(self.extreme_in_words());
+        layers.extend(self.curve.extremes().and_then(|ends| {
+            let ends = ends.map(|point| CurveEnd {
+                stroke_mm: point.stroke_mm,
+                delta_cd_mm: point.delta_cd_mm,
+                rack_teeth: [point.right, point.left].map(|carrier| Some(carrier.rack_tooth)),
+            });
+            extreme_in_words(ends, self.mesh.pair().pinion().teeth)
+        }));
         Chart::along_the_stroke(self.title.unwrap_or("ΔCD along the stroke"), layers)
-    }
-
-    /// The value farthest from 0, its stroke and the teeth that carry there; all that stands in the legend.
-    fn extreme_in_words(&self) -> Option<Layer> {
-        let farther = |a: &&MeshPoint, b: &&MeshPoint| a.delta_cd_mm.abs().total_cmp(&b.delta_cd_mm.abs());
-        let point = self.curve.points.iter().max_by(farther)?;
-        let carriers = [(FlankSide::Right, point.right), (FlankSide::Left, point.left)]
-            .map(|(side, carrier)| format!("{side} {} on {}", carrier.rack_tooth, carrier.pinion_tooth));
-        let text = format!(
-            "extreme {} mm at stroke {:.2} mm; rack tooth on pinion tooth: {}",
-            millimetres(point.delta_cd_mm),
-            point.stroke_mm,
-            carriers.join(", ")
-        );
-        let mark = Mark { x: point.stroke_mm, y: point.delta_cd_mm, text: String::new() };
-        Some(Layer::new(&text, Shape::Marks(vec![mark])))
     }
 
     /// The outcome of the limits on a yoke.
@@ -134,6 +125,37 @@ impl MeshReport<'_> {
         let (before, after) = text.split_once("\n  \"points\": null").unwrap_or((&text, ""));
         (format!("{before}\n  \"points\": ["), format!("\n  ]{after}"))
     }
+}
+
+/// The smallest or the largest ΔCD of a curve.
+#[derive(Debug, Clone, Copy)]
+pub struct CurveEnd {
+    /// Its stroke, mm.
+    pub stroke_mm: f64,
+    /// ΔCD, mm.
+    pub delta_cd_mm: f64,
+    /// The rack teeth that carry there, on their right and on their left flank.
+    pub rack_teeth: [Option<i64>; 2],
+}
+
+/// The end of a curve that is farther from 0, the largest of equals: its stroke and the teeth that carry there, all in the legend.
+/// `ends` are the smallest and the largest ΔCD, `teeth` is the number of the pinion's teeth.
+#[must_use]
+pub fn extreme_in_words(ends: [CurveEnd; 2], teeth: u32) -> Option<Layer> {
+    let farther = |a: &CurveEnd, b: &CurveEnd| a.delta_cd_mm.abs().total_cmp(&b.delta_cd_mm.abs());
+    let end = ends.into_iter().max_by(farther)?;
+    let carriers = [FlankSide::Right, FlankSide::Left].into_iter().zip(end.rack_teeth);
+    let carriers = carriers
+        .filter_map(|(side, tooth)| Some(format!("{side} {} on {}", tooth?, side.pinion_tooth(tooth?, teeth))))
+        .collect::<Vec<_>>();
+    let text = format!(
+        "extreme {} mm at stroke {:.2} mm; rack tooth on pinion tooth: {}",
+        millimetres(end.delta_cd_mm),
+        end.stroke_mm,
+        carriers.join(", ")
+    );
+    let mark = Mark { x: end.stroke_mm, y: end.delta_cd_mm, text: String::new() };
+    Some(Layer::new(&text, Shape::Marks(vec![mark])))
 }
 
 /// The outcome of each limit, in a sentence.

@@ -74,7 +74,7 @@ pub use function::{BoundPart, FunctionPart, YokeSection};
 #[cfg(feature = "batch")]
 pub use function::{plug_in_words, yokes_block};
 pub use grounds::{Assumption, assumptions, bound_note, bound_remarks, unstated};
-pub use mesh::{MeasureReport, MeshReport};
+pub use mesh::{CurveEnd, MeasureReport, MeshReport, extreme_in_words};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
 #[cfg(feature = "batch")]

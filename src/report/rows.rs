@@ -31,6 +31,7 @@ pub(super) fn heading(name: &str, between: char) -> String {
         "lower_mm" => ("ΔCD from", "mm"),
         "upper_mm" => ("ΔCD to", "mm"),
         "nearest_limit" => ("limit", ""),
+        name if name.ends_with("largest_rate") => (name, "mm/mm"),
         _ => name_and_unit(name),
     };
     let of = if name.starts_with("delta_cd_") { "ΔCD of " } else { "" };

@@ -257,7 +257,7 @@ impl SectionReader<'_> {
                 }
                 let message = format!("there is no {} `{}`", if is_table { "section" } else { "key" }, shown(name));
                 let all = || sections.clone().map(|name| format!("[{name}]")).collect::<Vec<_>>().join(" ");
-                let help = reader::elsewhere(name).unwrap_or_else(|| format!("the sections are {}", all()));
+                let help = || reader::elsewhere(name).unwrap_or_else(|| format!("the sections are {}", all()));
                 reader::unknown(message, name, sections.clone().chain(own.clone()), help)
             };
             self.diagnostics.add(|| diagnostic().at(self.source, key.span(), ""));

@@ -15,7 +15,7 @@ use super::found::Found;
 use super::keys::{AnyKey, ERRORS, Key, Kind, LARGEST_CLASS, MeasureUnit, SECTIONS, Section};
 use super::value::{KeyType, Value, Values};
 use crate::deviation::ToothRange;
-use crate::diagnostic::{Code, Diagnostic, Source};
+use crate::diagnostic::{Code, Diagnostic, Source, nearest, nearest_or};
 use crate::function::SetAt;
 use crate::judge::Rule;
 use crate::judge::class::RackDiameter;
@@ -50,7 +50,7 @@ impl<'a> SectionReader<'a> {
             self.diagnostics.add(|| {
                 let message = format!("{section} has no key `{}`", shown(name));
                 let all = || format!("the keys of {section} are {}", own.clone().collect::<Vec<_>>().join(", "));
-                let help = elsewhere(name).unwrap_or_else(all);
+                let help = || elsewhere(name).unwrap_or_else(all);
                 unknown(message, name, own.clone(), help).at(self.source, key.span(), "unknown key")
             });
         }
@@ -154,7 +154,9 @@ impl<'a> SectionReader<'a> {
         for key in others(table, known) {
             self.diagnostics.add(|| {
                 let message = format!("`{name}` has no key `{}`", shown(key.get_ref()));
-                let diagnostic = unknown(message, key.get_ref(), known.clone(), help.to_owned());
+                let diagnostic =
+                    Diagnostic::error(Code::UnknownKey, message)
+                        .help(nearest_or(key.get_ref(), known.clone(), || help.to_owned()));
                 diagnostic.at(self.source, key.span(), "unknown key")
             });
         }
@@ -376,49 +378,47 @@ fn others<'t>(
     others
 }
 
-/// Suggestions with their whole path, which `--set` needs: the keys of any section with this name, else those of the first
-/// section whose names end with it, else the most similar one.
+/// Suggestions with their whole path, which `--set` needs: the section with this name, else the keys of the first section whose
+/// names end with it, else the most similar ones.
 pub(super) fn elsewhere(name: &str) -> Option<String> {
     if SECTIONS.iter().any(|section| section.name == name) {
         return Some(format!("its keys stand in a section of its own: [{name}]"));
     }
-    // measured values are meant most often
-    let (errors, others): (Vec<_>, Vec<_>) = SECTIONS.iter().partition(|section| section.name == ERRORS.name);
-    let sections: Vec<&Section> = errors.into_iter().chain(others).collect();
-    let all = || sections.iter().flat_map(|section| section.keys);
-    let called = |is: &dyn Fn(&str) -> bool| all().filter(|key| is(key.name())).collect::<Vec<_>>();
     let ending = format!("_{name}");
-    let ends_so = || {
-        let of =
-            |section: &&Section| section.keys.iter().filter(|key| key.name().ends_with(&ending)).collect::<Vec<_>>();
-        sections.iter().map(of).find(|found| !found.is_empty())
-    };
-    let nearest = || similar(name, all().map(AnyKey::name)).map(|nearest| called(&|name| name == nearest));
-    let found = Some(called(&|key| key == name)).filter(|found| !found.is_empty()).or_else(ends_so).or_else(nearest)?;
-    let ways: Vec<_> = found.iter().map(|key| format!("`{}`", key.path)).collect();
-    Some(format!("did you mean {}?", ways.join(" or ")))
+    let ends_so = |section: &&Section| keys_of(section, |key| key.name().ends_with(&ending));
+    let ends_so = sections().iter().map(ends_so).find(|found| !found.is_empty());
+    let all = || sections().into_iter().flat_map(|section| section.keys).map(AnyKey::name);
+    ways_to(&ends_so.or_else(|| nearest(name, all()).map(keys_called))?)
 }
 
-/// The message for an unknown name: the known name most like it, or else `help`.
+/// The sections, that of the errors first: measured values are meant most often.
+fn sections() -> Vec<&'static Section> {
+    let (errors, others): (Vec<_>, Vec<_>) = SECTIONS.iter().partition(|section| section.name == ERRORS.name);
+    errors.into_iter().chain(others).collect()
+}
+
+fn keys_of(section: &Section, is: impl Fn(&AnyKey) -> bool) -> Vec<&'static AnyKey> {
+    section.keys.iter().filter(|key| is(key)).collect()
+}
+
+/// The keys of any section with this name.
+fn keys_called(name: &str) -> Vec<&'static AnyKey> {
+    sections().into_iter().flat_map(|section| keys_of(section, |key| key.name() == name)).collect()
+}
+
+/// Keys as a question; `None` without one.
+fn ways_to(keys: &[&AnyKey]) -> Option<String> {
+    let ways: Vec<_> = keys.iter().map(|key| format!("`{}`", key.path)).collect();
+    (!ways.is_empty()).then(|| format!("did you mean {}?", ways.join(" or ")))
+}
+
+/// The message for an unknown name: the keys of other sections with this name, else the known name most like it, else `help`.
 pub(super) fn unknown(
     message: String,
     name: &str,
     known: impl Iterator<Item = &'static str>,
-    help: String,
+    help: impl FnOnce() -> String,
 ) -> Diagnostic {
-    let similar = similar(name, known).map(|similar| format!("did you mean `{similar}`?"));
-    Diagnostic::error(Code::UnknownKey, message).help(similar.unwrap_or(help))
-}
-
-/// The name most like a misspelt one, if any is like it at all.
-fn similar(name: &str, candidates: impl Iterator<Item = &'static str>) -> Option<&'static str> {
-    const LIKE: f64 = 0.85;
-    /// No key is half as long, and to compare two names takes time that grows with the square of their lengths.
-    const LONGEST: usize = 100;
-    let name = Some(name).filter(|name| name.len() <= LONGEST)?.to_lowercase();
-    candidates
-        .map(|candidate| (strsim::jaro_winkler(&name, candidate), candidate))
-        .filter(|(likeness, _)| *likeness >= LIKE)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
+    let called_so = ways_to(&keys_called(name));
+    Diagnostic::error(Code::UnknownKey, message).help(called_so.unwrap_or_else(|| nearest_or(name, known, help)))
 }

@@ -10,11 +10,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::keys::{self, READINGS, UNCERTAINTY_KEYS};
-use super::reader::{SectionReader, unknown};
+use super::reader::SectionReader;
 use super::resolve::Problems;
 use super::{Located, Spec, WrittenError, said_of};
 use crate::deviation::DeviationKind;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, nearest_or};
 use crate::formula::over_pin::OverPin;
 use crate::judge::Rule;
 use crate::uncertainty::{Distribution, Influence, Uncertainties, Uncertainty, UncertaintyError, Unstated};
@@ -267,7 +267,7 @@ fn source_named(reader: &mut SectionReader<'_>, name: &Spanned<DeValue<'_>>) -> 
     let message = format!("\"{text}\" names no value that may be uncertain");
     let names = Influence::ALL.iter().flat_map(|source| [source.key(), short(source)]);
     let help = format!("the names are {}", Influence::ALL.map(Influence::key).join(", "));
-    reader.refuse(unknown(message, text, names, help), name.span())
+    reader.refuse(Diagnostic::error(Code::UnknownKey, message).help(nearest_or(text, names, || help)), name.span())
 }
 
 impl Spec {

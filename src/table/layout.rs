@@ -13,6 +13,7 @@ use super::number::DecimalMark;
 use super::pattern::Pattern;
 use super::workbook::CellRange;
 use crate::deviation::DeviationKind;
+use crate::diagnostic::nearest_or;
 use crate::quantity::Unit;
 
 /// Rules of a kind that a contract has at most: nobody writes or reads more.
@@ -184,7 +185,9 @@ impl FromStr for ColumnOption {
         let kind = match key.trim() {
             "part_id" => None,
             key => Some(DeviationKind::ALL.into_iter().find(|kind| kind.key() == key).ok_or_else(|| {
-                format!("`{key}` is no column's key: they are part_id, {}", DeviationKind::keys(DeviationKind::ALL))
+                let keys = DeviationKind::ALL.map(DeviationKind::key);
+                let all = || format!("they are part_id, {}", keys.join(", "));
+                format!("`{key}` is no column's key: {}", nearest_or(key, ["part_id"].iter().chain(&keys), all))
             })?),
         };
         let heading = Heading::of(heading);

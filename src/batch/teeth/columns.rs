@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::lot::Solved;
 use crate::batch::columns::ColumnKind;
 use crate::batch::output::End;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, nearest_or};
 use crate::function::{FIGURES, Figure, KNOWN_FIGURES, Target};
 use crate::quantity::tidy;
 use crate::table::ToothedPart;
@@ -88,8 +88,9 @@ pub(super) fn columns_asked(
     let all = [&COLUMNS[..], &of_yoke].concat();
     let column = |name: &String| {
         all.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-            let known = all.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-            Diagnostic::usage(format!("there is no column `{name}` to write")).help(format!("the results are {known}"))
+            let known: Vec<_> = all.iter().map(|(name, _)| *name).collect();
+            Diagnostic::usage(format!("there is no column `{name}` to write"))
+                .help(nearest_or(name, &known, || format!("the results are {}", known.join(", "))))
         })
     };
     names.iter().map(column).collect()

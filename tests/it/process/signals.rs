@@ -40,6 +40,14 @@ fn on_terminal(arguments: &str, steps: &[Step]) -> String {
 
 #[test]
 #[cfg(target_os = "linux")]
+fn a_page_is_not_for_a_terminal() {
+    let steps = [Step { shown: "", typed: "go\n" }, Step { shown: "exit ", typed: "\x04" }];
+    let shown = on_terminal("report examples/minimal.toml", &steps);
+    assert!(shown.contains("-o page.html") && shown.contains("exit 2") && !shown.contains("<html"), "{shown}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
 fn ctrl_c_before_anything_is_typed_is_no_empty_block() {
     let steps = [
         Step { shown: "", typed: "go\n" },
