@@ -383,16 +383,9 @@ pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let mut remarks = report::remarks(&told, notes);
     let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
     report::add_new(&mut remarks, warnings.iter().cloned());
-    let (warnings, remarks): (Vec<_>, Vec<_>) = remarks.into_iter().partition(|remark| warnings.contains(remark));
-    for warning in &warnings {
-        output.message(&report::noted(warning));
-    }
-    let shown = if output.screen().shows_all_remarks { remarks.len() } else { report::REMARKS_SHOWN };
-    for remark in remarks.iter().take(shown) {
-        output.remark(&report::noted(remark));
-    }
-    if let more @ 1.. = remarks.len().saturating_sub(shown) {
-        output.remark(&report::more_remarks(more));
+    for remark in remarks {
+        let text = report::noted(&remark);
+        if warnings.contains(&remark) { output.message(&text) } else { output.remark(&text) }
     }
 }
 

@@ -211,30 +211,23 @@ fn keys_of(kinds: &[DeviationKind]) -> String {
     kinds.iter().map(|kind| kind.key()).collect::<Vec<_>>().join("; ")
 }
 
-/// Remarks that are shown at most, unless all are asked for.
-pub const REMARKS_SHOWN: usize = 2;
-
-/// How many remarks are not shown.
-#[must_use]
-pub fn more_remarks(more: usize) -> String {
-    format!("{more} more {}: --verbose", if more == 1 { "remark" } else { "remarks" })
-}
-
 /// Keeps the first remarks, which are the most important ones, and says how many there are besides.
 fn keep_first_remarks(blocks: &mut Vec<Block>) {
+    const MOST: usize = 2;
     let mut remarks = 0;
     let mut last = None;
     let all = std::mem::take(blocks);
     for block in all {
         let is_remark = matches!(block, Block::Remark(_));
         remarks += usize::from(is_remark);
-        if !is_remark || remarks <= REMARKS_SHOWN {
+        if !is_remark || remarks <= MOST {
             blocks.push(block);
             last = if is_remark { Some(blocks.len()) } else { last };
         }
     }
-    if let (Some(last), Some(more @ 1..)) = (last, remarks.checked_sub(REMARKS_SHOWN)) {
-        blocks.insert(last, Block::Note(more_remarks(more)));
+    if let (Some(last), Some(more @ 1..)) = (last, remarks.checked_sub(MOST)) {
+        let what = if more == 1 { "remark" } else { "remarks" };
+        blocks.insert(last, Block::Note(format!("{more} more {what}: --verbose")));
     }
 }
 
