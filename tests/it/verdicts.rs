@@ -247,8 +247,6 @@ fn one_error_is_on_the_teeth_that_it_is_said_to_be() {
         "{}",
         ended.stdout
     );
-    // what is asked for is no error on any teeth
-    assert_eq!(run(&["calc", "radial", "--inverse", "4um", "--extent", "one"], "").code, Some(2));
 }
 
 /// A rack that may roll and has no error sinks by nothing: a limit of 0 is met.
