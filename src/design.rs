@@ -191,7 +191,7 @@ fn with_hyphen(text: &str) -> Option<String> {
     let (from, to) = (text[..at].trim(), text[at..].trim_start_matches(['-', '–']).trim());
     let width = number(to)?.0 - number(from)?.0;
     // a power of ten, such that there are 4 steps at least
-    (width > 0.0).then(|| format!("{from}..{to}:{}", plain(10_f64.powf((width / 4.0).log10().floor()))))
+    (width > 0.0).then(|| format!("{from}..{to}:{}", plain(libm::exp10(libm::floor(libm::log10(width / 4.0))))))
 }
 
 /// Splits at the commas that stand neither in brackets nor in quotes.
