@@ -14,8 +14,10 @@ mod wrap;
 
 pub use code::Code;
 pub use harmless::{harmless, harmless_lines, is_formula, is_steering};
+#[cfg(feature = "spec")]
+pub(crate) use nearest::nearest;
 #[cfg(feature = "table")]
-pub(crate) use nearest::{nearest, nearest_or};
+pub(crate) use nearest::nearest_or;
 #[cfg(feature = "spec")]
 pub use render::render;
 pub use wrap::wrap;
