@@ -101,7 +101,7 @@ pub(super) fn with_settings(arguments: &[OsString], mut error: clap::Error) -> c
     error
 }
 
-/// What an option that is none of a command may mean: a format, a file to write, a key of the spec.
+/// What an option that a command does not have may mean: a format, a key of the spec, an option of another command.
 fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>]) -> Vec<StyledStr> {
     /// Of keys; more are no answer.
     const MOST: usize = 4;
@@ -110,11 +110,8 @@ fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>
     if formats.iter().any(|format| format.matches(name, false)) {
         return vec![format!("write --format {name}").into()];
     }
-    if name == "output" && argument("format").is_some() {
-        return vec!["the result goes to standard output: write > FILE behind the command".into()];
-    }
     if argument("set").is_none() {
-        return Vec::new();
+        return of_others(name);
     }
     let option = format!("--{name}");
     let value = words.iter().enumerate().find_map(|(index, word)| match word.strip_prefix(option.as_str())? {
@@ -134,7 +131,21 @@ fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>
     } else if paths.is_empty() {
         paths = ending(format!("_{key}"));
     }
+    if paths.is_empty() {
+        return of_others(name);
+    }
     paths.iter().take(MOST).map(|path| format!("write --set {path}={value}").into()).collect()
+}
+
+/// The commands that have an option, in words.
+fn of_others(name: &str) -> Vec<StyledStr> {
+    let has_it = |known: &&super::Subcommand| {
+        let command = (known.arguments)(clap::Command::new(known.name));
+        command.get_arguments().any(|argument| argument.get_long() == Some(name))
+    };
+    let commands: Vec<_> = super::subcommands().filter(has_it).map(|known| known.name).collect();
+    let tip = || format!("--{name} is an option of {}", commands.join(", ")).into();
+    (!commands.is_empty()).then(tip).into_iter().collect()
 }
 
 /// The beginnings of a setting that shells complete.
