@@ -1,5 +1,5 @@
-//! Some rows of a table as columns: the seam between whatever a table was and whoever evaluates it. Filled by the readers;
-//! read by the evaluators of parts and of teeth.
+//! A block: some rows of a table as columns of values. The readers of all formats fill it; the evaluators of parts and of teeth
+//! read it.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -9,14 +9,14 @@ use super::ledger::{Tally, join};
 use super::reading::{AsideReading, Reading};
 use crate::deviation::{DeviationValue, DeviationValues};
 
-/// Bytes of a block's text.
+/// A range of bytes in a block's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
     pub(crate) start: u32,
     pub(crate) end: u32,
 }
 
-/// A cell that a rule leaves out, of a row that may yet be read otherwise.
+/// A cell that a rule leaves out, in a row that is not read to its end yet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unsettled {
     pub(crate) rule: usize,
@@ -24,38 +24,38 @@ pub(crate) struct Unsettled {
     pub(crate) span: Span,
 }
 
-/// A row that is rejected, and that may be no part.
+/// A rejected row that is perhaps no part, such as a mean.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Odd {
     pub(crate) line: u64,
-    /// The row as a line.
+    /// The cells of the row, joined by semicolons.
     pub(crate) text: String,
-    /// What stands where parts have their name; the first cell where they have none.
+    /// The cell in the column of names; the first cell where parts have no names.
     pub(crate) name: String,
-    /// Whether that is none of a part's.
+    /// Whether no part can have this name.
     pub(crate) is_no_name: bool,
-    /// Whether something else than a number stands in the place of a value.
+    /// Whether a column of values has a cell that is not empty.
     pub(crate) has_text: bool,
     /// Whether every value can be read.
     pub(crate) could_be_part: bool,
 }
 
-/// Why a row is no part.
+/// Why a row is rejected.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     /// The row, from 0.
     pub row: usize,
-    /// The column of the table that is to blame, if one is.
+    /// The column of the table that is at fault, if a single one is.
     pub column: Option<usize>,
-    /// Whether there is no value, in place of a bad one.
+    /// Whether the value is missing. Otherwise it is wrong.
     pub is_missing: bool,
-    /// What stands there, if that is what is wrong.
+    /// The text of the cell, if the cell is at fault.
     pub text: String,
     /// What is wrong.
     pub message: String,
 }
 
-/// A cell that contradicts how the table is read, so that nothing after it can be trusted.
+/// A cell that contradicts how the table is read. It ends the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contradiction {
     /// The line.
@@ -71,36 +71,36 @@ pub struct Contradiction {
 /// Some rows of a table.
 #[derive(Debug, Default)]
 pub struct Block {
-    /// By column of the table; one that nobody needs is empty. Where a row has a fault, the value is
-    /// nothing that was measured.
+    /// The values of each column; empty for a column that nobody needs. Where a row has a fault, its value is a placeholder.
     pub(crate) values: Vec<DeviationValues>,
-    /// By row.
+    /// What is wrong with rows, in their order.
     pub(crate) faults: Vec<Fault>,
-    /// Numbers of spaces or teeth.
+    /// The number of the space or tooth of each row.
     pub(crate) index: Vec<Option<i64>>,
-    /// What the spans point into.
+    /// The bytes that the spans refer to.
     pub(crate) text: Vec<u8>,
-    /// The name of each part; empty if they have none.
+    /// The name of each part; empty if parts have no names.
     pub(crate) names: Vec<Span>,
-    /// The rows as they stand in the file.
+    /// Each row as it stands in the file.
     pub(crate) raw: Vec<Span>,
     /// The cells that are copied, row by row.
     pub(crate) copied: Vec<Span>,
     /// The line of each row, from 1.
     pub(crate) lines: Vec<u64>,
-    /// The record of each row from the start of the block, from 1.
+    /// The number of each row's record in the block, from 1.
     pub(crate) records: Vec<u64>,
-    /// Records that are no parts: a header again, a mean.
+    /// Records that are no parts: a repeated heading, a mean.
     pub(crate) asides: Vec<AsideReading>,
     /// The least and the greatest value of each column.
     pub(crate) ends: Vec<Option<[DeviationValue; 2]>>,
-    /// What each rule of a contract left out, by its number.
+    /// What each rule of the contract left out, in order of the rules' numbers.
     pub(crate) left_out: Vec<Tally>,
-    /// Lines that a rule left out, and that could be parts: the number of the rule among those for lines, and the line.
+    /// Lines that a rule left out although they could be parts: the rule's number among the rules for lines, the number of the
+    /// line, and its text.
     pub(crate) doubtful: Vec<(usize, u64, String)>,
-    /// Rows that are rejected, and that may be no parts.
+    /// Rejected rows that are perhaps no parts.
     pub(crate) odd: Vec<Odd>,
-    /// What is left out of the row that is being read.
+    /// The cells that rules leave out of the row that is being read.
     pub(crate) unsettled: Vec<Unsettled>,
     /// The rows of parts that a measuring program rejects.
     pub(crate) failed: Vec<usize>,
@@ -110,7 +110,7 @@ pub struct Block {
     pub(crate) line_count: u64,
     pub(crate) blank_lines: u64,
     pub(crate) contradiction: Option<Contradiction>,
-    /// Whether it is the rest of a row that is too long to be one, for whoever keeps rejected rows.
+    /// Whether the block holds more bytes of the overlong row in the block before it. They are kept with the rejected rows.
     pub(crate) is_rest: bool,
     /// Whether its last row goes on in the next block.
     pub(crate) goes_on: bool,
@@ -123,7 +123,7 @@ impl Block {
         self.lines.len()
     }
 
-    /// Takes what is left out of a row that is read.
+    /// Counts the cells that rules leave out of a row, once the row is read.
     pub(crate) fn settle_left_out(&mut self, line: u64) {
         let unsettled = std::mem::take(&mut self.unsettled);
         for Unsettled { rule, place, span } in &unsettled {
@@ -138,7 +138,7 @@ impl Block {
         tally(&mut self.left_out, rule)
     }
 
-    /// Adds what rows say besides their values to how their table was read.
+    /// Adds the lines that are no parts, and what rules left out, to the account of how the table was read.
     pub(crate) fn tell(&self, reading: &mut Reading) {
         reading.asides.extend(self.asides.iter().cloned());
         join(&mut reading.left_out, &self.left_out);
@@ -187,12 +187,13 @@ impl Block {
         self.names.get(row).map(|span| self.bytes(*span).trim_ascii())
     }
 
-    /// Columns for such values, without any so far.
+    /// Starts empty columns, one for values of the kind of each in `like`.
     pub(crate) fn start_columns(&mut self, like: impl Iterator<Item = DeviationValue>) {
         self.values = like.map(|like| DeviationValues::repeated(like, 0)).collect();
     }
 
-    /// Forgets everything but its room: the next block has about as many rows. The columns are for such values.
+    /// Empties the block and keeps its memory, because the next block has about as many rows. The columns are for values of the
+    /// kind of each in `like`.
     pub(crate) fn clear(&mut self, like: impl Iterator<Item = DeviationValue>) {
         let Self { mut text, mut names, mut raw, mut lines, mut records, .. } = std::mem::take(self);
         let rows = lines.len();
@@ -207,14 +208,14 @@ impl Block {
         *self = Self { values, text, names, raw, lines, records, ..Self::default() };
     }
 
-    /// Appends text.
+    /// Appends bytes to the text.
     pub(crate) fn append(&mut self, bytes: &[u8]) -> Span {
         let start = span_end(self.text.len());
         self.text.extend_from_slice(bytes);
         Span { start, end: span_end(self.text.len()) }
     }
 
-    /// Begins rows without text; of the table, `before` rows come before the first of all.
+    /// Adds rows of a file without lines. The table has `before` rows before row 0.
     pub(crate) fn plain_rows(&mut self, rows: Range<usize>, before: u64) {
         let (first, count) = (self.record_count, rows.len());
         self.record_count += count as u64;
@@ -237,15 +238,15 @@ fn tally(tallies: &mut Vec<Tally>, rule: usize) -> &mut Tally {
     &mut tallies[rule]
 }
 
-/// A place in a text; a block's is far below 4 GiB.
+/// A place in a block's text in 32 bits: the text is far shorter than 4 GiB.
 pub(crate) fn span_end(at: usize) -> u32 {
     u32::try_from(at).unwrap_or(u32::MAX)
 }
 
-/// Texts as a line of cells between commas, for whoever keeps the rows of files without lines.
+/// Texts as a line of CSV, in which a rejected row of a file without lines is kept.
 pub(crate) fn line_of(cells: impl Iterator<Item = impl AsRef<str>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // there is always room in memory
+    // writing to memory does not fail
     for cell in cells {
         let _ = writer.write_field(cell.as_ref());
     }

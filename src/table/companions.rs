@@ -1,11 +1,12 @@
-//! What stands beside a measured value, by its role: columns of the table, then places of a record, then cells.
+//! The companions of a measured value, by role: its nominal value, its unit and the like. They are columns of a table, places of a
+//! record, or cells.
 
 use super::field::Beside as Role;
 
 /// How many roles a companion can have.
 const ROLES: usize = Role::Measured as usize + 1;
 
-/// One of each companion that a value may have, by its role.
+/// At most one companion of each role.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Companions<T>([Option<T>; ROLES]);
 
@@ -30,7 +31,7 @@ impl<T> Companions<T> {
         }
     }
 
-    /// The same companions as something else; those of which nothing comes are left out.
+    /// Turns each companion into something else; drops those for which `of` gives nothing.
     pub(crate) fn map<'a, U>(&'a self, of: impl Fn(&'a T) -> Option<U>) -> Companions<U> {
         Companions(self.0.each_ref().map(|companion| companion.as_ref().and_then(&of)))
     }

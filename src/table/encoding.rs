@@ -1,7 +1,7 @@
-//! Bytes as text, whatever program wrote them: unpacked, and in UTF-8. Called by whoever opens a table.
+//! From the bytes of a file to text: unpacks them and finds their encoding. Called by whoever opens a table.
 //!
-//! A table of any length is recoded as it is read. Text in UTF-8, Latin-1 or Windows-1252 goes through as it is: these
-//! share the characters of which tables are made, and a cell is recoded when somebody looks at it.
+//! A table of any length is recoded to UTF-8 as it is read. Text in UTF-8, Latin-1 or Windows-1252 stays as it is: digits and
+//! separators are the same bytes in all three, and a cell is recoded when its text is asked for.
 
 use std::borrow::Cow;
 use std::io::{self, BufRead as _, BufReader, Read};
@@ -12,26 +12,27 @@ use encoding_rs::{
 };
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 
-/// The code of a file's text.
+/// The encoding of a file's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Encoding {
     code: &'static Code,
 }
 
 impl Encoding {
-    /// UTF-8, or an 8-bit code that has ASCII in it.
+    /// UTF-8; also of files that are no text.
     pub(crate) const PLAIN: Self = Self { code: UTF_8 };
 
     /// The encoding of that name: `utf-8`, `utf-16le`, `windows-1252`, `latin1`, `shift_jis`, and what browsers know.
     ///
     /// # Errors
-    /// If it is that of none.
+    /// If no encoding has that name.
     pub fn named(name: &str) -> Result<Self, String> {
         let code = Code::for_label(name.trim().as_bytes()).map(|code| Self { code });
         code.ok_or_else(|| "write a name such as utf-8, utf-16le, windows-1252, shift_jis or gb18030".to_owned())
     }
 
-    /// Those besides this one in which a text may be that is none in UTF-8, if nothing but that told it; with the text in each.
+    /// Other encodings in which the text may be, with the text in each. There are none unless this one is Windows-1252 and the text
+    /// is not UTF-8.
     pub(crate) fn others(self, bytes: &[u8]) -> impl Iterator<Item = (&'static str, Cow<'_, str>)> {
         let is_open = self.code == WINDOWS_1252 && !is_utf8(bytes);
         let codes = [GB18030, BIG5, SHIFT_JIS, EUC_JP, EUC_KR, WINDOWS_1250, WINDOWS_1251].into_iter();
@@ -43,13 +44,13 @@ impl Encoding {
         self.code != UTF_8 && self.code != WINDOWS_1252
     }
 
-    /// The name.
+    /// Its name in the WHATWG standard: `UTF-8`, `windows-1252`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.code.name()
     }
 
-    /// Bytes as they stood in the file.
+    /// Recoded bytes as they stand in the file.
     pub(crate) fn original(self, bytes: &[u8]) -> Cow<'_, [u8]> {
         if !self.is_recoded() {
             return bytes.into();
@@ -62,7 +63,7 @@ impl Encoding {
         }
     }
 
-    /// The mark that files of this encoding start with.
+    /// The byte order mark that files of this encoding start with.
     pub(crate) fn mark(self) -> &'static [u8] {
         match self.code {
             code if code == UTF_16BE => b"\xfe\xff",
@@ -71,7 +72,7 @@ impl Encoding {
         }
     }
 
-    /// The encoding of a text that starts so, and how long its byte order mark is.
+    /// The encoding of a text by its first bytes, and the length of its byte order mark.
     fn detect(start: &[u8]) -> (Self, usize) {
         match start {
             [0xef, 0xbb, 0xbf, ..] => (Self::PLAIN, 3),
@@ -87,20 +88,20 @@ impl Encoding {
     }
 }
 
-/// Whether the start of a text is UTF-8; its last character may be cut.
+/// Whether the start of a text is UTF-8; its last character may be cut off.
 fn is_utf8(start: &[u8]) -> bool {
     std::str::from_utf8(start).map_or_else(|error| error.error_len().is_none(), |_| true)
 }
 
-/// Whether the start of a text is Japanese: pairs of bytes whose first ones are control characters in Latin-1, and no
-/// byte that cannot be.
+/// Whether the start of a text is Shift-JIS: every byte is valid in it, and two or more are first bytes of a pair that are control
+/// characters in Latin-1.
 fn is_shift_jis(start: &[u8]) -> bool {
     let whole = start.iter().rposition(|byte| *byte == b'\n').map_or(start, |end| &start[..end]);
     let leads = whole.iter().filter(|byte| (0x81..=0x9f).contains(*byte)).count();
     leads >= 2 && SHIFT_JIS.decode_without_bom_handling_and_without_replacement(whole).is_some()
 }
 
-/// Text of a cell: UTF-8, or else Windows-1252, which is Latin-1 with the places that it leaves free.
+/// The text of a cell: UTF-8, or else Windows-1252, which is Latin-1 with more characters.
 pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),
@@ -108,12 +109,12 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// The same of bytes that nobody else needs.
+/// The text of bytes that the caller gives away.
 pub(crate) fn owned_text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|error| text(error.as_bytes()).into_owned())
 }
 
-/// The text of bytes that are all there.
+/// The text of a whole file.
 #[must_use]
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let (encoding, mark) = Encoding::detect(bytes);
@@ -128,15 +129,15 @@ fn first(reader: &mut dyn Read, count: usize) -> io::Result<Vec<u8>> {
     Ok(start)
 }
 
-/// What was read, with the first bytes of it put back.
+/// A reader whose first bytes are known.
 pub(crate) struct Peeked {
     /// The first bytes.
     pub(crate) start: Vec<u8>,
-    /// All of them.
+    /// All bytes, the first ones included.
     pub(crate) bytes: Box<dyn Read + Send>,
 }
 
-/// Looks at the first bytes.
+/// Reads the first bytes and puts them back.
 pub(crate) fn peek(mut bytes: Box<dyn Read + Send>, count: usize) -> io::Result<Peeked> {
     let start = first(&mut *bytes, count)?;
     Ok(Peeked { bytes: Box::new(io::Cursor::new(start.clone()).chain(bytes)), start })
@@ -152,10 +153,10 @@ pub(crate) fn unpacked(bytes: Box<dyn Read + Send>) -> io::Result<Box<dyn Read +
     })
 }
 
-/// A frame of zstd; a window of 8 MiB is what the format asks every decoder for.
+/// A frame of zstd.
 type ZstdFrame = StreamingDecoder<BufReader<Box<dyn Read + Send>>, FrameDecoder>;
 
-/// Frame after frame of zstd; none behind the last.
+/// The frames of zstd, one after the other; `None` behind the last.
 struct ZstdFrames(Option<Box<ZstdFrame>>);
 
 impl ZstdFrames {
@@ -180,8 +181,7 @@ impl Read for ZstdFrames {
     }
 }
 
-/// Recodes a table to UTF-8, as far as it needs to be; takes a byte order mark away. `told` is the encoding that the user
-/// names.
+/// Recodes a table to UTF-8 where it must be, and removes a byte order mark. `told` is the encoding that the user names.
 pub(crate) fn recoded(
     bytes: Box<dyn Read + Send>,
     told: Option<Encoding>,
@@ -204,7 +204,7 @@ struct Recoded {
     bytes: Box<dyn Read + Send>,
     decoder: encoding_rs::Decoder,
     raw: Vec<u8>,
-    /// What was recoded, and how much of it was handed on: whoever asks may have room for less than a character.
+    /// Recoded text, of which the bytes before `at` are handed on. A caller may have room for less than a character.
     text: String,
     at: usize,
     ended: bool,

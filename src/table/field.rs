@@ -1,8 +1,8 @@
-//! What a column can hold: parts, errors of parts, sizes of spaces and teeth, and what stands beside them. Knows no headings.
+//! What a column can hold: names and errors of parts, sizes of spaces and teeth, and what stands beside them. Knows no headings.
 
 use crate::deviation::DeviationKind;
 
-/// What a column or a row of a block holds.
+/// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
     /// The part's name or number.
@@ -32,7 +32,7 @@ pub enum Field {
 }
 
 impl Field {
-    /// The name by which `--as` asks for it and the account of a block calls it.
+    /// Its name in a contract, in `--as` and in messages.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -78,7 +78,7 @@ impl Field {
         matches!(self, Self::PartId | Self::Space | Self::Tooth)
     }
 
-    /// Whether it is one of a pinion's teeth, and of no rack's spaces.
+    /// Whether a pinion's teeth have it and a rack's spaces do not.
     pub(crate) const fn is_of_tooth(self) -> bool {
         matches!(
             self,
@@ -91,12 +91,12 @@ impl Field {
         matches!(self, Self::OverPin | Self::Position | Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
     }
 
-    /// Whether it is of a point of a measured curve.
+    /// Whether the points of a measured curve have it.
     pub(crate) const fn is_of_trace(self) -> bool {
         matches!(self, Self::Stroke | Self::DeltaCd)
     }
 
-    /// Whether its values are deviations, whatever it is called.
+    /// Whether its values are deviations, whatever the heading says.
     pub(crate) const fn is_deviation(self) -> bool {
         matches!(self, Self::Radial | Self::LeftPitch | Self::RightPitch | Self::Lead)
     }
@@ -107,7 +107,7 @@ impl Field {
         matches!(self, Self::Lead | Self::Error(DeviationKind::RackLead))
     }
 
-    /// The error that it is, in a table with a row per part.
+    /// The error of a part that it is, or that a size of a space or tooth belongs to.
     pub(crate) const fn kind(self) -> Option<DeviationKind> {
         match self {
             Self::Error(kind) => Some(kind),
@@ -125,7 +125,7 @@ impl From<DeviationKind> for Field {
     }
 }
 
-/// A name that is that of no field.
+/// A name that no field has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("it is none of {}", Field::ALL.map(Field::key).join(", "))]
 pub struct UnknownField;
@@ -147,7 +147,7 @@ pub enum ValueKind {
     Deviation,
 }
 
-/// What a column says, of a table with a row per characteristic or beside a value; companions of a value come first.
+/// What a column holds beside a value, or in a table with a row per characteristic. The companions of a value come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Beside {
     /// Measured minus nominal.
@@ -186,7 +186,7 @@ impl Beside {
         }
     }
 
-    /// That of a key.
+    /// What the key names.
     pub(crate) fn of_key(key: &str) -> Option<Self> {
         const ALL: [Beside; 9] = [
             Beside::Deviation,

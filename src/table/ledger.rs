@@ -1,5 +1,5 @@
-//! Who owns each cell. A cell is owned by what reads it: a role, or a rule that a person wrote or a format that says so. What
-//! nobody has read is not owned, and a row with such a cell is rejected, a table with such a column refused.
+//! Who owns each cell. What reads a cell owns it: a role, a rule that a person wrote, or the file's format. A cell that nothing
+//! reads has no owner: its row is rejected, and a table with a whole column of them is refused.
 
 use std::cell::Cell as Shared;
 use std::fmt;
@@ -10,7 +10,7 @@ use twox_hash::XxHash64;
 use super::cell::{Cell, Record};
 use crate::quantity::shown;
 
-/// What the format of a file says besides values, as a rule.
+/// The name of the rule that owns what a format writes besides values.
 pub(crate) const OF_FORMAT: &str = "by its format";
 /// How many texts of each rule are shown.
 const SHOWN: usize = 3;
@@ -18,11 +18,11 @@ const SHOWN: usize = 3;
 /// What a rule left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
-    /// How many cells or lines that are not blank.
+    /// How many cells or lines; blank ones do not count.
     pub count: u64,
     /// The first texts.
     pub first: Vec<String>,
-    /// A digest of all texts with their places, whatever their order.
+    /// A digest of all texts with their places. The order in which they are added does not matter.
     #[serde(serialize_with = "in_hexadecimal")]
     pub digest: u64,
 }
@@ -42,7 +42,7 @@ fn in_hexadecimal<S: Serializer>(digest: &u64, serializer: S) -> Result<S::Ok, S
 }
 
 impl Tally {
-    /// Takes a text that stands at a line and a place of it; a blank one is nothing.
+    /// Counts a text at a place of a line, unless it is blank.
     pub(crate) fn add(&mut self, line: u64, place: usize, text: &str) {
         if !text.is_empty() {
             self.count += 1;
@@ -53,7 +53,7 @@ impl Tally {
         }
     }
 
-    /// Takes what follows.
+    /// Adds what the same rule left out further on.
     pub(crate) fn join(&mut self, next: &Self) {
         self.count += next.count;
         self.digest = self.digest.wrapping_add(next.digest);
@@ -76,25 +76,25 @@ impl fmt::Display for LeftOut {
     }
 }
 
-/// Adds what each rule left out in more of a table.
+/// Adds what each rule left out in further rows.
 pub(crate) fn join(left_out: &mut [LeftOut], next: &[Tally]) {
     left_out.iter_mut().zip(next).for_each(|(rule, next)| rule.tally.join(next));
 }
 
 /// The digest of a text at its place.
 pub(crate) fn digest(line: u64, place: usize, text: &[u8]) -> u64 {
-    /// Lines have their digests apart, however many cells they have.
+    /// A line has fewer cells than this, so that each cell has a seed of its own.
     const PLACES: u64 = 1 << 32;
     XxHash64::oneshot(line.wrapping_mul(PLACES).wrapping_add(place as u64), text)
 }
 
-/// The cells of one record, each of which is owned by what reads it.
+/// The cells of one record, and which of them are read. What reads a cell owns it.
 pub(crate) struct RowLedger<'r> {
     record: &'r Record,
     is_read: Vec<Shared<bool>>,
 }
 
-/// A cell that nobody has read.
+/// A cell that nothing has read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Unowned<'r> {
     pub(crate) place: usize,
@@ -102,12 +102,12 @@ pub(crate) struct Unowned<'r> {
 }
 
 impl<'r> RowLedger<'r> {
-    /// Of a record of which nothing is read.
+    /// A ledger of a record of which nothing is read.
     pub(crate) fn new(record: &'r Record) -> Self {
         Self { record, is_read: vec![Shared::new(false); record.cells.len()] }
     }
 
-    /// Reads the cell at a place, whose owner is the caller from now on.
+    /// Reads the cell at a place. The caller becomes its owner.
     pub(crate) fn read(&self, place: usize) -> &'r Cell {
         if let Some(is_read) = self.is_read.get(place) {
             is_read.set(true);
@@ -115,10 +115,10 @@ impl<'r> RowLedger<'r> {
         self.record.cell(place)
     }
 
-    /// Whether every cell that is not blank was read.
+    /// Checks that every cell that is not blank is read.
     ///
     /// # Errors
-    /// The first that was not.
+    /// The first cell that is not.
     pub(crate) fn close(self) -> Result<(), Unowned<'r>> {
         let cells = self.record.cells.iter().zip(self.is_read).enumerate();
         let mut unread = cells.filter(|(_, (cell, is_read))| !is_read.get() && !cell.is_empty());

@@ -1,9 +1,9 @@
 //! Numbers as people and machines write them: decimal commas and points, thousands marks, units, odd minus signs,
-//! full-width digits. Called for every cell that is no plain number; it knows nothing of columns, and hands what it
-//! understands to [`crate::quantity`], which reads it.
+//! full-width digits. Called for every cell that is no plain number. It writes the numbers plainly, and [`crate::quantity`] reads
+//! them; it knows nothing of columns.
 //!
-//! A comma and a point are each other's opposite: where one is the decimal mark, the other groups thousands and does
-//! nothing else. A blank, a thin space or an apostrophe groups thousands with both.
+//! Where one of comma and point is the decimal mark, the other groups thousands and does nothing else. A blank, a thin space or an
+//! apostrophe groups thousands with either mark.
 
 use super::dictionary::plain_widths;
 use crate::deviation::DeviationValue;
@@ -28,10 +28,10 @@ impl DecimalMark {
         }
     }
 
-    /// Both.
+    /// Both marks.
     pub const ALL: [Self; 2] = [Self::Point, Self::Comma];
 
-    /// The character, as the byte that it is in every code of text.
+    /// The character as a byte.
     pub(crate) const fn byte(self) -> u8 {
         match self {
             Self::Point => b'.',
@@ -47,7 +47,7 @@ fn is_minus(c: char) -> bool {
     matches!(c, '-' | '\u{2212}' | '\u{2013}' | '\u{fe63}' | '\u{ff0d}')
 }
 
-/// What stands in a cell that has no value, besides dashes and dots.
+/// Texts that say that there is no value, besides dashes and dots.
 const MISSING: [&str; 24] = [
     "n/a", "na", "n.a.", "n.a", "nan", "k.a.", "k. a.", "#n/a", "#nv", "none", "null", "nil", "#div/0!", "#value!",
     "#wert!", "#ref!", "#bezug!", "#name?", "#num!", "#zahl!", "#null!", "n.d.", "n.m.", "missing",
@@ -61,7 +61,7 @@ pub(crate) fn is_missing(cell: &str) -> bool {
 }
 
 /// The cell with every number in it as `Length` and `Angle` read it: a decimal point, no thousands marks, a plain
-/// minus. `None` if the text does not start with a number or is none with this decimal mark.
+/// minus. `None` if the text does not start with a number, or has one that cannot be read with this decimal mark.
 pub(crate) fn normalise(cell: &str, mark: DecimalMark) -> Option<String> {
     let mut out = String::new();
     let cell = plain_widths(cell);
@@ -73,7 +73,7 @@ pub(crate) fn normalise(cell: &str, mark: DecimalMark) -> Option<String> {
         let after = rest[signs..].trim_start_matches(GROUP_BLANKS);
         let starts = after.starts_with(|c: char| c.is_ascii_digit())
             || after.starts_with(['.', ',']) && after[1..].starts_with(|c: char| c.is_ascii_digit());
-        // two numbers with nothing between them are none
+        // two numbers with nothing between them are no number
         if starts && sign.chars().count() <= 1 && !out.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
             let (number, length) = number(after, mark)?;
             if sign.chars().any(is_minus) {
@@ -153,7 +153,7 @@ fn number(text: &str, mark: DecimalMark) -> Option<(String, usize)> {
     Some((number, at + exponent.len()))
 }
 
-/// The power of ten that a text starts with: `e-3`; nothing if it starts with none.
+/// The power of ten that a text starts with: `e-3`; empty if there is none.
 fn exponent(text: &str) -> &str {
     let Some(power) = text.strip_prefix(['e', 'E']) else { return "" };
     let digits = power.strip_prefix(['+', '-']).unwrap_or(power);
@@ -171,7 +171,7 @@ pub(crate) fn quantity(number: Decimal, unit: Unit) -> Result<DeviationValue, Qu
 
 /// Whether a text is a number by either decimal mark.
 pub(crate) fn is_number(cell: &str) -> bool {
-    // what most cells are: digits, with one mark or none
+    // most cells are digits with one mark or none
     let digits = cell.strip_prefix('-').unwrap_or(cell);
     let mut parts = digits.split(['.', ',']);
     let is_plain =

@@ -1,11 +1,11 @@
-//! Patterns of a contract: what a heading or a line looks like that a rule leaves out. Knows no tables.
+//! Patterns of a contract: which headings and lines a rule leaves out. Knows no tables.
 
-/// A text in which `*` stands for any characters and, in a rule for lines, `#` for a number, a date or a time of day; `\*`, `\#` and
-/// `\\` stand for themselves. Case counts; outer blanks do not.
+/// A text in which `*` stands for any characters and, in a rule for lines, `#` for a number, a date or a time of day. `\*`, `\#`
+/// and `\\` are these characters. Case counts; blanks around the text do not.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     text: String,
-    /// What stands before, between and behind each `*`.
+    /// The texts before, between and behind the `*`.
     pieces: Vec<Vec<Token>>,
 }
 
@@ -28,7 +28,7 @@ impl Pattern {
         Self::new(text, true)
     }
 
-    /// Reads a pattern in which `#` is a number, or is not.
+    /// Reads a pattern; with `counts`, `#` stands for a number.
     fn new(text: &str, counts: bool) -> Self {
         let text = text.trim();
         let mut pieces = vec![Vec::new()];
@@ -63,7 +63,7 @@ impl Pattern {
         matches!(&self.pieces[..], [only] if !only.contains(&Token::Number))
     }
 
-    /// The first byte of every text that it fits; `None` if that may be any.
+    /// The first byte that every fitting text has; `None` if it may be any byte.
     #[must_use]
     pub fn first_byte(&self) -> Option<u8> {
         let Token::Text(first) = self.pieces[0].first()? else { return None };
@@ -79,7 +79,7 @@ impl Pattern {
         if pieces.peek().is_none() {
             return at == text.len();
         }
-        // each piece stands behind the one before it, the last one at the end
+        // each piece follows the one before it, and the last one ends the text
         while let Some(piece) = pieces.next() {
             let is_last = pieces.peek().is_none();
             let places = text[at..].char_indices().map(|(by, _)| at + by).chain([text.len()]);
@@ -90,7 +90,7 @@ impl Pattern {
         true
     }
 
-    /// What the one `*` of a pattern without `#` stands for in a text that it fits.
+    /// What the only `*` of a pattern without `#` stands for in a text that fits.
     pub(crate) fn left_open<'t>(&self, text: &'t str) -> Option<&'t str> {
         let [before, behind] = &self.pieces[..] else { return None };
         let (text, behind) = (text.trim(), behind.iter().map(Token::text).collect::<String>());
@@ -108,16 +108,16 @@ impl Token {
     }
 }
 
-/// What a backslash makes stand for itself.
+/// The characters that a backslash makes plain.
 const SPECIAL: [char; 3] = ['*', '#', '\\'];
 
-/// A text as a pattern for lines that fits it alone.
+/// The pattern for lines that fits this text only.
 #[must_use]
 pub(crate) fn escaped(text: &str) -> String {
     escaped_but(text, false)
 }
 
-/// The same for headings, in which `#` is a character as any.
+/// The pattern for headings that fits this text only. In headings `#` is a plain character.
 #[must_use]
 pub(crate) fn escaped_heading(text: &str) -> String {
     escaped_but(text, true)
@@ -138,7 +138,7 @@ fn escaped_but(text: &str, is_heading: bool) -> String {
     escaped
 }
 
-/// How many bytes at the start of a text a piece fits.
+/// How many bytes at the start of a text a piece takes; `None` if it does not fit there.
 fn length_of(piece: &[Token], text: &str) -> Option<usize> {
     let mut rest = text;
     for token in piece {
@@ -150,7 +150,7 @@ fn length_of(piece: &[Token], text: &str) -> Option<usize> {
     Some(text.len() - rest.len())
 }
 
-/// The bytes of the number, the date or the time of day at the start of a text.
+/// How many bytes the number, date or time of day at the start of a text takes.
 fn number(text: &str) -> Option<usize> {
     let is_within = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | ':' | '/' | '-');
     let unsigned = text.strip_prefix(['+', '-', '\u{2212}']).unwrap_or(text);

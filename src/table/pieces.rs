@@ -1,5 +1,5 @@
-//! What workers take of a table, one after the other: chunks of text, or rows that were read already. Made by the readers
-//! of files; asked by the run of a batch.
+//! The rows of a table in pieces, which workers take one after the other: chunks of text, stored columns, or rows that are read
+//! already. The readers of files make them; the run of a batch takes them.
 
 use std::io;
 use std::iter::Peekable;
@@ -14,10 +14,10 @@ use super::split::{count_line_ends, next_record};
 use crate::deviation::DeviationValues;
 use crate::diagnostic::Diagnostic;
 
-/// Records that make one piece.
+/// Records in a piece.
 const TOGETHER: usize = 1024;
 
-/// What the number of a row's place counts.
+/// What the number of a row counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Place {
     /// Lines of a text.
@@ -47,22 +47,22 @@ pub(crate) struct Pieces {
     queue: Queue,
 }
 
-/// What a worker takes: bytes or stored columns to be read, or a block.
+/// What a worker takes at a time: bytes or stored columns that are to be read, or a block that is read.
 #[derive(Default)]
 pub(crate) struct Piece {
     bytes: Vec<u8>,
     holds: Holds,
     pub(crate) block: Block,
-    /// Records before it.
+    /// Records of the table before the piece.
     pub(crate) records_before: u64,
     /// Lines before its bytes.
     lines_before: u64,
 }
 
-/// What of a piece is to be read.
+/// What is still to be read of a piece.
 #[derive(Default)]
 enum Holds {
-    /// Nothing: its block is there.
+    /// Nothing: its block is read.
     #[default]
     Block,
     /// Its bytes.
@@ -71,10 +71,10 @@ enum Holds {
     Stored(StoredRows),
 }
 
-/// Pieces one after the other.
+/// The pieces of a table, in order.
 pub(crate) struct Queue {
     source: Source,
-    /// Records so far; of text, counted where parts have no name.
+    /// Records before the next piece. In text they are counted only where parts have no names.
     records: u64,
     /// Lines of text before the next piece.
     lines: u64,
@@ -93,7 +93,7 @@ enum Source {
 }
 
 impl Pieces {
-    /// Those of a closed table whose rows are still to be given.
+    /// The pieces of a closed table. A `give_` function gives the rows later.
     pub(crate) fn of_setup(setup: Setup) -> Self {
         let none: Records = Box::new(std::iter::empty());
         let queue = Queue { source: Source::Records(none.peekable()), records: 0, lines: 0 };
@@ -105,7 +105,7 @@ impl Pieces {
         &self.setup.contract
     }
 
-    /// Gives the rows as text behind so many lines, in chunks.
+    /// Gives the rows as chunks of text. The file has `lines` lines before them.
     pub(crate) fn give_chunks(&mut self, mut chunks: Chunker, lines: u64) {
         chunks.separator = self.setup.separator;
         self.setup.is_even = true;
@@ -124,7 +124,7 @@ impl Pieces {
         self.queue.source = Source::Parquet(file);
     }
 
-    /// The reader of rows that workers share, and what they take.
+    /// The reader of rows, which workers share, and the queue of pieces.
     pub(crate) fn open(self, wanted: Wanted) -> (Rows, Queue) {
         (Rows::new(self.setup, wanted), self.queue)
     }
@@ -176,7 +176,7 @@ impl Queue {
 }
 
 impl Piece {
-    /// Reads the piece, if that is not done yet.
+    /// Reads the piece into its block, unless that is done.
     pub(crate) fn read(&mut self, rows: &Rows) {
         match &self.holds {
             Holds::Bytes(holds) => rows.chunk(&mut self.bytes, *holds, self.lines_before, &mut self.block),
@@ -187,7 +187,7 @@ impl Piece {
     }
 }
 
-/// How many records there are in a chunk.
+/// How many records a chunk has.
 fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
     if let ChunkContent::Piece { first, .. } = holds {
         return u64::from(first);
@@ -200,7 +200,7 @@ fn records_in(bytes: &[u8], holds: ChunkContent, separator: u8) -> u64 {
     count
 }
 
-/// An error of reading, as one that is raised later.
+/// A diagnostic as an error of reading.
 fn as_io(problem: &Diagnostic) -> io::Error {
     io::Error::other(problem.message.clone())
 }

@@ -1,5 +1,5 @@
-//! A column as a file or a program stores it: numbers as numbers, texts as texts, and where there is no value. What such
-//! a column means is found as of any other. Made by the reader of Parquet files and by programs that have columns.
+//! A column as a file or a program stores it: numbers as numbers, texts as texts, and which rows have a value. Its meaning is
+//! found as that of any other column. Made by the reader of Parquet files and by programs that have columns.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -29,7 +29,7 @@ enum Values<'a> {
         /// Where the first begins and where each ends.
         ends: Vec<usize>,
     },
-    /// What is stored less often.
+    /// Everything else, cell by cell.
     Contents(Vec<Content>),
 }
 
@@ -69,7 +69,7 @@ impl<'a> Stored<'a> {
         Self::of(Values::Texts { bytes: bytes.into(), ends })
     }
 
-    /// Dates, times, true and false: no measured values, as a message shows them.
+    /// Dates, times and truth values, as a message shows them. They are no measured values.
     #[must_use]
     pub fn others(shown: impl IntoIterator<Item = String>) -> Self {
         Self::contents(shown.into_iter().map(Content::Other).collect())
@@ -85,7 +85,7 @@ impl<'a> Stored<'a> {
         Self { has_value: Some(has_value.into()), ..self }
     }
 
-    /// The same values, which are those of the rows that have one.
+    /// Puts the values into the rows that have one, in order.
     pub(crate) fn spread(self, has_value: Vec<bool>) -> Self {
         let values = match self.values {
             Values::Doubles(values) => Values::Doubles(spread(&values, &has_value).into()),
@@ -123,7 +123,7 @@ impl<'a> Stored<'a> {
         (0..self.rows()).any(|row| self.cell(row).is_number())
     }
 
-    /// A row as it may be.
+    /// A made-up row of the same type.
     pub(crate) fn stand_in(&self) -> Stored<'static> {
         match &self.values {
             Values::Texts { .. } => Stored::texts(b"x".to_vec(), vec![0, 1]),
@@ -156,7 +156,7 @@ impl<'a> Stored<'a> {
         Cell::from(self.content(row))
     }
 
-    /// Calls `take` with the number of each row, as long as rows have one.
+    /// Calls `take` for each row with its number, if it has one.
     #[inline]
     pub(crate) fn numbers(&self, mut take: impl FnMut(usize, Option<Decimal>)) {
         let mut each = |row: usize, number: Option<Decimal>| take(row, number.filter(|_| self.has_value(row)));
@@ -176,7 +176,7 @@ impl<'a> Stored<'a> {
         }
     }
 
-    /// The doubles of a column that has one in each row.
+    /// The doubles, if every row has one.
     pub(crate) fn all_doubles(&self) -> Option<&[f64]> {
         match (&self.values, &self.has_value) {
             (Values::Doubles(values), None) => Some(values),
@@ -189,13 +189,13 @@ impl<'a> Stored<'a> {
         if let Values::Texts { bytes, .. } = &self.values { bytes } else { &[] }
     }
 
-    /// Where the texts of some rows stand among all.
+    /// Where the texts of some rows stand in [`Self::all_text`].
     pub(crate) fn spans(&self, rows: Range<usize>) -> impl Iterator<Item = Span> {
         let ends = if let Values::Texts { ends, .. } = &self.values { &ends[rows.start..=rows.end] } else { &[] };
         ends.windows(2).map(|ends| Span { start: span_end(ends[0]), end: span_end(ends[1]) })
     }
 
-    /// What a row holds, in words.
+    /// What a row holds, as text.
     pub(crate) fn words(&self, row: usize) -> Cow<'_, [u8]> {
         match self.text(row) {
             Some(text) => text.into(),
@@ -213,14 +213,14 @@ impl<'a> Stored<'a> {
     }
 }
 
-/// Values of the rows that have one, with anything in the others.
+/// Puts values into the rows that have one; the other rows get a default.
 fn spread<T: Clone + Default>(values: &[T], has_value: &[bool]) -> Vec<T> {
     let mut present = values.iter().cloned();
     let value = |has_value: &bool| if *has_value { present.next() } else { None };
     has_value.iter().map(value).map(Option::unwrap_or_default).collect()
 }
 
-/// A number; NaN, an infinity and a `DECIMAL` beyond its type are no measured values.
+/// A number. NaN, an infinity and a `DECIMAL` beyond its type are no measured values.
 pub(crate) fn number(number: Option<Decimal>) -> Content {
     number.map_or_else(|| Content::Other("no finite number".to_owned()), Content::Number)
 }

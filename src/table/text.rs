@@ -1,5 +1,5 @@
-//! A table that is text. A short one is read as a whole, whatever its shape; a long one with a row per part is understood
-//! from its start, and its rows are streamed. Called by [`Container::table`](super::Container::table).
+//! A table that is text. A short one is read as a whole. Of a long one with a row per part, the start gives the columns, and the
+//! rows are streamed. Called by [`Container::table`](super::Container::table).
 
 mod contract;
 
@@ -16,19 +16,19 @@ use super::report::{Report, is_report, report};
 use super::want::Want;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Bytes from which a long table is understood.
+/// Bytes at the start of a table from which its columns are found.
 const START: usize = 1 << 16;
-/// Bytes that are read as a whole at most, where parts are no rows.
+/// The largest text that is read as a whole, bytes: one whose parts are not in rows.
 const LARGEST_WHOLE: usize = 16 << 20;
 
-/// A text before it is understood.
+/// A text whose columns are not found yet.
 pub struct Text {
     name: String,
     chunks: Chunker,
     encoding: Encoding,
-    /// The separator in a line of its own at the start, as spreadsheets write it.
+    /// The separator of a first line `sep=;`, as spreadsheets write it.
     stated: Option<u8>,
-    /// Lines that were taken away.
+    /// Lines before the rest of the text: 1 if that line is skipped.
     lines: u64,
 }
 
@@ -54,7 +54,7 @@ impl Text {
         Ok(Self { name: name.to_owned(), chunks, encoding, stated: stated.map(|(separator, _)| separator), lines })
     }
 
-    /// The first bytes, and whether that is all.
+    /// The first bytes, and whether the text has no more.
     fn start(&mut self, count: usize) -> Result<(Vec<u8>, bool), Diagnostic> {
         let name = self.name.clone();
         let start = self.chunks.start(count).map_err(|error| Diagnostic::unreadable(&name, &error))?.to_vec();
@@ -70,13 +70,13 @@ impl Text {
             if [a, b, c, d].into_iter().all(u8::is_ascii_digit)))
     }
 
-    /// All of it, for files that are read as a whole.
+    /// The whole text, if it has no more than `most` bytes.
     pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
         let read = self.chunks.start(most + 1).map_err(|error| Diagnostic::unreadable(&self.name, &error))?.len();
         if read > most {
             return Err(Diagnostic::unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
         }
-        // tens of MiB are not held twice
+        // the bytes become the text: they may be tens of MiB, which are not held twice
         Ok(owned_text(self.chunks.into_pending()))
     }
 
@@ -87,7 +87,7 @@ impl Text {
         self.by_contract(&want.contract(), want)
     }
 
-    /// Refuses a line that is longer than a row is where rows are streamed.
+    /// Refuses a line that is longer than a streamed row may be.
     fn refuse_long_lines(&self, bytes: &[u8]) -> Result<(), Diagnostic> {
         let mut start = 0;
         for (end, line) in memchr::memchr_iter(b'\n', bytes).chain([bytes.len()]).zip(self.lines + 1..) {
@@ -120,7 +120,7 @@ impl Text {
     }
 }
 
-/// `sep=;` on a line of its own, as spreadsheets write it: the separator, and the line's length.
+/// The separator of a first line `sep=;`, and the length of that line.
 fn stated_separator(start: &[u8]) -> Option<(u8, usize)> {
     let rest = start.strip_prefix(b"sep=")?;
     match rest {

@@ -1,4 +1,4 @@
-//! What stands beside a value: the deviation and the tolerances that it is held against, and to how many digits.
+//! What stands beside a value: the deviation and the tolerances that the value is compared with, and to how many digits.
 
 use super::{Column, Nominal, Problem, SMALLEST_DIGIT};
 use crate::deviation::DeviationValue;
@@ -31,7 +31,7 @@ impl Column {
         let nominal = self.quantity_beside(beside, Role::Nominal)?.or(fixed).map_or(0.0, DeviationValue::base);
         let mut widest = self.tolerance.unwrap_or(0.0);
         for role in [Role::Upper, Role::Lower] {
-            // tolerances judge nothing here: one that is no number says nothing of the value's unit
+            // tolerances only show whether the unit is right: one that is no number shows nothing
             let Ok(Some(tolerance)) = self.quantity_beside(beside, role) else { continue };
             let size = tolerance.base();
             let is_limit = nominal != 0.0 && size.abs() > nominal.abs() / 2.0;
@@ -40,19 +40,21 @@ impl Column {
         Ok(widest)
     }
 
-    /// Whether a value is held against a deviation beside it: of a space, nothing need tell the nominal value.
+    /// Whether a value is compared with the deviation beside it. A measured value of a space is not: its nominal value may be
+    /// unknown.
     pub(crate) fn checks_deviation(&self) -> bool {
         self.deviates() || self.kind.is_some() || !self.is_of_space()
     }
 
-    /// Holds a deviation against what stands beside the value: the deviation, and the tolerances.
+    /// Compares a deviation with the deviation and the tolerances beside its value. Returns the deviation beside it where that has
+    /// more digits.
     pub(super) fn checked(
         &self,
         cell: &Cell,
         mut deviation: DeviationValue,
         beside: &Companions<&Cell>,
     ) -> Result<DeviationValue, Problem> {
-        /// Values this much beyond a tolerance have another unit.
+        /// A deviation so many times its tolerance has another unit.
         const TIMES: f64 = 100.0;
         let stated = self.quantity_beside(beside, Role::Deviation)?;
         if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
@@ -64,7 +66,7 @@ impl Column {
             let is_finer =
                 |digit: f64| digit < self.digit(cell, self.unit) && apart > (0.5 * digit).max(SMALLEST_DIGIT);
             if digit.is_some_and(is_finer) {
-                // it has the digits that the value lost
+                // the value lost these digits when it was rounded
                 deviation = stated;
             }
         }
@@ -77,22 +79,23 @@ impl Column {
         Ok(deviation)
     }
 
-    /// Whether the deviation beside a value has digits that the value lost, so that it may count in the value's place.
+    /// Whether the deviation beside a value has more digits than the value, so that it may count instead.
     pub(crate) fn has_finer_deviation(&self, cell: &Cell, beside: &Companions<&Cell>) -> bool {
         let digit = self.digit_beside(beside, Role::Deviation);
         digit.is_some_and(|digit| digit < self.digit(cell, self.unit))
     }
 
-    /// One of the last digit of a companion, mm or degrees.
+    /// One step of the last digit of a companion, mm or degrees.
     pub(super) fn digit_beside(&self, beside: &Companions<&Cell>, role: Role) -> Option<f64> {
         Some(self.digit(beside.get(role)?, self.unit_beside(role)))
     }
 
-    /// By how much a deviation may differ from measured less nominal, because each is rounded to its last digit, mm or
-    /// degrees. What has far fewer digits than the others has lost its zeros, and is no rounder than they.
+    /// How far a deviation may be from measured minus nominal because each is rounded to its last digit, mm or degrees. A number
+    /// with far fewer digits than the others is taken as written without its last zeros, and as exact as they are.
     pub(super) fn rounding(&self, cell: &Cell, beside: &Companions<&Cell>) -> f64 {
-        /// Finer digits of a deviation are those of a computation.
+        /// A deviation with finer digits than this, mm or degrees, was computed.
         const FINE: f64 = 1e-3;
+        /// A last digit so many times the finest one has lost zeros.
         const FEWER: f64 = 15.0;
         let value = Some(self.digit(cell, self.unit));
         // a nominal value of 0 is exact
@@ -105,7 +108,7 @@ impl Column {
         each.map(|digit| 0.5 * if digit > FEWER * finest { finest } else { digit }).sum::<f64>().max(SMALLEST_DIGIT)
     }
 
-    /// One of the last digit that is written, in mm or degrees.
+    /// One step of the last digit that is written, mm or degrees.
     pub(crate) fn digit(&self, cell: &Cell, unit: Unit) -> f64 {
         const MOST: usize = 12;
         let own = unit_in(&cell.text()).and_then(|symbol| unit_of(&symbol, self.field.is_angle()));

@@ -1,4 +1,4 @@
-//! A column whose role, unit and companions are known: by a contract, or by the dictionary. Nothing is guessed here.
+//! A column whose role, unit and companions are known from the contract or the dictionary. Nothing is guessed here.
 
 use super::nominal::near;
 use super::{Column, Companion, Nominal, Problem, Stated, UnitFrom, evaluated};
@@ -18,7 +18,7 @@ use crate::table::want::Want;
 pub(crate) struct Declared {
     /// The error, or the size of a space or tooth.
     pub(crate) field: Field,
-    /// Whether each row is a part, and no space or tooth.
+    /// Whether each row is a part, not a space or tooth.
     pub(crate) is_of_part: bool,
     pub(crate) title: String,
     pub(crate) place: usize,
@@ -26,14 +26,14 @@ pub(crate) struct Declared {
     pub(crate) unit_from: UnitFrom,
     /// Whether its name says that it holds deviations.
     pub(crate) is_deviation: bool,
-    /// The decimal mark; `None` while no number has decimals.
+    /// The decimal mark; `None` as long as no number has decimals.
     pub(crate) mark: Option<DecimalMark>,
-    /// Where its companions stand, with the unit of their headings.
+    /// Role and place of each companion, and the unit in its heading.
     pub(crate) beside: Vec<(Role, usize, Option<Unit>)>,
 }
 
 impl Column {
-    /// The column of what is known of it.
+    /// Makes the column from what is known of it.
     ///
     /// # Errors
     /// A nominal value that is missing, or contradicts what the column holds.
@@ -83,7 +83,7 @@ impl Column {
         let given = self.field.kind().and_then(|kind| want.given(kind)?.nominal.clone());
         let given = match self.kind {
             Some(_) => given.transpose()?,
-            // a space or tooth has its nominal value by its place, unless a deviation stands beside it
+            // the place of a space or tooth gives its nominal value, unless a nominal value or a deviation stands beside it
             None if self.beside.get(Role::Nominal).or(self.beside.get(Role::Deviation)).is_none() => return Ok(()),
             None => {
                 let over_pin = want.over_pin.filter(|_| self.field == Field::OverPin).map(DeviationValue::Length);
@@ -103,8 +103,10 @@ impl Column {
         Ok(())
     }
 
-    /// The deviation that a cell means, which holds a number, its unit if any, and nothing else; `None` if it says that there is
-    /// none.
+    /// The deviation that a cell means; `None` if the cell says that there is no value.
+    ///
+    /// # Errors
+    /// If the cell holds anything but a number and perhaps its unit, or contradicts what stands beside it.
     pub(crate) fn value(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<DeviationValue>, Problem> {
         if cell.is_missing() {
             return Ok(None);
@@ -118,10 +120,11 @@ impl Column {
         self.read(cell, beside)
     }
 
-    /// Whether a cell holds a number with the table's decimal mark, and no unit but that one.
+    /// Checks that a cell holds a number with the table's decimal mark, and no unit other than `unit`.
     fn is_number_alone(&self, cell: &Cell, unit: Unit) -> Result<(), Problem> {
         let bad = |what: String| Err(Problem::new(format!("`{}` {what}", shown(&cell.text()))));
-        let without_unit = || bad(format!("has no unit, and cells alone tell it: {}", unit.symbol()));
+        let without_unit =
+            || bad(format!("has no unit, and no heading gives it: the other cells are in {}", unit.symbol()));
         let text = match &cell.content {
             Content::Text(text) => text,
             Content::Number(_) if self.unit_from == UnitFrom::Cells => return without_unit(),
@@ -131,7 +134,7 @@ impl Column {
         let other = if self.mark == DecimalMark::Point { DecimalMark::Comma } else { DecimalMark::Point };
         if self.mark_is_open && (has(self.mark) || has(other)) {
             return bad(
-                "has decimals, and no number before it told the decimal mark: say it, decimal = \"comma\"".to_owned()
+                "has decimals, and no number before it tells the decimal mark: say it, decimal = \"comma\"".to_owned()
             );
         }
         if has(other) {

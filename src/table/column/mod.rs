@@ -1,4 +1,4 @@
-//! One column of values: from the content of a cell to a deviation. Made once per table, called for every cell.
+//! One column of values: turns the content of a cell into a deviation. Made once per table, called for every cell.
 
 mod beside;
 mod declared;
@@ -20,63 +20,63 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::quantity::{Angle, Decimal, Length, LengthUnit, Unit, shown};
 
-/// What a value is taken together with.
+/// Where a quantity that belongs to a value comes from: its nominal value, or its evaluation length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Stated<T> {
-    /// Nothing.
+    /// There is none.
     None,
-    /// The same for every part.
+    /// It is the same for every part.
     Fixed(T),
-    /// What stands beside the value.
+    /// It stands beside the value.
     Beside,
 }
 
-/// What is taken from a measured value; nothing from deviations.
+/// The nominal value that is subtracted from a measured value; none where the column holds deviations.
 pub(crate) type Nominal = Stated<DeviationValue>;
 
-/// A tenth of a micrometre is no contradiction, mm.
+/// The largest difference that contradicts nothing, mm: a tenth of a micrometre.
 pub(crate) const SMALLEST_DIGIT: f64 = 1e-4;
 
 /// One column of values.
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
     pub(crate) field: Field,
-    /// The error that it is, where each row is a part.
+    /// The error that the column holds, where each row is a part.
     pub(crate) kind: Option<DeviationKind>,
     pub(crate) title: String,
-    /// The field of a record, where rows are parts.
+    /// The place of its cell in a record.
     pub(crate) place: usize,
     pub(crate) unit: Unit,
     pub(crate) unit_from: UnitFrom,
     pub(crate) holds: Option<ValueKind>,
     pub(crate) nominal: Nominal,
-    /// Over what f_Hβ is evaluated.
+    /// The evaluation length, in a column of f_Hβ.
     pub(crate) evaluated: Stated<Length>,
-    /// The nominal value that the spec gives, where the table has its own.
+    /// The nominal value of the spec, where the table has nominal values too.
     pub(crate) stated: Option<DeviationValue>,
     /// How far a measured value may be from its nominal one, and a deviation from 0.
     farthest: Reach,
     /// The normal module, if it is known.
     module: Option<Length>,
-    /// How far the file says that its values may be from nominal, mm or degrees.
+    /// The tolerance that the file gives for all values, mm or degrees.
     pub(crate) tolerance: Option<f64>,
     pub(crate) mark: DecimalMark,
-    /// Whether the decimal mark is still open: no number so far has decimals.
+    /// Whether the decimal mark is open, because no number so far has decimals.
     pub(crate) mark_is_open: bool,
     /// The companions of its values.
     pub(crate) beside: Companions<Companion>,
 }
 
-/// What stands beside a value in every record.
+/// A column beside the values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Companion {
-    /// Where it stands.
+    /// The place of its cell in a record.
     pub(crate) place: usize,
     /// The unit of its numbers: that of its heading, or else the value's.
     unit: Unit,
 }
 
-/// All that is asked of a plain number: what makes a deviation of it, and how large that may be.
+/// How a plain number, without a unit or a companion, becomes a deviation, and how large that may be.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlainNumbers {
     unit: Unit,
@@ -87,7 +87,7 @@ pub(crate) struct PlainNumbers {
 }
 
 impl PlainNumbers {
-    /// The deviation of a number; `None` where it is too large to be one.
+    /// The deviation of a number; `None` if it is too large to be one.
     #[expect(clippy::inline_always, reason = "taken apart where it is made: a twentieth of the time of a table")]
     #[inline(always)]
     pub(crate) fn deviation(&self, number: Decimal) -> Option<DeviationValue> {
@@ -104,8 +104,8 @@ impl PlainNumbers {
         (!self.farthest.is_exceeded_by(deviation)).then_some(deviation)
     }
 
-    /// The deviations of doubles, each of which is its shortest decimal, where all are lengths that the double alone tells;
-    /// `None` where a number needs a closer look.
+    /// The deviations of doubles, each taken as its shortest decimal; `None` if the column does not hold lengths, or a double needs
+    /// a closer look.
     pub(crate) fn lengths(&self, doubles: &[f64]) -> Option<Vec<Length>> {
         match (self.unit, self.nominal, self.over) {
             (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
@@ -116,12 +116,12 @@ impl PlainNumbers {
     }
 }
 
-/// Why a cell has no value: it is none, contradicts what stands beside it, or is far from what may be.
+/// Why a cell gives no value: it is no number, it contradicts what stands beside it, or it is far too large.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Problem {
     /// What is wrong, and what to do.
     pub(crate) message: String,
-    /// Whether it is larger than any deviation.
+    /// Whether the value is larger than any deviation.
     pub(crate) is_too_large: bool,
 }
 
@@ -131,18 +131,19 @@ impl Problem {
     }
 
     fn too_large(what: &str) -> Self {
-        let message = format!("{what}: check the unit, or give the nominal value if it is a measure");
+        let message = format!("{what}: check the unit, or give the nominal value if this is a measured value");
         Self { message, is_too_large: true }
     }
 }
 
 impl Column {
-    /// Whether, without a word, a space has measures of it; a part has deviations where no nominal value is known.
+    /// Whether a table of spaces holds measured values of it, unless the heading or the spec says otherwise. A table of parts holds
+    /// deviations where no nominal value is known.
     pub(crate) fn is_of_space(&self) -> bool {
         matches!(self.field, Field::OverPin | Field::Position | Field::Error(DeviationKind::RackOverRoller))
     }
 
-    /// No deviation, in the dimension of this column's.
+    /// A deviation of 0, as a length, an angle or a slope.
     pub(crate) const fn nothing(&self) -> DeviationValue {
         match (self.unit, self.evaluated) {
             (Unit::Length(_), Stated::None) => DeviationValue::Length(Length::ZERO),
@@ -151,7 +152,7 @@ impl Column {
         }
     }
 
-    /// What a plain number of this column is; `None` if a row has more to say.
+    /// How plain numbers of this column are read; `None` if a value depends on other cells of its row, or must have a unit.
     pub(crate) fn plain(&self) -> Option<PlainNumbers> {
         let nominal = self.nominal_of_every_part()?;
         let over = match self.evaluated {
@@ -164,7 +165,7 @@ impl Column {
         is_plain.then_some(PlainNumbers { unit: self.unit, nominal, farthest: self.farthest, over })
     }
 
-    /// The deviation that a cell means; `None` if it says that there is none.
+    /// The deviation that a cell means; `None` if the cell says that there is no value.
     pub(crate) fn read(&self, cell: &Cell, beside: Companions<&Cell>) -> Result<Option<DeviationValue>, Problem> {
         if cell.is_missing() {
             return Ok(None);
@@ -184,7 +185,7 @@ impl Column {
         self.checked(cell, deviation, &beside).map(Some)
     }
 
-    /// The value, unless it is what no deviation can be.
+    /// The value, if a deviation can be so large.
     fn possible(&self, value: DeviationValue) -> Result<DeviationValue, Problem> {
         match plausible::deviation(value, self.module).filter(|doubt| doubt.is_impossible) {
             Some(doubt) => Err(Problem::too_large(&doubt.to_string())),
@@ -200,7 +201,8 @@ impl Column {
             }
             Content::Text(text) => self.quantity_of_text(text, unit),
             Content::Measured { .. } => {
-                let message = format!("`{}` is shown so, and the column is in {}", shown(&cell.text()), unit.symbol());
+                let message =
+                    format!("the cell shows `{}`, and the column is in {}", shown(&cell.text()), unit.symbol());
                 Err(Problem::new(message))
             }
             Content::Other(text) if text.starts_with('=') => Err(Problem::new(format!(
@@ -237,7 +239,7 @@ impl Column {
         read.map_err(|error| Problem::new(error.to_string()))
     }
 
-    /// f_Hβ over its evaluation length.
+    /// f_Hβ divided by its evaluation length.
     fn slope(&self, value: DeviationValue, beside: &Companions<&Cell>) -> Result<DeviationValue, Problem> {
         let DeviationValue::Length(deviation) = value else { return Ok(value) };
         let over = match self.evaluated {
@@ -254,18 +256,18 @@ impl Column {
         self.possible(slope)
     }
 
-    /// Whether what is read of a space or tooth are deviations.
+    /// Whether the values that are read in a table of spaces or teeth are deviations.
     pub(crate) fn deviates(&self) -> bool {
         self.holds == Some(ValueKind::Deviation) || self.nominal != Nominal::None
     }
 }
 
-/// Whether columns of teeth or spaces are those of a rack.
+/// Whether columns of spaces or teeth are of a rack: none is of a pinion's teeth.
 pub(crate) fn is_rack(columns: &[Column], index: Option<Field>) -> bool {
     !columns.iter().map(|column| column.field).chain(index).any(Field::is_of_tooth)
 }
 
-/// A text with the inch for the quotes that stand for it.
+/// A text with `in` in place of the quotes that mean inches.
 fn with_inches(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
     let inches = text.strip_suffix('"').or_else(|| text.strip_suffix("''")).or_else(|| text.strip_suffix('\u{201d}'));
     match (unit, inches) {
@@ -274,7 +276,7 @@ fn with_inches(text: &str, unit: Unit) -> std::borrow::Cow<'_, str> {
     }
 }
 
-/// Over what f_Hβ is evaluated without a column of lengths: the spec's length, or the face width.
+/// The evaluation length of f_Hβ where no column gives it: the spec's length, or else the face width.
 fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Stated<Length>, Diagnostic> {
     if let Some(doubt) = given.and_then(plausible::evaluation_length) {
         let message = format!("the evaluation length of `{title}`: {doubt}");
@@ -288,7 +290,7 @@ fn evaluated(given: Option<Length>, want: &Want, title: &str) -> Result<Stated<L
     })
 }
 
-/// A value for people: small lengths in µm.
+/// A value as text; lengths below 0.1 mm in µm.
 pub(crate) fn in_words(value: DeviationValue) -> String {
     match value {
         DeviationValue::Length(length) if !length.is_zero() && length.abs().mm() < 0.1 => {

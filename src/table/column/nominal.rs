@@ -1,4 +1,4 @@
-//! What is taken from a measured value: the nominal one of the spec, of the table or of its row.
+//! The nominal value that is subtracted from a measured value: of the spec, of the table or of its row.
 
 use super::{Column, Nominal, Problem, SMALLEST_DIGIT};
 use crate::deviation::DeviationValue;
@@ -9,7 +9,7 @@ use crate::table::companions::Companions;
 use crate::table::field::Beside as Role;
 
 impl Column {
-    /// The nominal value that every part has; 0 of deviations.
+    /// The nominal value that every part has: 0 of deviations; `None` if each row has its own.
     pub(crate) fn nominal_of_every_part(&self) -> Option<DeviationValue> {
         match (self.nominal, self.unit) {
             (Nominal::Fixed(nominal), _) => Some(nominal),
@@ -32,7 +32,7 @@ impl Column {
         }
     }
 
-    /// Holds the nominal value beside a deviation against the spec's; a deviation may have that of its own, 0.
+    /// Compares the nominal value beside a deviation with the spec's. 0 agrees too: it is the nominal value of a deviation.
     pub(super) fn holds_from_nominal(&self, beside: &Companions<&Cell>) -> Result<(), Problem> {
         let is_size = |nominal: DeviationValue| !nominal.is_zero();
         if self.stated.is_some() && self.quantity_beside(beside, Role::Nominal)?.is_some_and(is_size) {
@@ -41,13 +41,13 @@ impl Column {
         Ok(())
     }
 
-    /// Whether the nominal values of the spec and of a cell are the same but for the cell's last digit.
+    /// Whether the nominal values of the spec and of a cell are equal, but for the rounding of the cell's last digit.
     fn agrees(&self, stated: DeviationValue, nominal: DeviationValue, beside: &Companions<&Cell>) -> bool {
         let half = self.digit_beside(beside, Role::Nominal).map_or(0.0, |digit| SMALLEST_DIGIT.min(digit / 2.0));
         stated == nominal || (stated.base() - nominal.base()).abs() <= half
     }
 
-    /// A measured value less its nominal one, if they are near each other.
+    /// Measured minus nominal, if the two are near each other.
     pub(super) fn less(&self, value: DeviationValue, nominal: DeviationValue) -> Result<DeviationValue, Problem> {
         let deviation = value.less(nominal);
         if near(nominal, self.farthest).is_exceeded_by(deviation) {
@@ -59,7 +59,7 @@ impl Column {
     }
 }
 
-/// How far a measured value may be from its nominal one: a tenth of it, and no further than any deviation.
+/// How far a measured value may be from its nominal one: a tenth of the nominal value, and no further than `possible`.
 pub(super) fn near(nominal: DeviationValue, possible: Reach) -> Reach {
     match nominal {
         DeviationValue::Length(nominal) if !nominal.is_zero() => {

@@ -1,4 +1,4 @@
-//! The unit of a column's numbers, and who tells it.
+//! The unit of a column's numbers, and what gives it.
 
 use std::mem::discriminant;
 
@@ -8,29 +8,29 @@ use crate::table::cell::Cell;
 use crate::table::field::Beside as Role;
 use crate::table::grid::unit_of;
 
-/// Where the unit of a column is from.
+/// What gives the unit of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum UnitFrom {
-    /// The table: a heading, a row of units, the cells.
+    /// A heading or a line of units.
     Table,
     /// A column of units beside the values.
     Beside,
-    /// The cells of values alone: each has it.
+    /// The cells of values alone: each of them has it.
     Cells,
     /// The spec.
     Spec,
-    /// A column that is called by its key has that of a spec.
+    /// Its key: a column that is called by it is in mm or degrees.
     Key,
 }
 
 impl Column {
-    /// Whether a text is the unit of its numbers.
+    /// Whether a text names the unit of its numbers.
     pub(crate) fn has_unit(&self, text: &str) -> bool {
         unit_of(text, self.field.is_angle()) == Some(self.unit)
     }
 
-    /// The unit of a row's value: the column's, or where only a column of units tells it and nothing else stands beside the
-    /// value, what that says here.
+    /// The unit of a row's value. It is the column's, or that of the row's cell where only a column of units gives it and the value
+    /// has no other companion.
     pub(crate) fn unit_of_row(&self, cell: Option<&Cell>) -> Result<Unit, Problem> {
         let Some(cell) = cell else { return Ok(self.unit) };
         let text = cell.text();

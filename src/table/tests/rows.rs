@@ -123,7 +123,7 @@ fn another_mark_far_down_rejects_its_row() {
     let text = long("part;rack_pitch [um]", |number| format!("P{number};{}", value(number, "1,5")));
     let found = read(&text, &want()).unwrap().parts;
     assert!(
-        found[8000].contains("`1,5` has decimals, and no number before it told the decimal mark"),
+        found[8000].contains("`1,5` has decimals, and no number before it tells the decimal mark"),
         "{}",
         found[8000]
     );

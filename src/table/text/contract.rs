@@ -1,4 +1,4 @@
-//! A text that is read by a contract: its separator is declared, stated in its first line, or the only one under which the heading
+//! The table of a text by its contract. The separator is declared, stated in the first line, or the only one under which the heading
 //! has most roles.
 
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::table::grid::{Separator, aligned_records, separated};
 use crate::table::layout::Layout;
 use crate::table::want::Want;
 
-/// The first records of a text under a separator, and where each ends.
+/// The first records of a text as a separator cuts it, and where each ends.
 struct Head {
     separator: Separator,
     records: Vec<Record>,
@@ -24,13 +24,13 @@ struct Head {
 }
 
 impl Head {
-    /// What separates the cells of all of a text that begins so, where that is known.
+    /// The separator of the whole text, where its start settles it.
     fn settled(&self) -> Option<u8> {
         let is_cut = matches!(self.separator, Separator::Character(_));
         (is_cut && self.roles > 1).then(|| self.separator.byte())
     }
 
-    /// The same below a heading that the user gives.
+    /// The same records below a heading that the user gives.
     fn below(mut self, heading: Option<Record>) -> Self {
         if let Some(heading) = heading {
             self.records.insert(0, heading);
@@ -50,7 +50,7 @@ impl Text {
         let declared = layout.separator.or(self.stated);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
         if !is_all && head.records.is_empty() {
-            // a heading of thousands of columns
+            // the first record is longer than the start: a heading of thousands of columns
             (bytes, is_all) = self.start(LARGEST_WHOLE)?;
             self.refuse_long_lines(&bytes)?;
             head = self.head(&bytes, is_all, declared, layout)?;
@@ -93,7 +93,7 @@ impl Text {
         Ok(table)
     }
 
-    /// The encodings under which more headings are known than so many.
+    /// The encodings under which more than `roles` headings are known.
     fn better_encodings(
         &self,
         bytes: &[u8],
@@ -108,7 +108,7 @@ impl Text {
         found.into_iter().filter(|(_, count)| Some(*count) == most).map(|(name, _)| name).collect()
     }
 
-    /// The first records under the separator that there is.
+    /// The first records as the separator of the text cuts it.
     fn head(&self, bytes: &[u8], is_all: bool, declared: Option<u8>, layout: &Arc<Layout>) -> Result<Head, Unclosed> {
         if !layout.starts.is_empty() {
             return Ok(self.at_starts(bytes, layout));
@@ -119,7 +119,7 @@ impl Text {
         if written.lines().any(|line| line.trim().contains("  ")) {
             tried.push(Separator::AlignedBlanks);
         }
-        // one value per line is cut as tabs would be
+        // lines with one value each are cut at tabs, of which there are none
         tried.extend(Some(Separator::Lines).filter(|_| !bytes.contains(&b'\t')));
         if let Some(byte) = declared {
             tried = vec![Separator::Character(byte)];
@@ -127,14 +127,14 @@ impl Text {
         let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator).below(with_headings(layout)));
         let mut heads: Vec<Head> = heads.map(|head| Head { roles: score(&head.records, layout), ..head }).collect();
         let most = heads.iter().map(|head| head.roles).max().unwrap_or(0);
-        // where no heading is known, the separator that makes most cells shows what has no owner
+        // no heading is known: the separator that makes most cells shows what has no owner
         if most == 0 {
             heads.sort_by_key(|head| std::cmp::Reverse(head.records.iter().map(|record| record.filled().len()).max()));
             heads.truncate(1);
         }
         heads.retain(|head| head.roles == most);
         if heads.len() > 1 {
-            // a character that the heading does not have separates nothing there
+            // a separator under which all records have one cell separates nothing
             let width = |head: &Head| head.records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
             if heads.iter().any(|head| head.separator == Separator::Lines) && most == 1 {
                 heads.retain(|head| head.separator == Separator::Lines);
@@ -143,7 +143,7 @@ impl Text {
             }
         }
         if heads.len() > 1 && !layout.headings.is_empty() {
-            // the one under which most cells of values are numbers
+            // the separator under which most cells are numbers
             let is_plain = |cell: &&Cell| {
                 cell.is_number() && cell.text().chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c))
             };
@@ -159,7 +159,8 @@ impl Text {
         Ok(heads.swap_remove(0))
     }
 
-    /// The records of a text of fixed width whose columns start where the contract says. What stands before the first is a cell, too.
+    /// The records of a text of fixed width whose columns start where the contract says. The text before the first start is a cell
+    /// too.
     fn at_starts(&self, bytes: &[u8], layout: &Layout) -> Head {
         let text = text(bytes);
         let starts: Vec<usize> =
@@ -176,7 +177,7 @@ impl Text {
         Head { separator: Separator::AlignedBlanks, records, ends: Vec::new(), roles: 0 }.below(with_headings(layout))
     }
 
-    /// The whole records at the start.
+    /// The complete records of the start as a separator cuts it.
     fn cut(&self, bytes: &[u8], is_all: bool, separator: Separator) -> Head {
         let before = usize::try_from(self.lines).unwrap_or(0);
         let lines = "\n".repeat(before);
