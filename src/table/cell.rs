@@ -17,28 +17,28 @@ pub(crate) enum Content {
     Text(String),
     /// A number that its file holds as one, taken as its shortest decimal.
     Number(Decimal),
-    /// A date, a time, or true and false: no measured value, as a message shows it. A formula without a result begins
-    /// with `=`.
+    /// A date, a time, a truth value or a formula without a result, as a message shows it: no measured value. A formula begins with
+    /// `=`.
     Other(String),
     /// A number that its file shows with a unit.
     Measured { number: Decimal, unit: String },
-    /// What a person does not see as the file holds it: struck through, hidden, or shown as something else, in words.
+    /// A cell that a person sees otherwise than the file holds it: struck through, hidden, or shown as something else; in words.
     Unlike(String),
 }
 
 impl Content {
-    /// A number as its shortest decimal; one that is not finite as its text, which no reader of numbers takes.
+    /// A number as its shortest decimal. One that is not finite becomes text, which cannot be read as a number.
     pub(crate) fn of_f64(value: f64) -> Self {
         Decimal::of_f64(value).map_or_else(|| Self::Text(value.to_string()), Self::Number)
     }
 
-    /// A text without the blanks around it; nothing if there is no more to it.
+    /// A text without the blanks around it; empty if nothing is left.
     pub(crate) fn of_text(text: &str) -> Self {
         let text = text.trim();
-        // as spreadsheets write a number that is to stay text: ="25.060"
+        // spreadsheets write a number that is to stay text so: ="25.060"
         let bare = text.strip_prefix("=\"").and_then(|text| text.strip_suffix('"'));
         let bare = bare.filter(|text| !text.contains('"')).map_or(text, str::trim);
-        // as Markdown makes it bold, or sets it as code
+        // Markdown sets these marks around bold text and code
         let within = |mark: &str| bare.strip_prefix(mark)?.strip_suffix(mark).filter(|text| !text.contains(mark));
         match within("**").or_else(|| within("`")).map_or(bare, str::trim) {
             "" => Self::Empty,
@@ -83,7 +83,7 @@ impl From<Content> for Cell {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Cell {
     pub(crate) content: Content,
-    /// Its bytes in the text that it comes from; empty where there is no text.
+    /// Where it stands in the text of its file; empty where there is no text.
     pub(crate) span: Range<usize>,
 }
 
@@ -92,7 +92,7 @@ pub(crate) struct Cell {
 pub(crate) struct Record {
     pub(crate) cells: Vec<Cell>,
     pub(crate) line: u64,
-    /// Where its line starts in the text that it comes from.
+    /// Where its line starts in the text of its file.
     pub(crate) start: usize,
 }
 
@@ -111,12 +111,11 @@ impl Cell {
         }
     }
 
-    /// Whether it is empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.content == Content::Empty
     }
 
-    /// Whether it says that there is no value, an empty one included.
+    /// Whether it says that there is no value, or is empty.
     pub(crate) fn is_missing(&self) -> bool {
         match &self.content {
             Content::Empty => true,
@@ -130,7 +129,7 @@ impl Cell {
         matches!(self.content, Content::Unlike(_))
     }
 
-    /// Whether it is a number; `1/1000 mm` is a unit, and a formula without a result may be one.
+    /// Whether it is a number, or a formula without a result, which may be one. `1/1000 mm` is a unit.
     pub(crate) fn is_number(&self) -> bool {
         match &self.content {
             Content::Text(text) => is_number(text) && !(text.starts_with("1/") && Unit::from_symbol(text).is_some()),
@@ -170,7 +169,7 @@ impl Record {
         texts.join(" ")
     }
 
-    /// Whether there is nothing to read: no cell is filled, or only with a line drawn below a heading.
+    /// Whether there is nothing to read: its cells are empty, or lines drawn with `-`, `=` and the like.
     pub(crate) fn says_nothing(&self) -> bool {
         let is_line = |text: &str| text.len() > 1 && text.chars().all(|c| matches!(c, '-' | ':' | '=' | '_' | '+'));
         self.cells.iter().filter(|cell| !cell.is_empty()).all(|cell| is_line(&cell.text()))

@@ -1,7 +1,7 @@
 //! A table in chunks that end where a record ends, so that workers can take one each.
 //!
-//! Chunks have the same size however the bytes arrive. A record that does not fit is handed on in pieces: it
-//! is no record, but its bytes are not lost.
+//! Chunks have the same size however the bytes arrive. A record that does not fit is handed on in pieces, so that its bytes are not
+//! lost.
 
 use std::io::{self, Read};
 
@@ -18,17 +18,17 @@ pub(crate) const LONGEST_RECORD: usize = 1 << 18;
 pub(crate) enum ChunkContent {
     /// Whole records.
     Records,
-    /// A piece of a record that is too long; `first` and `last` piece of it.
+    /// A piece of a record that is too long; whether it is its first or its last.
     Piece { first: bool, last: bool },
 }
 
 /// Reads a table in chunks.
 pub(crate) struct Chunker {
     reader: Box<dyn Read + Send>,
-    /// Read, but not handed on: all of it from `at` on.
+    /// Bytes that are read and not handed on.
     pending: Vec<u8>,
     ended: bool,
-    /// Within a record that is too long, where.
+    /// The place that is reached within a record that is too long.
     overlong: Option<Overlong>,
     /// Bytes read so far, after unpacking.
     pub(crate) bytes_read: u64,
@@ -36,7 +36,7 @@ pub(crate) struct Chunker {
     pub(crate) separator: u8,
 }
 
-/// Where in a record that is too long its bytes have got to.
+/// The place in a record that its bytes so far end at.
 #[derive(Debug, Clone, Copy)]
 enum Overlong {
     FieldStart,

@@ -1,4 +1,5 @@
-//! What kind of file a table is in, told by its bytes and not by its name. Called by the command line with every file.
+//! The kinds of files that hold tables, recognised by their bytes and not by their names. Called by the command line with every
+//! file.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek as _};
@@ -25,27 +26,27 @@ pub enum Source {
     Stream(Box<dyn Read + Send>),
 }
 
-/// A file that was recognised, and not yet read.
+/// A file whose kind is known and whose table is not read yet.
 pub enum Container {
     /// Text.
     #[doc(hidden)]
     Text(Text),
     /// An Excel workbook.
     Workbook(Box<Workbook>),
-    /// A file of statistics software.
+    /// A Q-DAS file, as measuring programs and statistics software exchange it.
     Qdas(Box<Qdas>),
     /// A Parquet file.
     #[doc(hidden)]
     Parquet(ParquetTable),
 }
 
-/// Files that are read as a whole are refused beyond this size.
+/// The largest file that is read as a whole, bytes.
 const LARGEST_FILE: usize = 64 << 20;
 /// What a Parquet file starts with.
 const PARQUET: &[u8; 4] = b"PAR1";
 
 impl Source {
-    /// Bytes that are there.
+    /// Bytes in memory.
     #[must_use]
     pub fn bytes(bytes: Vec<u8>) -> Self {
         Self::Stream(Box::new(Cursor::new(bytes)))
@@ -99,8 +100,8 @@ impl Container {
                     return Ok(Self::Qdas(Box::new(read_all(vec![(name.to_owned(), text)])?)));
                 }
                 if start.contains(&0x0f) || start.contains(&0x14) {
-                    let message = format!("{name} holds values of Q-DAS without what they are of");
-                    let help = "give the file of definitions: the .dfd, beside which the .dfx stands";
+                    let message = format!("{name} holds values of Q-DAS without their definitions");
+                    let help = "put its file of definitions (.dfd) beside it, under the same name";
                     return Err(Diagnostic::error(Code::BadTable, message).help(help).into());
                 }
                 Ok(Self::Text(text))
@@ -129,10 +130,10 @@ impl Container {
         }
     }
 
-    /// Finds the columns.
+    /// The table, with its columns found and its rows not read yet.
     ///
     /// # Errors
-    /// If there is no table, or something of it has no owner.
+    /// If there is no table, or something in it has no owner.
     pub fn table(self, name: &str, want: &Want) -> Result<Table, Diagnostics> {
         Ok(self.closed(name, want)?)
     }
@@ -146,7 +147,7 @@ impl Container {
         }
     }
 
-    /// What would close the table, read to its end where it is closed.
+    /// What would close the table. A table that is closed is read to its end.
     ///
     /// # Errors
     /// If there is no table, or it cannot be read to its end.
@@ -159,7 +160,7 @@ impl Container {
     }
 }
 
-/// Whether a file that has a place to go back to, as a pipe has not, is a Parquet file.
+/// Whether a file is a Parquet file. A pipe is none, because it cannot be read again from its start.
 fn is_parquet(mut file: &File) -> io::Result<bool> {
     if file.stream_position().is_err() {
         return Ok(false);
@@ -170,7 +171,7 @@ fn is_parquet(mut file: &File) -> io::Result<bool> {
     Ok(mark[..count] == *PARQUET)
 }
 
-/// Refuses files that hold no table of theirs that is read, by their first bytes.
+/// Refuses kinds of files that are not read, by their first bytes.
 fn refuse_foreign(name: &str, start: &[u8]) -> Result<(), Diagnostic> {
     let save = "save the table as .xlsx or .csv";
     let refused =

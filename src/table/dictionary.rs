@@ -1,5 +1,5 @@
-//! What whole headings mean: one list that a reviewer can read in five minutes (`dictionary.txt`), and the keys. A heading
-//! means what its whole text says, or nothing; no part of a heading, no likeness and no order counts.
+//! The known headings: one list that a reviewer can read in five minutes (`dictionary.txt`), and the keys. Only a whole heading has
+//! a meaning; parts of headings, similar headings and their order have none.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -21,17 +21,17 @@ pub(crate) enum Role {
     Beside(Field, Beside),
     /// The number of a space or tooth.
     Index(Field),
-    /// What it is of the characteristic that its row names.
+    /// A property of the characteristic that its row names.
     Of(Beside),
 }
 
-/// What a heading says.
+/// What a heading means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Meaning {
     pub(crate) role: Role,
-    /// Whether the values are deviations by their name.
+    /// Whether the heading says that the values are deviations.
     pub(crate) is_deviation: bool,
-    /// Whether it is the role's key.
+    /// Whether the heading is the role's key.
     pub(crate) is_key: bool,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Heading {
     pub(crate) unit: Option<String>,
 }
 
-/// What the headings of a table are looked up for.
+/// The form of the table whose headings are looked up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) enum Form {
     /// Values of parts: headings of columns, or names of characteristics.
@@ -76,7 +76,7 @@ fn rows() -> impl Iterator<Item = (&'static str, &'static str)> {
     lines.filter_map(|line| line.split_once(';'))
 }
 
-/// The keys, which are headings of their own.
+/// The keys, each of which is a heading too.
 fn keys() -> impl Iterator<Item = ((Form, String), Meaning)> {
     Field::ALL.into_iter().flat_map(|field| {
         let (form, role) = match field {
@@ -97,7 +97,7 @@ const fn meaning(role: Role, is_deviation: bool, is_key: bool) -> Meaning {
     Meaning { role, is_deviation, is_key }
 }
 
-/// What a row of the list is of, its role, and whether its values are deviations.
+/// The form of table, the role, and whether values are deviations, from the first column of the list.
 fn role_of(written: &str) -> Option<(Form, Role, bool)> {
     if let Some(beside) = written.trim().strip_prefix("characteristic ") {
         return Some((Form::Characteristics, Role::Of(Beside::of_key(beside)?), false));
@@ -114,8 +114,8 @@ fn role_of(written: &str) -> Option<(Form, Role, bool)> {
     })
 }
 
-/// What the name of a heading means, if its whole text is in the list or is a key; an underscore is a blank. What names parts and
-/// their errors does so in any table.
+/// What a heading means in a table of that form, if its whole name is in the list or is a key; an underscore may stand for a blank.
+/// The names of parts and of their errors are known in tables of teeth too, the name of parts in tables of characteristics.
 pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
     // no heading of the list has a digit, and most cells of a table do
     if name.bytes().any(|byte| byte.is_ascii_digit()) {
@@ -126,11 +126,11 @@ pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
     let known = [Some(&normal), apart.as_ref()].map(|name| DICTIONARY.get(name?));
     let of = |form: Form| known.iter().flatten().find_map(|meanings| meanings[form as usize]);
     let of_parts = || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
-    // a point of a curve has no error of a part beside it
+    // a measured curve has no errors of parts
     of(form).or_else(|| of_parts().filter(|_| form != Form::Trace))
 }
 
-/// The headings that have a role, as they are compared.
+/// The known headings of a role, in the form in which headings are compared.
 pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
     let has = move |meanings: &[Option<Meaning>; 4]| meanings.iter().flatten().any(|meaning| meaning.role == role);
     DICTIONARY.iter().filter(move |(_, meanings)| has(meanings)).map(|(heading, _)| heading.as_str())
@@ -163,10 +163,10 @@ pub(crate) fn plain_widths(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
-/// A heading as it is compared: plain widths, small letters, single blanks, hyphens between letters as blanks, without a colon
-/// or a dot at its end.
+/// A heading in the form in which headings are compared: plain widths, small letters, single blanks, blanks for dots and for hyphens
+/// between letters, no colon at its end.
 pub(crate) fn normal(name: &str) -> String {
-    // Fp adds up what fp is of each tooth
+    // only their case tells Fp, the total deviation, from fp, the single one
     let is_total = |word: &str| matches!(word, "Fp" | "FP");
     let word = |word: &str| if is_total(word) { "Fp".to_owned() } else { word.to_lowercase() };
     let words: Vec<String> = plain_widths(name).split_whitespace().map(word).collect();
@@ -179,15 +179,15 @@ pub(crate) fn normal(name: &str) -> String {
 }
 
 impl Heading {
-    /// Splits the unit off a heading: what stands in square brackets at its end is one, known or not; what stands in round
-    /// ones, or behind a blank, a slash, a comma or an underscore, is one if it is known.
+    /// Splits the unit off a heading. What stands in square brackets at its end is the unit, known or not. What stands in round
+    /// brackets, or behind a blank, a slash, a comma or an underscore, is the unit if it is known.
     pub(crate) fn of(title: &str) -> Self {
         let text = plain_widths(title);
         let text = text.trim().trim_end_matches(':').trim_end();
         let within = |open: char, close: char| text.strip_suffix(close)?.rsplit_once(open);
         let is_known = |unit: &str| Unit::from_symbol(unit).is_some();
         let bracketed = within('[', ']').or_else(|| within('(', ')').filter(|(_, unit)| is_known(in_words(unit))));
-        // `in` may be the word, `m` a name and `min` the least
+        // `in` may be the word, `m` a name and `min` the minimum
         let is_clear =
             |unit: &str| is_known(unit) && !matches!(unit, "in" | "IN" | "m" | "M" | "min" | "\"" | "'" | "sec");
         let split =
@@ -201,7 +201,7 @@ impl Heading {
     }
 }
 
-/// `in µm` is µm.
+/// The unit without the word `in` before it: `in µm` is µm.
 fn in_words(unit: &str) -> &str {
     let unit = unit.trim();
     unit.strip_prefix("in ").unwrap_or(unit).trim()

@@ -1,4 +1,4 @@
-//! Text of fixed width, where an empty cell leaves the others in their places. Called by [`grid`](super::grid).
+//! Text of aligned columns: finds which cells of a line are empty from where the others stand. Called by [`grid`](super::grid).
 
 use std::ops::Range;
 
@@ -6,9 +6,9 @@ use unicode_width::UnicodeWidthStr;
 
 use super::cell::{Cell, Record};
 
-/// Where the cells of a line between blanks stand, in columns of a terminal, if its first byte is at `start`.
+/// Where the cells of a line stand, in columns of a terminal. The first byte of the line is at `start`.
 pub(crate) fn extents(start: usize, cells: &[Cell]) -> Vec<Range<usize>> {
-    // bytes before a cell that are no column of their own
+    // bytes before a cell in excess of its columns: characters of several bytes
     let mut hidden = 0;
     let extent = |cell: &Cell| {
         let text = cell.text();
@@ -19,10 +19,10 @@ pub(crate) fn extents(start: usize, cells: &[Cell]) -> Vec<Range<usize>> {
     cells.iter().map(extent).collect()
 }
 
-/// The records with an empty cell where a row has none, as far as what stands below each other tells the columns of a block.
-/// Others as they are.
+/// The records with an empty cell where a line has a gap. The cells that stand below each other tell the columns of a block of
+/// lines; where they do not, its records stay as they are.
 pub(super) fn placed(mut records: Vec<Record>) -> Vec<Record> {
-    // names and the rows below them may be a blank line apart
+    // headings and the rows below them may be a blank line apart
     let follows = |one: &Record, next: &Record| next.line <= one.line + 1 + u64::from(one.numbers() == 0);
     for block in records.chunk_by_mut(follows) {
         let is_header = |record: &&Record| record.numbers() == 0 && record.cells.len() > 1;
@@ -38,8 +38,8 @@ pub(super) fn placed(mut records: Vec<Record>) -> Vec<Record> {
     records
 }
 
-/// Puts the cells of rows into the columns that the rows, or else these and the header, leave between them; nothing where these are
-/// not those of the header.
+/// Puts the cells of rows into columns. The columns are those of the rows, or else of the rows and the header together. Where there
+/// are not as many as the header has cells, the rows stay as they are.
 fn place(header: &Record, rows: &mut [&mut Record]) {
     let width = header.cells.len();
     if rows.iter().all(|row| row.cells.len() >= width) {
@@ -53,7 +53,7 @@ fn place(header: &Record, rows: &mut [&mut Record]) {
             && of_rows.iter().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
     let with_header = || columns(of_rows.iter().flatten().cloned().chain(extents_of(header)).collect());
-    // a whole row tells which columns there are, however the headings stand above them
+    // a row without a gap tells the columns, wherever the headings stand above them
     let has_whole = rows.iter().any(|row| row.cells.len() == width);
     let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(|_| has_whole).filter(is_one_each);
     let Some(columns) = alone.or_else(|| Some(with_header()).filter(is_one_each)) else { return };
@@ -66,7 +66,7 @@ fn place(header: &Record, rows: &mut [&mut Record]) {
     }
 }
 
-/// What overlaps, together.
+/// Joins extents that overlap.
 fn columns(mut cells: Vec<Range<usize>>) -> Vec<Range<usize>> {
     cells.sort_by_key(|cell| cell.start);
     let mut columns: Vec<Range<usize>> = Vec::new();

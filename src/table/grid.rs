@@ -1,5 +1,4 @@
-//! What stands between the cells of a text, text of aligned columns cut into cells, and units as they stand in cells. Knows no
-//! names.
+//! Separators of cells, text cut into cells by them, and units as cells write them. Knows no headings.
 
 use std::ops::Range;
 
@@ -21,7 +20,7 @@ pub enum Separator {
 }
 
 impl Separator {
-    /// The byte between the fields of a row; a tab where that is no single one.
+    /// The byte between the fields of a row; a tab where no single byte stands there.
     pub(crate) const fn byte(self) -> u8 {
         match self {
             Self::Character(byte) => byte,
@@ -32,7 +31,7 @@ impl Separator {
     /// The byte that a text names: itself, or `tab`.
     ///
     /// # Errors
-    /// If a number or a text may have it.
+    /// If it is not one character, or one that numbers or names contain.
     pub fn byte_of(text: &str) -> Result<u8, String> {
         match text.as_bytes() {
             b"tab" | b"\\t" => Ok(b'\t'),
@@ -47,7 +46,7 @@ impl Separator {
         }
     }
 
-    /// In words.
+    /// Its name in messages.
     #[must_use]
     pub fn name(self) -> String {
         match self {
@@ -76,8 +75,8 @@ pub(crate) fn aligned_records(text: &str) -> Vec<Record> {
     placed(records)
 }
 
-/// The records of a text whose cells stand between such bytes, and where each ends; the last one needs no line end where the text
-/// is all there.
+/// The records of a text whose cells stand between such bytes, and where each ends. `is_all`: the text is complete, so that its last
+/// record needs no line end.
 pub(crate) fn separated(bytes: &[u8], separator: u8, is_all: bool, lines: u64) -> (Vec<Record>, Vec<usize>) {
     let (mut found, mut ends, mut fields) = (Vec::new(), Vec::new(), Vec::new());
     let (mut at, mut blank, mut line) = (0, 0, lines);
@@ -117,7 +116,7 @@ pub(crate) fn is_unit(text: &str) -> bool {
     Unit::from_symbol(bare_unit(text)).is_some()
 }
 
-/// The first of some cells, if all that say something are units.
+/// The first unit among some cells, if each of them is a unit or has no value.
 pub(crate) fn only_units(cells: &[Cell]) -> Option<&Cell> {
     let mut cells = cells.iter().filter(|cell| !cell.is_missing());
     let first = cells.next().filter(|first| is_unit(&first.text()))?;
@@ -129,9 +128,9 @@ pub(crate) fn bare_unit(text: &str) -> &str {
     text.trim().trim_matches(['[', ']', '(', ')']).trim()
 }
 
-/// The unit that a symbol is of a length, or of an angle or the length that f_Hβ is.
+/// The unit that a symbol names: of a length, or, for an angle, of an angle or of the length in which f_Hβ is given.
 pub(crate) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
-    // where a unit stands, `my` is the German name of µ
+    // `my` is the German name of µ
     let symbol = match bare_unit(symbol) {
         "my" | "µ m" | "0,001 mm" | "0.001 mm" | "0,001mm" | "0.001mm" => "µm",
         "0,01 mm" | "0.01 mm" => "1/100 mm",
@@ -140,7 +139,7 @@ pub(crate) fn unit_of(symbol: &str, is_angle: bool) -> Option<Unit> {
     if is_angle { Unit::of_angle(symbol).or_else(|| Unit::of_length(symbol)) } else { Unit::of_length(symbol) }
 }
 
-/// The unit behind a number; a sentence may end there: `195 µm.`
+/// The unit behind a number. A full stop or the like may follow it: `195 µm.`
 pub(crate) fn unit_in(text: &str) -> Option<String> {
     let text = text.trim_end_matches(['.', ',', ';', ':', '!', '?', '。']);
     let last = text.rfind(|c: char| c.is_numeric() || matches!(c, '.' | ','))?;

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::ledger::LeftOut;
 use crate::quantity::shown;
 
-/// How many lines between rows are kept.
+/// How many lines that are no parts are kept.
 pub(crate) const ASIDES_KEPT: usize = 100;
 
 /// How one table was read.
@@ -36,7 +36,7 @@ pub struct Reading {
     pub not_used: Vec<NotUsed>,
     /// Lines that are no part of the table.
     pub asides: Vec<AsideReading>,
-    /// What was assumed, and what is worth a look.
+    /// What is assumed, and what the user should look at.
     pub notes: Vec<String>,
     /// The rules of the contract, with what each left out.
     pub left_out: Vec<LeftOut>,
@@ -76,7 +76,7 @@ pub struct AsideReading {
 }
 
 impl Reading {
-    /// What is to be known before the result is trusted: what is worth a look, and what was left out.
+    /// What a user should know before trusting the result: the notes, and what is left out.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let used = self.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string);
@@ -88,7 +88,7 @@ impl Reading {
         (!each.is_empty()).then(|| format!("{}: {what} {}{more}", self.file, each.join(", ")))
     }
 
-    /// The sentences that say what was assumed or left out, warnings first; the others say what was used.
+    /// The warnings, then rules that leave out nothing, lines that are no parts and columns that are not used; a sentence each.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         const SHOWN: usize = 10;
@@ -128,7 +128,7 @@ impl fmt::Display for ColumnReading {
     }
 }
 
-/// What was left out is among the remarks.
+/// How the table is read, in one line. What is left out is among the remarks.
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.separator {

@@ -1,5 +1,5 @@
-//! Texts that a measuring program writes: their columns and lines have a fixed meaning, so that nobody has to say it. Told by the
-//! format's own marks. Called by [`text`](super::text).
+//! Text reports of measuring programs (Calypso, PC-DMIS). The format gives columns and lines a fixed meaning, so that no contract has
+//! to. A report is recognised by marks of its format. Called by [`text`](super::text).
 
 use super::cell::{Cell, Record};
 use super::contract::{Open, line_of};
@@ -15,15 +15,15 @@ pub(crate) struct Report {
     pub(crate) records: Vec<Record>,
     /// The contract with the meaning of the format's columns.
     pub(crate) layout: Layout,
-    /// What it says besides values.
+    /// What the format writes besides values.
     pub(crate) said: Tally,
     /// What rules left out, by the number of the rule.
     pub(crate) left_out: Vec<(usize, u64, String)>,
-    /// What is neither the format's nor left out.
+    /// What neither the format nor a rule owns.
     pub(crate) open: Vec<Open>,
 }
 
-/// The report that a text is.
+/// Reads a text as a report; `None` if it is none.
 pub(crate) fn report(text: &str, layout: &Layout) -> Option<Report> {
     if is_calypso(text) {
         return Some(calypso(text, layout));
@@ -60,7 +60,7 @@ const CALYPSO_ROLES: [(&str, Role); 7] = [
     ("unit", Role::Unit),
 ];
 
-/// Those that say nothing of values.
+/// Calypso's other columns, which say nothing of values.
 const CALYPSO_COLUMNS: &str = "planid type idsymbol exceed warningLimitCF featureid featuresigma link linkmode mmc useruppertol \
      userlowertol fftphi fftphiunit zoneroundnessangle groupname groupname2 datumAid datumBid datumCid natuppertolid \
      natlowertolid decimalplaces featurePosX featurePosY featurePosZ group1 group2 group3 group4 group5 group6 group7 group8 \
@@ -84,7 +84,7 @@ fn calypso(text: &str, layout: &Layout) -> Report {
     let place = |name: &str| records.first()?.cells.iter().position(|cell| cell.text() == name);
     let roles = CALYPSO_ROLES.into_iter().filter(|(name, _)| place(name).is_some());
     let mut own: Vec<String> = CALYPSO_COLUMNS.split_whitespace().map(str::to_owned).collect();
-    // what a person wrote is not the format's
+    // a person writes comments: the format does not own them
     let has_comments = place("comment").is_some_and(|at| records.iter().skip(1).any(|row| !row.cell(at).is_empty()));
     own.extend(Some("comment".to_owned()).filter(|_| !has_comments));
     let layout = Layout {
@@ -104,9 +104,9 @@ const PCDMIS_ROLES: [(&str, Role); 5] = [
     ("MEAS", Role::Measured),
     ("DEV", Role::Deviation),
 ];
-/// Those that say nothing else.
+/// The other columns, which say nothing new.
 const PCDMIS_COLUMNS: [&str; 5] = ["MAX", "MIN", "OUTTOL", "BONUS", "DEVANG"];
-/// An axis is called X, Y, Z, M, D, TP and the like.
+/// Letters of an axis at most: it is called X, Y, Z, M, D, TP and the like.
 const LONGEST_AXIS: usize = 2;
 /// What the lines of its head say besides the part.
 const PCDMIS_HEAD: [&str; 4] = ["REV NUMBER", "STATS COUNT", "DATE", "TIME"];
@@ -143,7 +143,7 @@ struct Pcdmis<'l> {
     dimension: String,
     unit: String,
     columns: Vec<String>,
-    /// The rows of the dimension: their axis and the record that they make.
+    /// The rows of the dimension: axis and record.
     axes: Vec<(String, Record)>,
 }
 
@@ -194,7 +194,7 @@ impl Pcdmis<'_> {
         if words[0] == "AX" && words.contains(&"MEAS") {
             return self.heading(&words[1..], line, number);
         }
-        // two of them in a line
+        // several entries of the head may stand in a line
         let heads: Vec<&str> = line.split("  ").map(str::trim).filter(|head| !head.is_empty()).collect();
         if heads.len() > 1 && heads.iter().all(|head| head.contains(':')) {
             return heads.into_iter().for_each(|head| self.line(head, number));
@@ -220,12 +220,12 @@ impl Pcdmis<'_> {
         }
     }
 
-    /// Takes what is the format's.
+    /// Counts a text that the format owns.
     fn own(&mut self, text: &str, number: u64) {
         self.report.said.add(number, 0, text);
     }
 
-    /// A line of the head, such as `SER NUMBER : 0417`; whether it is one.
+    /// Reads a line of the head, such as `SER NUMBER : 0417`. Whether it is one.
     fn head(&mut self, line: &str, number: u64) -> bool {
         let Some((key, value)) = line.split_once(':') else { return false };
         let (key, value) = (key.split_whitespace().collect::<Vec<_>>().join(" "), value.trim());
@@ -294,7 +294,7 @@ impl Pcdmis<'_> {
         self.axes.push((words[0].to_owned(), Record::new(cells, number)));
     }
 
-    /// The rows of a dimension are called by it, and by their axis where there are several.
+    /// Ends a dimension. Its rows are called by its name, and by their axis where there are several.
     fn end_dimension(&mut self) {
         let axes = std::mem::take(&mut self.axes);
         let is_one = axes.len() == 1 && axes[0].0.chars().count() <= LONGEST_AXIS;

@@ -1,9 +1,9 @@
 //! Where records and fields end: the grammar of separated values.
 //!
-//! A field that starts with a quote ends at the next single quote (two stand for one); what follows it up to
-//! the separator belongs to the field as it is. Blanks before that quote are none of the field. Quotes elsewhere are plain
-//! characters. A record ends at a line feed, a carriage return, or both. Lines without a character are no records. But for the
-//! blanks, these are the rules of the `csv` crate, which the tests hold this against.
+//! A field that starts with a quote ends at the next single quote (two stand for one). What follows it up to the separator belongs
+//! to the field as it is; blanks before the first quote do not. Quotes elsewhere are plain characters. A record ends at a line feed,
+//! a carriage return, or both. Lines without a character are no records. Apart from the blanks, these are the rules of the `csv`
+//! crate, with which the tests compare.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub(crate) struct Field {
     pub(crate) start: usize,
     pub(crate) end: usize,
-    /// Whether quotes have to be taken out of it.
+    /// Whether it starts with a quote.
     pub(crate) quoted: bool,
 }
 
@@ -49,7 +49,7 @@ pub(crate) struct Record {
     pub(crate) lines: u64,
     /// Whether a quote was not closed.
     pub(crate) open: bool,
-    /// Whether a line end closed it: else more bytes could be part of it.
+    /// Whether a line end closed it. Otherwise more bytes may belong to it.
     pub(crate) closed: bool,
 }
 
@@ -87,7 +87,7 @@ pub(crate) fn next_record(
             inner_lines += count_line_ends(&bytes[at + 1..end]);
             at = end;
         }
-        // short fields are the rule: byte by byte is as fast as anything
+        // most fields are short: byte by byte is as fast as any other way
         while let Some(&byte) = bytes.get(at) {
             if byte == separator || byte == b'\n' || byte == b'\r' {
                 break;

@@ -179,7 +179,7 @@ fn the_decimal_mark_is_the_one_by_which_all_can_be_read() {
     }
     assert_eq!(reading("rack_over_roller\n25\n", &want()).decimal_mark, None);
     let open = refused("rack_pitch;part\n1,234;a\n", &want());
-    assert!(open.contains("`1,234` has a decimal mark or one of thousands"), "{open}");
+    assert!(open.contains("`1,234` has a decimal mark or a thousands mark"), "{open}");
     let told = by(|layout| layout.decimal = Some(DecimalMark::Comma));
     assert_eq!(parts("rack_pitch;part\n1,234;a\n", &told), ["a: rack_pitch 1.234 mm"]);
 }

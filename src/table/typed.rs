@@ -1,5 +1,5 @@
-//! Tables of files whose cells are typed: workbooks, Parquet, stored columns. Their columns are found from the first records,
-//! and the others follow as they are read. Called by [`Container::table`](super::Container::table).
+//! Tables of files whose cells are typed: workbooks, Parquet, stored columns. Their columns are found from the first records.
+//! Called by [`Container::table`](super::Container::table).
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
@@ -57,7 +57,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     Ok(table)
 }
 
-/// The table of a Parquet file. Columns that a rule leaves out are not unpacked: their stored bytes make the digest.
+/// The table of a Parquet file. Columns that a rule leaves out are not unpacked: the digest is of their stored bytes.
 pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Unclosed> {
     let layout = &want.contract();
     file.check()?;

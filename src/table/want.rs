@@ -9,7 +9,7 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Diagnostics, harmless};
 use crate::quantity::{Length, Unit};
 
-/// What the spec says of the column of an error.
+/// What the spec says of a column of values.
 #[derive(Debug, Clone)]
 pub struct GivenColumn {
     /// The error.
@@ -27,11 +27,11 @@ pub struct GivenColumn {
 /// What is known about a table before it is read.
 #[derive(Debug, Clone, Default)]
 pub struct Want {
-    /// The errors that the spec speaks of, in its order: what proposals look for.
+    /// The errors of the spec, in its order.
     pub expected: Vec<DeviationKind>,
-    /// What the spec says of columns.
+    /// What the spec says of their columns.
     pub given: Vec<GivenColumn>,
-    /// The normal module: a measured value that is further from its nominal one is not meant.
+    /// The normal module: no length may be further from its nominal value.
     pub module: Option<Length>,
     /// The rack's face width, over which f_Hβ is evaluated where nothing else is said.
     pub face_width: Option<Length>,
@@ -62,7 +62,7 @@ impl Want {
     }
 }
 
-/// A text as a spec writes it.
+/// A text in quotes, as a spec writes it.
 pub(crate) fn quoted(text: &str) -> String {
     let escapes = [('\\', "\\\\"), ('"', "\\\""), ('\n', "\\n"), ('\r', "\\r"), ('\t', "\\t")];
     let escaped = escapes.into_iter().fold(text.to_owned(), |text, (c, escape)| text.replace(c, escape));

@@ -1,5 +1,5 @@
-//! The cells of a table with their owners, and the refusal of a table that is not closed. The reader makes it where a table is not
-//! closed, `read` for any table; it has no path to a result.
+//! The account of a table: its columns and lines with their owners, and the refusal of a table that is not closed. The reader makes
+//! it for a table that is not closed, `rackmesh read` for any table. No result can be computed from it.
 
 mod proposal;
 mod refusal;

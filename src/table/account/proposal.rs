@@ -50,7 +50,7 @@ pub struct LineAccount {
     pub is: &'static str,
 }
 
-/// What a row is that may be no part.
+/// What the account says of a rejected row that is perhaps no part.
 pub(super) const REJECTED: &str = "rejected as a part";
 
 /// What would close a table.
@@ -64,19 +64,19 @@ pub struct Proposal {
     pub lines: Vec<LineAccount>,
     /// How many rows are parts; `None` where they are not counted, because the table is not closed.
     pub parts: Option<u64>,
-    /// What is wrong with rows that are rejected, the first of them.
+    /// What is wrong with the first rows that are rejected.
     pub rejected: Vec<String>,
     /// Whether the table is closed once the contract says all of this.
     pub closes: bool,
     /// How the table is read, once it is closed.
     pub reading: Option<Reading>,
     pub(super) open: Vec<Open>,
-    /// How many more there are than those.
+    /// How many more things have no owner than those in `open`.
     pub(super) more: usize,
     pub(super) rules: Rules,
 }
 
-/// Why a file is no table that can be read.
+/// Why a table cannot be read.
 #[derive(Debug)]
 pub(crate) enum Unclosed {
     /// Cells or lines have no owner.
@@ -107,9 +107,9 @@ impl From<Unclosed> for Diagnostics {
 }
 
 impl Proposal {
-    /// Of a file in which these have no owner.
+    /// The proposal for a file in which these have no owner.
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
-        /// Nobody reads more of them; the others follow once these have owners.
+        /// How many are listed. The others are listed once these have owners.
         const MOST: usize = 10_000;
         let more = open.len().saturating_sub(MOST);
         open.truncate(MOST);
@@ -122,14 +122,14 @@ impl Proposal {
         proposal
     }
 
-    /// Of a table whose columns are looked at, by its first rows.
+    /// The proposal for a table that is not closed, from its columns and its first rows.
     pub(crate) fn of_matched(file: &str, layout: &Layout, mut matched: Matched, rows: &[Record], want: &Want) -> Self {
         let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
         let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
         proposal.rules.list.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
-        // what the other columns of a row per characteristic are is known once that of their names is
+        // with a row per characteristic, the other columns are known once the column of names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
         let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| escaped_heading(&guess.title) == *title));
         proposal.rules.list.retain(|suggestion| !is_guessed(&suggestion.rule));
@@ -157,7 +157,7 @@ impl Proposal {
         proposal
     }
 
-    /// Of a table that is closed, whose rows are read.
+    /// The proposal for a closed table, from all of its rows.
     ///
     /// # Errors
     /// If it cannot be read to its end.
@@ -218,7 +218,7 @@ impl Proposal {
         self.rejected.extend(faults.map(|fault| format!("line {}: {}", block.lines[fault.row], fault.message)));
     }
 
-    /// Whether nothing is without an owner.
+    /// Whether everything has an owner.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.open.is_empty() && self.lines.is_empty()
@@ -244,14 +244,14 @@ impl Proposal {
         (self.parts, self.rejected, self.reading) = (next.parts, next.rejected, next.reading);
         self.rules.list.extend(next.rules.list);
         rules::settle(&mut self.rules.list);
-        // what is the same in both is said once
+        // what both have is listed once
         if !next.closes {
             let known: HashSet<String> = self.open.iter().map(Open::in_words).collect();
             self.open.extend(next.open.into_iter().filter(|open| !known.contains(&open.in_words())));
         }
     }
 
-    /// Takes a person's word that a guess is right. Whether there was one.
+    /// Confirms a guess for a person. Whether there is such a guess.
     pub fn accept(&mut self, key: &str, column: &str) -> bool {
         rules::accept(&mut self.rules.list, key, column)
     }
@@ -268,7 +268,7 @@ impl Proposal {
     }
 }
 
-/// What a line without an owner is.
+/// The account of a line or a comment without an owner.
 fn line_account(open: &Open) -> Option<LineAccount> {
     let (place, text) = match open {
         Open::Line { line, text, .. } | Open::Row(Odd { line, text, .. }) => (format!("line {line}"), text),

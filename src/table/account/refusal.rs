@@ -1,4 +1,4 @@
-//! What is said of a table that is not closed.
+//! The refusal of a table that is not closed.
 
 use super::proposal::{LineAccount, Proposal, REJECTED};
 use crate::diagnostic::{Code, Diagnostic, ListLine};
@@ -19,7 +19,7 @@ impl Proposal {
     #[must_use]
     pub fn refused(&self, block: Option<&str>) -> Diagnostic {
         const SHOWN: usize = 40;
-        // a contract of no lines closes nothing
+        // a block of one line is `[table]` alone, which closes nothing
         let block = block.filter(|block| block.lines().count() > 1);
         let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
         let count = self.open.len() + self.more + self.rejected_lines().count();
@@ -70,7 +70,7 @@ fn quoted(text: &str) -> String {
 }
 
 impl Open {
-    /// What is other than the contract says.
+    /// How this differs from the contract.
     fn difference(&self) -> String {
         match self {
             Self::Column { place, title, .. } if title.is_empty() => format!("new column {}", place + 1),

@@ -1,8 +1,8 @@
-//! Tables that are read by a contract: each column has a role or is left out by a rule, and each line is a part, left out by a
-//! rule, or rejected. Cells without an owner end the run, and all of them are listed.
+//! The contract of a table: each column has a role or is left out by a rule, and each line is a part, left out by a rule, or
+//! rejected. Cells without an owner end the run, and all of them are listed.
 //!
-//! `heading` finds the line of headings and gives each column its owner, `columns` their units and decimal mark;
-//! [`Contract::close`] is the only way to a table that can be read, and says what has no owner.
+//! `heading` finds the line of headings and gives each column its owner, `columns` finds units and decimal mark. Only
+//! [`Contract::close`] makes a table that can be read.
 
 mod characteristics;
 mod columns;
@@ -38,7 +38,7 @@ pub(crate) struct Contract {
     pub(crate) owners: Vec<Owner>,
     /// The headings.
     pub(crate) titles: Vec<String>,
-    /// The headings of a characteristics' table that have a role.
+    /// The headings with a role, in a table with a row per characteristic.
     pub(crate) of: Vec<(String, Role)>,
     /// The heading, as a line.
     heading: String,
@@ -48,12 +48,12 @@ pub(crate) struct Contract {
     first_bytes: Option<Vec<u8>>,
 }
 
-/// The names of statistics and limits, which are none of parts.
+/// The names of statistics and limits, which no part has.
 const NO_PART_NAMES: &str = "mean, average, avg, max, min, maximum, minimum, median, range, sigma, std, stdev, sum, total, cp, cpk, nominal, \
      target, usl, lsl, ucl, lcl, upper limit, lower limit, mittelwert, mittel, spannweite, streuung, standardabweichung, summe, soll, \
      sollwert, nennwert, toleranz, moyenne, 平均, 最大, 最小";
 
-/// The names of what leaves something out and is no rule of a person's, in their order.
+/// The names of the reader's own rules, which nobody writes, in the order of [`OwnRule`].
 const OWN_RULES: [&str; 6] =
     ["others", "headings again", "beside values", "other sheets", "rows before the last of their part", OF_FORMAT];
 
@@ -61,7 +61,7 @@ impl Contract {
     /// Closes a table: every column has an owner.
     ///
     /// # Errors
-    /// The table with every cell that has no owner.
+    /// The columns as they are matched, with everything that has no owner.
     pub(crate) fn close(layout: &Arc<Layout>, matched: Matched) -> Result<Self, Box<Matched>> {
         if !matched.open.is_empty() {
             return Err(Box::new(matched));
@@ -90,7 +90,7 @@ impl Contract {
         self.owners.iter().enumerate().filter_map(rule)
     }
 
-    /// Whether a column has no heading, and so no cells: also one beyond the heading.
+    /// Whether a column has no heading, so that nothing may stand in it. A column beyond the heading has none.
     pub(crate) fn is_nameless(&self, place: usize) -> bool {
         matches!(self.owners.get(place), None | Some(Owner::Nameless))
     }
@@ -101,13 +101,13 @@ impl Contract {
         self.first_bytes.as_ref().is_none_or(|bytes| bytes.contains(&first) || first == b'"' && !bytes.is_empty())
     }
 
-    /// Whether a record is the heading again.
+    /// Whether a record repeats the heading or its line of units.
     pub(crate) fn is_heading(&self, record: &Record) -> bool {
         let line = line_of(record);
         line == self.heading || !self.units.is_empty() && line == self.units
     }
 
-    /// Whether a record is another heading: two or more of its cells are.
+    /// Whether a record is another heading: two or more of its cells are known headings.
     pub(crate) fn is_other_heading(&self, record: &Record) -> bool {
         record.numbers() == 0 && heading::is_one(record, &self.layout)
     }
@@ -118,7 +118,7 @@ impl Contract {
         NO_PART_NAMES.split(", ").any(|known| known == text)
     }
 
-    /// What is wrong with the name of a part, of which all values can be read or not; `None` if it is one.
+    /// What is wrong with the name of a part; `None` if nothing is. `could_be_part`: all values of the row can be read.
     pub(crate) fn no_name(name: &Cell, could_be_part: bool) -> Option<String> {
         let text = name.text();
         if name.is_missing() {
@@ -136,7 +136,7 @@ impl Contract {
         })
     }
 
-    /// Whether a name needs no closer look: none of those that are no parts has a digit.
+    /// Whether a name needs no closer look: no name of a statistic or a limit has a digit.
     pub(crate) fn is_plain_name(name: &[u8]) -> bool {
         name.iter().any(u8::is_ascii_digit)
     }
@@ -148,10 +148,10 @@ impl Contract {
 }
 
 impl Layout {
-    /// What a measuring program decided: whether the part may pass.
+    /// Whether a measuring program accepts a part, by the text of its status.
     ///
     /// # Errors
-    /// If it says neither.
+    /// If the text is neither accepted nor rejected.
     pub(crate) fn accepts(&self, text: &str) -> Result<bool, String> {
         let status = self.status.as_ref();
         let is_among = |texts: fn(&StatusColumn) -> &Vec<String>| {
@@ -168,7 +168,8 @@ impl Layout {
         }
     }
 
-    /// The rule that leaves out a line, by its place among those for lines. A heading is left out by a rule that fits it alone.
+    /// The rule that leaves out a line, by its number among the rules for lines. A heading is left out only by a rule that fits one
+    /// line.
     pub(crate) fn covering(&self, record: &Record) -> Option<usize> {
         if self.ignore_lines.is_empty() {
             return None;
@@ -180,20 +181,22 @@ impl Layout {
         if heading::is_one(record, self) { exact() } else { Some(rule) }
     }
 
+    /// The number of a rule for lines among all rules.
     pub(crate) fn rule_of_line(&self, line_rule: usize) -> usize {
         self.ignore.len() + line_rule
     }
 
+    /// The number of a rule for comments among all rules.
     pub(crate) fn rule_of_comment(&self, comment: usize) -> usize {
         self.ignore.len() + self.ignore_lines.len() + comment
     }
 
-    /// The number of one that is no rule of a person's.
+    /// The number of one of the reader's own rules among all rules.
     pub(crate) fn own_rule(&self, rule: OwnRule) -> usize {
         self.rule_of_comment(self.comments.len()) + rule as usize
     }
 
-    /// All rules by their number, with nothing left out so far.
+    /// All rules in order of their numbers, with nothing left out yet.
     pub(crate) fn rules(&self) -> Vec<LeftOut> {
         let quoted = |what: &str, text: &str| format!("{what}`{text}`");
         let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));

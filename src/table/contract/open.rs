@@ -1,4 +1,4 @@
-//! What of a table has no owner.
+//! What has no owner in a table.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -8,22 +8,22 @@ use crate::table::block::Odd;
 use crate::table::cell::{Cell, Record};
 use crate::table::number::is_missing;
 
-/// Something that a role or a rule has to own before a table is read.
+/// Something that needs an owner, or a choice, before the table is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Open {
-    /// A column without a role or a rule; its few texts may be decisions.
+    /// A column without a role or a rule, with its first texts; whether they may be decisions.
     Column { place: usize, title: String, first: Vec<String>, may_decide: bool },
     /// A characteristic without a role or a rule, with its first value.
     Characteristic { title: String, first: Vec<String> },
-    /// A line that is no part; it may have headings of another table.
+    /// A line that is no part; whether it is a heading.
     Line { line: u64, text: String, is_heading: bool },
     /// A row that is no part by its name, or because it has no value.
     Row(Odd),
-    /// A comment or a text box of a workbook.
+    /// A comment, a text box or metadata of a file.
     Comment { place: String, text: String },
     /// Sheets of which none is chosen.
     Sheets { names: Vec<String> },
-    /// A column of values of which nothing tells the unit; those in which its numbers may be.
+    /// A column of values whose unit nothing gives, and the units in which its numbers are of a usual size.
     Unit { key: &'static str, title: String, units: Vec<&'static str> },
     /// Two columns with one role.
     Twice { key: String, titles: [String; 2] },
@@ -44,14 +44,14 @@ pub(crate) enum Open {
 }
 
 impl Open {
-    /// A column, above the rows of a table.
+    /// A column without an owner, from its heading and the rows below it.
     pub(crate) fn column(place: usize, title: &str, below: &[Record]) -> Self {
         let cells = || below.iter().map(|record| record.cell(place)).filter(|cell| !cell.is_empty());
         let first = cells().take(3).map(|cell| cell.text().into_owned()).collect();
         Self::Column { place, title: title.to_owned(), first, may_decide: may_decide(cells().map(Cell::text)) }
     }
 
-    /// What is not owned, in a line.
+    /// What has no owner, in one line.
     pub(crate) fn in_words(&self) -> String {
         let listed =
             |texts: &[String]| texts.iter().map(|text| format!("`{}`", shown(text))).collect::<Vec<_>>().join(", ");
@@ -76,7 +76,7 @@ impl Open {
             Self::Missing { key, name } => format!("there is no `{}`, which is to be {key}", shown(name)),
             Self::NoValues { titles } => format!("no column is known as that of an error: {}", listed(titles)),
             Self::Mark { example } => {
-                format!("`{}` has a decimal mark or one of thousands, and nothing tells which", shown(example))
+                format!("`{}` has a decimal mark or a thousands mark, and nothing tells which", shown(example))
             }
             Self::Encoding { names } => {
                 let or = names.join(" or ");
@@ -88,7 +88,7 @@ impl Open {
     }
 }
 
-/// Whether some texts may be decisions: there are few, and none is a number or a date. What they say does not matter.
+/// Whether some texts may be decisions: few of them differ, and none is a number or a date. Their words do not matter.
 pub(crate) fn may_decide<'t>(texts: impl Iterator<Item = Cow<'t, str>>) -> bool {
     const MOST: usize = 4;
     let mut found = BTreeSet::new();

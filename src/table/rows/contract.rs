@@ -1,4 +1,4 @@
-//! Rows of a closed table: each cell is owned by what reads it, and a row with any other cell is rejected.
+//! Reads the rows of a closed table. What reads a cell owns it; a row with a cell that nothing reads is rejected.
 
 use super::super::block::{Block, Contradiction, Odd, Span};
 use super::super::cell::{Cell, Record};
@@ -12,7 +12,7 @@ use crate::quantity::shown;
 use crate::table::companions::Companions;
 
 impl Contract {
-    /// Tells who owns the fields of a line of plain numbers.
+    /// Marks the fields of a line of plain numbers that a rule leaves out, or that have no heading.
     pub(super) fn plain_fields(&self, fields: &mut [PlainField]) {
         for (field, owner) in fields.iter_mut().zip(&self.owners) {
             match (&field, owner) {
@@ -24,16 +24,17 @@ impl Contract {
     }
 }
 
-/// Lines that rules leave out and that could be parts, counted by the rule among those for lines.
+/// Counts the lines that could be parts and that a rule leaves out.
 #[derive(Debug, Default)]
 pub(crate) struct Doubtful {
+    /// How many lines each rule for lines leaves out.
     counts: Vec<u64>,
-    /// The first that is one more than its rule says: the rule, and the line.
+    /// The first line beyond the `at_most` of its rule: the rule, and the line.
     beyond: Option<(usize, u64)>,
 }
 
 impl Doubtful {
-    /// Takes those of one more block.
+    /// Adds the lines of a block.
     pub(crate) fn add(&mut self, rows: &Rows, block: &Block) {
         for (rule, line, _) in &block.doubtful {
             self.counts.resize(self.counts.len().max(rule + 1), 0);
@@ -44,18 +45,18 @@ impl Doubtful {
         }
     }
 
-    /// That there are more than a rule says.
+    /// The contradiction, if a rule leaves out more such lines than its `at_most`.
     pub(crate) fn contradiction(&self, rows: &Rows) -> Option<Contradiction> {
         let (rule, line) = self.beyond?;
         let most = rows.setup.contract.layout.ignore_lines[rule].at_most;
-        let message = format!("a rule leaves out a line that could be a part, and {most} of them at most");
+        let message = format!("a rule leaves out a line that could be a part, beyond its at_most = {most}");
         let help = "say how many such lines there may be: ignore_lines = [{ like = \"…\", at_most = 1 }]";
         Some(Contradiction { line, column: String::new(), message, help })
     }
 }
 
 impl Rows {
-    /// A record of a closed table: a part, a line that a rule leaves out, the heading again, or a row that is rejected.
+    /// Reads a record: a part, a line that a rule leaves out, a repeated heading, or a row that is rejected.
     pub(super) fn owned_row(&self, record: &Record, raw: Span, block: &mut Block) {
         let contract = &self.setup.contract;
         if record.says_nothing() {
@@ -88,7 +89,7 @@ impl Rows {
         self.setup.columns.iter().all(has_value)
     }
 
-    /// A row that is a part, or rejected.
+    /// Reads a row as a part, or rejects it.
     pub(super) fn part(&self, record: &Record, raw: Span, block: &mut Block) {
         let contract = &self.setup.contract;
         let (ledger, beside) = (RowLedger::new(record), contract.layout.own_rule(OwnRule::BesideValues));
@@ -134,7 +135,7 @@ impl Rows {
         if let Some(message) = wrong {
             self.refuse(record.line, raw, block, &record.in_words(), message);
             if let Some(name) = name.filter(|_| index.is_some()) {
-                // the part of the space or tooth
+                // a rejected space or tooth keeps the name of its part
                 let name = block.append(name.text().as_bytes());
                 block.names.pop();
                 block.names.push(name);
@@ -162,7 +163,7 @@ impl Rows {
     }
 }
 
-/// What a row is that may be no part: its name is none, or no value can be read.
+/// A row that is perhaps no part: its name is that of a statistic, or one of its values cannot be read.
 fn may_be_no_part(
     record: &Record,
     name: Option<&Cell>,
@@ -185,7 +186,7 @@ fn may_be_no_part(
     })
 }
 
-/// Takes a line that is no part.
+/// Counts and keeps a line that is no part.
 fn no_part(rule: usize, record: &Record, block: &mut Block) {
     block.tally(rule).add(record.line, 0, &line_of(record));
     block.asides.push(AsideReading { line: record.line, text: record.in_words() });

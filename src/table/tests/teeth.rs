@@ -76,8 +76,8 @@ fn a_space_has_measures_and_a_tooth_deviations() {
 #[test]
 fn what_is_ambiguous_or_wrong_is_refused_with_its_place() {
     for (text, expected) in [
-        ("over_pin;space\n25,013;0\n", "`25,013` has a decimal mark or one of thousands, and nothing tells which"),
-        ("over_pin;space\n25,01;0\n25.01;1\n", "`25,01` has a decimal mark or one of thousands, and nothing tells"),
+        ("over_pin;space\n25,013;0\n", "`25,013` has a decimal mark or a thousands mark, and nothing tells which"),
+        ("over_pin;space\n25,01;0\n25.01;1\n", "`25,01` has a decimal mark or a thousands mark, and nothing tells"),
         ("over_pin,space\n25.0,x\n", "error[bad-table]: rack.csv, line 2: it is not a whole number: `x`"),
         ("over_pin,space\n25.0,\n", "error[bad-table]: rack.csv, line 2: the cell is empty"),
         ("over_pin,space\n25.0,4\n25.1,4\n", "error[bad-table]: rack.csv, line 3: space 4 has two rows"),
