@@ -1,12 +1,12 @@
-//! Vectors in space, systems of at most three linear equations, and least squares. Called by the multibody model and by
+//! Vectors in space, systems of at most three linear equations, and least squares. Called by the multibody model and for
 //! measured curves.
 
-/// The scalar product.
+/// The scalar product a · b.
 pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Adds to each entry of a matrix what belongs to its row and column.
+/// Adds `by(row, column)` to each entry of a matrix.
 pub(crate) fn increase<const N: usize>(matrix: &mut [[f64; N]; N], by: impl Fn(usize, usize) -> f64) {
     for (i, row) in matrix.iter_mut().enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
@@ -15,7 +15,8 @@ pub(crate) fn increase<const N: usize>(matrix: &mut [[f64; N]; N], by: impl Fn(u
     }
 }
 
-/// Gaussian elimination of n ≤ 3 equations with pivots on the diagonal; `None` if one is not positive.
+/// Solves K x = r for the first n ≤ 3 equations by Gaussian elimination, with pivots on the diagonal; `None` if a pivot is
+/// not positive.
 pub(crate) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[f64; 3]> {
     for i in 0..n {
         let pivot = k[i];
@@ -42,17 +43,17 @@ pub(crate) fn solve(mut k: [[f64; 3]; 3], mut r: [f64; 3], n: usize) -> Option<[
 /// A least-squares fit of columns to values.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LeastSquares {
-    /// What each column counts.
+    /// The factor of each column.
     pub(crate) coefficients: Vec<f64>,
-    /// The inverse of the normal matrix: times σ², the covariance of the coefficients.
+    /// The inverse of the normal matrix; σ² times it is the covariance of the coefficients.
     pub(crate) inverse: Vec<Vec<f64>>,
-    /// The weighted sum of squares that is left.
+    /// The weighted sum of squares of values less fit.
     pub(crate) rest: f64,
 }
 
-/// Fits columns to values, each row with its weight; `None` if a column follows from the others.
+/// Fits columns to values, each row with its weight; `None` if the columns are linearly dependent.
 pub(crate) fn least_squares(columns: &[&[f64]], weights: &[f64], values: &[f64]) -> Option<LeastSquares> {
-    /// A column that others explain but for this share of its square is none.
+    /// A column is dependent if the others explain all of its square but this share.
     const DEPENDENT: f64 = 1e-9;
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(weights).map(|((a, b), w)| w * a * b).sum::<f64>();
     let n = columns.len();
@@ -60,7 +61,7 @@ pub(crate) fn least_squares(columns: &[&[f64]], weights: &[f64], values: &[f64])
     if scale.iter().any(|scale| !(scale.is_finite() && *scale > 0.0)) {
         return None;
     }
-    // the normal matrix of columns of length 1, and beside it what becomes its inverse
+    // the normal matrix of the columns scaled to length 1, and beside it the unit matrix, which becomes its inverse
     let mut rows: Vec<Vec<f64>> = (0..n)
         .map(|i| {
             let entry = |j: usize| product(columns[i], columns[j]) / (scale[i] * scale[j]);
@@ -96,7 +97,7 @@ pub(crate) fn least_squares(columns: &[&[f64]], weights: &[f64], values: &[f64])
 mod tests {
     use super::*;
 
-    /// A line through points, and columns that say the same.
+    /// A line through four points; dependent columns.
     #[test]
     fn least_squares_fit_and_refuse_what_is_said_twice() {
         let (ones, x) = ([1.0; 4], [0.0, 1.0, 2.0, 3.0]);

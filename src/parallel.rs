@@ -1,5 +1,5 @@
-//! Work shared out over the machine's cores. Called by the mesh for many strokes and by whatever repeats a simulation;
-//! knows nothing of what is worked on. Results come in the order of the work, whichever thread was faster.
+//! Work on all cores of the machine. Called by the mesh for many strokes, and for batches and repeated simulations. Results
+//! come in the order of the work.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,8 +9,8 @@ pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Makes something of each number below `count` on up to so many threads. `start` makes what a thread keeps from one
-/// number to the next. Returns what was made, in order, and what the threads kept, in no order.
+/// Calls `make` for each number below `count`, on at most `threads` threads. `start` makes the state that a thread keeps
+/// from one number to the next. Returns the results in order, and the states of the threads in no order.
 pub(crate) fn map<T: Send, W: Send>(
     threads: usize,
     count: usize,
@@ -37,13 +37,13 @@ pub(crate) fn map<T: Send, W: Send>(
     (all.into_iter().map(|(_, made)| made).collect(), kept)
 }
 
-/// Works off jobs on up to so many threads; whoever is done takes the next one.
+/// Does jobs on at most `threads` threads; a thread that is done takes the next job.
 fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: impl Fn(J) + Sync) {
     if threads <= 1 {
         return jobs.for_each(work);
     }
     let jobs = Mutex::new(jobs);
-    // a job is taken with the lock held and worked off without it; a panic elsewhere is passed on below
+    // a thread takes a job with the lock held and does it without; a panic on another thread is passed on below
     let next = || jobs.lock().ok().and_then(|mut jobs| jobs.next());
     on_threads(threads, || {
         while let Some(job) = next() {
@@ -52,15 +52,15 @@ fn deal<J: Send>(threads: usize, jobs: impl Iterator<Item = J> + Send, work: imp
     });
 }
 
-/// What [`in_order`] holds at once for each thread: enough that a slow one holds nobody up for long, and so little that
-/// whoever is to end has not to wait for much.
+/// Results that [`in_order`] holds at once for each thread: enough that a slow thread hardly delays the others, few enough
+/// that an early end comes soon.
 pub(crate) const HELD: usize = 4;
 
-/// Makes something of each number below `count` on up to so many threads, and hands what was made over in the order of
-/// the numbers. Memory is bounded however many there are.
+/// Calls `make` for each number below `count` on at most `threads` threads, and `take` for each result in the order of the
+/// numbers. Memory does not grow with `count`.
 ///
 /// # Errors
-/// The first one of `take`, after which nothing more is made.
+/// The first error of `take`; no further number is started after it.
 pub(crate) fn in_order<T: Send, E>(
     threads: usize,
     count: u64,
@@ -83,7 +83,7 @@ pub(crate) fn in_order<T: Send, E>(
     Ok(())
 }
 
-/// Runs the same on so many threads at once, the caller's among them. A panic on any of them is the caller's.
+/// Runs `worker` on `threads` threads at once, the caller's among them. A panic on any of them becomes the caller's.
 fn on_threads<T: Send>(threads: usize, worker: impl Fn() -> T + Sync) -> Vec<T> {
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(&worker)).collect();

@@ -1,12 +1,12 @@
 //! The paper's Tables 1 to 3 and its last figure, computed again: by its formulas, by the exact mesh, and by the
 //! multibody model.
 //!
-//! Called by the report of `rackmesh reproduce`. Holds what the paper prints and the gear data chosen for what it does
-//! not print; computes, and leaves the wording to the report.
+//! Called by the report of `rackmesh reproduce`. Holds the values that the paper prints and the gear data that are chosen
+//! here, and computes; the words are the report's.
 //!
 //! The paper publishes no gear data. α_n = 19.9° and k = 19.7 mm reproduce every analytic entry to its last digit. The
-//! rest is one pair, fitted by search to Table 1's multibody column, whose accumulated pitch errors agree with it to 1.6 µm
-//! rms: that agreement confirms nothing, and any other pair with those values is as good ([`pair`]).
+//! other data are those of one pair, found by a search for the multibody column of Table 1 ([`pair`]). Its accumulated pitch
+//! errors agree with that column to 1.6 µm rms. The agreement confirms nothing: other pairs fit as well.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -21,19 +21,19 @@ use crate::multibody::{Outcome, Parameters, Scene, SimulationError, Support, exa
 use crate::parallel;
 use crate::quantity::{Angle, DomainError, Length};
 
-/// The pressure angle that reproduces the analytic columns; any above 19.872° and up to 19.983° does.
+/// Normal pressure angle α_n with which the formulas give the analytic columns; any above 19.872° and up to 19.983° does.
 pub const PRESSURE_ANGLE: &str = "19.9°";
-/// The face width that does, with that pressure angle: k / (2 tan α_n) between 27.158 and 27.215 mm.
+/// Face width k of the rack with which they do at that angle: k / (2 tan α_n) lies between 27.158 and 27.215 mm.
 pub const FACE_WIDTH: &str = "19.7 mm";
-/// How far the axis of the rack's cylindrical joint lies below the reference plane, mm; chosen.
+/// Depth of the axis of the rack's cylindrical joint below the reference plane, mm; chosen here.
 pub const ROLL_AXIS_DEPTH_MM: f64 = 8.0;
 
-/// Which error a table is about.
+/// A table of the paper, by its error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PaperTable {
-    /// Table 1: every pitch of the second rack part is off by Δp, the teeth are thicker by half of it.
+    /// Table 1: every pitch of the second rack part is off by Δp; its teeth are thicker by Δp/2.
     Pitch,
-    /// Table 2: the teeth of the second part lean by Δβ.
+    /// Table 2: the lead of all teeth of the second part is off by Δβ.
     Lead,
     /// Table 3: the second part's measure over the roller is off by ΔM.
     OverRoller,
@@ -78,23 +78,23 @@ pub const PRINTED: [Printed; 18] = [
     printed(PaperTable::OverRoller, "-0.03", "-0.030", "-0.030"),
 ];
 
-/// Why a row has no result.
+/// Why an entry has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproductionError {
-    /// A formula.
+    /// A formula has no value.
     #[error(transparent)]
     Formula(#[from] DomainError),
-    /// The pair.
+    /// The pair is impossible.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Its deviations.
+    /// The rack's deviations are impossible.
     #[error(transparent)]
     Deviation(#[from] DeviationError),
-    /// The exact mesh.
+    /// The exact mesh has no solution.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The multibody model.
+    /// The multibody model has no result.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
 }
@@ -105,8 +105,8 @@ impl From<crate::quantity::QuantityError> for ReproductionError {
     }
 }
 
-/// The gear pair fitted to the multibody column of Table 1: m_n = 2, z = 8, β_p = 21°, β_r = 0, x = 0.3, rack addendum 1.7 mm, pinion tip
-/// diameter 19.738 mm and face width 23.5 mm.
+/// The pair chosen for the multibody column of Table 1: m_n = 2 mm, z = 8, β_p = 21°, β_r = 0, x = 0.3, rack addendum 1.7 mm,
+/// pinion tip diameter 19.738 mm, pinion face width 23.5 mm.
 ///
 /// # Errors
 /// None that these numbers can cause.
@@ -151,7 +151,7 @@ impl Printed {
         Ok(law.delta_cd(error, model)?)
     }
 
-    /// The formula's value with as many decimals and the sign as the paper prints them.
+    /// The formula's value, mm, with the decimals of the paper's entry, and its plus sign where the paper prints one.
     ///
     /// # Errors
     /// As [`Printed::analytic`].
@@ -161,7 +161,7 @@ impl Printed {
         Ok(if self.analytic.starts_with('+') { format!("{mm:+.decimals$}") } else { format!("{mm:.decimals$}") })
     }
 
-    /// The rack of the row: nominal teeth, then teeth with the error.
+    /// The rack of the entry: nominal teeth, then teeth with the error.
     fn rack(&self, pair: &Pair) -> Result<RackFlanks, ReproductionError> {
         let kinds = match self.table {
             PaperTable::Pitch => {
@@ -176,10 +176,10 @@ impl Printed {
         Ok(RackFlanks::new(pair, &deviations)?)
     }
 
-    /// The row by the exact mesh and by the multibody model. `watch` is given the share of the row that each sample adds.
+    /// The entry by the exact mesh and by the multibody model. `watch` gets the share of the work that each sample adds.
     ///
     /// # Errors
-    /// If the mesh has no solution somewhere or the simulation did not complete.
+    /// [`ReproductionError`] if the mesh has no solution at a stroke or the simulation does not complete.
     pub fn simulate(&self, watch: &dyn Fn(f64)) -> Result<SimulatedRow, ReproductionError> {
         let pair = pair()?;
         let rack = self.rack(&pair)?;
@@ -200,10 +200,10 @@ impl Printed {
     }
 }
 
-/// A row by the exact mesh and by the multibody model.
+/// An entry by the exact mesh and by the multibody model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedRow {
-    /// Mean ΔCD of the second rack part less that of the first by the exact mesh, mm.
+    /// Mean ΔCD of the second rack part less that of the first, by the exact mesh, mm.
     pub exact_mm: Option<f64>,
     /// The same by the multibody model, mm.
     pub multibody_mm: Option<f64>,
@@ -211,7 +211,7 @@ pub struct SimulatedRow {
     pub outcome: Outcome,
 }
 
-/// Simulates every row, on all cores; rows of the same error once. `watch` is told how much is done, 0 to 1.
+/// Simulates every entry, on all cores; entries of the same error once. `watch` gets the share that is done, 0 to 1.
 #[must_use]
 pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, ReproductionError>> {
     let first_alike =
@@ -219,7 +219,7 @@ pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, Re
     let mut distinct: Vec<usize> = PRINTED.iter().filter_map(first_alike).collect();
     distinct.sort_unstable();
     distinct.dedup();
-    // a rack that rocks takes longest: what is begun last is to be over soon
+    // lead errors take longest, because the rack rolls: they start first
     distinct.sort_by_key(|index| PRINTED[*index].table != PaperTable::Lead);
     let done = Mutex::new(0.0);
     let add = |share: f64| {

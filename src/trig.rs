@@ -1,8 +1,7 @@
-//! The only place that computes trigonometric functions. Called by everything that needs one; angles are in rad or an
-//! [`Angle`].
+//! The only place that computes trigonometric functions. Angles are in rad or an [`Angle`].
 //!
-//! The platform's own functions differ in the last bits between C libraries, so they are banned by
-//! lint (`clippy.toml`); the ones here are pure Rust and give the same bits everywhere.
+//! These functions are pure Rust and give the same bits on every machine. Those of the standard library differ in the last
+//! bits between C libraries; a lint (`clippy.toml`) forbids them.
 
 use crate::quantity::Angle;
 
@@ -34,14 +33,14 @@ pub fn tan(radians: f64) -> f64 {
     libm::tan(radians)
 }
 
-/// Arc sine, in radians.
+/// Arc sine of x in −1 … 1, in radians; NaN outside.
 #[must_use]
 #[inline]
 pub fn asin(x: f64) -> f64 {
     libm::asin(x)
 }
 
-/// Arc cosine, in radians.
+/// Arc cosine of x in −1 … 1, in radians; NaN outside.
 #[must_use]
 #[inline]
 pub fn acos(x: f64) -> f64 {
@@ -62,7 +61,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
-/// Sine and cosine of an [`Angle`]: what its nearest number of radians leaves out is made good.
+/// Sine and cosine of an [`Angle`]. The rounding of the angle to radians is corrected to first order.
 #[must_use]
 pub fn sin_cos_of(angle: Angle) -> (f64, f64) {
     let (radians, rest) = angle.radians_and_rest();
@@ -70,16 +69,16 @@ pub fn sin_cos_of(angle: Angle) -> (f64, f64) {
     (sin + rest * cos, cos - rest * sin)
 }
 
-/// Sine of an [`Angle`] within ±90°, in the same way.
+/// Sine of an [`Angle`] within ±90°, with the same correction.
 #[must_use]
 #[inline]
 pub fn sin_of(angle: Angle) -> f64 {
     let (radians, rest) = angle.radians_and_rest();
-    // as much of the cosine as the rest needs
+    // the correction needs the cosine to second order only
     sin(radians) + rest * (1.0 - 0.5 * radians * radians)
 }
 
-/// Tangent of an [`Angle`], in the same way.
+/// Tangent of an [`Angle`], with the same correction.
 #[must_use]
 pub fn tan_of(angle: Angle) -> f64 {
     let (radians, rest) = angle.radians_and_rest();

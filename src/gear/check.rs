@@ -1,30 +1,30 @@
-//! How a valid geometry meshes, and what it does badly: contact ratio, undercut, interference, thin tips. Called by whoever
-//! builds a [`Pair`] and wants to warn; forbids nothing.
+//! How a valid geometry meshes: contact ratio, and warnings of undercut, tip interference, thin tips and steep flanks. Called
+//! by whoever builds a [`Pair`]; forbids nothing.
 
 use super::Pair;
 use crate::quantity::Rounded;
 use crate::trig;
 
-/// How long flank pairs of the nominal pair keep contact, and when, in teeth or, which is the same, pitches of stroke: the
-/// right flank of rack tooth i carries at strokes i + c ± ε/2, the left one at i − c ± ε/2.
+/// The stroke over which a flank pair of the nominal pair keeps contact, in pitches p_x: the right flank of rack tooth i
+/// carries at strokes i + c ± ε/2, the left flank at i − c ± ε/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRatio {
-    /// Length of the path of contact in a transverse section of the pinion over the base pitch.
+    /// Transverse contact ratio: path of contact in a transverse section of the pinion over the transverse base pitch.
     pub transverse: f64,
-    /// What the helix adds: total − transverse; 0 for a pinion without helix.
+    /// Overlap ratio: total − transverse; 0 for a pinion without helix.
     pub overlap: f64,
-    /// The stroke during which one flank pair keeps contact anywhere, over the pitch: ε.
+    /// Total contact ratio ε: stroke over which one flank pair keeps contact, over the pitch.
     pub total: f64,
-    /// The middle of that stroke for the right flank of rack tooth 0, over the pitch: c.
+    /// Offset c: middle of that stroke for the right flank of rack tooth 0, over the pitch.
     pub offset: f64,
 }
 
 impl ContactRatio {
-    /// Of flanks that do not reach each other.
+    /// The contact ratio of flanks that do not reach each other.
     const NONE: Self = Self { transverse: 0.0, overlap: 0.0, total: 0.0, offset: 0.0 };
 }
 
-/// Something about a valid geometry that a designer would want to know.
+/// A property of a valid geometry that a designer should know.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeometryWarning {
@@ -33,20 +33,20 @@ pub enum GeometryWarning {
     Undercut {
         /// The pinion's profile shift coefficient.
         profile_shift: f64,
-        /// The smallest one without undercut, (h_a − r sin² α_t)/m_n.
+        /// The smallest profile shift coefficient without undercut, (h_a − r sin² α_t)/m_n.
         limit: f64,
     },
-    /// The rack's tip reaches further down than the involute.
+    /// The rack's tip reaches deeper than the start of the involute.
     #[error(
         "tip interference: the rack's tip reaches {depth_mm:.4} mm deeper than the involute, which starts at diameter {root_form_diameter_mm:.3} mm"
     )]
     TipInterference {
-        /// How much lower than the lowest point of contact of the involute the rack's tip is, mm.
+        /// Depth of the rack's tip below the lowest point of contact of the involute, mm.
         depth_mm: f64,
         /// Diameter at which the involute starts, mm.
         root_form_diameter_mm: f64,
     },
-    /// Less than 0.2 m_n of the pinion's tooth is left at its tip.
+    /// The pinion's tooth is thinner than 0.2 m_n at its tip.
     #[error(
         "pinion tooth is nearly pointed: normal thickness {tip_thickness_mm:.4} mm at the tip, less than {} mm", Rounded(*.limit_mm)
     )]
@@ -56,7 +56,7 @@ pub enum GeometryWarning {
         /// 0.2 m_n, mm.
         limit_mm: f64,
     },
-    /// Flanks so steep that the centre distance amplifies every displacement of theirs.
+    /// The flanks are so steep that the centre distance amplifies each of their displacements.
     #[error(
         "sensitive: at a normal pressure angle of {}° the centre distance moves {gain:.3} times as far as a flank does \
          (1 / (2 tan α_n))",
@@ -80,21 +80,23 @@ pub enum GeometryWarning {
     },
 }
 
-/// Below this share of m_n the tip's case would be hardened through (usual workshop rule).
+/// Smallest normal thickness of a tip as a share of m_n: the case of a thinner one is hardened through (workshop rule).
 const THIN_TIP: f64 = 0.2;
 
-/// Gains above this deserve a warning: 1.4 is usual, 2.9 that of the steepest flanks in use (10°).
+/// Largest gain without a warning: 1.4 is usual, and 2.8 is that of the steepest flanks in use (10°).
 const SENSITIVE: f64 = 3.0;
 
-/// ΔCD, mm, of a tooth that is thicker by so much in the normal section of the rack, t / (2 tan α_n); of a pinion tooth, cos β_p
-/// times its arc at the reference circle counts.
+/// ΔCD = t / (2 tan α_n) of a tooth that is thicker by t, mm.
+///
+/// `thicker_mm` is t in the rack's normal section; for a pinion tooth it is cos β_p times the arc at the reference circle.
+/// `tan_alpha` is tan α_n, above 0.
 #[must_use]
 pub fn thickness_offset_mm(thicker_mm: f64, tan_alpha: f64) -> f64 {
     0.5 * thicker_mm / tan_alpha
 }
 
-/// Smallest profile shift at which a rack cutter with this addendum leaves no undercut on a pinion with this reference
-/// radius: x = (h_a − r sin² α_t) / m_n. Lengths in mm.
+/// Smallest profile shift coefficient without undercut, x = (h_a − r sin² α_t) / m_n, for a rack cutter of addendum h_a and a
+/// pinion of reference radius r. Lengths are in mm; the module m_n is above 0.
 #[must_use]
 pub fn undercut_limit(addendum: f64, reference_radius: f64, transverse_pressure_angle_rad: f64, module: f64) -> f64 {
     let sin_t = trig::sin(transverse_pressure_angle_rad);
@@ -102,8 +104,8 @@ pub fn undercut_limit(addendum: f64, reference_radius: f64, transverse_pressure_
 }
 
 impl Pair {
-    /// How far the centre distance moves when one flank of every tooth moves along the reference plane by 1: the
-    /// condition number of the exact mesh by its flanks, 1 / (2 tan α_n).
+    /// ΔCD per displacement of one flank of every tooth, normal to the tooth line in the reference plane: 1 / (2 tan α_n), mm
+    /// per mm.
     #[must_use]
     pub fn gain(&self) -> f64 {
         0.5 / trig::tan(self.normal_pressure_angle_rad())
@@ -117,8 +119,8 @@ impl Pair {
         undercut_limit(addendum, p.reference_radius_mm, p.transverse_pressure_angle_rad, module)
     }
 
-    /// Roll angle τ at which the rack's tip plane meets the line of action at a = a_0:
-    /// the contact point's height is Z = x m_n + r sin² α_t − r_b τ sin α_t. Negative with undercut.
+    /// Roll angle τ at which the rack's tip plane meets the line of action at a = a_0. The point of contact has the height
+    /// Z = x m_n + r sin² α_t − r_b τ sin α_t. The angle is negative with undercut.
     fn rack_tip_roll_rad(&self) -> f64 {
         let p = self.pinion();
         let sin_t = trig::sin(p.transverse_pressure_angle_rad);
@@ -128,11 +130,11 @@ impl Pair {
 
     /// Contact ratio of the nominal pair at a_0.
     ///
-    /// A point of contact is known by its roll angle τ and its place w along the pinion's axis. The pair's flanks
-    /// bound both: τ between the involute's start (or the rack's tip) and its tip, |w| ≤ b/2, and |y| ≤ k/2
-    /// with y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ. On that polygon the phase of the mesh is
-    /// τ − w tan β_b / r_b; its extent over the angular pitch is the total contact ratio. A right flank touches at the
-    /// stroke at which the pinion has turned by that phase less ψ_b + α_t, from half a pitch on.
+    /// A point of contact has a roll angle τ and a place w along the pinion's axis. The flanks bound both: τ lies between the
+    /// involute's start (or the rack's tip) and the pinion's tip, |w| ≤ b/2, and |y| ≤ k/2 with
+    /// y = r_b (τ cos α_t − sin α_t) sin Σ + w cos Σ. The phase of the mesh is φ = τ − w tan β_b / r_b. Its extent over that
+    /// polygon, over the angular pitch 2π/z, is the total contact ratio. The right flank of rack tooth 0 touches at the stroke
+    /// ½ + (φ − ψ_b − α_t) / (2π/z), in pitches.
     #[must_use]
     pub fn contact_ratio(&self) -> ContactRatio {
         let p = self.pinion();
@@ -161,7 +163,7 @@ impl Pair {
         ContactRatio { transverse, overlap: total - transverse, total, offset }
     }
 
-    /// Everything about this geometry that a designer would want to know, worst first.
+    /// The properties of this geometry that a designer should know, the worst first.
     #[must_use]
     pub fn warnings(&self) -> Vec<GeometryWarning> {
         let p = self.pinion();
@@ -177,7 +179,7 @@ impl Pair {
         }
         let roll = self.rack_tip_roll_rad();
         if roll < p.start_roll_rad {
-            // along the line of action a roll angle τ is r_b τ, of which sin α_t is height
+            // a roll angle τ is r_b τ along the line of action, and r_b τ sin α_t in height
             let sin_t = trig::sin(p.transverse_pressure_angle_rad);
             found.push(GeometryWarning::TipInterference {
                 depth_mm: p.base_radius_mm * (p.start_roll_rad - roll) * sin_t,
@@ -200,8 +202,8 @@ impl Pair {
     }
 }
 
-/// The part of a convex polygon on which a linear function is not negative; `towards` is the point at a share of the way from
-/// one corner to another.
+/// The part of a convex polygon on which the linear function `inside` is not negative; `towards` is the point at a share of
+/// the way from one corner to another.
 pub(crate) fn clip<P: Copy>(polygon: &[P], inside: impl Fn(&P) -> f64, towards: impl Fn(&P, &P, f64) -> P) -> Vec<P> {
     let mut kept = Vec::with_capacity(polygon.len() + 2);
     for (index, here) in polygon.iter().enumerate() {
@@ -217,7 +219,7 @@ pub(crate) fn clip<P: Copy>(polygon: &[P], inside: impl Fn(&P) -> f64, towards: 
     kept
 }
 
-/// The point at a share of the way.
+/// The point at a share of the way from `a` to `b`.
 fn between(a: &(f64, f64), b: &(f64, f64), share: f64) -> (f64, f64) {
     (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1))
 }

@@ -1,4 +1,4 @@
-//! The numbers of a drawing, not yet checked. Read by [`Pair::new`](super::Pair::new) only.
+//! The numbers of a drawing, unchecked. Read by [`Pair::new`](super::Pair::new) only.
 
 /// A rack and pinion as a drawing gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,9 +20,9 @@ pub struct RackData {
     pub helix_angle_rad: f64,
     /// Face width k, across the rack along Y, mm.
     pub face_width_mm: f64,
-    /// Height of the tip plane above the reference plane, mm.
+    /// Addendum: height of the tip plane above the reference plane, mm.
     pub addendum_mm: f64,
-    /// Normal tooth thickness at the reference plane, mm; π m_n / 2 if not given.
+    /// Normal tooth thickness s_n at the reference plane, mm; π m_n / 2 if not given.
     pub tooth_thickness_mm: Option<f64>,
 }
 
@@ -35,12 +35,12 @@ pub struct PinionData {
     pub helix_angle_rad: f64,
     /// Profile shift coefficient x, in units of m_n.
     pub profile_shift: f64,
-    /// Tip diameter, mm.
+    /// Tip diameter d_a, mm.
     pub tip_diameter_mm: f64,
-    /// Diameter at which the involute ends towards the root, mm; the base diameter if not given or smaller.
+    /// Root form diameter, at which the involute ends towards the root, mm; the base diameter if not given or smaller.
     pub root_form_diameter_mm: Option<f64>,
     /// Face width b along the axis, mm.
     pub face_width_mm: f64,
-    /// Change of the transverse tooth thickness at the reference circle, mm.
+    /// Transverse tooth thickness at the reference circle less its nominal value, mm.
     pub tooth_thickness_deviation_mm: f64,
 }

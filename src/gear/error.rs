@@ -1,4 +1,4 @@
-//! Why a geometry cannot be built. Raised by [`Pair::new`](super::Pair::new); holds data, words only in `Display`.
+//! Why a geometry cannot be built. Raised by [`Pair::new`](super::Pair::new).
 
 use crate::quantity::{Degrees, Rounded};
 
@@ -56,13 +56,13 @@ impl PairSize {
         }
     }
 
-    /// The name that people read.
+    /// Its name: `normal module`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.facts()[0]
     }
 
-    /// The unit its values are in: `mm`, `rad` or nothing.
+    /// The unit of its values: `mm`, `rad`, or empty for a number.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         self.facts()[1]
@@ -89,7 +89,7 @@ display_by_name!(PairSize);
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// A value outside the domain in which the geometry is defined (NaN and infinities always are).
+    /// A value outside its domain; NaN and infinities always are.
     #[error("{quantity} = {} is outside {} .. {}", .quantity.shown(*.value), .quantity.shown(*.min), .quantity.shown(*.max))]
     OutOfDomain {
         /// Which number.
@@ -111,7 +111,7 @@ pub enum GeometryError {
         /// The addendum, mm.
         addendum_mm: f64,
     },
-    /// The rack's teeth are as thick as the pitch: no space is left for the pinion.
+    /// The rack's teeth are as thick as the pitch, or thicker: no space is left for the pinion.
     #[error("rack tooth space has no width: normal thickness {} mm, normal pitch {} mm", Rounded(*.tooth_thickness_mm), Rounded(*.pitch_mm))]
     NoRackSpace {
         /// Normal tooth thickness at the reference plane, mm.

@@ -1,7 +1,7 @@
-//! The hand of teeth, as drawings name it. Follows from the sign of a helix angle and nothing else.
+//! The hand of teeth, as drawings name it: the sign of the helix angle.
 
 named! {
-    /// Which way teeth lean.
+    /// The hand of the helix.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Hand {
         /// A positive helix angle.
@@ -14,7 +14,7 @@ named! {
 }
 
 impl Hand {
-    /// Of teeth with this helix angle.
+    /// The hand of teeth with this helix angle.
     #[must_use]
     pub fn of(helix_angle_rad: f64) -> Self {
         if helix_angle_rad > 0.0 {

@@ -1,5 +1,4 @@
-//! The pair with every derived value. Built by the spec layer and by tests, read by everything below;
-//! holds no deviation and computes no contact.
+//! The nominal pair with every derived value. Built by the spec, read by all that computes with gears.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,7 +12,7 @@ pub struct Rack {
     pub helix_angle_rad: f64,
     /// Face width k along Y, mm.
     pub face_width_mm: f64,
-    /// Height of the tip plane above the reference plane, mm.
+    /// Addendum: height of the tip plane above the reference plane, mm.
     pub addendum_mm: f64,
     /// Normal tooth thickness s_n at the reference plane, mm.
     pub tooth_thickness_mm: f64,
@@ -42,7 +41,7 @@ pub struct Pinion {
     pub base_radius_mm: f64,
     /// Tip radius r_a, mm.
     pub tip_radius_mm: f64,
-    /// Radius at which the involute starts, at least r_b, mm.
+    /// Root form radius r_f, at which the involute starts, at least r_b, mm.
     pub root_form_radius_mm: f64,
     /// Transverse pressure angle at the reference circle, tan α_t = tan α_n / cos β_p, rad.
     pub transverse_pressure_angle_rad: f64,
@@ -54,11 +53,11 @@ pub struct Pinion {
     pub start_roll_rad: f64,
     /// Roll angle of the involute at the tip, √((r_a/r_b)² − 1), rad.
     pub tip_roll_rad: f64,
-    /// Half the angle between a tooth's flanks at the base circle, s_t/(2r) + inv α_t, rad.
+    /// Half the angle of a tooth at the base circle, ψ_b = s_t/(2r) + inv α_t, rad.
     pub base_half_angle_rad: f64,
 }
 
-/// A crossed helical rack and pinion whose numbers have been checked.
+/// A crossed helical rack and pinion with checked numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     normal_module_mm: f64,
@@ -67,13 +66,13 @@ pub struct Pair {
     pinion: Pinion,
 }
 
-/// The bounds are wider than any gear made and narrow enough that nothing derived overflows.
+/// Widths and diameters: wider than any gear made, and narrow enough that nothing derived overflows.
 const LENGTH_MM: (f64, f64) = (1e-6, 1e9);
-/// Smaller modules and larger ones would only be mistakes in units.
+/// Modules: a smaller or larger one is a mistake in the unit.
 const MODULE_MM: (f64, f64) = (1e-3, 1e3);
-/// 1° to 60°: below, tan α in denominators amplifies every error; above, no tooth is left.
+/// Normal pressure angles, 1° to 60°: below, 1 / tan α_n amplifies every error; above, no tooth is left.
 const PRESSURE_ANGLE_RAD: (f64, f64) = (PI / 180.0, PI / 3.0);
-/// ±80°: single-start worms end here.
+/// Helix angles, ±80°: beyond lie single-start worms.
 const HELIX_RAD: (f64, f64) = (-80.0 * PI / 180.0, 80.0 * PI / 180.0);
 /// The most teeth of a pinion.
 pub const MOST_TEETH: u32 = 10_000;
@@ -87,12 +86,11 @@ fn within(quantity: PairSize, value: f64, (min, max): (f64, f64)) -> Result<f64,
 }
 
 impl Pair {
-    /// Checks the numbers of a drawing and derives everything that follows from them.
+    /// Checks the numbers of a drawing and derives all that follows from them.
     ///
     /// # Errors
     /// [`GeometryError::OutOfDomain`] names the first number outside its domain; the other variants say
-    /// that a tooth has no tip, no space or no involute. Geometry that meshes badly but does mesh passes; see
-    /// [`Pair::warnings`].
+    /// that a tooth has no tip, no space or no involute. Geometry that meshes badly is no error: [`Pair::warnings`] lists it.
     pub fn new(data: &PairData) -> Result<Self, GeometryError> {
         let m_n = within(PairSize::NormalModule, data.normal_module_mm, MODULE_MM)?;
         let alpha_n = within(PairSize::NormalPressureAngle, data.normal_pressure_angle_rad, PRESSURE_ANGLE_RAD)?;
@@ -214,8 +212,7 @@ impl Pair {
     }
 
     /// Nominal centre distance a_0 = r + x m_n, from the rack's reference plane to the pinion's axis, mm.
-    /// It stays the same if either part's nominal tooth thickness differs from the standard one; such a
-    /// difference is part of ΔCD = a − a_0.
+    /// A nominal tooth thickness that differs from π m_n / 2 does not change a_0; it is part of ΔCD = a − a_0.
     #[must_use]
     pub fn nominal_center_distance_mm(&self) -> f64 {
         self.pinion.reference_radius_mm + self.pinion.profile_shift * self.normal_module_mm
@@ -229,7 +226,7 @@ impl Pair {
 }
 
 impl Pinion {
-    /// Transverse tooth thickness at the tip circle, 2 r_a (ψ_b − inv α_a), mm.
+    /// Transverse tooth thickness at the tip circle, 2 r_a (ψ_b − inv α_a) with cos α_a = r_b / r_a, mm.
     #[must_use]
     pub fn tip_thickness_mm(&self) -> f64 {
         let inv = self.tip_roll_rad - trig::atan(self.tip_roll_rad);

@@ -12,8 +12,8 @@ use super::{QuantityError, grid_quantity};
 /// An angle on a grid of nano-arcseconds (2.8e-13°). Base unit: degree.
 ///
 /// Read from text: a bare number is in degrees; the units are `deg` (`°`), `arcmin` (`'`), `arcsec` (`"`), `rad`,
-/// `mrad`, `µrad`, `gon`, and degrees, minutes and seconds may follow each other, at most 60 of them: `12° 30' 15"`. Only
-/// radians are not exact: π enters them with 18 digits.
+/// `mrad`, `µrad`, `gon`. Minutes and seconds, at most 60 each, may follow degrees: `12° 30' 15"`. Every unit but the radian
+/// is exact; radians take π to 18 digits.
 ///
 /// ```
 /// use rackmesh::quantity::Angle;
@@ -28,8 +28,7 @@ pub struct Angle {
 }
 
 impl Angle {
-    /// An angle in degrees; the number is taken as the decimal that was written for it, its shortest
-    /// one.
+    /// An angle from a number of degrees, read as its shortest decimal.
     ///
     /// # Errors
     /// [`QuantityError`] if `degrees` is an infinity or NaN, or beyond 277,777°.
@@ -37,7 +36,7 @@ impl Angle {
         Self::of_f64(degrees, AngleUnit::Degree)
     }
 
-    /// An angle of that many nano-arcseconds.
+    /// An angle from a number of nano-arcseconds.
     #[must_use]
     pub const fn from_nas(nas: i64) -> Self {
         Self { nas }
@@ -61,22 +60,22 @@ impl Angle {
         self.radians_and_rest().0
     }
 
-    /// The angle in radians as the sum of two numbers: the nearest `f64`, and what that leaves out.
+    /// The angle in radians as the sum of two numbers: the nearest `f64`, and its rounding error.
     #[inline]
     pub(crate) fn radians_and_rest(self) -> (f64, f64) {
         const HALF: u32 = 26;
-        /// π/648000 · 1e-9, the radians in a nano-arcsecond: its first 26 bits, and the others.
+        /// The radians in a nano-arcsecond, π/648000 · 1e-9: its first 26 bits, and the others.
         const FIRST: f64 = 4.848_136_751_573_666e-15;
         const OTHERS: f64 = 5.952_169_393_454_658e-23;
-        // both products with the first bits are exact
+        // both products with `FIRST` are exact
         let high = ((self.nas >> HALF) << HALF) as f64 * FIRST;
         let low = (self.nas & ((1 << HALF) - 1)) as f64 * FIRST + self.nas as f64 * OTHERS;
         let nearest = high + low;
         (nearest, low - (nearest - high))
     }
 
-    /// How far an angle that was rounded to the digits of a text may lie from it: half of one in the last digit, of the
-    /// seconds in `19° 31' 42"`; nothing if the text is a whole number, which counts as exact.
+    /// The largest rounding error of an angle written as `text`: half of one in the last digit, that of the seconds in
+    /// `19° 31' 42"`. A whole number counts as exact and has none.
     #[cfg(feature = "spec")]
     pub(crate) fn rounding_of(text: &str) -> Self {
         let half = half_digit(text).and_then(|(half, unit)| {
@@ -86,8 +85,8 @@ impl Angle {
         half.unwrap_or_default()
     }
 
-    /// The angle in `unit`; of radians and their parts, whose decimals are not on the grid, the shortest decimal that
-    /// reads back as the same angle.
+    /// The angle in `unit`. Radians are not on the grid; of them it is the shortest decimal that reads back as the same
+    /// angle.
     #[must_use]
     pub fn in_unit(self, unit: AngleUnit) -> f64 {
         match unit {
@@ -98,12 +97,12 @@ impl Angle {
         }
     }
 
-    /// The shortest number that reads back as this angle, whose value in `unit` is near `value`.
+    /// The shortest number near `value` that reads in `unit` as this angle.
     fn shortest_number(self, value: f64, unit: AngleUnit) -> f64 {
         self.shortest(value, unit).parse().unwrap_or(value)
     }
 
-    /// The shortest decimal text of `value`, this angle in `unit`, that reads back as it.
+    /// The shortest decimal text of `value` that reads in `unit` as this angle.
     fn shortest(self, value: f64, unit: AngleUnit) -> String {
         let reads_back = |text: &String| {
             let read = Decimal::parse(text).ok().map(|number| Self::of_number(number, unit));
@@ -138,7 +137,7 @@ impl FromStr for Angle {
             };
             let number = Decimal::of_quantity(written, text, EXPECTED)?;
             let part = Self::of_number(number, unit)?;
-            // after the first part come smaller units without a sign of their own: 12° 30' 15"
+            // the parts after the first have smaller units and no sign: 12° 30' 15"
             let follows = match previous {
                 None => true,
                 Some(AngleUnit::Degree) => matches!(unit, AngleUnit::Arcminute | AngleUnit::Arcsecond),
@@ -150,8 +149,8 @@ impl FromStr for Angle {
                 return Err(QuantityError::no_unit_of_angle(rest.trim()));
             }
             if previous.is_some_and(|previous| part.in_unit(previous) > 1.0) {
-                let what = "what stands behind degrees or minutes";
-                return Err(QuantityError::Overflow { what, largest: "60 minutes or 60 seconds" });
+                let what = "the number of minutes or seconds";
+                return Err(QuantityError::Overflow { what, largest: "60" });
             }
             sum = Some(match sum {
                 None => {
@@ -207,7 +206,7 @@ mod tests {
         assert_eq!(angle("1° 900\""), angle("1.25"));
         assert_eq!(
             "0°01′75″".parse::<Angle>().unwrap_err().to_string(),
-            "what stands behind degrees or minutes is too large: its magnitude must stay within 60 minutes or 60 seconds"
+            "the number of minutes or seconds is too large: its magnitude must stay within 60"
         );
         for text in ["0.25 Degrees", "0.25 Grad", "15 min", "15′", "900″", "900 sec", "0 deg 14 min 60 sec"] {
             assert_eq!(angle(text), angle("0.25"), "{text}");

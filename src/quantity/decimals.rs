@@ -1,4 +1,4 @@
-//! Lengths as decimal text. Called by lengths, and by batches, which write nothing as often.
+//! Lengths as decimal text. Called by [`Length`] and by batches, whose output is mostly lengths.
 
 use super::Length;
 
@@ -7,13 +7,13 @@ use super::Length;
 pub(crate) struct Places {
     write: fn(&mut Vec<u8>, Length),
     write_each: fn(&mut Vec<u8>, u8, &[Length]),
-    /// Decimals that the grid does not have.
+    /// Zeros behind the decimals of the grid.
     zeros: usize,
 }
 
 impl Places {
     pub(crate) fn new(count: usize) -> Self {
-        /// By the number of decimals, so that each divides by constants.
+        /// The writers of one number of decimals, which divide by constants.
         type Writers = (fn(&mut Vec<u8>, Length), fn(&mut Vec<u8>, u8, &[Length]));
         const fn of<const DECIMALS: u32>() -> Writers {
             (write::<DECIMALS>, write_each::<DECIMALS>)
@@ -47,7 +47,7 @@ impl Places {
         }
     }
 
-    /// Writes several, each behind a separator.
+    /// Writes several lengths, each behind a separator.
     #[cfg_attr(not(feature = "batch"), expect(dead_code, reason = "only batches write several"))]
     #[inline]
     pub(crate) fn write_each(self, out: &mut Vec<u8>, separator: u8, lengths: &[Length]) {
@@ -71,7 +71,7 @@ fn write<const DECIMALS: u32>(out: &mut Vec<u8>, length: Length) {
     }
 }
 
-/// Those of a row are put together where room need not be asked for, and copied at once.
+/// Writes several lengths: up to eight are put together on the stack and copied at once.
 fn write_each<const DECIMALS: u32>(out: &mut Vec<u8>, separator: u8, lengths: &[Length]) {
     const TOGETHER: usize = 8;
     // a separator, a sign, a digit, the mark, and six decimals
@@ -96,7 +96,7 @@ fn write_each<const DECIMALS: u32>(out: &mut Vec<u8>, separator: u8, lengths: &[
     }
 }
 
-/// In units of the last decimal, and whether a sign stands before it.
+/// The magnitude in units of the last decimal, and whether a minus sign stands before it.
 #[inline]
 fn rounded(length: Length, decimals: u32) -> (u64, bool) {
     let cut = 10u64.pow(12 - decimals);
@@ -104,8 +104,8 @@ fn rounded(length: Length, decimals: u32) -> (u64, bool) {
     (rounded, length.is_negative() && rounded > 0)
 }
 
-/// What most lengths of a table are, below 10 mm with up to six decimals: whether a sign stands before it, and its text with
-/// more digits than it has, so that the same number of bytes is copied for each.
+/// The usual length of a table, below 10 mm with up to six decimals: whether a minus sign stands before it, and its text. The
+/// text always has six decimals, so that each copy has the same number of bytes.
 #[inline]
 fn short<const DECIMALS: u32>(length: Length) -> Option<(bool, [u8; 8])> {
     let (rounded, is_negative) = rounded(length, DECIMALS);
@@ -117,7 +117,7 @@ fn short<const DECIMALS: u32>(length: Length) -> Option<(bool, [u8; 8])> {
     Some((is_negative, [b'0' + (millionths / 1_000_000) as u8, b'.', a[0], a[1], b[0], b[1], c[0], c[1]]))
 }
 
-/// Two digits at a time: a division for each of them takes longer.
+/// The texts of 00 to 99: a division for each digit takes longer.
 const PAIRS: [[u8; 2]; 100] = {
     let mut pairs = [[b'0'; 2]; 100];
     let mut pair = 0;

@@ -1,5 +1,4 @@
-//! Domains: which values of a quantity make sense, and the error that says so. Declared by the formulas and the spec;
-//! corrects nothing.
+//! Domains: the values that a quantity may take, and the error of a value outside. Declared by the formulas and the spec.
 
 use std::fmt;
 use std::ops::{Bound, RangeBounds as _};
@@ -21,7 +20,7 @@ pub struct Domain {
     pub upper: Bound<i64>,
 }
 
-/// A value outside its domain, or a result outside the numbers.
+/// A value outside its domain, or a result that is too large.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum DomainError {
@@ -43,17 +42,17 @@ pub enum DomainError {
         /// The normal pitch.
         pitch: Length,
     },
-    /// No error in the domain reaches the ΔCD that was asked about.
+    /// No error in the domain reaches the ΔCD asked for.
     #[error("no {error} reaches a ΔCD of {delta_cd}: the largest possible is {} mm", Rounded(.largest.mm()))]
     NeverReached {
         /// The error's name.
         error: &'static str,
-        /// The ΔCD asked about.
+        /// The ΔCD asked for.
         delta_cd: Length,
         /// The supremum of ΔCD over the domain.
         largest: Length,
     },
-    /// A value is an angle where the formula takes a length, or the other way round.
+    /// An angle where the formula takes a length, or a length where it takes an angle.
     #[error("{value} is no value of a {error} error")]
     WrongDimension {
         /// The error's name.
@@ -61,13 +60,13 @@ pub enum DomainError {
         /// The value, with its unit.
         value: String,
     },
-    /// A value or a result is beyond what lengths and angles hold.
+    /// A value or a result is larger than a length or an angle may be.
     #[error(transparent)]
     Overflow(#[from] QuantityError),
 }
 
 impl Domain {
-    /// The domain of a length or angle that has none but being a number.
+    /// The domain of a length or angle that may be any finite number.
     #[must_use]
     pub const fn any(name: &'static str, symbol: &'static str) -> Self {
         Self { name, symbol, lower: Bound::Unbounded, upper: Bound::Unbounded }

@@ -1,4 +1,4 @@
-//! Why a text or a number is not the quantity that it should be. Raised where quantities are read and computed.
+//! Why a text or a number is not a length or an angle. Raised where quantities are read and computed.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use crate::diagnostic::harmless;
 
 use super::{AngleUnit, LengthUnit, NumberError};
 
-/// Why a text or a number is not the quantity that it should be.
+/// Why a text or a number is not a length or an angle.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum QuantityError {
@@ -20,12 +20,12 @@ pub enum QuantityError {
         /// What is wrong with the number.
         reason: NumberError,
     },
-    /// The unit is none of those known, or measures something else.
+    /// The unit is unknown, or is one of another quantity.
     #[error("`{}` is {problem}: write {units}", shown(unit))]
     Unit {
         /// The unit as written.
         unit: String,
-        /// What it is instead.
+        /// What is wrong with it.
         problem: &'static str,
         /// The units to choose from.
         units: &'static str,
@@ -38,7 +38,7 @@ pub enum QuantityError {
         /// `NaN`, `inf` or `-inf`.
         value: String,
     },
-    /// The value is beyond what the quantity holds.
+    /// The value is larger than the quantity may be.
     #[error("{what} is too large: its magnitude must stay within {largest}")]
     Overflow {
         /// The quantity that overflows.
@@ -64,7 +64,7 @@ impl QuantityError {
     }
 }
 
-/// A text as a message shows it: its first 60 characters, on one line, and nothing that a terminal would obey.
+/// A text as a message shows it: its first 60 characters, on one line, without control characters.
 pub(crate) fn shown(text: &str) -> String {
     const LONGEST: usize = 60;
     let more = text.chars().nth(LONGEST).map(|_| '…');

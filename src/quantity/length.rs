@@ -14,8 +14,8 @@ use super::{FM_PER_MM, QuantityError, grid_quantity};
 
 /// A length on a grid of femtometres (1e-12 mm). Base unit: mm.
 ///
-/// Read from text: a bare number is in mm; the units are `nm`, `um` (`µm`), `mm`, `cm`, `m`, `in` (`″`), `mil`. Finer
-/// text is rounded to the grid; a length that is read or computed is at most 1 km.
+/// Read from text: a bare number is in mm; the units are `nm`, `um` (`µm`), `mm`, `cm`, `m`, `in` (`″`), `mil`. A finer
+/// number is rounded to the grid. The largest length is 1 km.
 ///
 /// ```
 /// use rackmesh::quantity::Length;
@@ -38,7 +38,7 @@ impl serde::Serialize for Length {
 }
 
 impl Length {
-    /// A length in mm; the number is taken as the decimal that was written for it, its shortest one.
+    /// A length from a number of mm, read as its shortest decimal.
     ///
     /// # Errors
     /// [`QuantityError`] if `mm` is an infinity or NaN, or beyond 1 km.
@@ -46,8 +46,8 @@ impl Length {
         Self::of_f64(mm, LengthUnit::Millimetre)
     }
 
-    /// Doubles in `unit`, each of which is its shortest decimal, less another length; `None` if one has more than six decimals
-    /// or the difference is larger than `largest`.
+    /// Doubles in `unit`, each read as its shortest decimal, less the length `less`; `None` if one has more than six decimals
+    /// or a difference is larger than `largest`.
     #[cfg(feature = "table")]
     pub(crate) fn of_doubles(doubles: &[f64], unit: LengthUnit, less: Self, largest: Self) -> Option<Vec<Self>> {
         let step = unit.scale().of_millionth()?;
@@ -63,10 +63,10 @@ impl Length {
         are_plain.then_some(lengths)
     }
 
-    /// The length nearest to a computed number of femtometres, half away from zero.
+    /// The length nearest to a number of femtometres; halves are rounded away from zero.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] naming the quantity, `what`.
+    /// [`QuantityError::Overflow`] beyond the largest length; it names the quantity, `what`.
     #[inline]
     pub(crate) fn nearest(fm: f64, what: &'static str) -> Result<Self, QuantityError> {
         match Self::near(fm) {
@@ -75,30 +75,30 @@ impl Length {
         }
     }
 
-    /// The same; `None` beyond the largest length.
+    /// The length nearest to a number of femtometres; `None` beyond the largest length.
     #[inline]
     pub(crate) fn near(fm: f64) -> Option<Self> {
-        // NaN is within nothing
+        // false for NaN
         let is_within = fm.abs() <= Self::LARGEST.fm as f64;
-        // half of one, itself, would take what lies just below a half to the next whole number
+        // adding 0.5 itself would round a number just below a half up
         let half = 0.5_f64.next_down();
         is_within.then(|| Self { fm: (fm + half.copysign(fm)) as i64 })
     }
 
-    /// The sum of lengths, exactly.
+    /// The exact sum of lengths.
     ///
     /// # Errors
-    /// [`QuantityError::Overflow`] naming the sum, `what`.
+    /// [`QuantityError::Overflow`] beyond the largest length; it names the sum, `what`.
     pub(crate) fn sum(lengths: impl IntoIterator<Item = Self>, what: &'static str) -> Result<Self, QuantityError> {
         Self::of_sum(lengths.into_iter().map(|length| i128::from(length.fm)).sum(), what)
     }
 
-    /// A sum of femtometres as a length; `what` names it where it is beyond the largest one.
+    /// A sum of femtometres as a length; `what` names it in the error.
     pub(crate) fn of_sum(fm: i128, what: &'static str) -> Result<Self, QuantityError> {
         Self::of_steps(i64::try_from(fm).ok(), what)
     }
 
-    /// A length of that many femtometres.
+    /// A length from a number of femtometres.
     #[must_use]
     pub const fn from_fm(fm: i64) -> Self {
         Self { fm }
@@ -122,8 +122,8 @@ impl Length {
         self.fm as f64 / unit.scale().steps()
     }
 
-    /// How far a length that was rounded to the digits of a text may lie from it: half of one in the last digit; nothing
-    /// if the text is a whole number, which counts as exact.
+    /// The largest rounding error of a length written as `text`: half of one in the last digit. A whole number counts as
+    /// exact and has none.
     #[cfg(feature = "spec")]
     pub(crate) fn rounding_of(text: &str) -> Self {
         let half = half_digit(text).and_then(|(half, unit)| {
@@ -133,7 +133,7 @@ impl Length {
         half.unwrap_or_default()
     }
 
-    /// The length in mm with that many decimals, half away from zero.
+    /// The length in mm with `decimals` decimals; halves are rounded away from zero.
     #[must_use]
     pub fn to_decimal_text(self, decimals: usize) -> String {
         let mut text = Vec::new();
@@ -174,7 +174,7 @@ mod tests {
         text.parse().expect(text)
     }
 
-    /// Doubles that are gone through at once are the lengths that each is by itself, or are left to that.
+    /// Doubles that are read at once give the same lengths as each by itself, or `None`.
     #[cfg(feature = "table")]
     #[test]
     fn doubles_at_once_are_lengths_one_by_one() {

@@ -1,9 +1,9 @@
 //! Lengths and angles on a grid that holds every decimal of a measurement.
 //!
-//! A [`Length`] is a whole number of femtometres (1e-12 mm) and an [`Angle`] a whole number of nano-arcseconds, so that
-//! what came in as decimal text stays what was written: `25.0131 mm - 25.0000 mm` is `0.0131 mm`, an inch is `25.4 mm`,
-//! and sums, differences and comparisons with a limit are exact. The last digits that a spreadsheet leaves on a
-//! difference are finer than the grid, and go.
+//! A [`Length`] is a whole number of femtometres (1e-12 mm) and an [`Angle`] a whole number of nano-arcseconds. Decimal text
+//! therefore keeps its value: `25.0131 mm - 25.0000 mm` is `0.0131 mm`, an inch is `25.4 mm`, and sums, differences and
+//! comparisons with a limit are exact. The rounding errors that a spreadsheet leaves on a difference are finer than the
+//! grid and vanish.
 //!
 //! Every other module uses these types; this one knows nothing of gears.
 //!
@@ -55,7 +55,7 @@ impl Decimal {
         Self::parse(written).map_err(|reason| QuantityError::Number {
             text: text.to_owned(),
             expected,
-            // "abc" has no leading number at all, but it is not empty
+            // "abc" has no number at its start, but is not empty
             reason: if reason == NumberError::Empty && !text.trim().is_empty() {
                 match Self::parse(text.trim()) {
                     Err(NumberError::NotFinite) => NumberError::NotFinite,
@@ -68,23 +68,23 @@ impl Decimal {
     }
 }
 
-/// The largest magnitude that is read or computed, in steps of a grid: a sum of nine such fits an `i64`.
+/// The largest magnitude that is read or computed, in steps of a grid; a sum of nine such fits an `i64`.
 pub(crate) const LARGEST: i64 = 1_000_000_000_000_000_000;
 
-/// What lengths and angles share: the way onto their grid, sums, differences, sign, order.
+/// What lengths and angles share: rounding to the grid, sums, differences, signs.
 macro_rules! grid_quantity {
     ($quantity:ident, $steps:ident, $unit:ident, $what:literal, $largest:literal) => {
         impl $quantity {
-            /// Nothing.
+            /// Zero.
             pub const ZERO: Self = Self { $steps: 0 };
 
-            /// The largest that is read or computed.
+            /// The largest value that is read or computed.
             pub const LARGEST: Self = Self { $steps: super::LARGEST };
 
             /// The magnitude.
             #[must_use]
             pub const fn abs(self) -> Self {
-                // the sign of measured values is anybody's guess: a branch on it is wrong half of the time
+                // the signs of measured values are random, so a branch on the sign is slow
                 let magnitude = self.$steps.unsigned_abs();
                 Self { $steps: if magnitude > i64::MAX as u64 { i64::MAX } else { magnitude as i64 } }
             }
@@ -101,18 +101,18 @@ macro_rules! grid_quantity {
                 self.$steps < 0
             }
 
-            /// So many steps of the grid; `None` beyond the largest.
+            /// The value of `steps` steps of the grid; `None` beyond the largest value.
             #[inline]
             fn within(steps: i64) -> Option<Self> {
                 (steps.unsigned_abs() <= super::LARGEST.unsigned_abs()).then_some(Self { $steps: steps })
             }
 
-            /// So many steps of the grid; `None` stands for more than there are. `what` names the quantity in the error.
+            /// The value of `steps` steps of the grid; `None` is too many. `what` names the quantity in the error.
             fn of_steps(steps: Option<i64>, what: &'static str) -> Result<Self, QuantityError> {
                 steps.and_then(Self::within).ok_or(QuantityError::Overflow { what, largest: $largest })
             }
 
-            /// A double in `unit`, taken as its shortest decimal.
+            /// A double in `unit`, read as its shortest decimal.
             fn of_f64(value: f64, unit: $unit) -> Result<Self, QuantityError> {
                 match Decimal::parse(&format!("{value:e}")) {
                     Ok(decimal) => Self::of_number(decimal, unit),
@@ -125,7 +125,7 @@ macro_rules! grid_quantity {
                 Self::of_steps(number.steps(unit.scale()), $what)
             }
 
-            /// A number in `unit`; `None` beyond the largest.
+            /// A number in `unit`; `None` beyond the largest value.
             #[cfg(feature = "table")]
             #[inline]
             pub(crate) fn of_plain(number: Decimal, unit: $unit) -> Option<Self> {

@@ -1,5 +1,5 @@
-//! Numbers as they are written: the one reader of decimal text, and its counterpart that writes. Called by lengths and
-//! angles, and by whatever reads a plain number; decimal points only, and never `nan` or `inf`.
+//! The one reader of decimal text. Called for lengths, angles and plain numbers. The decimal mark is a point; `nan` and `inf`
+//! are no numbers.
 
 use thiserror::Error;
 
@@ -13,7 +13,7 @@ pub enum NumberError {
     /// The text is not a decimal number.
     #[error("that is not a decimal number")]
     NotANumber,
-    /// The number has a comma: a decimal comma or a thousands mark, which is left to nobody's guess.
+    /// The number has a comma, which could be a decimal comma or a thousands mark.
     #[error("a comma could be a decimal or a thousands mark; write a decimal point and no thousands mark")]
     Comma,
     /// The text is an infinity or not-a-number.
@@ -24,7 +24,7 @@ pub enum NumberError {
     TooLarge,
 }
 
-/// Those that fit a `u64`.
+/// The powers of ten that fit a `u64`.
 const POWERS_OF_TEN: [u64; 20] = {
     let mut powers = [1; 20];
     let mut exponent = 1;
@@ -38,7 +38,7 @@ const POWERS_OF_TEN: [u64; 20] = {
 /// The most digits that always fit a `u64`.
 const MOST_DIGITS: usize = 19;
 
-/// A decimal number: `±digits · 10^exponent`. Of text with more than 19 digits the rest is cut off.
+/// A decimal number `±digits · 10^exponent`. Digits of a text after the 19th are cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Decimal {
     pub(crate) negative: bool,
@@ -46,7 +46,7 @@ pub(crate) struct Decimal {
     pub(crate) exponent: i32,
 }
 
-/// What one of a unit is on the grid of a quantity: `factor · 10^exponent` steps.
+/// The steps of a quantity's grid in one of a unit: `factor · 10^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Scale {
     pub(crate) factor: u64,
@@ -102,7 +102,7 @@ impl Decimal {
     }
 
     /// The plain number that starts at `at`, the fast case of [`parse`](Self::parse): sign, digits, decimal mark,
-    /// digits, 18 of them at most. Returns it with the place behind it.
+    /// digits, at most 18 in all. Returns it with the place behind it.
     #[inline]
     pub(crate) fn plain(bytes: &[u8], at: usize, mark: u8) -> Option<(Self, usize)> {
         let negative = *bytes.get(at)? == b'-';
@@ -114,7 +114,7 @@ impl Decimal {
             (digits, end) = leading_digits(bytes, point + 1, digits);
             decimals = end - point - 1;
         }
-        // behind a mark without digits there may have been some
+        // a number that ends in its mark is left to `parse`
         if whole + decimals == 0 || whole + decimals >= MOST_DIGITS || end == point + 1 {
             return None;
         }
@@ -122,14 +122,14 @@ impl Decimal {
         Some((Self { negative, digits, exponent }, end))
     }
 
-    /// The nearest step of a grid, half away from zero; `None` beyond an `i64`.
+    /// The nearest step of a grid, halves away from zero; `None` beyond an `i64`.
     #[inline]
     pub(crate) fn steps(self, scale: Scale) -> Option<i64> {
         if self.digits == 0 {
             return Some(0);
         }
         let exponent = self.exponent + scale.exponent;
-        // what measured values are: at most 18 digits on a grid that holds them all
+        // measured values: at most 18 digits, all of them on the grid
         let magnitude = match (usize::try_from(exponent), self.digits.checked_mul(scale.factor)) {
             (Ok(power), Some(product)) => product.checked_mul(*POWERS_OF_TEN.get(power)?),
             _ => u64::try_from(self.rounded(scale.factor, exponent)?).ok(),
@@ -138,7 +138,7 @@ impl Decimal {
         Some(if self.negative { -magnitude } else { magnitude })
     }
 
-    /// `digits · factor · 10^exponent`, half rounded up.
+    /// `digits · factor · 10^exponent`, halves rounded up.
     #[cold]
     #[inline(never)]
     fn rounded(self, factor: u64, exponent: i32) -> Option<u128> {
@@ -147,7 +147,7 @@ impl Decimal {
         match power {
             Some(power) if exponent >= 0 => product.checked_mul(power),
             Some(power) => Some(product / power + u128::from(product % power >= power.div_ceil(2))),
-            // beyond 10^38 steps, or below 10^-38 of a product that is smaller
+            // a positive exponent gives more than 10^38 steps, a negative one less than half a step
             None => (exponent < 0).then_some(0),
         }
     }
@@ -156,12 +156,12 @@ impl Decimal {
 /// Numbers as files store them.
 #[cfg(feature = "table")]
 impl Decimal {
-    /// The shortest decimal that reads as this double; `None` if it is not finite.
+    /// The shortest decimal of a double, which reads back as it; `None` if it is not finite.
     pub(crate) fn of_f64(value: f64) -> Option<Self> {
         Self::of_double(value).map(Self::without_zeros)
     }
 
-    /// [`of_f64`](Self::of_f64), which may end in zeros.
+    /// As [`of_f64`](Self::of_f64), but the digits may end in zeros.
     #[inline]
     pub(crate) fn of_double(value: f64) -> Option<Self> {
         const MILLIONTH: i32 = -6;
@@ -172,7 +172,7 @@ impl Decimal {
         Self::of_display(format_args!("{value:e}"))
     }
 
-    /// The shortest decimal that reads as this single-precision number; `None` if it is not finite.
+    /// The shortest decimal of a single-precision number, which reads back as it; `None` if it is not finite.
     pub(crate) fn of_f32(value: f32) -> Option<Self> {
         Self::of_display(format_args!("{value:e}"))
     }
@@ -182,7 +182,7 @@ impl Decimal {
         Self { negative: unscaled < 0, digits: unscaled.unsigned_abs(), exponent: -scale }
     }
 
-    /// `unscaled · 10^-scale`; of more digits than fit the rest is cut off.
+    /// `unscaled · 10^-scale`; digits after the 19th are cut off.
     pub(crate) fn of_i128(unscaled: i128, scale: i32) -> Self {
         let mut magnitude = unscaled.unsigned_abs();
         let mut exponent = -scale;
@@ -196,14 +196,14 @@ impl Decimal {
         Self { negative: unscaled < 0, digits, exponent }
     }
 
-    /// A number as it is displayed, in scientific notation; `None` if that is no number.
+    /// A number in scientific notation; `None` if the text is no number.
     fn of_display(number: std::fmt::Arguments<'_>) -> Option<Self> {
         let mut text = ShortText { bytes: [0; 32], length: 0 };
         std::fmt::Write::write_fmt(&mut text, number).ok()?;
         Self::parse(std::str::from_utf8(&text.bytes[..text.length]).ok()?).ok()
     }
 
-    /// The same number without zeros at the end of its decimals.
+    /// The same number without zeros at the end of its digits.
     fn without_zeros(mut self) -> Self {
         while self.exponent < 0 && self.digits.is_multiple_of(10) {
             self.digits /= 10;
@@ -213,24 +213,24 @@ impl Decimal {
     }
 }
 
-/// The whole number of millionths nearest to a double, and whether these are its shortest decimal. Without a branch, so that
-/// several doubles are gone through at once.
+/// The whole number of millionths nearest to a double, and whether it is the double's shortest decimal. It has no branch, so
+/// that the machine computes several doubles at once.
 #[cfg(feature = "table")]
 #[inline]
 pub(super) fn millionths(value: f64) -> (i64, bool) {
     const MILLION: f64 = 1e6;
-    // no two decimals of 15 digits are the same double, so that one that reads as this double is the shortest
+    // different decimals of 15 digits are different doubles, so one that reads as this double is its shortest decimal
     const OF_15_DIGITS: f64 = 999_999_999_999_999.0;
-    // a double as large has whole numbers for its last digits
-    const WHOLE: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
+    // 1.5 · 2^52: the last bit of a double as large counts ones, so that adding it rounds to a whole number
+    const WHOLE: f64 = 6_755_399_441_055_744.0;
     let rounded = value * MILLION + WHOLE;
     let millionths = rounded - WHOLE;
-    // a whole number beside the nearest one does not read as this double
+    // if the nearest number of millionths does not read as this double, none does
     let is_shortest = (millionths / MILLION == value) & (millionths.abs() <= OF_15_DIGITS);
     (rounded.to_bits().wrapping_sub(WHOLE.to_bits()).cast_signed(), is_shortest)
 }
 
-/// A text that is written without asking for memory: millions of numbers are.
+/// A short text on the stack, for millions of numbers.
 #[cfg(feature = "table")]
 struct ShortText {
     bytes: [u8; 32],
@@ -247,7 +247,7 @@ impl std::fmt::Write for ShortText {
     }
 }
 
-/// The digits that start at `at`, appended to `digits`, and the place behind them; wraps beyond 19 digits.
+/// Appends the digits that start at `at` to `digits`, and returns them with the place behind; wraps beyond 19 digits.
 #[inline]
 fn leading_digits(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) {
     while let Some(byte) = bytes.get(at) {
@@ -261,7 +261,7 @@ fn leading_digits(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) 
     (digits, at)
 }
 
-/// The exponent behind an `e`; one that is beyond every number is as good as any such.
+/// The exponent behind an `e`; one beyond `BEYOND` is cut to it, because no number is as large.
 fn power_of_ten(written: &str) -> Result<i32, NumberError> {
     const BEYOND: i32 = 1_000_000_000;
     let unsigned = written.strip_prefix(['+', '-']).unwrap_or(written);
@@ -272,7 +272,7 @@ fn power_of_ten(written: &str) -> Result<i32, NumberError> {
     Ok(written.parse().map_or(beyond, |exponent: i32| exponent.clamp(-BEYOND, BEYOND)))
 }
 
-/// Reads a number that is no length and no angle: a weight, a stiffness, a count.
+/// Reads a number that is neither length nor angle: a weight, a stiffness, a count.
 #[cfg(any(feature = "table", test))]
 pub(crate) fn parse_f64(text: &str) -> Result<f64, NumberError> {
     Decimal::parse(text)?;
@@ -304,14 +304,14 @@ pub(crate) fn split_number(text: &str) -> (&str, &str) {
     (text[..end].trim(), text[end..].trim())
 }
 
-/// Half of one in the last digit of a quantity as it is written, with its unit: how far what was rounded to these digits
-/// may lie from them. `None` of a whole number by itself, which counts as exact.
+/// Half of one in the last digit of a quantity as written, with its unit: the largest rounding error of these digits.
+/// `None` for a whole number, which counts as exact.
 #[cfg(feature = "spec")]
 pub(super) fn half_digit(text: &str) -> Option<(Decimal, &str)> {
     let is_part = |c: char| c.is_ascii_digit() || ".,_eE+-\u{2212}".contains(c);
     let text = text.trim();
     let end = text.rfind(|c: char| c.is_ascii_digit())? + 1;
-    // of 19° 31' 42", the seconds
+    // the last part: the seconds of 19° 31' 42"
     let start = text[..end].char_indices().rev().take_while(|(_, c)| is_part(*c)).last()?.0;
     let (written, unit) = split_number(&text[start..]);
     let exponent = Decimal::parse(written).ok()?.exponent;
@@ -338,7 +338,7 @@ mod tests {
             ("\u{2212}.25", -250_000_000_000),
             ("7.", 7_000_000_000_000),
             ("0e999999999999999999999", 0),
-            // what a spreadsheet makes of 25.0131 and of 25.0131 - 25
+            // 25.0131 and 25.0131 - 25 as a spreadsheet writes them
             ("25.013100000000001", 25_013_100_000_000),
             ("1.31000000000014E-02", 13_100_000_000),
             ("0.0000000000005", 1),
@@ -386,7 +386,7 @@ mod tests {
         for text in [&b""[..], b"-", b".", b"-.", b",", b" 1", b"+1", b"7.\n", b"abc", b"1234567890123456789"] {
             assert_eq!(plain(text, 0), None, "{text:?}");
         }
-        // the place behind the number shows that these are more than a plain number
+        // these are more than a plain number: the place behind it is not the end
         assert_eq!(plain(b"1e3", 0).map(|(_, end)| end), Some(1));
         assert_eq!(plain(b"12 um", 0).map(|(_, end)| end), Some(2));
     }

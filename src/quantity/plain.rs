@@ -1,21 +1,20 @@
-//! Numbers as programs read them. Used by what writes results.
+//! Numbers as text for programs. Called wherever results are written.
 
-/// The shortest text that reads back as the same double, in powers of ten only where the plain form
-/// would be long.
+/// The shortest text that reads back as the same double; in powers of ten where the decimal form is long.
 pub(crate) fn plain(value: f64) -> String {
     plain_padded(value, 0)
 }
 
-/// As [`plain`], with at least that many decimals.
+/// As [`plain`], with at least `decimals` decimals.
 pub(crate) fn plain_padded(value: f64, decimals: usize) -> String {
-    // Rust's shortest form never uses an exponent; outside this range it is all zeros
+    // `Display` never writes an exponent; outside this range it writes mostly zeros
     if value != 0.0 && !(1e-7..1e15).contains(&value.abs()) {
         return format!("{value:e}");
     }
     padded(value, decimals).unwrap_or_else(|| value.to_string())
 }
 
-/// A value with more decimals than it has: zeros.
+/// A value filled up with zeros to `decimals` decimals; `None` if it has as many or more.
 pub(crate) fn padded(value: f64, decimals: usize) -> Option<String> {
     let text = format!("{value}");
     let has = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
@@ -23,31 +22,30 @@ pub(crate) fn padded(value: f64, decimals: usize) -> Option<String> {
     (decimals > has).then(|| format!("{text}{point}{}", "0".repeat(decimals - has)))
 }
 
-/// The grid of lengths, 1 fm.
+/// Femtometres, the steps of the grid of lengths, in a mm.
 pub(crate) const FM_PER_MM: f64 = 1e12;
 
-/// A value without the digits that are rounding of the solution (1e-15 of the centre distance) only.
+/// A value rounded to 1 fm: the digits behind are rounding errors of a solution (1e-15 of the centre distance).
 pub(crate) fn tidy(value: f64) -> f64 {
     let rounded = (value * FM_PER_MM).round() / FM_PER_MM;
-    // -0 says nothing
+    // 0 has no sign
     if rounded == 0.0 || !rounded.is_finite() { rounded.abs() } else { rounded }
 }
 
-/// What [`tidy`] makes of a length in mm, as a whole number of femtometres; `None` if it is larger than any
-/// [`Length`](super::Length) or no number.
+/// A length in mm rounded as by [`tidy`], in femtometres; `None` if it is larger than any [`Length`](super::Length), or NaN.
 pub(crate) fn femtometres(mm: f64) -> Option<i64> {
     let rounded = (mm * FM_PER_MM).round();
-    // the conversion saturates
+    // the conversion saturates, which the comparison excludes
     (rounded.abs() <= super::LARGEST as f64).then_some(rounded as i64)
 }
 
-/// The other way, with parts of a femtometre.
+/// A number of femtometres, whole or not, in mm.
 pub(crate) fn of_femtometres(fm: f64) -> f64 {
     tidy(fm / FM_PER_MM)
 }
 
-/// A signed number with that many decimals, or up to two more where these would show nothing; what is zero even so has no
-/// sign. Too large a number stands in powers of ten.
+/// A number with its sign and `decimals` decimals, or up to two more if these are all zero; if those are too, zero without
+/// a sign. A number of 1e7 or more stands in powers of ten.
 pub(crate) fn signed(value: f64, decimals: usize) -> String {
     const LARGE: f64 = 1e7;
     const MORE: usize = 2;

@@ -1,5 +1,4 @@
-//! Numbers in messages: as many digits as tell what is wrong. Used by errors and warnings only; results are written by
-//! the report, which knows their accuracy.
+//! Numbers in the messages of errors and warnings. Results are written by the report, which knows their accuracy.
 
 use std::fmt;
 
@@ -7,7 +6,7 @@ use std::fmt;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounded(pub(crate) f64);
 
-/// An angle in radians, shown as degrees in the same way.
+/// An angle in radians, shown in degrees to seven significant digits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Degrees(pub(crate) f64);
 

@@ -1,4 +1,4 @@
-//! Units of lengths and of angles: how they are written, and what they are.
+//! Units of lengths and of angles: their spellings and their scales.
 
 use super::number::Scale;
 
@@ -32,7 +32,7 @@ impl LengthUnit {
     /// The units in words, for messages.
     pub const NAMES: &'static str = "nm, um, µm, mm, cm, m, in or mil";
 
-    /// The unit of that symbol or name, as a heading has it.
+    /// The unit with this symbol or name in a heading.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
         let thousandth = is_spelt(symbol, &["1/1000 mm", "1/1000mm", "mm/1000", "10⁻³ mm"]).then_some(Self::Micrometre);
@@ -40,7 +40,7 @@ impl LengthUnit {
         thousandth.or_else(hundredth).or_else(|| Self::behind_number(symbol))
     }
 
-    /// The unit of that symbol behind a number, where `12 1/1000 mm` could be a mixed fraction.
+    /// The unit with this symbol behind a number; without `1/1000 mm`, for `12 1/1000 mm` could be a mixed fraction.
     pub(super) fn behind_number(symbol: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
     }
@@ -49,7 +49,7 @@ impl LengthUnit {
     pub(crate) const fn spellings(self) -> &'static [&'static str] {
         match self {
             Self::Nanometre => &["nm", "\u{339a}"],
-            // the micro sign and the Greek letter look alike and are both typed
+            // the micro sign and the Greek letter look alike; people type both
             Self::Micrometre => &[
                 "um",
                 "\u{b5}m",
@@ -138,7 +138,7 @@ impl AngleUnit {
     /// The units in words, for messages.
     pub const NAMES: &'static str = "deg, °, ', arcmin, \", arcsec, rad, mrad, µrad or gon";
 
-    /// The unit of that symbol or name, on what is known to be an angle: `min` and `sec` are parts of a degree.
+    /// The unit with this symbol or name of a known angle: `min` and `sec` are parts of a degree.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|unit| is_spelt(symbol, unit.spellings()))
@@ -152,7 +152,7 @@ impl AngleUnit {
             Self::Arcsecond => &["arcsec", "\"", "\u{2033}", "\u{201d}", "''", "sec"],
             Self::Radian => &["rad"],
             Self::Milliradian => &["mrad"],
-            // the micro sign and the Greek letter look alike and are both typed
+            // the micro sign and the Greek letter look alike; people type both
             Self::Microradian => &["urad", "\u{b5}rad", "\u{3bc}rad"],
             Self::Gon => &["gon"],
         }
@@ -192,7 +192,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The unit of that symbol where nothing else says what is measured: `″` is an inch, and `min` and `sec` are times.
+    /// The unit with this symbol where nothing else says what is measured: `″` is an inch; `min` and `sec` are times.
     #[must_use]
     pub fn from_symbol(symbol: &str) -> Option<Self> {
         let length = LengthUnit::from_symbol(symbol).map(Self::Length);
@@ -200,14 +200,14 @@ impl Unit {
         length.or_else(|| Self::of_angle(symbol).filter(|_| !is_time))
     }
 
-    /// The unit of that symbol on what is known to be a length: `″` and `"` are inches.
+    /// The unit with this symbol of a known length: `″` and `"` are inches.
     #[must_use]
     pub fn of_length(symbol: &str) -> Option<Self> {
         let inch = (symbol == "\"").then_some(LengthUnit::Inch);
         inch.or_else(|| LengthUnit::from_symbol(symbol)).map(Self::Length)
     }
 
-    /// The unit of that symbol on what is known to be an angle: `″` is an arcsecond, `min` an arcminute.
+    /// The unit with this symbol of a known angle: `″` is an arcsecond, `min` an arcminute.
     #[must_use]
     pub fn of_angle(symbol: &str) -> Option<Self> {
         AngleUnit::from_symbol(symbol).map(Self::Angle)
@@ -223,11 +223,10 @@ impl Unit {
     }
 }
 
-/// Spellings that mean something else in other case: `Nm` is a moment, `M` a thread, `Mrad` a million radians, and
-/// `grad` a gon to some.
+/// Spellings whose case matters: `Nm` is a moment, `M` a thread, `Mrad` a million radians, and `grad` is a gon in English.
 const CASE_COUNTS: [&str; 4] = ["m", "nm", "mrad", "Grad"];
 
-/// The letters of a spelling in any case where that changes nothing, as a regular expression.
+/// A regular expression for a spelling; in any case, unless its case matters.
 #[cfg(feature = "spec")]
 pub(crate) fn spelling_pattern(spelling: &str) -> String {
     let letter = |letter: char| format!("[{}{}]", letter.to_ascii_lowercase(), letter.to_ascii_uppercase());
@@ -236,7 +235,7 @@ pub(crate) fn spelling_pattern(spelling: &str) -> String {
     spelling.chars().map(|part| if has_case(part) { letter(part) } else { sign(part) }).collect()
 }
 
-/// Whether a symbol is one of a unit's spellings, in any case where that changes nothing.
+/// Whether a symbol is one of a unit's spellings; in any case, unless its case matters.
 pub(super) fn is_spelt(symbol: &str, spellings: &[&str]) -> bool {
     spellings.iter().any(|spelling| {
         *spelling == symbol || (spelling.eq_ignore_ascii_case(symbol) && !CASE_COUNTS.contains(spelling))

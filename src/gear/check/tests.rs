@@ -1,7 +1,7 @@
 use super::*;
 use crate::gear::{PairData, PinionData, RackData};
 
-/// A pair of module 2 with tan α_n = 1/2, so that displacements in the normal plane count once.
+/// A pair of module 2 with tan α_n = 1/2, so that the gain 1 / (2 tan α_n) is 1.
 pub(crate) fn example(teeth: u32, rack_helix: f64, pinion_helix: f64) -> PairData {
     let diameter = 2.0 * f64::from(teeth) / trig::cos(pinion_helix);
     PairData {
@@ -209,7 +209,7 @@ fn steep_flanks_and_thin_tips() {
     near(limit, 0.4);
 }
 
-/// The half plane x ≤ 1 leaves of the square from 0 to 2 its left half; a corner on the line stays once.
+/// The half plane x ≤ 1 leaves the left half of the square from 0 to 2; a corner on the line stays once.
 #[test]
 fn clipping_a_square() {
     let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)];
