@@ -1,12 +1,12 @@
-//! Designs: keys of a spec, each with the values that it is tried at, and every design that follows: all combinations, or a
-//! Latin hypercube. Called by `sweep`; knows no spec and no result. Values are texts as they would stand in the spec.
+//! Designs: keys of a spec with the values that each is tried at, and the designs that follow, as a grid of all combinations or
+//! as a Latin hypercube. Called by `sweep`. Values are texts as they stand in a spec.
 
 use thiserror::Error;
 
 use crate::chance::Random;
 use crate::quantity::{parse_f64, plain, split_number};
 
-/// Why keys and values make no designs.
+/// Why keys and values give no designs.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct DesignError(String);
@@ -16,20 +16,20 @@ pub struct DesignError(String);
 pub struct Axis {
     /// The key, such as `pair.normal_pressure_angle`.
     pub key: String,
-    /// What stands behind its numbers, empty if nothing does.
+    /// The unit behind its numbers; empty if there is none.
     pub unit: String,
     values: Values,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 enum Values {
-    /// As they are written, and as numbers if all are.
+    /// The texts, and the numbers if all texts are numbers.
     List(Vec<String>, Option<Vec<f64>>),
-    /// From one number to another, so far apart if that is said.
+    /// From one number to another, with a step if one is given.
     Range { from: f64, to: f64, step: Option<f64> },
 }
 
-/// Designs at most that a grid may have.
+/// The most designs of a grid.
 const MOST: usize = 1_000_000_000;
 
 impl Axis {
@@ -66,7 +66,7 @@ impl Axis {
         }
         let measures: Vec<Option<Measure<'_>>> = list.iter().map(|value| number(value)).collect();
         let known: Vec<Measure<'_>> = measures.iter().flatten().copied().collect();
-        // a unit behind the last number counts for all; 0 needs none
+        // a unit behind the last number counts for all numbers; 0 needs none
         let (unit, last) = (shared_unit(&known), measures.last().copied().flatten().map_or("", |last| last.1));
         if unit != Some(last) && known.iter().any(|(number, unit)| *number != 0.0 && unit.is_empty()) {
             return Err(refused("some of the numbers have a unit: write one behind each, or behind the last for all"));
@@ -93,7 +93,7 @@ impl Axis {
         if let Values::Range { from, to, .. } = self.values { Some((from, to)) } else { None }
     }
 
-    /// The same range in so many steps, if it has none.
+    /// The same range, with `count` steps if it has no step.
     #[must_use]
     pub fn in_steps(mut self, count: u32) -> Self {
         if let Values::Range { from, to, step: step @ None } = &mut self.values {
@@ -102,17 +102,17 @@ impl Axis {
         self
     }
 
-    /// How many values it has; `None` of a range without a step.
+    /// The number of its values; `None` for a range without a step.
     #[must_use]
     pub fn count(&self) -> Option<usize> {
         match &self.values {
             Values::List(list, _) => Some(list.len()),
-            // a step that ends beside the last value by rounding reaches it; a range of too many is refused by its grid
+            // a last step that misses the end by a rounding error reaches it; the grid refuses too many values
             Values::Range { from, to, step } => (*step).map(|step| ((to - from) / step + 1e-9) as usize + 1),
         }
     }
 
-    /// A number of it as it would stand in the spec.
+    /// A number as it stands in the spec, with the unit.
     #[must_use]
     pub fn text(&self, number: f64) -> String {
         let number = plain(number);
@@ -129,7 +129,7 @@ impl Axis {
         }
     }
 
-    /// A number of it that is tried, with twelve digits.
+    /// A number as a value that is tried, with twelve digits.
     #[must_use]
     pub fn at(&self, number: f64) -> Trial {
         self.trial(rounded(number, 12))
@@ -139,7 +139,7 @@ impl Axis {
         Trial { text: self.text(number), number: Some(number) }
     }
 
-    /// The value at a share from 0 to below 1 of the range, or of the list.
+    /// The value at a share of the range or of the list, from 0 to below 1.
     fn at_share(&self, share: f64) -> Trial {
         match (self.count(), &self.values) {
             (None, Values::Range { from, to, .. }) => self.trial(rounded(from + share * (to - from), 9)),
@@ -151,13 +151,13 @@ impl Axis {
 /// A value that is tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// As it would stand in the spec.
+    /// Its text as it stands in the spec.
     pub text: String,
-    /// The number in the unit of its axis, if it is one.
+    /// Its number in the unit of the axis, if it is a number.
     pub number: Option<f64>,
 }
 
-/// A number with so many digits.
+/// A number rounded to `digits` digits.
 fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
 }
@@ -170,7 +170,7 @@ fn number(text: &str) -> Option<(f64, &str)> {
 
 type Measure<'a> = (f64, &'a str);
 
-/// The unit of numbers of which some may have none; `None` if they have several.
+/// The common unit of numbers, some of which may have none; `None` if they have several.
 fn shared_unit<'a>(measures: &[Measure<'a>]) -> Option<&'a str> {
     let mut units = measures.iter().map(|measure| measure.1).filter(|unit| !unit.is_empty());
     let unit = units.next().unwrap_or_default();
@@ -185,12 +185,12 @@ fn range(text: &str) -> Option<(Measure<'_>, Measure<'_>, Option<Measure<'_>>)> 
     Some((number(from)?, number(to)?, if let Some(step) = step { Some(step?) } else { None }))
 }
 
-/// A range with a hyphen between its ends, `18-24`, as ranges are written: `18..24:1`.
+/// A range that is written with a hyphen, `18-24`, in the right form: `18..24:1`.
 fn with_hyphen(text: &str) -> Option<String> {
     let at = text.char_indices().skip(1).find(|(_, c)| matches!(c, '-' | '–'))?.0;
     let (from, to) = (text[..at].trim(), text[at..].trim_start_matches(['-', '–']).trim());
     let width = number(to)?.0 - number(from)?.0;
-    // a power of ten, such that there are 4 steps at least
+    // a power of ten that gives at least 4 steps
     (width > 0.0).then(|| format!("{from}..{to}:{}", plain(libm::exp10(libm::floor(libm::log10(width / 4.0))))))
 }
 
@@ -210,12 +210,12 @@ fn split(text: &str) -> Vec<&str> {
     text.split(is_between).collect()
 }
 
-/// Every design.
+/// All designs.
 #[derive(Debug, Clone)]
 pub struct Designs {
     axes: Vec<Axis>,
     count: usize,
-    /// Of a Latin hypercube, the share of each axis at each design.
+    /// For a Latin hypercube: the share of each axis in each design.
     shares: Option<Vec<Vec<f64>>>,
 }
 
@@ -223,7 +223,7 @@ impl Designs {
     /// All combinations, those of the last key next to each other.
     ///
     /// # Errors
-    /// [`DesignError`] of a range without a step, and of more designs than 10⁹.
+    /// [`DesignError`] if a range has no step, or there are more than 10⁹ designs.
     pub fn grid(axes: Vec<Axis>) -> Result<Self, DesignError> {
         let mut count: usize = 1;
         for axis in &axes {
@@ -240,7 +240,7 @@ impl Designs {
         Ok(Self { axes, count, shares: None })
     }
 
-    /// One key at these numbers.
+    /// The designs of one key at these numbers.
     #[must_use]
     pub fn of_numbers(axis: Axis, numbers: Vec<f64>) -> Self {
         let texts = numbers.iter().map(|number| axis.text(*number)).collect();
@@ -248,8 +248,8 @@ impl Designs {
         Self { axes: vec![Axis { values: Values::List(texts, Some(numbers)), ..axis }], count, shares: None }
     }
 
-    /// So many designs of which each key takes every of as many equal parts of its range once, at random places within them
-    /// and in random order (McKay, Beckman and Conover 1979). The same seed gives the same designs.
+    /// A Latin hypercube (McKay, Beckman and Conover 1979): each key's range is cut into `count` equal parts, and each part gives
+    /// one design its value, at a random place and in random order. The same seed gives the same designs.
     #[must_use]
     pub fn latin_hypercube(axes: Vec<Axis>, count: u32, seed: u64) -> Self {
         let shares = |axis: u64| {
@@ -271,13 +271,13 @@ impl Designs {
         &self.axes
     }
 
-    /// How many there are.
+    /// The number of designs.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether they are all combinations.
+    /// Whether they are a grid of all combinations.
     #[must_use]
     pub const fn is_grid(&self) -> bool {
         self.shares.is_none()
@@ -390,7 +390,7 @@ mod tests {
                 let at = share * f64::from(count) - part as f64;
                 prop_assert!((-1e-6..=1.0 + 1e-6).contains(&at), "{part}: {share}");
             }
-            // a seventh holds some parts whole, and one at either end in part
+            // a seventh contains some whole parts, and a piece of one at each end
             let share = f64::from(count) / 7.0;
             prop_assert!(counts.iter().all(|&of_one| (f64::from(of_one) - share).abs() < 2.0), "{counts:?}");
         }

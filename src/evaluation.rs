@@ -1,5 +1,5 @@
-//! One part's errors, evaluated: ΔCD of each, combined, and judged. Called by the command line and for parts with their
-//! teeth; takes formulas as they are.
+//! The errors of one part: the ΔCD of each, their combination, and the verdicts. Called by the command line, and for parts
+//! whose teeth are known.
 
 use std::fmt;
 
@@ -14,26 +14,26 @@ use crate::judge::{Combined, Interval, Limit, LimitTarget, Limits, Stack, Verdic
 use crate::quantity::{DomainError, Length, QuantityError};
 use crate::uncertainty::{Propagation, Unstated};
 
-/// What one error contributes.
+/// The contribution of one error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contribution {
     /// The kind of error.
     pub kind: DeviationKind,
     /// The error's value.
     pub value: DeviationValue,
-    /// On which teeth it is.
+    /// The teeth on which it is.
     pub extent: Extent,
     /// Its ΔCD by the exact formula.
     pub exact: Length,
     /// Its ΔCD by the paper's formula.
     pub paper: Length,
-    /// What it can do alone, wherever it is.
+    /// The range of its ΔCD alone, on any teeth that its extent allows.
     pub range: Result<Interval, NoBound>,
-    /// How many of its steps add up at most, of a pitch on many teeth.
+    /// For a pitch error on many teeth: the largest number of its steps that add up.
     pub in_contact: Option<u32>,
     /// Its share of the sum of magnitudes, 0 to 1, by the chosen model; `None` if every ΔCD is zero.
     pub share: Option<f64>,
-    /// The ends of what is permitted, in place of a measured value.
+    /// The ends of its tolerance, if it is a tolerance in place of a measured value.
     pub tolerance: Option<ToleranceEnds>,
 }
 
@@ -53,32 +53,32 @@ impl Contribution {
         self.tolerance.filter(|ends| ends.nearer.is_some()).map(ToleranceEnds::base)
     }
 
-    /// Its extent in words, with how many steps add up.
+    /// Its extent in words, with the number of steps that add up.
     #[must_use]
     pub fn extent_in_words(&self) -> String {
         let words = self.extent.words(self.kind.counts(), self.in_contact);
-        // two ends say which signs there are
+        // the two ends determine the signs
         if self.two_ends().is_some() { words.replace(", any sign", ", its own value") } else { words }
     }
 }
 
-/// Why there is nothing to hold against a limit.
+/// Why a limit has no result to judge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unjudged {
     /// The limited error is not given.
     NotGiven,
-    /// Errors that the spec asks for are not there.
+    /// Errors that the spec asks for are missing.
     Lacking,
-    /// The rule needs an uncertainty of every value, and one has none.
+    /// The rule needs an uncertainty of every value; a value has none.
     NoUncertainty,
-    /// There is no finite range.
+    /// The range is not finite.
     NoBound(NoBound),
 }
 
-/// One limit, the interval of ΔCD held against it, and how that ended.
+/// One limit, the interval of ΔCD that it judges, and the verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitCheck {
-    /// What the limit is on.
+    /// The quantity that the limit is on.
     pub on: LimitTarget,
     /// The limit.
     pub limit: Limit,
@@ -86,12 +86,12 @@ pub struct LimitCheck {
     pub result: Result<Interval, Unjudged>,
     /// The verdict, `None` if there is no result to judge.
     pub verdict: Option<Verdict>,
-    /// How a decision rule came to it; `None` while the value alone decides and nothing is known of its uncertainty.
+    /// The decision behind it; `None` while the value alone decides and its uncertainty is not known.
     pub decision: Option<Decision>,
 }
 
 impl LimitCheck {
-    /// Why it is open by a rule; `None` of a limit that is met or broken.
+    /// Why it is open under a rule; `None` for a limit that is met or broken.
     #[must_use]
     pub fn open_because(&self, stack: Stack, rule: &Rule) -> Option<String> {
         match (self.result, self.verdict) {
@@ -105,7 +105,7 @@ impl LimitCheck {
     }
 }
 
-/// What a limit is on.
+/// The quantity that a limit is on, in words.
 #[must_use]
 pub fn subject(on: LimitTarget, stack: Stack) -> String {
     match on {
@@ -122,7 +122,7 @@ pub fn too_near(on: LimitTarget, stack: Stack, rule: &Rule) -> String {
 }
 
 named! {
-    /// Who judges a combination.
+    /// What judges a combination.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum JudgedBy {
         /// The bound: no placement of the errors leaves it.
@@ -135,7 +135,7 @@ named! {
 }
 
 impl JudgedBy {
-    /// Of errors, on a pair of which this is known.
+    /// What judges this number of errors, on a pair of which `basis` is known.
     #[must_use]
     pub fn of(stack: Stack, errors: usize, basis: &Basis) -> Self {
         match stack {
@@ -165,40 +165,39 @@ pub struct Evaluation {
     pub stack: Stack,
     /// One per error, in the order given.
     pub contributions: Vec<Contribution>,
-    /// The combinations: what these errors can do wherever they are.
+    /// The combinations: the ΔCD of these errors on any teeth that their extents allow.
     pub combined: Combined<Interval>,
-    /// What is held against a limit on ΔCD: a combination, or what the exact mesh makes of errors that are on all teeth.
+    /// The ΔCD that a limit on it judges: a combination, or the ΔCD of the exact mesh where the teeth of all errors are known.
     pub judged: Result<Interval, NoBound>,
-    /// What they rest on.
+    /// The assumptions of the combinations.
     pub notes: Vec<Note>,
-    /// What the verdicts take for granted of uncertainties.
+    /// The assumptions of the verdicts where nothing is stated.
     pub unstated: Vec<Unstated>,
-    /// Who judges.
+    /// What judges.
     pub judged_by: JudgedBy,
-    /// Why the exact mesh does not judge though nothing is left to place.
+    /// Why the exact mesh does not judge, although the teeth of all errors are known.
     pub unsolved: Option<String>,
-    /// What the exact mesh reaches with the errors on the worst teeth that a search finds, if it was asked.
+    /// The ΔCD of the exact mesh with the errors on the worst teeth that a search finds, if a search was asked for.
     pub reached: Option<Interval>,
     /// The decision rule by which the verdicts are reached.
     pub rule: Rule,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
-    /// Fail if any limit fails; `None` if there are none, or one could not be judged; indeterminate if one is; else
-    /// pass.
+    /// Fail if a limit fails; else `None` if there is no limit or one is open; else indeterminate if one is; else pass.
     pub verdict: Option<Verdict>,
 }
 
 impl Evaluation {
-    /// The limits that could not be judged, because the error they are on is not given.
+    /// The limits that are open because their error is not given.
     pub fn not_given(&self) -> impl Iterator<Item = LimitTarget> + '_ {
         self.limits.iter().filter(|check| check.result == Err(Unjudged::NotGiven)).map(|check| check.on)
     }
 
     /// Judges every limit again by a decision rule, with the uncertainty of the results and, if they were simulated,
-    /// the simulated probabilities of conformance (one per limit, NaN where there is none).
+    /// the probabilities of conformance (one per limit, NaN where there is none).
     ///
     /// # Errors
-    /// [`QuantityError`] if a guard band is beyond the range of numbers.
+    /// [`QuantityError`] if a guard band is larger than a length may be.
     pub fn decide_by(
         &mut self,
         rule: &Rule,
@@ -218,7 +217,7 @@ impl Evaluation {
         Ok(())
     }
 
-    /// Why the verdict is open: of every limit that is; `None` where it is a pass or a fail, or there is no limit.
+    /// Why the verdict is open, for every limit that is; `None` for a pass or a fail, or without a limit.
     #[must_use]
     pub fn open_because(&self) -> Option<String> {
         if matches!(self.verdict, Some(Verdict::Pass | Verdict::Fail)) {
@@ -230,20 +229,20 @@ impl Evaluation {
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 
-    /// The verdict with those on what a yoke does; `None` without any limit, or if one is open.
+    /// The verdict together with those on a yoke; `None` without any limit, or if one is open.
     #[must_use]
     pub fn verdict_with(&self, checks: &[Check]) -> Option<Verdict> {
         let of_errors = (!self.limits.is_empty()).then_some(self.verdict);
         of_errors.into_iter().chain(checks.iter().map(|check| check.verdict)).reduce(worse).flatten()
     }
 
-    /// How wide the worst case is, mm: U − L, beyond which no ΔCD varies; `None` without a bound.
+    /// Width U − L of the worst case, mm: ΔCD varies by no more; `None` without a bound.
     #[must_use]
     pub fn range_width_mm(&self) -> Option<f64> {
         self.combined.range.ok().map(|range| (range.upper - range.lower).mm())
     }
 
-    /// Why that is open; `None` where it is a pass or a fail.
+    /// Why the verdict together with those on a yoke is open; `None` for a pass or a fail.
     #[must_use]
     pub fn open_with(&self, checks: &[Check]) -> Option<String> {
         if matches!(self.verdict_with(checks), Some(Verdict::Pass | Verdict::Fail)) {
@@ -254,7 +253,7 @@ impl Evaluation {
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }
 
-    /// Why the bound judges in place of the exact mesh, in a sentence.
+    /// A sentence on why the bound judges in place of the exact mesh.
     #[must_use]
     pub fn note_of_unsolved(&self) -> Option<String> {
         let why = self.unsolved.as_ref()?;
@@ -270,7 +269,7 @@ impl Evaluation {
         on_sum.is_some_and(|check| check.verdict == Some(Verdict::Pass))
     }
 
-    /// Takes the verdict on a limit back; one that is open keeps its reason.
+    /// Withdraws the verdict on a limit; an open limit keeps its reason.
     pub fn leave_open(&mut self, on: LimitTarget, why: Unjudged) {
         for check in self.limits.iter_mut().filter(|check| check.on == on && check.result.is_ok()) {
             check.result = Err(why);
@@ -290,15 +289,15 @@ impl Evaluation {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{}: {problem}", .error.map_or("combination", DeviationKind::name))]
 pub struct EvaluationError {
-    /// The error whose ΔCD has no value; `None` if it is a sum.
+    /// The error whose ΔCD has no value; `None` for the combination.
     pub error: Option<DeviationKind>,
-    /// What is wrong with it.
+    /// Why it has none.
     #[source]
     pub problem: Box<DomainError>,
 }
 
-/// Evaluates `errors` by `model`, combines them by what is known of the pair, and judges the combination picked by
-/// `asked`, and what single errors can do, against `limits`.
+/// Evaluates `errors` by `model`, combines them for the pair of `basis`, and judges the combination that `asked` names, and the
+/// ranges of single errors, by `limits`.
 ///
 /// # Errors
 /// [`EvaluationError`] if a ΔCD is outside its formula's domain, or a result overflows.
@@ -315,7 +314,7 @@ pub fn evaluate(
     let combined = bound.combined.nearest().map_err(of_sum)?;
     let stack = combined.judged(asked);
     let judged = match basis.all_placed {
-        // where nothing is left to place nothing scatters, either
+        // known teeth have no statistical scatter
         Some(range) => Ok(Interval::nearest(range).map_err(of_sum)?),
         None => combined.interval(stack),
     };
@@ -355,7 +354,7 @@ pub fn evaluate(
     })
 }
 
-/// What each error contributes by `model`.
+/// The contribution of each error, by `model`.
 fn contributions(errors: &[PartDeviation], model: Model, bound: &Bound) -> Result<Vec<Contribution>, EvaluationError> {
     let mut contributions = Vec::with_capacity(errors.len());
     for (error, range) in errors.iter().zip(&bound.errors) {
@@ -386,8 +385,8 @@ fn overall(limits: &[LimitCheck]) -> Option<Verdict> {
     limits.iter().map(|check| check.verdict).reduce(worse).flatten()
 }
 
-/// Of the verdicts on two limits, or on some of them and another, `None` where one could not be judged: fail if any is; open
-/// if one could not be judged; indeterminate if any is; else pass.
+/// The verdict on two limits together, `None` for an open one: fail if one fails; else open if one is; else indeterminate if
+/// one is; else pass.
 #[inline]
 pub(crate) fn worse(one: Option<Verdict>, other: Option<Verdict>) -> Option<Verdict> {
     match (one, other) {

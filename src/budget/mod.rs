@@ -1,8 +1,8 @@
 #![doc = include_str!("method.md")]
 //!
-//! `budget` calls [`allocate`] with errors whose tolerances are fixed and errors whose tolerances are free; each free
-//! one gets a share of what the fixed ones leave. It evaluates with the formulas and combinations that
-//! [`evaluate`](crate::evaluation::evaluate) uses, and must not round a tolerance up. By simulation: random assemblies.
+//! The command `budget` calls [`allocate`] with errors of fixed tolerance and errors of free tolerance. Each free tolerance
+//! gets a share of what the fixed ones leave of the limit. The formulas and combinations are those of
+//! [`evaluate`](crate::evaluation::evaluate). A tolerance is never rounded up beyond the limit.
 
 mod request;
 mod simulation;
@@ -25,11 +25,11 @@ fn of_kind(kind: DeviationKind) -> impl Fn(DomainError) -> BudgetError {
     move |problem| EvaluationError { error: Some(kind), problem: Box::new(problem) }.into()
 }
 
-/// Finds the tolerances: the largest scale of the free ones at which all conform.
+/// Finds the free tolerances: the largest ones, in the ratios asked for, with which ΔCD meets its limit.
 ///
 /// # Errors
-/// [`BudgetError`] if the limit gives nothing to distribute or a formula has no result. Fixed tolerances that take
-/// more than the limit are no error: the budget then names what breaks it.
+/// [`BudgetError`] if the limit leaves nothing to distribute, if it does not stop the tolerances, or if a formula has no
+/// result. Fixed tolerances that take more than the limit are no error: the budget names them.
 pub fn allocate(request: &Request) -> Result<Budget, BudgetError> {
     if request.limit.lower.is_none() && request.limit.upper.is_none() {
         return Err(BudgetError::NoLimit);
@@ -50,14 +50,14 @@ fn conforms(request: &Request, stack: Stack, errors: &[PartDeviation]) -> Result
     Ok(request.limit.judge(combined.interval(combined.judged(stack))?) == Verdict::Pass)
 }
 
-/// What an error can do alone.
+/// The range of ΔCD of one error alone.
 fn alone(error: PartDeviation, basis: &Basis) -> Result<Interval, NoBound> {
     let range = basis.alone(&ExtendedError::of(&error)?)?;
     Interval::nearest(range.alone()).map_err(|_| NoBound::TooLarge)
 }
 
-/// Whether every error stays inside its own limit beside the others, as `evaluate` judges it: larger errors together let
-/// more teeth carry.
+/// Whether every error stays inside its own limit, judged beside the others as `evaluate` does: with larger errors more teeth
+/// carry.
 fn within_own_limits(request: &Request, errors: &[PartDeviation]) -> Result<bool, NoBound> {
     if request.own_limits.is_empty() {
         return Ok(true);
@@ -83,11 +83,11 @@ fn ratio(freedom: Freedom, rule: Summation) -> f64 {
     }
 }
 
-/// The largest tolerance of which ΔCD does not exceed `delta_cd`.
+/// The largest tolerance whose ΔCD does not exceed `delta_cd`.
 fn largest_tolerance(free: &Free, delta_cd: Length, model: Model) -> Result<PartDeviation, BudgetError> {
     match free.law.largest_error(delta_cd, model) {
         Ok(value) => Ok(free.within(value)),
-        // beyond what any angle does: as good as unbounded
+        // no angle reaches this ΔCD
         Err(DomainError::NeverReached { .. }) => Err(BudgetError::Unbounded),
         Err(error) => Err(of_kind(free.law.kind())(error)),
     }
@@ -98,7 +98,7 @@ fn magnitude(error: &PartDeviation, model: Model) -> Result<Length, BudgetError>
     Ok(error.delta_cd(model).map_err(of_kind(error.kind()))?.abs())
 }
 
-/// Fixed errors whose own limit their tolerance exceeds.
+/// Fixed errors whose tolerance exceeds their own limit.
 fn beyond_own_limits(request: &Request) -> Vec<DeviationKind> {
     let fixed = request.entries.iter().filter_map(|entry| match entry {
         Entry::Fixed(error) => Some(error),
@@ -117,7 +117,7 @@ fn line(error: PartDeviation, is_fixed: bool, request: &Request) -> Result<Line,
     Ok(Line { error, delta_cd, range, is_fixed, at_own_limit: false, share: 0.0, sensitivities })
 }
 
-/// Whether tolerances conform; [`NoBound`] if nothing is known of tolerances as large.
+/// Whether tolerances conform; [`NoBound`] if there is no bound for tolerances as large.
 type Conforms<'a> = &'a dyn Fn(&[PartDeviation]) -> Result<bool, NoBound>;
 
 fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembly>) -> Result<Budget, BudgetError> {
@@ -154,20 +154,20 @@ fn by_scale(request: &Request, conforms: Conforms<'_>, assembly: Option<&Assembl
     Ok(Budget { lines, combined, notes: bound.notes, conforming, broken_by })
 }
 
-/// The free tolerances of a request at one scale of their ratios, in mm of ΔCD.
+/// The free tolerances of a request at a scale: the ΔCD of each is the scale, mm, times its ratio.
 struct Scaled<'a> {
     request: &'a Request,
-    /// Of each entry, the ΔCD that its own limit allows its tolerance.
+    /// The largest ΔCD that each entry's own limit allows, if that stops it.
     own: Vec<Option<Length>>,
 }
 
-/// A scale so small that whoever gets less gets nothing, mm.
+/// The scale below which a free tolerance counts as 0, mm.
 const SMALL_MM: f64 = 1e-6;
 
 impl<'a> Scaled<'a> {
     fn new(request: &'a Request) -> Result<Self, BudgetError> {
         let mut scaled = Self { request, own: vec![None; request.entries.len()] };
-        // a bound of every tooth's tolerance takes what is known of the pair
+        // tolerances of every tooth have a bound only if the pair is known
         if let Err(open @ (NoBound::TeethInContactUnknown | NoBound::OwnCurveUnknown)) =
             request.basis.bound_of(&scaled.at(SMALL_MM)?).combined.range
         {
@@ -202,14 +202,14 @@ impl<'a> Scaled<'a> {
         Ok(Allocated { scale, errors: self.with_short_decimals(errors, conforms)? })
     }
 
-    /// The tolerances that own limits alone leave; `None` if a free one has none.
+    /// The tolerances if only own limits stop them; `None` if a free one has no own limit.
     fn all_at_own_limits(&self) -> Result<Option<Allocated>, BudgetError> {
         let mut scale: f64 = 0.0;
         for (entry, own) in self.request.entries.iter().zip(&self.own) {
             let Entry::Free(free) = entry else { continue };
             let (Some(own), ratio) = (own, ratio(free.freedom, self.request.rule)) else { return Ok(None) };
             if ratio > 0.0 {
-                // beyond where the limit stops it
+                // large enough that the own limit stops this one
                 scale = scale.max(2.0 * own.mm() / ratio);
             }
         }
@@ -224,7 +224,7 @@ impl<'a> Scaled<'a> {
         })
     }
 
-    /// The same tolerances, each a little larger if fewer decimals conform as well.
+    /// The tolerances, each rounded up to fewer decimals if it still conforms.
     fn with_short_decimals(
         &self,
         mut errors: Vec<PartDeviation>,
@@ -244,7 +244,7 @@ impl<'a> Scaled<'a> {
         Ok(errors)
     }
 
-    /// Whether an entry would have more at this scale if it had no limit of its own.
+    /// Whether its own limit stops an entry at this scale.
     fn is_at_own_limit(&self, index: usize, scale: f64) -> bool {
         let Entry::Free(free) = self.request.entries[index] else { return false };
         let share = scale * ratio(free.freedom, self.request.rule);
@@ -252,14 +252,14 @@ impl<'a> Scaled<'a> {
     }
 }
 
-/// A share within this of an own limit, relative to it, is not stopped by it: the scale is not known better.
+/// An own limit stops a share that is larger by more than this, relative to the limit: the scale is no more precise.
 const OWN_LIMIT_NEAR: f64 = 1e-9;
 
 fn length_of(law: Law, mm: f64) -> Result<Length, BudgetError> {
     Length::from_mm(mm).map_err(|error| of_kind(law.kind())(error.into()))
 }
 
-/// The ΔCD up to which an error stays inside its own limit; `None` if it has none or is not stopped by it.
+/// The ΔCD up to which an error stays inside its own limit; `None` if it has none, or none that stops it.
 fn own_share(free: &Free, request: &Request) -> Result<Option<Length>, BudgetError> {
     if !request.own_limits.iter().any(|(kind, _)| *kind == free.law.kind()) {
         return Ok(None);
@@ -272,10 +272,10 @@ fn own_share(free: &Free, request: &Request) -> Result<Option<Length>, BudgetErr
     }
 }
 
-/// Tolerances whose ΔCD is this near to fewer decimals take them: 1e-9 mm.
+/// The step to which the ΔCD of a tolerance is rounded up if it still conforms: 1e-9 mm.
 const ROUNDED_FM: i64 = 1_000;
 
-/// What each line takes of the sum of what errors do alone, or of its squares.
+/// Sets the share of each line in the sum of the errors' ΔCD alone, or in the sum of their squares.
 fn set_shares(lines: &mut [Line], squares: bool) {
     let taken = |line: &Line| {
         let magnitude = line.range.largest().abs().mm();
@@ -287,7 +287,7 @@ fn set_shares(lines: &mut [Line], squares: bool) {
     }
 }
 
-/// The fixed errors, largest first, without which the rest conforms and leaves something to the free ones.
+/// The fixed errors, largest first, without which the others conform and leave something to the free ones.
 fn breaking(scaled: &Scaled<'_>, conforms: Conforms<'_>) -> Result<Vec<DeviationKind>, BudgetError> {
     let request = scaled.request;
     let mut rest = scaled.at(SMALL_MM)?;

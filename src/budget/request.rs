@@ -1,4 +1,4 @@
-//! What a budget asks for and what comes of it; computes nothing.
+//! The demand and the result of a budget; computes nothing.
 
 use thiserror::Error;
 
@@ -17,7 +17,7 @@ pub enum Summation {
     WorstCase,
     /// The statistical sum.
     Rss,
-    /// A fraction of random assemblies.
+    /// Random assemblies, a fraction of which must conform.
     Simulation(RandomAssemblies),
 }
 
@@ -36,9 +36,9 @@ impl Summation {
 /// What decides the size of a free tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Freedom {
-    /// A weight: ΔCD in this ratio.
+    /// A weight: ΔCD is in proportion to it.
     Weight(f64),
-    /// A relative cost: ΔCD where the sum of costs is smallest.
+    /// A relative cost, inverse to the tolerance: ΔCD is chosen so that the sum of costs is smallest.
     Cost(f64),
 }
 
@@ -54,7 +54,7 @@ pub struct Free {
 }
 
 impl Free {
-    /// The tolerance of this size.
+    /// The error with a tolerance of this size.
     pub(super) fn within(&self, value: DeviationValue) -> PartDeviation {
         PartDeviation::within(self.law, value).with_extent(self.extent)
     }
@@ -63,7 +63,7 @@ impl Free {
 /// One error of a budget.
 #[derive(Debug, Clone, Copy)]
 pub enum Entry {
-    /// Its tolerance is fixed: the error lies within plus and minus its value.
+    /// Its tolerance is fixed: the error lies within ± its value.
     Fixed(PartDeviation),
     /// Its tolerance is sought.
     Free(Free),
@@ -91,7 +91,7 @@ pub struct Request {
     pub own_limits: Vec<(DeviationKind, Limit)>,
     /// How tolerances add up.
     pub rule: Summation,
-    /// The formulas' reading.
+    /// The model of the formulas.
     pub model: Model,
     /// What is known of the pair.
     pub basis: Basis,
@@ -104,13 +104,13 @@ pub struct Line {
     pub error: PartDeviation,
     /// Its ΔCD.
     pub delta_cd: Length,
-    /// What it can do alone, wherever it is.
+    /// The range of its ΔCD alone, on any teeth that its extent allows.
     pub range: Interval,
     /// Whether the tolerance was given.
     pub is_fixed: bool,
-    /// Whether the error's own limit, not the budget, stops it.
+    /// Whether the error's own limit stops the tolerance, in place of the limit of ΔCD.
     pub at_own_limit: bool,
-    /// Its part of the sum of what the errors do alone, or of the squares of it.
+    /// Its share of the sum of the errors' ΔCD alone, or of the sum of their squares.
     pub share: f64,
     /// ∂ΔCD/∂input at the tolerance.
     pub sensitivities: Vec<Sensitivity>,
@@ -121,13 +121,13 @@ pub struct Line {
 pub struct Budget {
     /// One per error.
     pub lines: Vec<Line>,
-    /// The tolerances combined as `eval` does.
+    /// The combined ΔCD of the tolerances, as by `eval`.
     pub combined: Combined<Interval>,
-    /// What their bound rests on.
+    /// The assumptions of the bound.
     pub notes: Vec<Note>,
-    /// The fraction of random assemblies that conforms, if it was simulated.
+    /// The fraction of random assemblies that conforms, if they were simulated.
     pub conforming: Option<f64>,
-    /// Errors without which the fixed tolerances would leave something: empty if the budget is feasible.
+    /// Errors without which the fixed tolerances leave something to the free ones; empty if the budget is feasible.
     pub broken_by: Vec<DeviationKind>,
 }
 
@@ -143,7 +143,7 @@ impl Budget {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BudgetError {
-    /// The limit does not allow ΔCD to be zero, or allows nothing else.
+    /// The pair without errors breaks the limit of ΔCD, or leaves no room in it.
     #[error(
         "the limit of ΔCD leaves nothing to distribute: the pair without errors must lie inside it, with room to the sides that the errors move ΔCD to"
     )]
@@ -151,12 +151,12 @@ pub enum BudgetError {
     /// Tolerances of every tooth have no bound.
     #[error(transparent)]
     NoBound(#[from] NoBound),
-    /// Nothing stops the free tolerances.
+    /// The limit does not stop the free tolerances.
     #[error(
         "the limit does not stop the free tolerances as long as the pair meshes: give it an upper end, or a nearer one"
     )]
     Unbounded,
-    /// The limit of ΔCD has no end.
+    /// The limit of ΔCD has neither a lower nor an upper end.
     #[error("a budget needs a limit of the combined ΔCD")]
     NoLimit,
     /// A formula or a combination has no result.
@@ -165,14 +165,14 @@ pub enum BudgetError {
 }
 
 named! {
-    /// How errors spread within their tolerances.
+    /// The distribution of an error within its tolerance.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     #[non_exhaustive]
     pub enum ToleranceDistribution {
-        /// Every value alike: all that is known is the tolerance.
+        /// All values within the tolerance are equally probable.
         #[default]
         Uniform = "uniform",
-        /// Normal with a standard deviation of a third of the tolerance; parts beyond it are sorted out.
+        /// Normal, with a standard deviation of a third of the tolerance; parts outside the tolerance are sorted out.
         Normal = "normal",
         /// Triangular with its peak at nominal.
         Triangular = "triangular",
@@ -180,19 +180,19 @@ named! {
 }
 
 impl ToleranceDistribution {
-    /// The one that is called so, or the usual one.
+    /// The distribution of this name; uniform for any other name.
     #[must_use]
     pub fn of_name(name: &str) -> Self {
         [Self::Normal, Self::Triangular].into_iter().find(|spread| spread.name() == name).unwrap_or_default()
     }
 }
 
-/// Random assemblies, some of which must conform.
+/// Random assemblies, a fraction of which must conform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomAssemblies {
     /// The fraction of assemblies that must conform, above 0 and at most 1.
     pub conforming: f64,
-    /// How errors spread.
+    /// The distribution of each error.
     pub spread: ToleranceDistribution,
     /// The number of assemblies.
     pub draws: u32,
@@ -201,13 +201,13 @@ pub struct RandomAssemblies {
 }
 
 impl RandomAssemblies {
-    /// What 3 σ leave of a normal distribution: 99.73 %.
+    /// The usual fraction: 99.73 %, that of a normal distribution within ± 3 σ.
     pub const CONFORMING: f64 = 0.9973;
-    /// So many that 1 % of one tolerance is seen in the tail of 0.27 %.
+    /// The usual number of assemblies: enough that 1 % more of one tolerance shows in the tail of 0.27 %.
     pub const DRAWS: u32 = 1_000_000;
 }
 
-/// Tolerances and the scale that they stand for.
+/// Tolerances and their scale.
 #[derive(Debug, Clone)]
 pub(super) struct Allocated {
     pub(super) scale: f64,

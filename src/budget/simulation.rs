@@ -1,11 +1,13 @@
-//! Random assemblies: which fraction conforms.
+//! Random assemblies: the fraction that conforms.
 //!
-//! Each error is drawn from its distribution within plus and minus its tolerance, independently of the others. An
-//! assembly conforms if the worst case of its errors lies inside the limit, which is what `eval` judges. Of a tolerance of each
-//! tooth a drawn size or lead is that of every tooth, a drawn pitch deviation the largest of any sign on every tooth; with another
-//! extent what is drawn has that one. The draws are the
-//! same for every set of tolerances and depend on the seed and the number of errors only, so that fractions can be
-//! compared and repeated; blocks of draws have generators of their own, so that the number of threads does not matter.
+//! Each error is drawn from its distribution within ± its tolerance, independently of the others. An assembly conforms if the
+//! worst case of its errors lies inside the limit, as `eval` judges it. If a tolerance is of each tooth, a drawn size or lead
+//! is on every tooth, and a drawn pitch deviation is the largest, of any sign, on every tooth. With another extent the drawn
+//! error has that extent.
+//!
+//! The draws depend only on the seed and the number of errors. They are the same for every set of tolerances, so that
+//! fractions can be compared and repeated. Each block of draws has a generator of its own, so that the number of threads does
+//! not change the result.
 
 use super::request::{Allocated, BudgetError, RandomAssemblies, Request, ToleranceDistribution};
 use crate::chance::{BLOCK, Random, Ziggurat};
@@ -21,7 +23,7 @@ pub(super) struct Assembly {
     settings: RandomAssemblies,
     limit: Range,
     basis: Basis,
-    /// Per block, per error: draws in −1 … +1.
+    /// The draws of each error of each block, in −1 … +1.
     blocks: Vec<Vec<Vec<f64>>>,
 }
 
@@ -60,7 +62,7 @@ impl Assembly {
     }
 
     fn count_block(&self, block: &[Vec<f64>], scales: &Scales) -> u64 {
-        /// Sums of doubles that should meet a limit lie this near to it, mm.
+        /// Tolerance for the rounding errors of a sum that meets a limit exactly, mm.
         const ROUNDING_MM: f64 = 1e-12;
         let draws = block.first().map_or(0, Vec::len);
         let mut shares = vec![0.0; block.len()];
@@ -83,7 +85,8 @@ impl Assembly {
     }
 }
 
-/// A drawn error's teeth: of each tooth, a size or lead is that of the part, the largest pitch deviation may be on any of them.
+/// The extent of a drawn error: with a tolerance of each tooth, a size or lead is on all teeth, and a pitch deviation is the
+/// largest on each.
 const fn drawn_extent(tolerance: &PartDeviation) -> Extent {
     match (tolerance.extent(), tolerance.kind()) {
         (Extent::Each, DeviationKind::RackPitch | DeviationKind::PinionPitch) => Extent::Each,
@@ -106,26 +109,26 @@ fn draw(random: &mut Random, ziggurat: &Ziggurat, spread: ToleranceDistribution)
     }
 }
 
-/// The errors at the largest scale at which they conform; those of scale 0 do.
+/// The errors at the largest scale at which they conform; at scale 0 they do.
 ///
 /// # Errors
-/// [`BudgetError::Unbounded`] if they conform as far as anything is known of errors as large.
+/// [`BudgetError::Unbounded`] if they conform at every scale that has a bound.
 pub(super) fn largest_scale(
     at: impl Fn(f64) -> Result<Vec<PartDeviation>, BudgetError>,
     conforms: impl Fn(&[PartDeviation]) -> Result<bool, NoBound>,
 ) -> Result<Allocated, BudgetError> {
     const LARGEST_MM: f64 = 1e3;
-    /// The interval of the scale becomes this narrow, relative to itself.
+    /// The search ends when the interval of the scale is this narrow, relative to its upper end.
     const NARROW: f64 = 1e-10;
-    /// Less than the smallest length, mm.
+    /// A scale below the smallest length, mm, at which the search ends.
     const NOTHING_MM: f64 = 1e-13;
-    // errors that conform, or whether it is the limit that they break: nothing may be known of errors as large
+    // errors that conform, or whether the limit stops them; otherwise errors as large have no bound
     let tried = |scale: f64| match at(scale) {
         Ok(errors) => Ok(match conforms(&errors) {
             Ok(true) => Ok(Allocated { scale, errors }),
             stopped => Err(stopped.is_ok()),
         }),
-        // no error does as much
+        // no error has as large a ΔCD
         Err(BudgetError::Unbounded) => Ok(Err(false)),
         Err(error) => Err(error),
     };

@@ -54,7 +54,7 @@ fn fixed(law: Law, value: &str) -> Entry {
     Entry::Fixed(PartDeviation::within(law, length(value)))
 }
 
-/// A budget of sizes, which need no pair: their decimals add up.
+/// A budget of sizes, which need no pair: decimals add up exactly.
 fn of_sizes(entries: Vec<Entry>, limit: &str, rule: Summation) -> Request {
     Request { basis: Basis::default(), ..request(entries, limit, rule) }
 }
@@ -84,7 +84,7 @@ fn read_again(error: &PartDeviation, factor: f64) -> PartDeviation {
     error.with_value(value)
 }
 
-/// What `eval` says of the tolerances of a budget, some of them enlarged by 1 %.
+/// The evaluation of a budget's tolerances, some of them enlarged by 1 %.
 fn evaluated(budget: &Budget, request: &Request, is_enlarged: impl Fn(&Line) -> bool) -> Evaluation {
     let lines = budget.lines.iter();
     let errors: Vec<PartDeviation> =
@@ -102,7 +102,8 @@ fn simulation(conforming: f64, spread: ToleranceDistribution) -> RandomAssemblie
     RandomAssemblies { conforming, spread, draws: 100_000, seed: 1 }
 }
 
-/// Meets the limit, and not if a free tolerance grows by 1 % that moves the end that binds, or all do.
+/// Checks that the budget meets the limit, and breaks it once all free tolerances grow by 1 %, or one that moves the end
+/// that binds.
 fn check(request: &Request) -> Budget {
     let budget = allocate(request).unwrap();
     assert!(budget.is_feasible(), "{budget:?}");
@@ -170,7 +171,7 @@ fn costs_are_smallest_where_they_are_said_to_be() {
     }
 }
 
-/// An error that can only push is not stopped by the lower limit; errors that can sink together are.
+/// The lower limit does not stop an error that can only raise ΔCD; it stops errors that together can lower it.
 #[test]
 fn each_end_of_the_limit_stops_what_reaches_it() {
     let [_, pitch, _, _, pinion_pitch] = formulas();
@@ -189,7 +190,7 @@ fn each_end_of_the_limit_stops_what_reaches_it() {
     assert!(alone < narrow, "{alone} {narrow}");
 }
 
-/// Tolerances of one tooth, a run, all: the bound of either sign of them is what meets the limit.
+/// Tolerances of one tooth, of a run, of all teeth: the bound of either sign meets the limit.
 #[test]
 fn tolerances_are_of_the_teeth_that_their_extents_say() {
     let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
@@ -201,7 +202,7 @@ fn tolerances_are_of_the_teeth_that_their_extents_say() {
     for extents in [[One; 5], [Part; 5], [All; 5], [All, One, All, One, Total], [Each, One, One, Part, Each]] {
         let request = of(extents, Summation::WorstCase);
         let budget = check(&request);
-        // what is measured later has a sign
+        // a measured error has a sign
         for sign in [1.0, -1.0] {
             let errors: Vec<_> = budget.lines.iter().map(|line| read_again(&line.error.measured(), sign)).collect();
             let limits = [(LimitTarget::CenterDistance, request.limit)].to_vec();
@@ -223,7 +224,7 @@ fn the_pitch_of_one_tooth_needs_no_pair() {
     let one = Free { law: formulas()[1], freedom: weight(1), extent: Extent::One };
     let budget = check(&of_sizes(vec![Entry::Free(one)], "0.05", Summation::WorstCase));
     assert_eq!(budget.lines[0].delta_cd, length("0.05"));
-    // a step may sink without geometry
+    // without geometry a step may lower ΔCD
     assert_eq!(budget.lines[0].range.lower, length("-0.05"));
 }
 
@@ -238,12 +239,12 @@ fn an_own_limit_leaves_more_to_the_others() {
         assert_eq!([budget.lines[0].at_own_limit, budget.lines[1].at_own_limit], [false, at_own_limit], "{own}");
         assert_eq!(budget.lines[0].delta_cd, length(left));
     }
-    // nobody takes what own limits leave over
+    // the rest that own limits leave goes to no error
     let mut alone = of_sizes(vec![free(radial, weight(1))], "0.05", Summation::WorstCase);
     alone.own_limits = vec![(DeviationKind::PinionRadial, Limit::symmetric(length("0.005")))];
     let budget = check(&alone);
     assert!(budget.lines[0].at_own_limit && budget.lines[0].delta_cd == length("0.005"));
-    // of a pitch what all teeth in contact do counts
+    // of a pitch, the ΔCD of all teeth in contact counts
     let entries = vec![free(over_roller, weight(1)), free(formulas()[1], weight(1))];
     let mut request = request(entries, "0.05", Summation::WorstCase);
     request.own_limits = vec![(DeviationKind::RackPitch, limit(None, Some("0.005")))];

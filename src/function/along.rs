@@ -1,5 +1,5 @@
-//! A yoke along a solved curve: the extremes of its play and of its forces. Solves strokes between the curve's points where a
-//! force is largest, and the stroke at which the play is set.
+//! A yoke along a solved curve: the extremes of its play and of its forces. Solves further strokes where a force is largest
+//! between points of the curve, and at the stroke at which the play is set.
 
 use super::play::{Setting, Window};
 use super::torque::{AtStroke, ForcesAt, N_MM, SetYoke, lift_off_per_newton};
@@ -12,7 +12,7 @@ use crate::parallel;
 /// A torque of the pinion along the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Torque {
-    /// N m; the mean is work per angle.
+    /// Mean and extremes, N m; the mean is the work over the angle, ∫ T dθ / θ.
     pub extent: Extent,
     /// Largest less smallest within any one turn of the pinion, N m.
     pub fluctuation_in_a_turn_n_m: f64,
@@ -29,54 +29,54 @@ impl Torque {
 /// Forces along the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forces {
-    /// F, N.
+    /// Force F of the yoke, N.
     pub yoke_n: Extent,
     /// The pinion's torque as s rises.
     pub rising: Torque,
     /// The pinion's torque as s falls.
     pub falling: Torque,
-    /// Of these: lifting the yoke as s rises, N m; the other sign as s falls.
+    /// The part of the torque that lifts the yoke as s rises, N m; it has the other sign as s falls.
     pub lifting_n_m: Extent,
-    /// Friction of the yoke on the rack, N m.
+    /// The part of the torque for friction of the yoke on the rack, N m.
     pub yoke_friction_n_m: Extent,
-    /// Friction at the teeth, N m.
+    /// The part of the torque for friction at the teeth, N m.
     pub tooth_friction_n_m: Extent,
-    /// Force along the rack at which one side unloads, N.
+    /// Force along the rack at which one side of the teeth unloads, N.
     pub lift_off_n: Extent,
 }
 
-/// The figures of a yoke over a stroke.
+/// The play and the forces of a yoke over a range of strokes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// First and last stroke, mm.
     pub strokes_mm: (f64, f64),
-    /// s_0, mm.
+    /// Stroke s_0 at which the play is set, mm.
     pub set_at_mm: f64,
     /// The point with the smallest ΔCD, where the play is largest.
     pub lowest: MeshPoint,
     /// The point with the largest ΔCD, where the play is smallest.
     pub highest: MeshPoint,
-    /// The settings that keep the window; `None` without a window, or if there are none.
+    /// The settings that keep the window; `None` without a window, or if no setting keeps it.
     pub setting: Option<Setting>,
-    /// J_0, mm: as given, or else the middle of the settings; `None` without either.
+    /// Play J_0 at s_0, mm: as given, or else the middle of the settings; `None` without either.
     pub play_mm: Option<f64>,
     /// Forces; `None` without a preload, or if some point of the curve has no rates.
     pub forces: Option<Forces>,
     /// Play and forces at each point of the curve.
     pub along: Vec<AtStroke>,
-    /// Whether the curve is resolved, and each of its points and s_0 solved: otherwise play and torque are not certain.
+    /// Whether the curve is resolved, and each of its points and s_0 is solved; otherwise play and torque are uncertain.
     pub is_solved: bool,
     set: SetYoke,
 }
 
-/// ΔCD nearer to each other than this, mm, are the same.
+/// Values of ΔCD that differ by less than this are equal, mm.
 const TIE_MM: f64 = 1e-11;
 
-/// Points whose rates one sampler computes after each other.
+/// The number of points whose rates one sampler computes in turn.
 const BLOCK: usize = 256;
 
 impl Function {
-    /// A yoke along a curve of the mesh; `None` if the curve has no points.
+    /// The yoke along a curve of the mesh; `None` if the curve has no points.
     ///
     /// # Errors
     /// [`MeshError`] if there is no mesh where the play is set.
@@ -127,7 +127,7 @@ impl Function {
         Some((play(&self.highest)?, play(&self.lowest)?))
     }
 
-    /// Whether the play that is set keeps the window of the settings.
+    /// Whether the play that is set is one of the settings.
     pub(super) fn keeps_window(&self) -> Verdict {
         let is_kept = self.setting.zip(self.play_mm).is_some_and(|(setting, play)| setting.contains(play));
         if is_kept { Verdict::Pass } else { Verdict::Fail }
@@ -140,7 +140,7 @@ impl Function {
     }
 }
 
-/// The first point at which a value is largest, within rounding.
+/// The first point at which a value is largest, up to rounding.
 fn first_peak(points: &[MeshPoint], of: impl Fn(&MeshPoint) -> f64) -> MeshPoint {
     let largest = points.iter().map(&of).fold(f64::NEG_INFINITY, f64::max);
     *points.iter().find(|point| of(point) >= largest - TIE_MM).unwrap_or(&points[0])
@@ -167,10 +167,10 @@ struct Along<'a> {
 /// A force at a stroke.
 type Of = fn(&ForcesAt) -> f64;
 
-/// Largest values nearer to each other than this share are the same.
+/// Largest values that differ by less than this share are equal.
 const TIE: f64 = 1e-9;
 
-/// Steps of the search for a largest value between points: each leaves 0.62 of the way.
+/// Steps of the search for a largest value between points; each shortens the interval to 0.62.
 const STEPS: u32 = 40;
 
 impl Along<'_> {
@@ -183,7 +183,7 @@ impl Along<'_> {
         let by_angle = |of: Of| extent(of, self.mean(&forces, of, |point| point.pinion_angle_rad));
         let [yoke_friction_n_m, tooth_friction_n_m] =
             [by_angle(|at| at.yoke_friction_n_m), by_angle(|at| at.tooth_friction_n_m)];
-        // the work of a force that changes evenly with ΔCD, exactly
+        // exact, because the yoke's force is linear in ΔCD
         let lifting = self.work(&forces, |at| at.yoke_n, |point| point.delta_cd_mm) / self.turned() / N_MM;
         let lifting_n_m =
             extent(|at| at.lifting_n_m, if lifting.is_finite() { lifting } else { forces[0].lifting_n_m });
@@ -210,7 +210,7 @@ impl Along<'_> {
         Torque { extent, fluctuation_in_a_turn_n_m: if is_short { all } else { largest_swing(values, turn).min(all) } }
     }
 
-    /// By how much the pinion turns, rad.
+    /// The angle by which the pinion turns, rad.
     fn turned(&self) -> f64 {
         self.points.last().map_or(0.0, |last| last.pinion_angle_rad) - self.points[0].pinion_angle_rad
     }
@@ -234,8 +234,8 @@ impl Along<'_> {
         Extent { mean, smallest, smallest_stroke_mm, largest, largest_stroke_mm }
     }
 
-    /// Where a force is largest (smallest, with −1 as the sign), and how large: at a point of the curve, on either side of a
-    /// kink, or between points with the same carriers.
+    /// The stroke at which a force is largest (smallest for `sign` −1), and the force: at a point of the curve, on either side
+    /// of a kink, or between points with the same carriers.
     fn peak(&self, forces: &[ForcesAt], of: Of, sign: f64) -> (f64, f64) {
         let value = |index: usize| sign * of(&forces[index]);
         let largest = (0..forces.len()).reduce(|a, b| if value(b) > value(a) { b } else { a }).unwrap_or(0);
@@ -248,7 +248,7 @@ impl Along<'_> {
         (stroke_mm, sign * best)
     }
 
-    /// The largest value on the way to the neighbours of a point that have the same carriers, by golden sections.
+    /// The largest value between a point and its neighbours with the same carriers, by the golden section.
     fn between(&self, index: usize, of: impl Fn(&ForcesAt) -> f64) -> Option<(f64, f64)> {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let here = &self.points[index];

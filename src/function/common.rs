@@ -1,33 +1,33 @@
-//! One position of the plug for many parts: each part has an interval of settings, and the position that most of them share is
-//! found by a sweep over the intervals' ends. Called for lots and for random racks; solves nothing.
+//! One setting of the plug for many parts. Each part has an interval of settings; a sweep over the intervals' ends finds the
+//! setting that the most parts share. Called for lots and for random racks.
 
 use std::collections::BTreeMap;
 
 use super::play::Setting;
 use crate::quantity::{femtometres, of_femtometres};
 
-/// Counts by place, fm.
+/// A place, fm, and the number of intervals that start or end there.
 type At = (i64, u64);
 
-/// The settings of many parts, counted.
+/// The settings of many parts, counted by the ends of their intervals.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// The parts whose settings are known.
+    /// The number of parts whose settings are known.
     pub parts: u64,
-    /// The parts among them that no setting suits.
+    /// The number of these that no setting suits.
     pub without: u64,
     starts: BTreeMap<i64, u64>,
     ends: BTreeMap<i64, u64>,
 }
 
-/// The settings that the most parts share, mm: any of them suits as many.
+/// The settings that the most parts share, mm; each of them suits the same number of parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shared {
     /// The smallest.
     pub from_mm: f64,
     /// The largest; `None` if nothing limits it.
     pub to_mm: Option<f64>,
-    /// How many they suit.
+    /// The number of parts that they suit.
     pub parts: u64,
 }
 
@@ -39,7 +39,7 @@ impl Settings {
             self.without += 1;
             return;
         };
-        // ends beyond the largest length on the grid count as that length
+        // an end beyond the largest length counts as unlimited
         let place = |mm: f64| femtometres(mm).unwrap_or(if mm < 0.0 { i64::MIN } else { i64::MAX });
         *self.starts.entry(place(from_mm)).or_default() += 1;
         if let Some(to_mm) = to_mm {
@@ -58,7 +58,7 @@ impl Settings {
         }
     }
 
-    /// The settings that the most parts share; of equals the widest, and the first of these. `None` if no part has any.
+    /// The settings that the most parts share; of several, the widest, and of those the first. `None` if no part has any.
     #[must_use]
     pub fn shared(&self) -> Option<Shared> {
         let of = |ends: &BTreeMap<i64, u64>| ends.iter().map(|(place, count)| (*place, *count)).collect::<Vec<_>>();
@@ -80,8 +80,8 @@ impl Shared {
     }
 }
 
-/// How many intervals cover the places from each start on, up to the end that comes next, if one does. Both lists are in order;
-/// an interval holds its ends.
+/// For each start: the place, the next end, if there is one, and how many intervals cover the places between. Both lists are
+/// in order; an interval contains its ends.
 fn covered(starts: &[At], ends: &[At]) -> Vec<(i64, Option<i64>, i128)> {
     let (mut covered, mut ended, mut all) = (0, 0, Vec::with_capacity(starts.len()));
     for (start, count) in starts {
@@ -95,7 +95,7 @@ fn covered(starts: &[At], ends: &[At]) -> Vec<(i64, Option<i64>, i128)> {
     all
 }
 
-/// The places that the most intervals with these starts and ends cover; of equals the widest, and the first of these.
+/// The places that the most intervals cover; of several, the widest, and of those the first.
 pub(crate) fn most_shared(starts: &[At], ends: &[At]) -> Option<Shared> {
     let width = |from: i64, to: Option<i64>| to.map_or(i128::MAX, |to| i128::from(to) - i128::from(from));
     let best = covered(starts, ends).into_iter().reduce(|best, next| {
@@ -110,11 +110,11 @@ pub(crate) fn most_shared(starts: &[At], ends: &[At]) -> Option<Shared> {
     })
 }
 
-/// From the first to the last place that so many intervals cover at least, mm; `None` if none does.
+/// The first and the last place that at least `least` intervals cover, mm; `None` if there is none.
 pub(crate) fn shared_by(starts: &[At], ends: &[At], least: u64) -> Option<(f64, Option<f64>)> {
     let enough: Vec<_> = covered(starts, ends).into_iter().filter(|(.., count)| *count >= least.into()).collect();
     let (first, last) = (enough.first()?, enough.last()?);
-    // behind the last start that so many cover only ends follow, until fewer are left
+    // behind the last start with enough intervals, each end leaves fewer, until they are too few
     let mut left = last.2;
     let behind = ends.iter().filter(|(end, _)| *end >= last.0);
     let end = behind.into_iter().find(|(_, count)| {
@@ -134,7 +134,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
 
-        /// Compares with a count at every end: no place is in more intervals, and each place found is in so many.
+        /// No place is in more intervals than those found, and each place found is in as many.
         #[test]
         fn no_place_suits_more(intervals in prop::collection::vec((0..60_i32, 0..25_i32), 1..40), share in 0.0..1.0_f64) {
             let intervals: Vec<_> = intervals.iter().map(|(from, width)| (*from, from + width)).collect();
@@ -156,7 +156,7 @@ mod tests {
             let widest = |from: f64| places.iter().copied().filter(|to| *to >= from).take_while(|to| at(*to) == most).last();
             let longest = places.iter().filter(|from| at(**from) == most).map(|from| widest(*from).unwrap() - from);
             prop_assert_eq!(longest.reduce(f64::max), Some(to_mm - from_mm));
-            // every place that suits so many lies within the hull, and the ends of the hull suit so many
+            // every place that suits enough intervals lies within the hull, and the ends of the hull suit enough
             let least = (most as f64 * share).ceil().max(1.0) as usize;
             let lists = |ends: &BTreeMap<i64, u64>| ends.iter().map(|(place, count)| (*place, *count)).collect::<Vec<_>>();
             let (first, last) = shared_by(&lists(&settings.starts), &lists(&settings.ends), least as u64).unwrap();

@@ -1,5 +1,4 @@
-//! The limits on a yoke, judged for one part after the other, from the mesh of a part or its bound; knows no spec and no
-//! table.
+//! The limits on a yoke, judged part by part, from the mesh of a part or its bound.
 
 use super::limits::{Bounded, Bounds, Check, Judged, Target, Terms, judge};
 use super::play::{SafeSettings, Setting};
@@ -12,7 +11,7 @@ use crate::mesh::{Curve, Mesh, MeshError};
 /// A yoke and its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct YokeJudge {
-    /// What is known of the yoke.
+    /// The yoke.
     pub yoke: Yoke,
     /// The limits on it.
     pub limits: Vec<(Target, Bounds)>,
@@ -20,18 +19,18 @@ pub struct YokeJudge {
     pub strokes_mm: (f64, f64),
     /// Whether these strokes are the rack's travel.
     pub knows_travel: bool,
-    /// Whether the value alone decides.
+    /// Whether the decision rule takes the value alone, without its uncertainty.
     pub is_by_value: bool,
 }
 
 /// A yoke on one part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedYoke {
-    /// What is known of the yoke.
+    /// The yoke.
     pub yoke: Yoke,
     /// The yoke's figures; `None` where the part's teeth are not known over the whole travel.
     pub function: Option<Function>,
-    /// The figures from a bound of ΔCD, where a bound is known and the teeth are not.
+    /// The yoke's figures from a bound of ΔCD, where a bound is known and the teeth are not.
     pub bounded: Option<Bounded<'static>>,
     /// One per limit.
     pub checks: Vec<Check>,
@@ -55,23 +54,23 @@ impl YokeJudge {
         Function::of(mesh, curve, &self.yoke, self.window().as_ref().map(Bounds::window).as_ref())
     }
 
-    /// The limits judged by the yoke's figures where all teeth are known; `is_measured` says whether every flank that carries was
-    /// measured, for measured parts.
+    /// The limits, judged by the yoke's figures where all teeth are known; `is_measured` says whether every flank that carries
+    /// was measured.
     #[must_use]
     pub fn judge(&self, function: &Function, is_measured: bool) -> Vec<Check> {
         let terms = Terms { knows_travel: self.knows_travel, is_measured, is_by_value: self.is_by_value };
         judge(function, &self.yoke, &self.limits, terms)
     }
 
-    /// The figures from a bound of ΔCD of that width, with the yoke's figures where a search put the errors.
+    /// The yoke's figures from a bound of ΔCD of width U − L, and those for the placements of the errors that a search found.
     #[must_use]
     pub fn bounded<'a>(&self, pair: &Pair, width_mm: f64, reached: &'a [Function]) -> Bounded<'a> {
         let safe = SafeSettings::of(&self.window().unwrap_or_default().window(), width_mm);
         Bounded { safe, lift_off: lift_off_per_newton(pair, self.yoke.tooth_friction.unwrap_or(0.0)), reached }
     }
 
-    /// The limits judged by a bound of ΔCD of that width, which proves a pass, and by placements, which prove a fail; open without
-    /// a bound.
+    /// The limits, judged by a bound of ΔCD of width U − L, which proves a pass, and by placements, which prove a fail; open
+    /// without a bound.
     #[must_use]
     pub fn by_bound(&self, pair: &Pair, width_mm: Option<f64>, reached: &[Function]) -> Vec<Check> {
         match width_mm {
@@ -80,27 +79,27 @@ impl YokeJudge {
         }
     }
 
-    /// The limits, all of them open for this reason.
+    /// The limits, all open for this reason.
     #[must_use]
     pub fn open(&self, why: &Judged) -> Vec<Check> {
         let open = |&(on, bounds): &(Target, Bounds)| Check { on, bounds, judged: why.clone(), verdict: None };
         self.limits.iter().map(open).collect()
     }
 
-    /// The yoke on a part of which only this is known over the whole travel.
+    /// The yoke on a part without any figures: only the outcomes of its limits.
     #[must_use]
     pub fn unknown(&self, checks: Vec<Check>) -> JudgedYoke {
         JudgedYoke { yoke: self.yoke, function: None, bounded: None, checks }
     }
 
-    /// The yoke on a part with a bound of ΔCD of that width, without a placement.
+    /// The yoke on a part with a bound of ΔCD of width U − L, without placements.
     #[must_use]
     pub fn within(&self, pair: &Pair, width_mm: Option<f64>) -> JudgedYoke {
         let bounded = width_mm.map(|width| self.bounded(pair, width, &[]));
         JudgedYoke { bounded, ..self.unknown(self.by_bound(pair, width_mm, &[])) }
     }
 
-    /// The yoke on a part whose teeth are known, or were not measured where they carry.
+    /// The yoke on a part whose teeth are known; `is_measured` says whether every flank that carries was measured.
     #[must_use]
     pub fn known(&self, function: Function, is_measured: bool) -> JudgedYoke {
         let checks = self.judge(&function, is_measured);
@@ -108,8 +107,8 @@ impl YokeJudge {
     }
 }
 
-/// The names of the figures of a part, as columns and JSON have them: [`KNOWN_FIGURES`] where its teeth are known, the others
-/// where a bound is.
+/// The yoke's figures on a part, by their names in columns and JSON: the first [`KNOWN_FIGURES`] where its teeth are known, the
+/// others where a bound is known.
 pub const FIGURES: [(&str, Figure); 22] = [
     ("variation_mm", |yoke| Some(yoke.function.as_ref()?.variation_mm())),
     ("smallest_play_mm", |yoke| Some(yoke.function.as_ref()?.plays_mm()?.0)),
@@ -134,7 +133,7 @@ pub const FIGURES: [(&str, Figure); 22] = [
     ("safe_setting_to_deg", |yoke| yoke.yoke.degrees(yoke.safe_setting()?.to_mm?)),
     ("lift_off_force_at_least_n", |yoke| Some(yoke.bounded?.yoke_n(&yoke.yoke)?[0] * yoke.bounded?.lift_off)),
 ];
-/// The number of figures of known teeth.
+/// The number of figures that need known teeth.
 pub const KNOWN_FIGURES: usize = 16;
 
 impl JudgedYoke {
@@ -145,20 +144,20 @@ impl JudgedYoke {
         self
     }
 
-    /// The settings that keep the window; `None` if there are none, or it is not known.
+    /// The settings that keep the window; `None` if there are none, or they are not known.
     #[must_use]
     pub fn setting(&self) -> Option<Setting> {
         self.function.as_ref()?.setting
     }
 
-    /// The settings that keep the window whatever the curve within the bound, where the play is set.
+    /// The settings, where the play is set, that keep the window for every curve within the bound.
     #[must_use]
     pub fn safe_setting(&self) -> Option<Setting> {
         let is_limited = self.checks.iter().any(|check| check.on == Target::YokePlay);
         self.bounded.filter(|_| is_limited)?.settings(&self.yoke)
     }
 
-    /// The settings, if they are known: `Some(None)` for a part that no position of the plug suits.
+    /// The settings, if they are known: `Some(None)` for a part that no setting suits.
     #[must_use]
     pub fn settings_known(&self) -> Option<Option<Setting>> {
         let is_judged = |check: &Check| check.on == Target::YokePlay && check.verdict.is_some();
@@ -180,7 +179,7 @@ impl JudgedYoke {
 }
 
 impl Yoke {
-    /// The angle of a play, if the thread is known: 360° J / P.
+    /// The angle of the plug for a play J, 360° J / P, degrees; `None` if the pitch P of the thread is not known.
     #[must_use]
     pub fn degrees(&self, play_mm: f64) -> Option<f64> {
         self.thread_pitch_mm.map(|pitch| crate::quantity::tidy(360.0 * play_mm / pitch))

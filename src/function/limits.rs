@@ -1,4 +1,4 @@
-//! Limits on a yoke, and the verdicts; an equal value is inside.
+//! Limits on a yoke, and their verdicts; a value equal to a limit is inside.
 
 use super::play::{SafeSettings, Setting, Window};
 use super::{Function, SetAt, Yoke};
@@ -43,7 +43,7 @@ impl Target {
     }
 }
 
-/// Permitted values in the unit of their quantity, ends inside; an end that is not given is open.
+/// Permitted values in the unit of their quantity, ends included; a missing end is open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bounds {
     /// The lowest.
@@ -59,7 +59,7 @@ impl Bounds {
         if is_inside { Verdict::Pass } else { Verdict::Fail }
     }
 
-    /// The values as permitted play.
+    /// The bounds as a window of play, mm.
     #[must_use]
     pub fn window(&self) -> Window {
         Window { lower_mm: self.lower.unwrap_or(0.0), upper_mm: self.upper }
@@ -69,7 +69,7 @@ impl Bounds {
 /// The outcome of a limit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Judged {
-    /// It was compared with values from the smallest to the largest.
+    /// The smallest and the largest value, compared with the limit.
     Values([f64; 2]),
     /// No position of the plug keeps the window.
     NoSetting,
@@ -77,15 +77,15 @@ pub enum Judged {
     SomeSetting,
     /// The bound proves no pass, and no placement that was found proves a fail.
     NotProven,
-    /// These keys of the spec are needed and not given.
+    /// These keys of the spec are needed and missing.
     Lacks(Vec<&'static str>),
     /// The decision rule needs an uncertainty, which is not known.
     NoUncertainty,
     /// Flanks that carry on the travel were not measured.
     NotMeasured,
-    /// Some stroke is not solved, or the curve not resolved.
+    /// A stroke has no solution, or the curve is not resolved.
     Unsolved,
-    /// A rack that may roll has no torque here.
+    /// The rack may roll; its torque is not computed.
     Rolls,
 }
 
@@ -103,7 +103,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// By how much the values leave the limit; without values, by any amount.
+    /// The largest distance of the values outside the limit; infinite without values.
     fn beyond(&self) -> f64 {
         let Judged::Values([smallest, largest]) = self.judged else { return f64::INFINITY };
         let below = self.bounds.lower.map(|lower| lower - smallest);
@@ -117,9 +117,9 @@ impl Check {
 pub struct Terms {
     /// Whether the strokes are the rack's travel.
     pub knows_travel: bool,
-    /// Whether every flank that carries on them was measured, for measured parts.
+    /// Whether every flank that carries on these strokes was measured.
     pub is_measured: bool,
-    /// Whether the value alone decides.
+    /// Whether the decision rule takes the value alone, without its uncertainty.
     pub is_by_value: bool,
 }
 
@@ -147,25 +147,25 @@ pub fn judge(function: &Function, yoke: &Yoke, limits: &[(Target, Bounds)], term
         .collect()
 }
 
-/// What is known of a yoke where only a bound of ΔCD is known.
+/// The figures of a yoke where only a bound of ΔCD is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded<'a> {
     /// The settings by the bound.
     pub safe: SafeSettings,
-    /// F_x per F.
+    /// Lift-off force over the yoke's force, F_x / F.
     pub lift_off: f64,
-    /// The yoke's figures on placements of the errors that a search found.
+    /// The yoke's figures for placements of the errors that a search found.
     pub reached: &'a [Function],
 }
 
 impl Bounded<'_> {
-    /// Plays that keep the window whatever the curve, where the play is set.
+    /// The settings, where the play is set, that keep the window for every curve within the bound.
     #[must_use]
     pub fn settings(&self, yoke: &Yoke) -> Option<Setting> {
         if yoke.set_at == SetAt::Tightest { self.safe.at_tightest } else { self.safe.at_stroke }
     }
 
-    /// Least and largest force of the yoke, N.
+    /// Smallest and largest force of the yoke, N; `None` if preload or rate is not known.
     #[must_use]
     pub fn yoke_n(&self, yoke: &Yoke) -> Option<[f64; 2]> {
         let (preload, change) = (yoke.preload_n?, yoke.rate_n_per_mm.unwrap_or(0.0) * self.safe.width_mm);
@@ -173,7 +173,7 @@ impl Bounded<'_> {
         Some([(preload - change).max(0.0), most])
     }
 
-    /// The proof for a verdict on a limit.
+    /// The outcome of a limit that the bound or a placement proves, if one does.
     fn proof(&self, yoke: &Yoke, on: Target, bounds: &Bounds) -> Option<Judged> {
         match on {
             Target::YokePlay => {

@@ -1,7 +1,7 @@
 #![doc = include_str!("method.md")]
 //!
-//! Called for solved curves ([`Function::of`]) and bounds of ΔCD ([`SafeSettings`]), of one part or, by [`YokeJudge`], of many;
-//! solves strokes to find extremes between the points of a curve, and knows nothing of files.
+//! Called for solved curves ([`Function::of`]) and for bounds of ΔCD ([`SafeSettings`]); [`YokeJudge`] judges many parts. Solves
+//! strokes to find extremes between the points of a curve.
 
 mod along;
 mod common;
@@ -24,7 +24,7 @@ pub use torque::{AtStroke, ForcesAt, lift_off_per_newton};
 pub enum SetAt {
     /// At this stroke, mm.
     Stroke(f64),
-    /// Where the rack stands farthest from the pinion.
+    /// At the tightest stroke, where ΔCD is largest.
     Tightest,
 }
 
@@ -34,23 +34,23 @@ impl Default for SetAt {
     }
 }
 
-/// What is known of a yoke.
+/// The known data of a yoke.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Yoke {
-    /// F_0: the force on the rack where the play is set, once it is set, N.
+    /// Force F_0 of the yoke on the rack at s_0 with the play set, N.
     pub preload_n: Option<f64>,
-    /// k_y, N/mm.
+    /// Rate k_y of the yoke's spring, N/mm.
     pub rate_n_per_mm: Option<f64>,
-    /// s_0.
+    /// Stroke s_0 at which the play is set.
     pub set_at: SetAt,
-    /// J_0: the play left there, mm.
+    /// Play J_0 left at s_0, mm.
     pub play_mm: Option<f64>,
-    /// P: travel of the plug for each turn of its thread, mm.
+    /// Pitch P of the plug's thread, mm.
     pub thread_pitch_mm: Option<f64>,
-    /// μ_y, between yoke and rack.
+    /// Coefficient of friction μ_y of the yoke on the rack.
     pub yoke_friction: Option<f64>,
-    /// μ_m, between the teeth.
+    /// Coefficient of friction μ_m at the teeth.
     pub tooth_friction: Option<f64>,
-    /// T_0: what the bearings and seals of the pinion take, N m.
+    /// Torque T_0 of the bearings and seals of the pinion, N m.
     pub bearing_torque_n_m: Option<f64>,
 }

@@ -1,11 +1,11 @@
-//! The play that a plug leaves, and which settings keep it within a window. Pure arithmetic on extremes of ΔCD.
+//! The play that a plug leaves, and the settings that keep it within a window. Arithmetic on extremes of ΔCD.
 
 use crate::quantity::tidy;
 
 /// Permitted play along the travel, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// Smallest play; a rack has none below 0.
+    /// Smallest play, at least 0.
     pub lower_mm: f64,
     /// Largest play, if there is a limit.
     pub upper_mm: Option<f64>,
@@ -21,28 +21,28 @@ pub struct Setting {
 }
 
 impl Window {
-    /// The settings that keep the window: J_0 ∈ [J_low + max ΔCD − ΔCD(s_0), J_high + min ΔCD − ΔCD(s_0)], of ΔCD at its smallest,
-    /// at its largest, and at s_0, mm. `None` if there are none, which is the case if and only if the variation of ΔCD is larger
-    /// than the window. Values that differ by less than rounding, 1 fm, are equal.
+    /// The settings that keep the window: J_0 ∈ [J_low + max ΔCD − ΔCD(s_0), J_high + min ΔCD − ΔCD(s_0)], mm, from the smallest
+    /// and largest ΔCD and that at s_0. `None` if there are none: the variation of ΔCD is larger than the window. Values are
+    /// rounded to 1 fm.
     #[must_use]
     pub fn settings(&self, smallest_mm: f64, largest_mm: f64, at_mm: f64) -> Option<Setting> {
         let from_mm = tidy(self.lower_mm + (largest_mm - at_mm));
         let to_mm = self.upper_mm.map(|upper| tidy(upper - (at_mm - smallest_mm)));
         let spare_mm = self.upper_mm.map(|upper| tidy((upper - self.lower_mm) - (largest_mm - smallest_mm)));
-        // both ends are rounded separately: the later one must not lie before the earlier one where a setting exists
+        // each end is rounded; rounding must not put the upper end below the lower one where a setting exists
         let setting = Setting { from_mm, to_mm: to_mm.map(|to| to.max(from_mm)) };
         spare_mm.is_none_or(|spare| spare >= 0.0).then_some(setting)
     }
 }
 
 impl Setting {
-    /// The middle, farthest from both ends.
+    /// The middle, mm, farthest from both ends; `None` without an upper end.
     #[must_use]
     pub fn middle_mm(&self) -> Option<f64> {
         self.to_mm.map(|to| 0.5 * (self.from_mm + to))
     }
 
-    /// Whether a play is within, or differs from an end by less than rounding.
+    /// Whether a play lies within the settings, up to rounding.
     #[must_use]
     pub fn contains(&self, play_mm: f64) -> bool {
         let play_mm = tidy(play_mm);
@@ -53,13 +53,13 @@ impl Setting {
 /// The settings by a bound of ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SafeSettings {
-    /// U − L, mm: no variation of ΔCD is larger.
+    /// Width U − L of the bound, mm: no variation of ΔCD is larger.
     pub width_mm: f64,
     /// Whether every curve within the bound has a setting: U − L ≤ J_high − J_low.
     pub is_there_one: bool,
-    /// Plays at a given stroke that keep the window whatever the curve: J_0 ∈ [J_low + (U − L), J_high − (U − L)].
+    /// Plays at a given stroke that keep the window for every curve: J_0 ∈ [J_low + (U − L), J_high − (U − L)].
     pub at_stroke: Option<Setting>,
-    /// Plays at the tightest stroke: J_0 ∈ [J_low, J_high − (U − L)].
+    /// Plays at the tightest stroke that keep the window for every curve: J_0 ∈ [J_low, J_high − (U − L)].
     pub at_tightest: Option<Setting>,
 }
 
@@ -68,7 +68,7 @@ impl SafeSettings {
     #[must_use]
     pub fn of(window: &Window, width_mm: f64) -> Self {
         let at_tightest = window.settings(0.0, width_mm, width_mm);
-        // ΔCD(s_0) may be at either end, so both ends count in full
+        // ΔCD(s_0) may lie at either end of the bound, so the width counts at both ends of the window
         let twice = Window { lower_mm: window.lower_mm + width_mm, ..*window };
         let at_stroke = twice.settings(0.0, width_mm, width_mm);
         Self { width_mm, is_there_one: at_tightest.is_some(), at_stroke, at_tightest }
@@ -94,7 +94,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
 
-        /// There are settings exactly where the variation fits the window; each keeps it, and a play beyond them does not.
+        /// There are settings if and only if the variation fits the window; each keeps it, and a play beyond them does not.
         #[test]
         fn settings_are_those_that_keep_the_window(
             low in -0.1..0.1_f64, v in 0.0..0.2_f64, share in 0.0..1.0_f64, pick in 0.0..1.0_f64,

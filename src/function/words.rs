@@ -14,7 +14,7 @@ impl Target {
 }
 
 impl Bounds {
-    /// The permitted values.
+    /// The permitted values in words: `at most 0.1 mm`.
     #[must_use]
     pub fn in_words(&self, unit: &str) -> String {
         match (self.lower, self.upper) {
@@ -27,7 +27,7 @@ impl Bounds {
 }
 
 impl Check {
-    /// The outcome of the limit; `scope` says where it was judged.
+    /// The outcome of the limit in a sentence; `scope` says where it was judged.
     #[must_use]
     pub fn sentence(&self, scope: &str) -> String {
         let (what, unit) = (self.on.words(), self.on.unit());
@@ -40,7 +40,7 @@ impl Check {
                 format!("{what}: {shown} {unit} {came} the limit ({limit}; {scope})")
             }
             Judged::NoSetting => {
-                format!("{what}: no position of the plug keeps {limit}, for ΔCD varies by more ({scope})")
+                format!("{what}: no position of the plug keeps {limit}, because ΔCD varies by more ({scope})")
             }
             Judged::SomeSetting => format!("{what}: a position of the plug keeps {limit} ({scope})"),
             _ => self.open_because().unwrap_or_default(),
@@ -53,13 +53,13 @@ impl Check {
         let why = match &self.judged {
             Judged::Lacks(keys) => format!("not judged without {}", keys.join(", ")),
             Judged::NoUncertainty => {
-                "not judged by this rule, for no uncertainty of what a yoke does is known".to_owned()
+                "not judged by this rule, because the uncertainty of the yoke's play and forces is not known".to_owned()
             }
             Judged::NotMeasured => {
-                "not judged, for flanks that carry on the travel, or where the play is set, were not measured"
+                "not judged, because flanks that carry on the travel, or where the play is set, were not measured"
                     .to_owned()
             }
-            Judged::Unsolved => "not judged, for some strokes are not solved".to_owned(),
+            Judged::Unsolved => "not judged, because some strokes are not solved".to_owned(),
             Judged::Rolls => "not judged for a rack that may roll".to_owned(),
             Judged::NotProven => {
                 "not proven: the bound of ΔCD is too wide for a pass, and no placement that was found fails".to_owned()

@@ -1,4 +1,4 @@
-//! The deviations that the standards limit, with their symbols. Named by all files of standards; holds no values.
+//! The deviations that the standards limit, with their symbols.
 
 named! {
     /// A deviation of a toothed wheel that a standard limits.
@@ -33,7 +33,7 @@ named! {
 }
 
 impl Deviation {
-    /// Its symbol in letters that any file can hold, that of its tolerance, its key.
+    /// Its symbol in ASCII, the symbol of its tolerance in ASCII, and its key.
     const fn names(self) -> [&'static str; 3] {
         match self {
             Self::SinglePitch => ["f_pt", "f_pT", "f_pt"],
@@ -51,7 +51,7 @@ impl Deviation {
         }
     }
 
-    /// The symbol in letters that any file can hold: `f_Hbeta`.
+    /// The symbol in ASCII: `f_Hbeta`.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         self.names()[0]
@@ -62,7 +62,7 @@ impl Deviation {
         self.names()[1]
     }
 
-    /// The key that specs call it by: `f_h_beta`.
+    /// Its key in specs: `f_h_beta`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.names()[2]

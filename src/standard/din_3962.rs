@@ -1,9 +1,9 @@
 //! DIN 3962-1 and DIN 3962-2, both of August 1978: single and total pitch, helix.
 //!
-//! The standard is a set of tables. Only cells that public sources confirm are held here: the helix deviations
+//! The standard is a set of tables. This file holds only cells that public sources confirm: the helix deviations
 //! of qualities 5 to 8 up to a face width of 100 mm (part 2), and the pitch deviations of qualities 1 to 6 for
-//! modules over 1 to 2 mm (part 1). Every other cell is an error, not an extrapolation. Values are printed
-//! rounded, so the unrounded value is the same. DIN's own symbols are f_p for f_pt and f_βf for f_fβ.
+//! modules over 1 to 2 mm (part 1). Every other cell is an error. The tables print rounded values; the unrounded
+//! value is taken to be the same. DIN's own symbols are f_p for f_pt and f_βf for f_fβ.
 
 use super::permissible::{Permissible, RangeUse};
 use super::range::Ranges;
@@ -15,7 +15,7 @@ const STANDARD: Standard = Standard::Din3962;
 pub(super) const DEVIATIONS: [Deviation; 5] =
     [Deviation::SinglePitch, Deviation::TotalPitch, Deviation::HelixForm, Deviation::HelixSlope, Deviation::TotalHelix];
 
-/// Face widths of part 2, mm; the standard's lower bound is not known here.
+/// Ranges of the face width in part 2, mm; the standard's lower bound is not known here.
 const FACE_WIDTHS: Ranges = Ranges(&[0.0, 20.0, 40.0, 100.0]);
 /// Qualities 5, 6, 7, 8 by range of face width: F_β, f_Hβ, f_βf in µm.
 const HELIX: [[[f64; 3]; 4]; 3] = [
@@ -25,9 +25,9 @@ const HELIX: [[[f64; 3]; 4]; 3] = [
 ];
 const CONFIRMED_HELIX: &str = "qualities 5 to 8 up to a face width of 100 mm are";
 
-/// Modules of the cells of part 1, mm: over 1, up to 2.
+/// Range of the normal module in part 1, mm: over 1, up to 2.
 const MODULES: Ranges = Ranges(&[1.0, 2.0]);
-/// Reference diameters of the cells of part 1, mm; the standard's lower bound is not known here.
+/// Ranges of the reference diameter in part 1, mm; the standard's lower bound is not known here.
 const DIAMETERS: Ranges = Ranges(&[0.0, 10.0, 50.0, 125.0]);
 /// Qualities 1 to 6 by range of diameter: f_p in µm.
 const SINGLE_PITCH: [[f64; 6]; 3] =
@@ -43,7 +43,7 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
             let unconfirmed =
                 StandardError::Unconfirmed { standard: STANDARD, deviation, grade, confirmed: CONFIRMED_PITCH };
             let module = entry(deviation, Size::NormalModule, MODULES, wheel, &unconfirmed)?;
-            // "over 1": the first range of this cell does not include its lower limit
+            // "over 1": this range does not include its lower limit
             if module.1.value <= 1.0 {
                 return Err(unconfirmed);
             }
@@ -81,7 +81,7 @@ pub(super) fn permissible(deviation: Deviation, grade: u8, wheel: &Wheel) -> Res
     })
 }
 
-/// The row of a table that a size leads to.
+/// The row of a table for a size.
 fn entry(
     deviation: Deviation,
     size: Size,

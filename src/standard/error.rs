@@ -1,4 +1,4 @@
-//! Why a standard gives no permissible value. Raised by the standards' files; words only in `Display`.
+//! Why a standard gives no permissible value. Raised by the files of the standards.
 
 use thiserror::Error;
 
@@ -24,7 +24,7 @@ pub enum StandardError {
         /// The deviation asked for.
         deviation: Deviation,
     },
-    /// A size that the value depends on is not given.
+    /// A size that the value depends on is missing.
     #[error("{} by {standard} needs the {}", .standard.symbol(*.deviation), .size.name())]
     Missing {
         /// The standard.
@@ -55,12 +55,12 @@ pub enum StandardError {
         deviation: Deviation,
         /// The grade asked for.
         grade: u8,
-        /// What is.
+        /// The cells that are confirmed, in words.
         confirmed: &'static str,
     },
 }
 
-/// A name that is no standard's.
+/// A name that is not the name of a standard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("`{text}` is not one of the standards {}; name the edition, because editions differ", ids())]
 pub struct UnknownStandard {

@@ -1,15 +1,15 @@
-//! Formulas as the standards print them: a sum of terms in module, diameter and face width, or the root of the squares
-//! of two.
+//! Formulas as the standards print them: a sum of terms in module, diameter and face width, a part of such a sum, or the
+//! root of the sum of squares of two.
 //!
-//! The standards' files hold such sums as text; this file puts numbers into them. The text is also what is shown, so
-//! what is shown is what was computed.
+//! The files of the standards hold the sums as text, and this file evaluates the text. Reports show the same text, so they
+//! show what is computed.
 
 use super::permissible::{Permissible, RangeUse, Remark};
 use super::range::Ranges;
 use super::{Deviation, Size, Standard, StandardError, Wheel, rounding};
 
-/// A sum of terms such as `0.3 m_n + 0.12 √d + 4`, in µm. A coefficient stands before `m_n`, `√m_n`, `d`, `√d`, `√b` or
-/// `√((k - 1) m_n)` with k = max(2, ⌊z/8⌋), sizes in mm, or alone.
+/// A sum of terms such as `0.3 m_n + 0.12 √d + 4`, in µm. A term is a coefficient alone, or before `m_n`, `√m_n`, `d`, `√d`,
+/// `√b` or `√((k - 1) m_n)` with k = max(2, ⌊z/8⌋); sizes are in mm.
 pub(super) type Sum = &'static str;
 
 /// The shape of a formula.
@@ -17,7 +17,7 @@ pub(super) type Sum = &'static str;
 pub(super) enum Shape {
     /// A sum of terms.
     Sum(Sum),
-    /// A part of another deviation's sum: `(factor, sum)`.
+    /// A factor times another deviation's sum.
     Part(f64, Sum),
     /// The root of the sum of squares of two unrounded sums.
     RootSumSquare(Sum, Sum),
@@ -26,11 +26,11 @@ pub(super) enum Shape {
 /// How a size enters a formula.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reading {
-    /// As the geometric mean of its range; outside the ranges there is no value.
+    /// The geometric mean of its range; outside the ranges there is no value.
     Mean(Ranges),
-    /// As the geometric mean of its range; outside the ranges as it is, which is recorded practice.
+    /// The geometric mean of its range; outside the ranges the size itself, as gear programs do.
     MeanOrActual(Ranges),
-    /// As it is, between two limits.
+    /// The size itself, between two limits.
     Actual(Ranges),
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Formula {
 }
 
 impl Formula {
-    /// One that is binding.
+    /// A binding formula.
     pub(super) const fn new(
         deviation: Deviation,
         clause: &'static str,
@@ -63,13 +63,13 @@ impl Formula {
         Self { deviation, clause, shape, readings, informative: false }
     }
 
-    /// The same, given for information only.
+    /// The same formula, for information only.
     pub(super) const fn informative(self) -> Self {
         Self { informative: true, ..self }
     }
 }
 
-/// The grade whose value the formulas give.
+/// The grade for which the formulas hold.
 const BASE_GRADE: i32 = 5;
 
 /// The permissible value of `deviation` by one of `formulas`.
@@ -111,13 +111,13 @@ pub(super) fn permissible(
     })
 }
 
-/// The value of a grade `steps` coarser: each step is a factor of √2, each second one exactly 2.
+/// The value of a grade that is `steps` coarser: each step is a factor of √2, two steps exactly 2.
 fn grade_step(value: f64, steps: i32) -> f64 {
     let doubled = libm::ldexp(value, steps.div_euclid(2));
     if steps % 2 == 0 { doubled } else { doubled * std::f64::consts::SQRT_2 }
 }
 
-/// The numbers that go into one formula, and a record of them.
+/// The numbers for one formula, and a record of those that it takes.
 struct Inputs<'a> {
     standard: Standard,
     formula: &'a Formula,
@@ -127,8 +127,10 @@ struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
+    /// The value of a sum, µm.
+    ///
     /// # Panics
-    /// If a term is none: sums are written in the source code, never read, and the tests use all of them.
+    /// If a term is malformed: the sums stand in the source code, and the tests evaluate all of them.
     fn sum(&mut self, terms: Sum) -> Result<f64, StandardError> {
         let mut sum = 0.0;
         for term in terms.split(" + ") {
@@ -156,7 +158,7 @@ impl Inputs<'_> {
         StandardError::Missing { standard: self.standard, deviation: self.formula.deviation, size }
     }
 
-    /// The number of pitches k in an eighth of the teeth, at least 2.
+    /// The number of pitches in an eighth of the teeth, k = max(2, ⌊z/8⌋).
     fn sector_pitches(&mut self) -> Result<u32, StandardError> {
         let teeth = self.wheel.teeth.ok_or_else(|| self.missing(Size::Teeth))?;
         let pitches = (teeth / 8).max(2);
@@ -164,7 +166,7 @@ impl Inputs<'_> {
         Ok(pitches)
     }
 
-    /// The number that stands for a size in the formula.
+    /// The number that the formula takes for a size.
     fn take(&mut self, size: Size) -> Result<f64, StandardError> {
         let value = self.wheel.size(size).ok_or_else(|| self.missing(size))?;
         let reading = match size {
@@ -206,7 +208,7 @@ pub(super) fn out_of_scope(standard: Standard, size: Size, value: f64, bound: St
     StandardError::OutOfScope { standard, size, value: value.to_string(), bound }
 }
 
-/// A formula in symbols: `0.3 m_n + 0.12 √d + 4`.
+/// The formula as text: `0.3 m_n + 0.12 √d + 4`.
 fn text(shape: Shape) -> String {
     match shape {
         Shape::Sum(terms) => terms.to_owned(),

@@ -1,8 +1,8 @@
 //! ISO 1328-1:1995, the same as ANSI/AGMA ISO 1328-1: pitch, profile and helix deviations.
 //!
 //! m_n, d and b are the geometric means of the limits of their range. The formulas of clause 6 and annex B
-//! (form and slope) give grade 5; grades 0 to 12. F_pk is f_pt + 1.6 √((k − 1) m_n) *at grade 5*: both terms
-//! take the factor of the grade once.
+//! (form and slope) hold for grade 5; the grades are 0 to 12. F_pk is f_pt + 1.6 √((k − 1) m_n) *at grade 5*: the
+//! factor of the grade multiplies the sum once.
 
 use super::Deviation;
 use super::formula::{Formula, Reading, Readings, Shape, Sum};

@@ -1,8 +1,8 @@
 //! ISO 1328-1:2013, the same as DIN ISO 1328-1:2018: pitch, profile and helix tolerances (clause 5.3) and, for
 //! information, runout (annex E).
 //!
-//! The formulas of class 5 take the actual m_n, d and b; classes 1 to 11. F_αT and F_βT are the root sum
-//! square of the unrounded slope and form tolerances; F_rT = 0.9 F_pT of the unrounded F_pT. The standard
+//! The formulas of class 5 take the actual m_n, d and b; the classes are 1 to 11. F_αT and F_βT are the root sum
+//! square of the unrounded slope and form tolerances; F_rT is 0.9 times the unrounded F_pT. The standard
 //! forbids extrapolation beyond its scope (clause 1).
 
 use super::formula::{Formula, Reading, Readings, Shape, Sum, out_of_scope};
@@ -18,7 +18,7 @@ const READINGS: Readings = Readings {
 const TEETH: Ranges = Ranges(&[5.0, 1000.0]);
 const HELIX_ANGLES: Ranges = Ranges(&[-45.0, 45.0]);
 
-/// Checks the sizes that no formula takes, where they are given.
+/// Checks the sizes that no formula takes, if they are given.
 pub(super) fn check_scope(wheel: &Wheel) -> Result<(), StandardError> {
     let standard = Standard::Iso1328Part1Of2013;
     for (size, ranges) in [(Size::Teeth, TEETH), (Size::HelixAngle, HELIX_ANGLES)] {

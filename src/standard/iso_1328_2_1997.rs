@@ -1,8 +1,8 @@
 //! ISO 1328-2:1997: radial composite deviations (clause 7) and, for information, runout (annex B).
 //!
-//! m_n and d are the geometric means of the limits of their range; grades 4 to 12. F_r is 0.8 F_p of part 1,
-//! with the ranges of part 1. Outside the ranges of F_i'' and f_i'', gear programs evaluate at the actual size,
-//! and so does this one, with a remark: a public report of such a program prints F_i'' = 133 µm for m_n = 21.
+//! m_n and d are the geometric means of the limits of their range; the grades are 4 to 12. F_r is 0.8 F_p of part 1,
+//! with the ranges of part 1. Outside the ranges of F_i'' and f_i'' the formula takes the actual size, with a remark, as
+//! gear programs do: a public report of one prints F_i'' = 133 µm for m_n = 21.
 
 use super::Deviation;
 use super::formula::{Formula, Reading, Readings, Shape, Sum};

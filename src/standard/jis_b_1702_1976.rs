@@ -1,8 +1,8 @@
 //! JIS B 1702-1976, superseded in 1998 by the ISO system: single and total pitch of grades 0 to 8.
 //!
-//! Each grade is a line in the tolerance unit W = ∛d + 0.65 m_n. The coefficients come from a public table
-//! (Stock Drive Products, *Elements of Metric Gear Technology*, table 15-1); the standard's scope and rounding
-//! were not found, so neither is applied and every value says so.
+//! The value of each grade is linear in the tolerance unit W = ∛d + 0.65 m_n. The coefficients come from a public table
+//! (Stock Drive Products, *Elements of Metric Gear Technology*, table 15-1). The standard's scope and rounding are not
+//! known here: sizes are not checked, values are not rounded, and every value says so.
 
 use super::permissible::{Permissible, RangeUse, Remark};
 use super::rounding::micrometres;

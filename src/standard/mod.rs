@@ -1,11 +1,10 @@
 //! Permissible deviations of toothed wheels: accuracy standards, one file per standard and edition.
 //!
 //! The spec calls this for an error that is given as a class, the command line for `class`, and the Monte
-//! Carlo of random parts for the width of their deviations. It takes the size of a wheel ([`Wheel`]) and gives
-//! a [`Permissible`] value with everything that it came from: standard, edition, grade, the ranges used, the
-//! value before and after rounding. It must not read a file, must not extrapolate, and must not choose a
-//! diameter: these standards grade toothed wheels and name no racks, so which diameter stands for a rack is
-//! its user's explicit choice.
+//! Carlo of random parts for the width of their deviations. It takes the sizes of a wheel ([`Wheel`]) and gives
+//! a [`Permissible`] value with all that it follows from: standard, edition, grade, ranges, the value before and
+//! after rounding. It does not extrapolate, and it does not choose a diameter: these standards grade toothed
+//! wheels and name no racks, so the user chooses the diameter that stands for a rack.
 //!
 //! | standard | file | deviations | grades |
 //! |---|---|---|---|
@@ -19,8 +18,8 @@
 #![doc = include_str!("method.md")]
 //!
 //! # Exactness
-//! Values follow in double precision and are put on the grid of lengths (1e-9 µm) before they are rounded, so that one
-//! that lies exactly between two roundings is met exactly. A size on the limit of a range belongs to the lower range.
+//! Values are computed in double precision and put on the grid of lengths (1e-9 µm) before they are rounded, so that a
+//! value exactly half way between two steps is recognised. A size on the limit of a range belongs to the lower range.
 //!
 //! ```
 //! use rackmesh::standard::{Deviation, Standard, Wheel};
@@ -63,7 +62,7 @@ use crate::quantity::{Angle, Length};
 use formula::Formula;
 
 named! {
-    /// A standard and its edition; its name is the one that people read.
+    /// A standard and its edition.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum Standard {
@@ -81,7 +80,7 @@ named! {
 }
 
 impl Standard {
-    /// The name that specs, arguments and results call it by, and its grades.
+    /// Its name in specs, arguments and results, and its grades.
     const fn row(self) -> (&'static str, RangeInclusive<u8>) {
         match self {
             Self::Iso1328Part1Of1995 => ("iso1328-1:1995", 0..=12),
@@ -93,13 +92,13 @@ impl Standard {
         }
     }
 
-    /// The name that specs, arguments and results call it by: `iso1328-1:1995`.
+    /// Its name in specs, arguments and results: `iso1328-1:1995`.
     #[must_use]
     pub const fn id(self) -> &'static str {
         self.row().0
     }
 
-    /// Its grades, from the finest. DIN 3962 has 1 to 12, of which few cells are confirmed.
+    /// Its grades, the finest first. DIN 3962 has 1 to 12; few of its cells are confirmed.
     #[must_use]
     pub const fn grades(self) -> RangeInclusive<u8> {
         self.row().1
@@ -114,7 +113,7 @@ impl Standard {
         }
     }
 
-    /// Its formulas; none of one that has tables.
+    /// Its formulas; empty for a standard that has tables.
     const fn formulas(self) -> &'static [Formula] {
         match self {
             Self::Iso1328Part1Of1995 => iso_1328_1_1995::FORMULAS,
@@ -124,7 +123,7 @@ impl Standard {
         }
     }
 
-    /// The deviations of which it gives permissible values here.
+    /// The deviations for which it gives permissible values here.
     #[must_use]
     pub fn deviations(self) -> Vec<Deviation> {
         match self {
@@ -134,13 +133,13 @@ impl Standard {
         }
     }
 
-    /// This standard, or its companion, whichever limits a deviation.
+    /// The one that limits a deviation: this standard or its companion.
     #[must_use]
     pub fn that_limits(self, deviation: Deviation) -> Option<Self> {
         [Some(self), self.companion()].into_iter().flatten().find(|one| one.deviations().contains(&deviation))
     }
 
-    /// The symbol of a deviation: with the T of tolerance in the 2013 edition.
+    /// The symbol of a deviation; in the 2013 edition with the T of tolerance.
     #[must_use]
     pub const fn symbol(self, deviation: Deviation) -> &'static str {
         match self {
@@ -149,10 +148,10 @@ impl Standard {
         }
     }
 
-    /// The permissible value of a deviation.
+    /// The permissible value of a deviation, µm, by the formulas or tables of the standard.
     ///
     /// # Errors
-    /// [`StandardError`] if the standard has no such grade or deviation, if a size that it needs is not given,
+    /// [`StandardError`] if the standard has no such grade or deviation, if a size that it needs is missing,
     /// or if one lies outside the standard's scope.
     pub fn permissible(self, deviation: Deviation, grade: u8, wheel: &Wheel) -> Result<Permissible, StandardError> {
         if !self.grades().contains(&grade) {
@@ -168,7 +167,7 @@ impl Standard {
         }
     }
 
-    /// The sizes that its deviations of a grade depend on and the wheel lacks.
+    /// The sizes that the permissible values of a grade depend on and the wheel lacks.
     #[must_use]
     pub fn sizes_missing(self, grade: u8, wheel: &Wheel) -> Vec<Size> {
         let (mut wheel, mut missing) = (wheel.clone(), Vec::new());
@@ -181,7 +180,7 @@ impl Standard {
         };
         while let Some(size) = lacks(&wheel).filter(|size| !missing.contains(size)) {
             missing.push(size);
-            // any value shows what else is lacking
+            // with any value here, the next size that is missing shows
             match size {
                 Size::NormalModule => wheel.normal_module = Length::from_mm(2.0).ok(),
                 Size::Diameter => wheel.diameter = Length::from_mm(50.0).ok(),
@@ -196,7 +195,7 @@ impl Standard {
 
 display_by_name!(Standard);
 
-/// Reads a standard's name however it is written: `iso1328-1:1995`, `ISO 1328-1:1995`, `ANSI/AGMA ISO 1328-1`,
+/// Reads a standard's name in any of its spellings: `iso1328-1:1995`, `ISO 1328-1:1995`, `ANSI/AGMA ISO 1328-1`,
 /// `DIN ISO 1328-1:2018`, `JIS B 1702-1976`.
 impl FromStr for Standard {
     type Err = UnknownStandard;
@@ -215,7 +214,7 @@ impl FromStr for Standard {
     }
 }
 
-/// The size of a toothed wheel, as far as it is known: what the tables are entered with.
+/// The known sizes of a toothed wheel, with which formulas and tables are entered.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Wheel {
     /// Normal module m_n.
@@ -230,7 +229,7 @@ pub struct Wheel {
     pub helix_angle: Option<Angle>,
 }
 
-/// A size that tables are entered with.
+/// A size of a toothed wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Size {
     /// m_n
@@ -246,7 +245,7 @@ pub enum Size {
 }
 
 impl Size {
-    /// Its name, its unit behind a number, and its key.
+    /// Its name, its unit as it stands behind a number, and its key.
     const fn row(self) -> [&'static str; 3] {
         match self {
             Self::NormalModule => ["normal module m_n", " mm", "normal_module"],
@@ -269,7 +268,7 @@ impl Size {
         self.row()[1]
     }
 
-    /// The name that results call it by: `face_width`.
+    /// Its key in results: `face_width`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         self.row()[2]
@@ -277,7 +276,7 @@ impl Size {
 }
 
 impl Wheel {
-    /// A size in mm, degrees or teeth.
+    /// A size in mm, degrees or teeth; `None` if it is not known.
     #[must_use]
     pub fn size(&self, size: Size) -> Option<f64> {
         match size {

@@ -1,4 +1,4 @@
-//! A permissible value with all that it came from. Made by the files of the standards, shown by the reports of classes.
+//! A permissible value with all that it follows from. Made by the files of the standards, shown by the reports of classes.
 
 use std::fmt;
 
@@ -6,24 +6,24 @@ use super::range::SizeRange;
 use super::{Deviation, Size, Standard};
 use crate::quantity::{Length, LengthUnit};
 
-/// How a size entered a value.
+/// How a formula or table took a size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeUse {
     /// The size.
     pub size: Size,
-    /// Its value, in mm or teeth.
+    /// Its value, in mm, degrees or teeth.
     pub value: f64,
     /// The range that it lies in, where the standard has ranges.
     pub range: Option<SizeRange>,
-    /// The number that the formula took: the range's geometric mean, or the value itself.
+    /// The number that the formula takes: the geometric mean of the range, the value itself, or k of z.
     pub taken: f64,
 }
 
-/// What the reader of a value should know.
+/// A remark on a permissible value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Remark {
-    /// The size lies outside the tabulated ranges, and practice takes the size itself.
+    /// The size lies outside the tabulated ranges; the formula takes the size itself, as gear programs do.
     ActualSizeOutsideRanges(Size),
     /// The standard gives the value for information only.
     Informative,
@@ -40,14 +40,14 @@ impl fmt::Display for Remark {
                 size.name()
             ),
             Self::Informative => f.write_str("for information only in the standard"),
-            Self::ScopeAndRoundingUnknown => {
-                f.write_str("the standard's scope and rounding are not known here: none is checked, none is applied")
-            }
+            Self::ScopeAndRoundingUnknown => f.write_str(
+                "the scope and rounding of the standard are not known here: sizes not checked, value not rounded",
+            ),
         }
     }
 }
 
-/// A permissible value.
+/// A permissible value of a deviation, by a grade of a standard.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Permissible {
     /// The standard and edition.
@@ -56,13 +56,13 @@ pub struct Permissible {
     pub grade: u8,
     /// The deviation.
     pub deviation: Deviation,
-    /// Where the formula or table stands in the standard.
+    /// The clause of the formula or table in the standard.
     pub clause: &'static str,
     /// The formula of grade 5 in symbols, or the table.
     pub formula: String,
-    /// The sizes that it was entered with.
+    /// The sizes that the formula or table took.
     pub ranges: Vec<RangeUse>,
-    /// What the reader should know.
+    /// Remarks on the value.
     pub remarks: Vec<Remark>,
     pub(super) unrounded: Length,
     pub(super) value: Length,
@@ -75,8 +75,8 @@ impl Permissible {
         self.standard.symbol(self.deviation)
     }
 
-    /// Whether the standard's rounding is known, so that [`value_um`](Self::value_um) is the number a table of it
-    /// prints.
+    /// Whether the standard's rounding is known; then [`value_um`](Self::value_um) is the number that the standard's tables
+    /// print.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         !self.remarks.contains(&Remark::ScopeAndRoundingUnknown)

@@ -1,7 +1,6 @@
-//! Ranges of sizes: over one limit, up to and including the next. Asked by the files of the standards; extrapolates
-//! nothing.
+//! Ranges of sizes: over one limit, up to and including the next.
 
-/// A range of a table, over `over` and up to and including `up_to`; the first range of a table includes both.
+/// A range of a table, over `over` and up to and including `up_to`; the first range of a table includes `over` too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeRange {
     /// The lower limit.
@@ -11,7 +10,7 @@ pub struct SizeRange {
 }
 
 impl SizeRange {
-    /// The geometric mean of the limits, which the formulas of the 1995 and 1997 editions take for the size.
+    /// The geometric mean of the limits, √(over · up_to), which the formulas of the 1995 and 1997 editions take for the size.
     #[must_use]
     pub fn geometric_mean(&self) -> f64 {
         (self.over * self.up_to).sqrt()

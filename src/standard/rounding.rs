@@ -1,15 +1,15 @@
 //! The rounding of permissible values.
 //!
-//! ISO 1328-1 (1995 and 2013) rounds the value of a grade, in µm, once: above 10 to whole µm, from 5 to 10
-//! to 0.5 µm, below 5 to 0.1 µm. The standards do not say what becomes of a value half way; it is rounded up,
-//! as schools teach. For ISO 1328-2:1997 the same steps are used: every printed value known to us is above
-//! 10 µm, where they are sure.
+//! ISO 1328-1 (1995 and 2013) rounds the value of a grade once: above 10 µm to 1 µm, from 5 to 10 µm
+//! to 0.5 µm, below 5 µm to 0.1 µm. The standards do not say how a value half way is rounded; here it is rounded
+//! up. ISO 1328-2:1997 is assumed to have the same steps: every printed value known here is above 10 µm, where
+//! steps of 1 µm are certain.
 
 use crate::quantity::Length;
 
 /// The length of a number of µm.
 pub(super) fn micrometres(um: f64) -> Length {
-    // values of a table or formula are far inside the range of lengths
+    // permissible values are far smaller than the largest length
     Length::nearest(um * 1e9, "the permissible value").unwrap_or(Length::ZERO)
 }
 

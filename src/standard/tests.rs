@@ -252,7 +252,7 @@ fn outside_the_scope_is_an_error_that_names_the_bound() {
     let bare = Wheel { normal_module: Some("2".parse().unwrap()), ..Wheel::default() };
     assert_eq!(message(ISO_1995, D::SinglePitch, 7, &bare), "f_pt by ISO 1328-1:1995 needs the reference diameter d");
     assert_eq!(message(ISO_1995, D::RadialComposite, 7, &good), "ISO 1328-1:1995 gives no permissible value of F_i''");
-    // of the composite deviations, practice evaluates outside the ranges at the actual size, but never at 0
+    // composite deviations take the actual size outside the ranges, but never 0
     assert!(ISO_1997.permissible(D::RadialComposite, 7, &wheel("0", "30", "20", 15)).is_err());
 }
 
@@ -281,7 +281,7 @@ fn grades_are_steps_of_the_root_of_two() {
     near(exact(D::Runout, 7), 35.01);
 }
 
-/// Values half way between two roundings, as decimals; most of them are none in binary.
+/// Decimal values half way between two steps; most of them have no exact binary value.
 #[test]
 fn ties_are_rounded_up() {
     use Deviation as D;
@@ -298,7 +298,7 @@ fn ties_are_rounded_up() {
         (D::SinglePitch, 3, wheel("9", "500", "20", 40), 4.55, 4.6),
         // a quarter of 0.001 · 200 + 0.4 · 10 + 5 = 9.2, doubled by two grades
         (D::SinglePitch, 1, wheel("10", "200", "20", 40), 2.3, 2.3),
-        // 0.001 · 1000 + 0.4 · 10 + 5 = 10 exactly: neither a half step nor a whole one decides
+        // 0.001 · 1000 + 0.4 · 10 + 5 = 10 exactly, where steps of 0.5 and of 1 give the same
         (D::SinglePitch, 5, wheel("10", "1000", "20", 40), 10.0, 10.0),
         // 20 and half of it
         (D::SinglePitch, 3, wheel("10", "1000", "20", 40), 5.0, 5.0),

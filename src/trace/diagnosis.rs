@@ -7,12 +7,12 @@ use super::{Overlay, TraceError};
 use crate::deviation::Part;
 use crate::mesh::Mesh;
 
-/// Another error that has the same curve within the noise.
+/// Another error with the same curve within the noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternative {
     /// The error.
     pub error: ToothError,
-    /// Its size, mm; for a lead error its helix slope over the face width.
+    /// Its size, mm; for a lead error the helix slope deviation over the face width.
     pub value_mm: f64,
 }
 
@@ -21,17 +21,17 @@ pub struct Alternative {
 pub struct FoundError {
     /// The error.
     pub error: ToothError,
-    /// Its size, mm.
+    /// Its size, mm; for a lead error the helix slope deviation over the face width.
     pub value_mm: f64,
-    /// The 95 % interval of its size, mm; `None` at an end that the curve does not determine.
+    /// The ends of the 95 % interval of its size, mm; `None` for an end that the curve does not determine.
     pub interval_mm: [Option<f64>; 2],
-    /// The largest change of ΔCD by the error, mm.
+    /// The largest change of ΔCD that the error makes, mm.
     pub effect_mm: f64,
     /// Other errors with the same curve.
     pub alternatives: Vec<Alternative>,
 }
 
-/// Errors of one kind and sign that the curve would not show.
+/// Errors of one kind and sign that do not show in the curve.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unseen {
     /// The part.
@@ -55,27 +55,27 @@ pub struct Diagnosis {
     pub noise_mm: f64,
     /// Whether the noise was stated.
     pub noise_is_stated: bool,
-    /// Root mean square of what the errors leave, mm.
+    /// Root mean square of measured less explained, mm.
     pub rms_left_mm: f64,
-    /// Whether that is more than the noise.
+    /// Whether that is clearly more than the noise.
     pub leaves_more: bool,
-    /// The computed curve with the errors at the measured points, placed, mm.
+    /// The explained curve: the computed curve with the errors, placed, at the measured points, mm.
     pub explained_mm: Vec<f64>,
-    /// The offset that was added to it, mm.
+    /// The offset added to the computed curve, mm.
     pub offset_mm: f64,
-    /// The shift that was added to the measured strokes, mm.
+    /// The shift added to the measured strokes, mm.
     pub shift_mm: f64,
-    /// How many errors were tried.
+    /// The number of errors that were tried.
     pub candidates: usize,
-    /// By how much an error has to lower χ².
+    /// The least by which an error must lower χ².
     pub threshold: f64,
-    /// Errors of [`UNSEEN_MM`] that the curve would not show.
+    /// Errors of the size [`UNSEEN_MM`] that do not show in the curve.
     pub unseen: Vec<Unseen>,
 }
 
-/// χ² at the ends of the 95 % interval of a size.
+/// The rise of χ² at the ends of the 95 % interval of a size.
 const INTERVAL: f64 = 3.84;
-/// The most errors that are searched for.
+/// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
 
 impl Diagnosis {
@@ -89,7 +89,7 @@ impl Diagnosis {
         request: DiagnosisRequest,
         watch: &mut Watch<'_>,
     ) -> Result<Self, TraceError> {
-        // an error may distort the shift that was fitted without it: of both starts take the answer with fewer errors
+        // an error may distort the shift that was fitted without it: search from that shift and from none, keep the better
         let fitted = Search::new(mesh, overlay, request);
         let unmoved = (fitted.shift_mm != 0.0).then(|| Search { shift_mm: 0.0, ..fitted.clone() });
         let (mut search, unseen) = std::iter::once(fitted)
@@ -125,9 +125,9 @@ impl Diagnosis {
 }
 
 impl Search<'_> {
-    /// Adds errors as long as one stands out of the noise, then finds the errors that the curve would not show.
+    /// Adds errors as long as one stands out of the noise, then finds the errors that do not show in the curve.
     fn add_all(&mut self, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
-        /// Of what an error has to explain, what it has to explain at a first look.
+        /// The share of the threshold that an error must explain at the first look.
         const LEAST: f64 = 0.5;
         loop {
             let errors = self.errors.clone();
@@ -148,13 +148,13 @@ impl Search<'_> {
         }
     }
 
-    /// χ² of the errors found, and by how much they have to lower it.
+    /// χ² with the errors found, plus the threshold for each of them.
     fn cost(&self) -> f64 {
         let square = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
         square + self.threshold * self.errors.len() as f64
     }
 
-    /// Removes errors without which the others explain as much.
+    /// Removes errors without which the others explain the curve as well.
     fn remove_needless(&mut self) -> Result<(), TraceError> {
         while self.errors.len() > 1 {
             let all = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
@@ -175,7 +175,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Errors of [`UNSEEN_MM`] that the curve would not show, by part, kind and sign.
+    /// Errors of the size [`UNSEEN_MM`] that do not show in the curve, by part, kind and sign.
     fn unseen(&self, sight: &Sight, screened: &[(ToothError, Effects)]) -> Vec<Unseen> {
         let mut all: Vec<Unseen> = Vec::new();
         for (ToothError { part, kind, tooth }, effects) in screened {
@@ -242,7 +242,7 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Whether an error can act at all strokes of an effect, except for a tenth of the effect's square.
+    /// Whether an error can act at the strokes of an effect, all but a tenth of the effect's sum of squares.
     fn acts_like(&self, error: ToothError, effect: &[f64], sight: &Sight) -> bool {
         const MISSED: f64 = 0.1;
         let square = |acts: bool| {
@@ -265,7 +265,7 @@ impl Search<'_> {
         const STEP_MM: f64 = 1e-4;
         let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size) > INTERVAL;
         let (mut inside, mut step) = (best.size_mm, STEP_MM);
-        // an error larger than a tooth can have is not solved, and ends the search
+        // an error that is too large for a tooth has no solution, and ends the search
         loop {
             let size = best.size_mm + way * step;
             if !effects.has(size) {

@@ -1,6 +1,6 @@
 #![doc = include_str!("trace.md")]
 //!
-//! The command line reads the table and calls it; it knows meshes and points, and opens no file.
+//! The command line reads the table and calls this room with a mesh and points.
 
 mod diagnosis;
 mod search;
@@ -30,7 +30,7 @@ pub struct TracePoint {
 pub struct Fitted {
     /// The length, mm.
     pub value_mm: f64,
-    /// Its standard uncertainty, mm, if the differences left by the fit are independent noise.
+    /// Its standard uncertainty, mm, if the residuals of the fit are independent noise.
     pub uncertainty_mm: f64,
 }
 
@@ -39,14 +39,14 @@ pub struct Fitted {
 pub struct Placement {
     /// Added to ΔCD.
     pub offset: Fitted,
-    /// Added to the measured stroke; `None` where the computed curve does not determine it and 0 is taken.
+    /// Added to the measured stroke; `None` where the computed curve does not determine it: then it is 0.
     pub shift: Option<Fitted>,
-    /// Whether the shift lies at an end of the half pitch either way in which it is sought.
+    /// Whether the shift lies at an end of its range, ± half a pitch.
     pub at_an_end: bool,
 }
 
 impl Placement {
-    /// Added to the measured stroke, mm.
+    /// The shift added to the measured stroke, mm.
     #[must_use]
     pub fn shift_mm(&self) -> f64 {
         self.shift.map_or(0.0, |shift| shift.value_mm)
@@ -58,7 +58,7 @@ impl Placement {
 pub struct Variation {
     /// Largest less smallest ΔCD, mm: with a master for the pinion, F_i″ of the rack.
     pub peak_to_peak_mm: f64,
-    /// The largest such difference within a pitch, mm: with a master for the pinion, f_i″ of the rack.
+    /// Largest less smallest ΔCD within a pitch, at its largest, mm: with a master for the pinion, f_i″ of the rack.
     pub tooth_to_tooth_mm: f64,
 }
 
@@ -67,7 +67,7 @@ pub struct Variation {
 pub struct Overlay {
     /// The measured points.
     pub points: Vec<TracePoint>,
-    /// The computed curve at them, placed, mm.
+    /// The computed curve, placed, at the measured points, mm.
     pub computed_mm: Vec<f64>,
     /// How the computed curve is placed; `None` if it is taken as it is.
     pub placement: Option<Placement>,
@@ -77,9 +77,9 @@ pub struct Overlay {
     pub farthest: TracePoint,
     /// Measured less computed there, mm.
     pub largest_mm: f64,
-    /// Of the measured and of the computed curve, at the same strokes.
+    /// The variations of the measured and of the computed curve, at the same strokes.
     pub variations: [Variation; 2],
-    /// The orders of both; `None` where the points are too few, or cover no pitch.
+    /// The orders of both curves; `None` where the points are too few, or cover no pitch.
     pub spectrum: Option<Spectrum>,
 }
 
@@ -88,7 +88,7 @@ pub struct Overlay {
 #[non_exhaustive]
 pub enum TraceError {
     /// There are too few points.
-    #[error("a measured curve has three points at least, and not all at one stroke")]
+    #[error("a measured curve needs at least three points, not all at one stroke")]
     TooFewPoints,
     /// The errors found are too large for teeth.
     #[error("the errors that explain the curve are too large for teeth")]
@@ -101,18 +101,18 @@ pub enum TraceError {
     Mesh(#[from] MeshError),
 }
 
-/// The computed curve between its points, for a search: chords off by no more than the curve's tolerance.
+/// Chords of the computed curve, for a search; they deviate from it by no more than its tolerance.
 pub(crate) struct Chords(Vec<(f64, f64)>);
 
 impl Chords {
-    /// A curve over these strokes, mm.
+    /// The chords over a range of strokes, mm.
     pub(crate) fn of(mesh: &Mesh, from_mm: f64, to_mm: f64) -> Result<Self, MeshError> {
         let tolerance_mm = if mesh.support() == Support::Fixed { 1e-6 } else { 1e-5 };
         let curve = mesh.curve(from_mm, to_mm, tolerance_mm)?;
         Ok(Self(curve.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect()))
     }
 
-    /// ΔCD and its slope at a stroke.
+    /// ΔCD, mm, and its slope at a stroke.
     pub(crate) fn at(&self, stroke_mm: f64) -> (f64, f64) {
         let behind = self.0.partition_point(|(stroke, _)| *stroke < stroke_mm).clamp(1, self.0.len().max(2) - 1);
         let (Some(a), Some(b)) = (self.0.get(behind - 1), self.0.get(behind)) else {
@@ -129,11 +129,11 @@ pub(crate) fn sampled(mesh: &Mesh, strokes_mm: &[f64]) -> Result<Vec<f64>, MeshE
 }
 
 impl Overlay {
-    /// Lays measured points, whose strokes rise, on the curve of a mesh; with `fits`, offset and stroke shift are those of
-    /// least squares, the shift within half a pitch either way.
+    /// Lays measured points, whose strokes rise, on the curve of a mesh. With `fits`, offset and stroke shift are fitted by
+    /// least squares, the shift within ± half a pitch.
     ///
     /// # Errors
-    /// [`TraceError`] for fewer than three points, or a stroke without a mesh.
+    /// [`TraceError`] if there are fewer than three points, or a stroke has no mesh.
     pub fn of(mesh: &Mesh, points: &[TracePoint], fits: bool) -> Result<Self, TraceError> {
         let (Some(first), Some(last)) = (points.first(), points.last()) else { return Err(TraceError::TooFewPoints) };
         if points.len() < 3 || first.stroke_mm >= last.stroke_mm {
@@ -169,11 +169,11 @@ fn variation(strokes: &[f64], curve: &[f64], pitch_mm: f64) -> Variation {
     Variation { peak_to_peak_mm: high - low, tooth_to_tooth_mm }
 }
 
-/// The offset and the stroke shift of least squares.
+/// The offset and the stroke shift by least squares.
 fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError> {
-    /// Shifts that are tried in half a pitch before the best of them is refined.
+    /// The number of shifts tried in half a pitch; the best is refined.
     const TRIED: i32 = 32;
-    /// A shift with an uncertainty above this share of a pitch counts as not determined.
+    /// A shift whose uncertainty is above this share of a pitch is not determined.
     const TOLD: f64 = 0.1;
     let pitch_mm = mesh.pair().rack().pitch_mm;
     let half = 0.5 * pitch_mm;
@@ -187,7 +187,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
     };
     let step = half / f64::from(TRIED);
     let tried = (-TRIED..=TRIED).map(|index| f64::from(index) * step);
-    // of equal shifts the smallest
+    // of shifts that fit equally well, the smallest
     let better = |a: &(f64, f64), b: &(f64, f64)| a.1.total_cmp(&b.1).then(a.0.abs().total_cmp(&b.0.abs()));
     let best = tried.map(|shift| (shift, rest(shift))).min_by(better).map_or(0.0, |(shift, _)| shift);
     let shift_mm = lowest(&rest, (best - step).max(-half), (best + step).min(half));
@@ -212,7 +212,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
     })
 }
 
-/// Where a function that falls and then rises is lowest, by the golden section.
+/// The place of the minimum of a function that falls and then rises, by the golden section.
 pub(crate) fn lowest(of: &dyn Fn(f64) -> f64, mut from: f64, mut to: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let at = |from: f64, to: f64| [to - GOLDEN * (to - from), from + GOLDEN * (to - from)];

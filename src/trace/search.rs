@@ -1,5 +1,5 @@
-//! The search for errors of single teeth: what a set of them leaves of a curve, what one more would explain, and the sizes that
-//! together fit best.
+//! The search for errors of single teeth: the differences that a set of them leaves, how much one more explains, and the sizes
+//! that together fit best.
 
 use std::ops::ControlFlow;
 
@@ -9,34 +9,34 @@ use super::{Overlay, TraceError, TracePoint, sampled};
 use crate::mesh::{Mesh, MeshPoint, PairLine, Sampler, Support};
 use crate::parallel;
 
-/// The size of errors for the list of those that would not show, mm.
+/// The size of the errors that are checked for not showing in the curve, mm.
 pub const UNSEEN_MM: f64 = 0.02;
-/// Errors whose χ² differs by less have the same curve.
+/// Errors whose χ² differs by less than this have the same curve.
 pub(super) const SAME_CURVE: f64 = 9.0;
-/// Sizes at which every error is tried first, with either sign, mm.
+/// Magnitudes at which every error is tried first, with both signs, mm.
 const SIZES_MM: [f64; 2] = [UNSEEN_MM, 0.07];
-/// Largest probability that a curve without an error gets one, by Bonferroni over all errors tried.
+/// Largest probability that an error is found in a curve without one, by Bonferroni over all errors tried.
 const FALSE_ALARM: f64 = 0.01;
-/// Step of stroke, or of an error's size, for slopes of the curve, mm.
+/// Step of the stroke, or of an error's size, for slopes of the curve, mm.
 const STEP_MM: f64 = 2e-4;
 /// Strokes in a pitch for the first, coarse comparison.
 const FIRST_LOOK: f64 = 12.0;
-/// Errors that are compared more closely.
+/// The number of errors that are compared more closely.
 const CLOSER: usize = 48;
 
 /// The settings of a search for errors of single teeth.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct DiagnosisRequest {
-    /// Standard deviation of the measurement's noise, mm; estimated from the curve unless given.
+    /// Standard deviation of the measurement's noise, mm; estimated from the curve if not given.
     pub noise_mm: Option<f64>,
     /// Whether the pinion is a master, so that all errors are the rack's.
     pub is_master: bool,
 }
 
-/// Gets the number of errors found and the share of candidates tried; may end the search.
+/// Is called with the number of errors found and the share of candidates tried; may end the search.
 pub type Watch<'w> = dyn FnMut(usize, f64) -> ControlFlow<()> + 'w;
 
-/// Measured points, or means of some next to each other: stroke, ΔCD, and how many they are.
+/// Measured points, or means of neighbouring points: stroke, ΔCD, and the number of points in each.
 pub(super) type Points = Vec<(f64, f64, f64)>;
 
 /// A search under way: the measured points, the candidates, and the errors found so far.
@@ -53,7 +53,7 @@ pub(super) struct Search<'a> {
     pub(super) shift_mm: f64,
 }
 
-/// The noise of a curve by its second differences, whose median a few steps do not move, mm.
+/// The noise of a curve, mm, from the median of its second differences, which a few steps do not change.
 fn estimated_noise_mm(overlay: &Overlay) -> f64 {
     /// The median of a normal distribution's magnitude, and the standard deviation of a − 2 b + c.
     const MEDIAN: f64 = 0.674_49;
@@ -67,7 +67,7 @@ fn estimated_noise_mm(overlay: &Overlay) -> f64 {
     (median / (MEDIAN * OF_SECOND)).max(LEAST_MM)
 }
 
-/// Sizes around one, from which the best is closed in on.
+/// Sizes around one, at which the search for the best size begins.
 pub(super) fn near(size_mm: f64) -> Vec<f64> {
     [0.9, 1.0, 1.1].map(|share| share * size_mm).into()
 }
@@ -113,7 +113,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What some errors leave at points; with `fits_sizes` their sizes are fitted together with another error.
+    /// The differences that some errors leave at points; with `fits_sizes` their sizes are fitted together with another error's.
     pub(super) fn sight(
         &self,
         errors: &[(ToothError, f64)],
@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
         with_errors(self.mesh, errors).ok_or(TraceError::NoSuchErrors)
     }
 
-    /// The columns of offset and stroke shift, if they are fitted; the shift only if the curve determines it.
+    /// The columns of offset and stroke shift, if they are fitted; that of the shift only if the curve determines it.
     fn placing(
         &self,
         errors: &[(ToothError, f64)],
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         Ok(if is_told { vec![ones, slopes] } else { vec![ones] })
     }
 
-    /// The effect of an error of a size beside some errors, with which the computed curve is `model` at `strokes`; `None` for
+    /// The effect of an error of a size beside some errors. The computed curve with these is `model` at `strokes`. `None` for
     /// impossible teeth.
     pub(super) fn effect(
         &self,
@@ -177,7 +177,7 @@ impl<'a> Search<'a> {
         strokes.iter().zip(model).map(at).collect()
     }
 
-    /// The mesh with some errors at strokes: each point, and what every flank pair asks for there.
+    /// The mesh with some errors at strokes: each point, and the ΔCD that every flank pair demands there.
     fn lines(
         &self,
         errors: &[(ToothError, f64)],
@@ -192,8 +192,9 @@ impl<'a> Search<'a> {
         strokes_mm.iter().map(&mut at).collect()
     }
 
-    /// The approximate effect of an error of a size at these points of the mesh with some errors: only its own flank pairs are
-    /// solved, and every demand is a straight line over the rotation. It takes a tenth of the time of [`effect`](Self::effect).
+    /// The approximate effect of an error of a size at these points of the mesh with some errors. It solves only the flank
+    /// pairs of the error's tooth and takes every demand as a straight line over the rotation, in a tenth of the time of
+    /// [`effect`](Self::effect).
     fn rough_effect(
         &self,
         errors: &[(ToothError, f64)],
@@ -225,7 +226,7 @@ impl<'a> Search<'a> {
     ) -> Result<Vec<(ToothError, Effects)>, TraceError> {
         let is_new = |error: &&ToothError| is_tried(error) && errors.iter().all(|(known, _)| known != *error);
         let tried: Vec<ToothError> = self.candidates.iter().filter(is_new).copied().collect();
-        // the rest may be larger than the effect of the usual sizes
+        // the differences may be larger than the effect of the usual sizes
         let scale = (sight.largest_mm() / SIZES_MM[1]).ceil();
         let sizes: Vec<f64> = SIZES_MM.iter().copied().chain((scale > 1.0).then_some(scale * SIZES_MM[1])).collect();
         let is_fixed = self.mesh.support() == Support::Fixed;
@@ -259,7 +260,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// The size of an error that explains most, searched from a given size.
+    /// The size of an error that explains most, searched from a given size on.
     pub(super) fn refined(
         &self,
         errors: &[(ToothError, f64)],
@@ -278,7 +279,7 @@ impl<'a> Search<'a> {
         }
         for _ in 0..ROUNDS {
             let best = effects.best(sight).size_mm;
-            // a size at the end of those that are solved may be too small
+            // the best size may lie beyond the outermost solved one
             let next = effects.beyond(best).unwrap_or(best);
             if !add(&mut effects, next) {
                 break;
@@ -287,8 +288,8 @@ impl<'a> Search<'a> {
         (effects.best(sight), effects)
     }
 
-    /// The errors of either sign that explain most beside some others, the best first, in rounds with fewer candidates and more
-    /// strokes. Whatever explains less than `least` is left out.
+    /// The errors of either sign that explain most beside some others, the best first. Each round has fewer candidates and more
+    /// strokes than the one before. Errors that explain less than `least` are left out.
     pub(super) fn best(
         &self,
         errors: &[(ToothError, f64)],
@@ -296,10 +297,10 @@ impl<'a> Search<'a> {
         screened: &[(ToothError, Effects)],
         least: f64,
     ) -> Vec<(ToothError, Explains)> {
-        /// How far below the best a candidate may be in the first round, and in the second, as shares of what the best explains.
+        /// The distance below the best candidate that is allowed in the first and in the second round, as a share of its gain.
         const COARSE: f64 = 0.25;
         const FINE: f64 = 0.02;
-        // both signs of an error may have the same curve, as of a lead
+        // both signs of an error may have the same curve, as those of a lead do
         let first = |(error, effects): &(ToothError, Effects)| {
             effects.best_of_each_sign(means).map(|best| (*error, best, effects.around(best.size_mm)))
         };
@@ -331,7 +332,7 @@ impl<'a> Search<'a> {
         Some(Sight::new((strokes, model), &measured, weights, &beside).chi_square())
     }
 
-    /// Fits all sizes and the stroke shift together, by Gauss and Newton.
+    /// Fits all sizes and the stroke shift together, by the Gauss-Newton method.
     pub(super) fn refit(&mut self) -> Result<(), TraceError> {
         const ROUNDS: usize = 8;
         const ENOUGH: f64 = 0.1;

@@ -1,9 +1,9 @@
-//! The differences left of a measured curve at some strokes with weights, for a search: without the parts that an offset and a
-//! stroke shift explain; and the effect of a tooth's error there, by its size.
+//! For a search: the weighted differences between measured and computed curve at some strokes, without the parts that an
+//! offset and a stroke shift explain; and the effect of a tooth's error there, by its size.
 
 use crate::linear::{LeastSquares, least_squares};
 
-/// The differences left at some strokes.
+/// The differences between measured and computed curve at some strokes.
 pub(super) struct Sight {
     /// The strokes on the mesh, mm.
     pub(super) strokes_mm: Vec<f64>,
@@ -11,7 +11,7 @@ pub(super) struct Sight {
     pub(super) model_mm: Vec<f64>,
     /// Measured less computed, mm.
     rest_mm: Vec<f64>,
-    /// 1/σ² of each, 1/mm².
+    /// The weight 1/σ² of each, 1/mm².
     weights: Vec<f64>,
     /// The columns that are fitted beside an error: a constant, slopes of the curve, effects of other errors.
     beside: Vec<Vec<f64>>,
@@ -40,7 +40,7 @@ impl Sight {
         sight
     }
 
-    /// The strokes, and the computed curve there.
+    /// The strokes and the computed curve there, mm.
     pub(super) fn curve(&self) -> (&[f64], &[f64]) {
         (&self.strokes_mm, &self.model_mm)
     }
@@ -89,18 +89,18 @@ impl Sight {
         self.inner(&self.rest_mm, &self.rest_mm)
     }
 
-    /// χ² of an effect: how clearly it would show.
+    /// χ² of an effect: how clearly it shows.
     pub(super) fn visible(&self, effect: &[f64]) -> f64 {
         self.inner(effect, effect)
     }
 }
 
-/// The effect of a tooth's error at the strokes of a sight, by its size; linear between sizes, because a mesh follows the highest
-/// of straight lines.
+/// The effect of a tooth's error at the strokes of a sight, for several sizes; linear between them, because the mesh is the
+/// highest of several straight lines.
 #[derive(Debug, Clone)]
 pub(super) struct Effects(Vec<(f64, Vec<f64>)>);
 
-/// A size of an error, and by how much it lowers χ².
+/// A size of an error, and its gain: the amount by which it lowers χ².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Explains {
     pub(super) size_mm: f64,
@@ -123,14 +123,14 @@ impl Effects {
         self.0.iter().find(|(size, _)| (size - size_mm).abs() < 1e-12).map(|(_, effect)| effect.as_slice())
     }
 
-    /// The solved sizes next to one that have its sign, and itself.
+    /// A size and the solved sizes next to it that have its sign.
     pub(super) fn around(&self, size_mm: f64) -> Vec<f64> {
         let at = self.0.partition_point(|(size, _)| *size < size_mm - 1e-12);
         let near = self.0[at.saturating_sub(1)..(at + 2).min(self.0.len())].iter().map(|(size, _)| *size);
         near.filter(|size| size * size_mm > 0.0).chain([size_mm]).collect()
     }
 
-    /// A size beyond the outermost that is solved, if that is the one.
+    /// If a size is the outermost solved one: a size one step beyond it.
     pub(super) fn beyond(&self, size_mm: f64) -> Option<f64> {
         let size = |at: usize| self.0.get(at).map(|(size, _)| *size);
         let count = self.0.len();
@@ -140,9 +140,9 @@ impl Effects {
         })
     }
 
-    /// Whether a size is near enough to a solved one.
+    /// Whether a size is solved, or near a solved one.
     pub(super) fn has(&self, size_mm: f64) -> bool {
-        /// 0.02 µm
+        /// Sizes that differ by less than this are the same: 0.02 µm.
         const SAME_MM: f64 = 2e-5;
         self.0.iter().any(|(size, _)| (size - size_mm).abs() < SAME_MM)
     }
@@ -161,7 +161,7 @@ impl Effects {
         })
     }
 
-    /// The size that explains most between solved sizes that are both some.
+    /// The size that explains most between neighbouring solved sizes for which `is_tried` holds.
     fn best_within(&self, sight: &Sight, is_tried: impl Fn(f64) -> bool) -> Explains {
         let mut best = Explains { size_mm: 0.0, gain: 0.0 };
         let all = sight.chi_square();
@@ -179,7 +179,7 @@ impl Effects {
         best
     }
 
-    /// By how much a size lowers χ²; linear between solved sizes.
+    /// The amount by which a size lowers χ²; effects are linear between solved sizes.
     pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
         let at = self.0.partition_point(|(size, _)| *size < size_mm).clamp(1, self.0.len().max(2) - 1);
         let (Some((from, a)), Some((to, b))) = (self.0.get(at - 1), self.0.get(at)) else { return 0.0 };

@@ -1,11 +1,11 @@
-//! Orders of a curve: amplitudes of sines that repeat so many times in a turn of the pinion.
+//! Orders of a curve: the amplitudes of sines with a whole number of periods in a turn of the pinion.
 
 use std::f64::consts::TAU;
 
 use crate::linear::least_squares;
 use crate::trig;
 
-/// The amplitudes of an order.
+/// An order with its amplitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Order {
     /// Periods in a turn of the pinion: z for the tooth mesh.
@@ -17,22 +17,22 @@ pub struct Order {
 /// The orders of two curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// All orders that are fitted together, rising.
+    /// All orders, which are fitted together, rising.
     pub orders: Vec<Order>,
     /// Turns of the pinion that the points cover.
     pub turns: f64,
 }
 
-/// Tooth meshes with their harmonics, and orders in all, at most.
+/// The highest harmonic of the tooth mesh, and the most orders.
 const HARMONICS: u32 = 3;
 const MOST_ORDERS: u32 = 120;
-/// Points that a period needs.
+/// The fewest points in a period.
 const POINTS: f64 = 2.5;
 
 impl Spectrum {
-    /// Fits a constant and the sines of all orders together, by least squares, so that strokes may be irregular. From a turn or
-    /// more: every order up to three times the tooth mesh; from less than a turn: the tooth mesh and its harmonics. `None` if
-    /// the points determine no order.
+    /// Fits a constant and the sines of all orders together, by least squares; strokes may be irregular. Points over a turn or
+    /// more give every order up to three times the tooth mesh; points over less than a turn give the tooth mesh and its
+    /// harmonics. `None` if the points determine no order.
     pub(super) fn of(strokes_mm: &[f64], curves: [&[f64]; 2], pitch_mm: f64, teeth: u32) -> Option<Self> {
         let length_mm = strokes_mm.last()? - strokes_mm.first()?;
         let turn_mm = pitch_mm * f64::from(teeth);

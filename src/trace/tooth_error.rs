@@ -13,38 +13,38 @@ named! {
     pub enum ToothErrorKind {
         /// Normal thickness at the rack's reference plane, or transverse thickness at the pinion's reference circle.
         Thickness = "thickness",
-        /// The pitch line of a rack tooth shifted along the height.
+        /// The rack tooth's pitch line, shifted along the height.
         OverRoller = "over_roller",
-        /// The space after a pinion tooth sits higher.
+        /// The radial position of the space after a pinion tooth.
         Radial = "radial",
-        /// The tooth shifted along the rack or the reference circle.
+        /// The tooth's position along the rack or the reference circle.
         Shift = "shift",
         /// Its right flank, outward positive.
         Right = "right",
         /// Its left flank, outward positive.
         Left = "left",
-        /// The pitch before a rack tooth; all later teeth move.
+        /// The pitch before a rack tooth; it moves all later teeth.
         Pitch = "pitch",
-        /// Its helix angle, as helix slope over the face width of its part.
+        /// Its helix angle, as the helix slope deviation over the face width of its part.
         Lead = "lead",
     }
 }
 
 display_by_name!(ToothErrorKind);
 
-/// An error of one tooth, of any size.
+/// An error of one tooth, without its size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ToothError {
     /// The part.
     pub part: Part,
     /// The kind.
     pub kind: ToothErrorKind,
-    /// The tooth; of the pinion 0 to z − 1.
+    /// The number of the tooth; on the pinion 0 to z − 1.
     pub tooth: i64,
 }
 
 impl ToothError {
-    /// Every error of a tooth that can carry at strokes from one to another, mm; of the rack alone where the pinion is a master.
+    /// Every error of a tooth that can carry in a range of strokes, mm; those of the rack only if the pinion is a master.
     pub(super) fn all(pair: &Pair, (from_mm, to_mm): (f64, f64), is_master: bool) -> Vec<Self> {
         let (pitch, reach) = (pair.rack().pitch_mm, carrying_pitches(pair));
         let of_rack = (from_mm / pitch - reach).ceil() as i64..=(to_mm / pitch + reach).floor() as i64;
@@ -61,8 +61,8 @@ impl ToothError {
         rack.chain(of_pinion.flat_map(|tooth| of(Part::Pinion, tooth))).collect()
     }
 
-    /// Whether it can change ΔCD at a stroke: where its flanks can carry, and a little beyond, because errors lengthen the path of
-    /// contact.
+    /// Whether it can change ΔCD at a stroke: where its flanks can carry, and half a pitch beyond, because errors lengthen the
+    /// path of contact.
     pub(super) fn acts_at(&self, pair: &Pair, stroke_mm: f64) -> bool {
         const LONGER: f64 = 0.5;
         let (at, reach) = (stroke_mm / pair.rack().pitch_mm, carrying_pitches(pair) + LONGER);
@@ -71,7 +71,7 @@ impl ToothError {
             (Part::Rack, ToothErrorKind::Pitch) => at >= tooth - 0.5 - reach,
             (Part::Rack, _) => (at - tooth).abs() <= reach,
             (Part::Pinion, kind) => {
-                // tooth j sits half a pitch behind rack tooth j, between two rack teeth; the space after it lies half a pitch further
+                // pinion tooth j sits half a pitch after rack tooth j; the space after it lies half a pitch further
                 let (place, reach) = if kind == ToothErrorKind::Radial { (1.0, reach) } else { (0.5, reach + 0.5) };
                 let turn = f64::from(pair.pinion().teeth);
                 let apart = (at - tooth - place + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
@@ -85,7 +85,7 @@ impl ToothError {
         match (self.part, self.kind) {
             (Part::Rack, ToothErrorKind::Pitch) => rack_tooth >= self.tooth,
             (Part::Rack, _) => rack_tooth == self.tooth,
-            // a space has a flank of either tooth beside it
+            // a space lies between flanks of two teeth
             (Part::Pinion, ToothErrorKind::Radial) => {
                 let behind = (self.tooth + 1).rem_euclid(i64::from(pair.pinion().teeth));
                 [self.tooth, behind].contains(&pinion_tooth)
@@ -94,7 +94,7 @@ impl ToothError {
         }
     }
 
-    /// The angle of a lead error of this size, rad.
+    /// The angle of a lead error of this size, rad; `None` for other errors.
     #[must_use]
     pub fn lead_rad(&self, pair: &Pair, size_mm: f64) -> Option<f64> {
         let face_mm = match self.part {
@@ -136,16 +136,17 @@ impl ToothError {
     }
 }
 
-/// The largest distance, in pitches of stroke, from its own place at which a rack tooth carries on nominal flanks.
+/// The largest distance of the stroke from a rack tooth's own place, in pitches, at which its nominal flanks carry.
 fn carrying_pitches(pair: &Pair) -> f64 {
     let ratio = pair.contact_ratio();
     0.5 * ratio.total + ratio.offset.abs()
 }
 
-/// The largest error of a tooth, as a share of the module.
+/// The largest error of a tooth, as a share of the normal module.
 const LARGEST: f64 = 0.1;
 
-/// A mesh with errors of single teeth added; `None` where they are larger than a tenth of the module, or too large for teeth.
+/// A mesh with errors of single teeth added; `None` where they are larger than a tenth of the normal module, or too large for
+/// teeth.
 pub(super) fn with_errors(mesh: &Mesh, errors: &[(ToothError, f64)]) -> Option<Mesh> {
     let pair = mesh.pair();
     if errors.iter().any(|(_, mm)| mm.abs() > LARGEST * pair.normal_module_mm()) {

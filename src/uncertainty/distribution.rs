@@ -1,23 +1,23 @@
-//! The uncertainty of a quantity and the distribution of its values. Holds numbers only, and knows nothing of formulas.
+//! The uncertainty of a quantity and the distribution of its values.
 
 named! {
-    /// How the values that a quantity may have are distributed.
+    /// The distribution of the values that a quantity may have, of half-width a.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum Distribution {
         /// Normal; Student's t where the degrees of freedom are finite (JCGM 101, 6.4.9).
         Normal = "normal",
-        /// All values within the half-width are equally probable: u = a/√3.
+        /// All values within ±a are equally probable: u = a/√3.
         Rectangular = "rectangular",
-        /// Falling linearly from the middle: u = a/√6.
+        /// The probability falls linearly from the middle to ±a: u = a/√6.
         Triangular = "triangular",
-        /// Distributed like the values of a sine wave, mostly near the ends: u = a/√2.
+        /// Values as those of a sine of amplitude a, mostly near ±a: u = a/√2.
         Arcsine = "arcsine",
     }
 }
 
 impl Distribution {
-    /// Half-width in standard uncertainties; for a normal distribution, that of 95.45 %.
+    /// Half-width a in standard uncertainties, a / u; for a normal distribution that of 95.45 %, 2.
     #[must_use]
     pub fn half_width(self) -> f64 {
         match self {
@@ -34,28 +34,28 @@ impl Distribution {
 pub struct Uncertainty {
     /// Standard uncertainty u, mm or degrees.
     pub standard: f64,
-    /// How its values are distributed.
+    /// The distribution of its values.
     pub distribution: Distribution,
-    /// Degrees of freedom ν of u; infinite if u is known well.
+    /// Degrees of freedom ν of u; infinite if u is exact.
     pub dof: f64,
-    /// Whether ν was stated or follows from the distribution; otherwise it is assumed.
+    /// Whether ν is stated or follows from the distribution; otherwise it is assumed.
     pub is_dof_stated: bool,
 }
 
 impl Uncertainty {
-    /// A standard uncertainty that is known well, normal.
+    /// A standard uncertainty u of a normal distribution, with infinite degrees of freedom.
     #[must_use]
     pub const fn standard(u: f64) -> Self {
         Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY, is_dof_stated: true }
     }
 
-    /// From an expanded uncertainty U = k u.
+    /// The uncertainty from an expanded uncertainty U = k u.
     #[must_use]
     pub fn expanded(expanded: f64, k: f64) -> Self {
         Self::standard(expanded / k)
     }
 
-    /// From a half-width and its distribution.
+    /// The uncertainty from a half-width and its distribution.
     #[must_use]
     pub fn half_width(half_width: f64, distribution: Distribution) -> Self {
         Self { distribution, ..Self::standard(half_width / distribution.half_width()) }

@@ -1,4 +1,4 @@
-//! A part's errors and gear data as plain numbers, in degrees and mm, that may be varied or drawn. Computes no uncertainty.
+//! A part's errors and gear data as plain numbers, in degrees and mm, which may be varied or drawn.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,28 +13,28 @@ use crate::judge::bound::{Basis, ErrorRange, ExtendedError, GivenGeometry, Known
 use crate::quantity::Length;
 use crate::trig;
 
-/// The gear data of a part, mm and degrees; data that no error needs are 0.
+/// The gear data of a part, mm and degrees. Data that no error needs are 0.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Gear {
     pub(crate) alpha: f64,
     pub(crate) rack_helix: f64,
     pub(crate) pinion_helix: f64,
     pub(crate) face_width: f64,
-    /// The inputs of a computed nominal over-roller measure: m_n, s_n if it is not π m_n / 2, d_p and K.
+    /// The inputs of a computed nominal over-roller measure: m_n, s_n if it is given, d_p and K.
     pub(crate) module: f64,
     pub(crate) thickness: Option<f64>,
     pub(crate) pin: f64,
     pub(crate) datum: f64,
 }
 
-/// The sources that laws follow from.
+/// The gear data on which laws depend.
 pub(crate) const OF_LAWS: [Influence; 4] =
     [Influence::NormalPressureAngle, Influence::RackHelixAngle, Influence::PinionHelixAngle, Influence::FaceWidth];
 
 impl Gear {
-    /// The gear of the errors' laws, and of the pair if it is known.
+    /// The gear data of the errors' laws, and of the pair if it is known.
     pub(crate) fn new(errors: &[PartDeviation], over_pin: Option<&OverPin>, basis: &Basis) -> Self {
-        // where no formula needs an angle its gain is not used: any valid one will do
+        // any valid pressure angle, for errors whose formula needs none
         let mut gear = Self { alpha: 20.0, ..Self::default() };
         if let GivenGeometry::Known(pairs) = &basis.geometry {
             let pair = &pairs.given().pair;
@@ -70,7 +70,7 @@ impl Gear {
         *self.helix_mut(kind)
     }
 
-    /// The number of a source, if it is one of these.
+    /// The number of a source, if it is one of these data.
     pub(crate) fn of_source(&mut self, source: Influence) -> Option<&mut f64> {
         match source {
             Influence::NormalPressureAngle => Some(&mut self.alpha),
@@ -85,7 +85,7 @@ impl Gear {
         }
     }
 
-    /// The nominal measure over the roller, M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n).
+    /// The nominal measure over the roller, M = K − (π m_n − s_n)/(2 tan α_n) + (d_p/2)(1 + 1/sin α_n), mm.
     pub(crate) fn measure(&self) -> f64 {
         let (sin, cos) = trig::sin_cos(self.alpha * RADIANS_PER_DEGREE);
         let pitch = std::f64::consts::PI * self.module;
@@ -93,7 +93,7 @@ impl Gear {
         self.datum - 0.5 * space * cos / sin + 0.5 * self.pin * (1.0 + 1.0 / sin)
     }
 
-    /// The constant ΔCD, mm, of a pair of unknown geometry with rack teeth of this thickness, if it is given.
+    /// The constant ΔCD, mm, of a pair of unknown geometry for its rack tooth thickness; 0 if that is not given.
     pub(crate) fn own_delta_cd_mm(&self) -> f64 {
         self.thickness.map_or(0.0, |thickness| own_delta_cd_mm(thickness, self.module, self.alpha))
     }
@@ -112,12 +112,12 @@ pub(crate) struct VariedError {
 }
 
 impl VariedError {
-    /// A varied error; `None` if there is no bound for it.
+    /// The error; `None` if it has no bound.
     pub(crate) fn new(error: &PartDeviation) -> Option<Self> {
         Some(Self { law: error.law(), error: ExtendedError::of(error).ok()? })
     }
 
-    /// With a value in mm or degrees.
+    /// The error with another value, mm or degrees.
     pub(crate) fn with_value(&self, value: f64) -> ExtendedError {
         self.error.with_value(if self.law.kind() == DeviationKind::RackLead {
             value * RADIANS_PER_DEGREE
@@ -126,20 +126,20 @@ impl VariedError {
         })
     }
 
-    /// With a value in mm or degrees and other gear data.
+    /// The error with another value, mm or degrees, and other gear data.
     pub(crate) fn at(&self, value: f64, gear: &Gear) -> ExtendedError {
         self.with_value(value).of_gear(self.law, gear.alpha, gear.helix(self.law.kind()), gear.face_width)
     }
 }
 
-/// A pair of known geometry with one of its sizes off by its standard uncertainty, either way. That changes the path of contact,
-/// the number of teeth on it, and the centre distance of thicker teeth.
+/// A pair of known geometry with one size off by ± its standard uncertainty. That changes the path of contact, the number of
+/// teeth on it, and the ΔCD of the pair itself.
 #[derive(Debug, Clone)]
 pub(crate) struct VariedPair {
     pub(crate) source: Influence,
-    /// That of its size.
+    /// The uncertainty of the size.
     pub(crate) uncertainty: Uncertainty,
-    /// `None` if the change leaves no pair.
+    /// The pair with the smaller size; `None` if no such pair exists.
     below: Option<Basis>,
     above: Option<Basis>,
 }
@@ -160,23 +160,23 @@ impl VariedPair {
         uncertainties.inputs().iter().filter_map(of).collect()
     }
 
-    /// How much the ends of such a pair differ from those of the nominal one, per unit of the size, if it is off that way.
+    /// The difference of the ends to those of the nominal pair, over the deviation of the size, upwards or downwards.
     pub(crate) fn slope(&self, up: bool, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
         let by = self.uncertainty.standard;
         let (basis, by) = if up { (&self.above, by) } else { (&self.below, -by) };
         basis.as_ref().map_or(NO_RANGE, ends).with(nominal, |varied, nominal| (varied - nominal) / by)
     }
 
-    /// The steeper of both slopes of either end.
+    /// The steeper of the two slopes, for each end.
     pub(crate) fn steepest(&self, nominal: Range, ends: impl Fn(&Basis) -> Range) -> Range {
         let [up, down] = [true, false].map(|up| self.slope(up, nominal, &ends));
         up.with(down, |up, down| if down.is_nan() || up.abs() >= down.abs() { up } else { down })
     }
 }
 
-/// What a source that is off by so much, in mm or rad, does to the sizes of a pair.
+/// The function that adds a deviation of a source, mm or rad, to the sizes of a pair; `None` if they do not depend on it.
 fn resized(source: Influence) -> Option<fn(&mut PairData, f64)> {
-    /// A rack tooth this near to half a pitch, mm, has its nominal thickness.
+    /// A rack tooth thickness that differs from half a pitch by less than this, mm, follows the module.
     const STANDARD_MM: f64 = 1e-9;
     match source {
         Influence::NormalPressureAngle => Some(|data, by| data.normal_pressure_angle_rad += by),
@@ -202,7 +202,7 @@ fn own_delta_cd_mm(thickness_mm: f64, module_mm: f64, alpha: f64) -> f64 {
     thickness_offset_mm(thickness_mm - FRAC_PI_2 * module_mm, trig::tan(alpha * RADIANS_PER_DEGREE))
 }
 
-/// The derivative of [`own_delta_cd_mm`] by a source, per mm or degree: 0 if the geometry is known.
+/// The derivative of [`own_delta_cd_mm`] by a source, mm per mm or degree; 0 if the geometry is known.
 pub(crate) fn own_slope(source: Influence, part: &UncertainPart<'_>) -> f64 {
     let (GivenGeometry::Unknown | GivenGeometry::BothFlanks, Some(over_pin)) = (&part.basis.geometry, part.over_pin)
     else {
@@ -234,7 +234,7 @@ pub(crate) fn range_alone(error: &ExtendedError, basis: &Basis) -> Range {
     basis.alone(error).map_or(NO_RANGE, ErrorRange::alone)
 }
 
-/// Of what has no range.
+/// The range of what has none.
 pub(crate) const NO_RANGE: Range = Range { lower: f64::NAN, upper: f64::NAN };
 
 #[cfg(test)]
@@ -246,7 +246,7 @@ mod tests {
     use crate::reproduction;
     use crate::uncertainty::Uncertainty;
 
-    /// Of the paper's pair with a wide pinion a third step comes to carry where the rack's face is about 23.8 mm wide.
+    /// On the paper's pair with a wide pinion a third step begins to carry at a rack face width of about 23.8 mm.
     #[test]
     fn a_size_near_a_jump_of_the_bound_is_uncertain_by_the_jump() {
         let given = GivenPair::plain(reproduction::pair().unwrap());
@@ -267,7 +267,7 @@ mod tests {
             pair.steepest(of(&basis), of).upper
         };
         assert_eq!(slope_at(19.7), 0.0);
-        // 0.1 mm of face lets the upper end rise by more than a micrometre
+        // 0.1 mm of face width raises the upper end by more than a micrometre
         assert!(slope_at(23.75) > 0.01, "{}", slope_at(23.75));
     }
 }

@@ -1,5 +1,4 @@
-//! The uncertainties of a part's inputs together, with their correlations, checked once. Read by the linear propagation
-//! and by Monte Carlo.
+//! The uncertainties of a part's inputs with their correlations, checked. Read by the linear propagation and by Monte Carlo.
 
 use thiserror::Error;
 
@@ -12,11 +11,11 @@ pub struct Uncertainties {
     inputs: Vec<(Influence, Uncertainty)>,
     /// Correlation coefficients, a full matrix by rows.
     correlation: Vec<f64>,
-    /// Its Cholesky factor, by rows; empty where nothing is correlated.
+    /// The Cholesky factor of the matrix, by rows; empty where nothing is correlated.
     factor: Vec<f64>,
 }
 
-/// What a verdict assumes where nothing is stated: for uncertainties as the GUM does, for the gear the defaults.
+/// An assumption of a verdict where nothing is stated: of uncertainties as in the GUM, of the gear its defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unstated {
     /// Degrees of freedom ν are infinite.
@@ -38,51 +37,51 @@ pub enum Unstated {
 }
 
 impl Unstated {
-    /// Whether it is a default of keys that the spec leaves out: the facts list these, the sentence of a pass does not.
+    /// Whether it is a default of the gear: facts list these, the sentence of a pass does not.
     #[must_use]
     pub const fn is_default(self) -> bool {
         matches!(self, Self::Zero | Self::FixedRack | Self::Thickness | Self::Form)
     }
 }
 
-/// Why uncertainties make no sense.
+/// Why uncertainties are impossible.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum UncertaintyError {
     /// A standard uncertainty that is negative or not finite.
     #[error("the standard uncertainty of {} is {value}; it must be 0 or more", .source_of.key())]
     Negative {
-        /// Of what.
+        /// The quantity.
         source_of: Influence,
-        /// The number.
+        /// Its standard uncertainty.
         value: f64,
     },
     /// Too few degrees of freedom.
     #[error("{} has {dof} degrees of freedom; at least 1 is needed", .source_of.key())]
     Freedom {
-        /// Of what.
+        /// The quantity.
         source_of: Influence,
-        /// The number.
+        /// Its degrees of freedom.
         dof: f64,
     },
-    /// The same quantity twice.
+    /// A quantity with two uncertainties.
     #[error("{} has two uncertainties", .0.key())]
     Twice(Influence),
-    /// A correlation of something that has no uncertainty.
+    /// A correlation of a quantity that has no uncertainty.
     #[error("{} is correlated but has no uncertainty", .0.key())]
     Unknown(Influence),
     /// A correlation coefficient beyond ±1, or of a quantity with itself.
     #[error("the correlation of {} and {} is {coefficient}; it must be between -1 and 1, of two different quantities", .of.0.key(), .of.1.key())]
     Coefficient {
-        /// Of which two.
+        /// The two quantities.
         of: (Influence, Influence),
-        /// The number.
+        /// The coefficient.
         coefficient: f64,
     },
     /// Correlations that contradict each other.
     #[error("the correlations contradict each other at {}: their matrix is not positive semidefinite", .0.key())]
     Contradiction(Influence),
-    /// A quantity without a bound of ΔCD beside it.
+    /// A quantity beside whose value ΔCD has no bound.
     #[error("no bound of ΔCD is known where {} is off by its uncertainty", .0.key())]
     NoBound(Influence),
     /// A ΔCD or a derivative outside its domain.
@@ -94,8 +93,8 @@ impl Uncertainties {
     /// Checks and combines uncertainties and the correlations between pairs of them.
     ///
     /// # Errors
-    /// [`UncertaintyError`] if a number is out of its domain, a quantity is named twice or not at all, or the
-    /// correlation matrix is not positive semidefinite.
+    /// [`UncertaintyError`] if a number is outside its domain, a quantity has two uncertainties, a correlated one has none, or
+    /// the correlation matrix is not positive semidefinite.
     pub fn new(
         inputs: Vec<(Influence, Uncertainty)>,
         correlations: &[(Influence, Influence, f64)],
@@ -134,7 +133,7 @@ impl Uncertainties {
         Ok(Self { inputs, correlation, factor })
     }
 
-    /// Whether nothing has an uncertainty above 0.
+    /// Whether no quantity has an uncertainty above 0.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.inputs.iter().all(|(_, uncertainty)| uncertainty.standard == 0.0)
@@ -146,7 +145,7 @@ impl Uncertainties {
         &self.inputs
     }
 
-    /// The uncertainty of a quantity.
+    /// The uncertainty of a quantity, if it has one.
     #[must_use]
     pub fn of(&self, source: Influence) -> Option<&Uncertainty> {
         self.inputs.iter().find(|(other, _)| *other == source).map(|(_, uncertainty)| uncertainty)
@@ -171,7 +170,7 @@ impl Uncertainties {
         !self.factor.is_empty() && (0..n).any(|i| (0..i).any(|j| counts(i, j) && self.correlation[i * n + j] != 0.0))
     }
 
-    /// a_i Σ_j r_ij a_j of each contribution a_i = c_i u_i, which add up to u².
+    /// The terms a_i Σ_j r_ij a_j of contributions a_i = c_i u_i; their sum is u².
     pub(super) fn terms(&self, contributions: &[f64]) -> Vec<f64> {
         let n = self.inputs.len();
         let sum = |i: usize| (0..n).map(|j| contributions[j] * self.correlation[i * n + j]).sum::<f64>();
@@ -233,7 +232,7 @@ mod tests {
         assert!((value - expected).abs() < 1e-15, "{value} {expected}");
     }
 
-    /// Contributions of 2, 3 and −5: a sum over nine products each.
+    /// Contributions of 2, 3 and −5: sums of nine products.
     #[test]
     fn covariances_take_each_pair_with_its_own_coefficient() {
         let of = correlated([0.5, -0.25, 0.125]).unwrap();

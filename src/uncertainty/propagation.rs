@@ -1,6 +1,6 @@
-//! The linear propagation itself: the laws' derivatives, weighted as the errors are combined, times the standard
-//! uncertainties. Called for single parts, and by the batch engine for many parts of one gear; what follows from the
-//! gear is computed once.
+//! The linear propagation: the laws' derivatives, weighted as the errors are combined, times the standard uncertainties.
+//! Called for single parts, and by the batch engine for many parts of one gear; what depends on the gear alone is computed
+//! once.
 //!
 //! Every law is a gain, which follows from the gear, times a function of the error alone:
 //!
@@ -8,9 +8,9 @@
 //! ∂ΔCD/∂x = ΔCD · ∂(ln gain)/∂x        for the gear's x
 //! ```
 //!
-//! The ends of the combination are those of the bound, which has kinks and jumps: a size on some teeth raises the upper end
-//! where it lifts and not where it sinks, and one more tooth comes to carry. Their slopes by an error are therefore the
-//! steepest within its uncertainty ([`WITHIN`]), and by a size of the pair that over its standard uncertainty.
+//! The ends of the combination are those of the bound, which has kinks and jumps: a size on some teeth moves the upper end only
+//! if it is positive, and an end jumps where one more tooth begins to carry. The slope of an end by an error is therefore the
+//! steepest within its uncertainty ([`WITHIN`]); by a size of the pair it is the difference over its standard uncertainty.
 
 use std::sync::OnceLock;
 
@@ -27,16 +27,15 @@ use crate::formula::{Influence, Law, Model, PartDeviation, Sensitivity};
 use crate::judge::Stack;
 use crate::judge::bound::{Basis, ExtendedError, Range};
 
-/// Coverage factors are kept up to so many degrees of freedom.
+/// Degrees of freedom up to which coverage factors are kept.
 const KEPT_FACTORS: u32 = 256;
 
-/// The quantities behind the uncertainties of a part: its errors and, if the nominal over-roller measure is computed, its
-/// inputs.
+/// A part with uncertain quantities: its errors and, if the nominal over-roller measure is computed, the inputs of that.
 #[derive(Debug, Clone, Copy)]
 pub struct UncertainPart<'a> {
     /// The errors.
     pub errors: &'a [PartDeviation],
-    /// The inputs of the over-roller error's nominal, if that is computed.
+    /// The inputs of the nominal over-roller measure, if that is computed.
     pub over_pin: Option<&'a OverPin>,
     /// The model of the formulas.
     pub model: Model,
@@ -44,11 +43,12 @@ pub struct UncertainPart<'a> {
     pub stack: Stack,
     /// What is known of the pair.
     pub basis: &'a Basis,
-    /// The derivatives of teeth that are known one by one by uncertain values.
+    /// The derivatives by uncertain values, for teeth that are known one by one.
     pub teeth: &'a [TeethSensitivity],
 }
 
-/// Propagates `uncertainties` through the laws of a part, linearly.
+/// Propagates `uncertainties` linearly through the laws of a part: u²(y) = Σ_i Σ_j c_i c_j u(x_i) u(x_j) r_ij with
+/// c_i = ∂y/∂x_i (JCGM 100:2008, clause 5.2.2); lengths in mm, angles in degrees.
 ///
 /// # Errors
 /// [`UncertaintyError::Domain`] if a law or one of its derivatives has no value there.
@@ -65,13 +65,13 @@ pub struct Point {
     pub delta_cd_mm: f64,
 }
 
-/// The inputs of the uncertainty of one error's ΔCD.
+/// The derivatives of one error's ΔCD.
 #[derive(Debug, Clone)]
 struct Derivatives {
     law: Law,
     /// Its extent.
     extent: Extent,
-    /// The error for the bound; `None` if it is too large for one.
+    /// The error for the bound; `None` if it is too large for a bound.
     varied: Option<VariedError>,
     /// The input that is the error itself, and its standard uncertainty, mm or degrees.
     own: Option<(usize, f64)>,
@@ -81,7 +81,7 @@ struct Derivatives {
     constant: Vec<f64>,
 }
 
-/// The derivatives of one result by all inputs.
+/// The derivatives of a result by all inputs.
 #[derive(Debug, Clone, Default)]
 struct Gradient {
     by_input: Vec<f64>,
@@ -97,7 +97,7 @@ struct Gradients {
     upper: Gradient,
 }
 
-/// The uncertainties of a gear's parts, ready for many of them; see the module.
+/// The propagation for many parts of one gear: what depends on the gear alone is computed once.
 #[derive(Debug, Clone)]
 pub struct Propagator {
     uncertainties: Uncertainties,
@@ -106,30 +106,30 @@ pub struct Propagator {
     stack: Stack,
     /// Degrees of freedom of the inputs; empty where all are infinite.
     dofs: Vec<f64>,
-    /// Coverage factors by whole degrees of freedom, where any are finite; each is computed once it is needed.
+    /// Coverage factors by whole degrees of freedom, if any are finite; each is computed when it is first needed.
     factors: Vec<OnceLock<f64>>,
     basis: Basis,
     /// The gear data of the errors' laws.
     gear: Gear,
-    /// Pairs of known geometry with sizes that are off.
+    /// The pair, if its geometry is known, with one uncertain size off at a time.
     pairs: Vec<VariedPair>,
-    /// How the ΔCD of a pair of unknown geometry follows from each input.
+    /// The derivative of the constant ΔCD of a pair of unknown geometry by each input.
     own_slopes: Vec<f64>,
-    /// The derivatives of teeth that are known one by one.
+    /// The derivatives by uncertain values, for teeth that are known one by one.
     teeth: Vec<TeethSensitivity>,
 }
 
-/// How far inputs are varied, mm or degrees. Ends are linear nearly everywhere, so this may be much larger than rounding.
+/// Step of an input for a derivative, mm or degrees. Ends are linear nearly everywhere, so the step may be large.
 const VARIED_BY: f64 = 1e-6;
 
-/// How far from a value, in standard uncertainties, slopes of the ends are taken. A jump or a kink on the way adds so much to
-/// the slope that the end of the interval (k = 1 to 2.5) reaches beyond it.
+/// Distances from a value, in standard uncertainties, over which slopes of the ends are taken. A jump or a kink within the
+/// distance increases the slope, so that the interval (k = 1 to 2.5) contains the end beyond it.
 pub(crate) const WITHIN: [f64; 6] = [1.0, -1.0, 1.7, -1.7, 2.5, -2.5];
 
-/// The steepest slope of both ends within the uncertainty of a value; `over` is the slope over a distance. It is the slope at the
-/// value unless another one is clearly steeper.
+/// The steepest slope of each end within the uncertainty of a value: `at`, the slope at the value, unless `over`, the slope
+/// over a distance, is clearly steeper.
 fn steepest_within(standard: f64, at: Range, over: impl Fn(f64) -> Range) -> Range {
-    /// Tolerance for ends that are combined in squares, which are slightly curved.
+    /// The factor from which a slope is clearly steeper: ends that are combined in squares are slightly curved.
     const CLEARLY: f64 = 1.0 + 1e-3;
     let steeper = |slope: f64, other: f64| {
         if other.is_nan() || other.abs() > slope.abs() * CLEARLY + 1e-9 { other } else { slope }
@@ -139,7 +139,7 @@ fn steepest_within(standard: f64, at: Range, over: impl Fn(f64) -> Range) -> Ran
 }
 
 impl Propagator {
-    /// Prepares the uncertainties of parts with the errors of this one, whatever their values.
+    /// Prepares the propagation for parts with the kinds of errors of this one, of any values.
     ///
     /// # Errors
     /// [`UncertaintyError::Domain`] if a derivative has no value.
@@ -172,7 +172,7 @@ impl Propagator {
         &self.uncertainties
     }
 
-    /// The uncertainties of one part, of which `points` has each error.
+    /// The uncertainties of one part; `points` are its errors.
     #[must_use]
     pub fn spreads(&self, points: &[Point]) -> Spreads {
         self.spreads_of(points, &self.gradients(points))
@@ -231,7 +231,7 @@ impl Propagator {
                 gradient.by_input[own] += of.law.slope(point.error, self.model);
                 if point.error.abs() < FOLD * standard {
                     gradient.folded.extend((!kind.always_acts()).then_some(kind));
-                    // a size on some of the teeth acts only one way
+                    // a size on some of the teeth acts with one sign only
                     let at_ends = !(kind.always_acts() && of.extent == Extent::All);
                     gradients.lower.folded.extend(at_ends.then_some(kind));
                 }
@@ -274,7 +274,7 @@ impl Propagator {
         weights
     }
 
-    /// ∂(both ends)/∂x of one input.
+    /// The derivatives of both ends by one input.
     fn by_input(&self, input: usize, values: &[f64], centre: Range) -> Range {
         let over = |step: f64| {
             self.ends(values, Some((input, step)), &self.basis).with(centre, |off, centre| (off - centre) / step)
@@ -288,14 +288,14 @@ impl Propagator {
         slope.with(pair.steepest(centre, |basis| self.ends(values, None, basis)), |slope, of_pair| slope + of_pair)
     }
 
-    /// Upper bound of the standard uncertainty of an error: its own plus that of its nominal value.
+    /// Upper bound of the standard uncertainty of an error: that of its value plus that of its nominal value.
     fn standard(&self, of: &Derivatives) -> f64 {
         let inputs = self.uncertainties.inputs().iter().zip(&of.constant);
         let of_nominal = inputs.map(|((_, uncertainty), slope)| (slope * uncertainty.standard).abs());
         of.own.map_or(0.0, |(_, standard)| standard) + of_nominal.sum::<f64>()
     }
 
-    /// Both ends of the combination for errors of these values, with one input off by so much.
+    /// Both ends of the combination for errors of these values, with `off`: an input and its deviation.
     fn ends(&self, values: &[f64], off: Option<(usize, f64)>, basis: &Basis) -> Range {
         let mut gear = self.gear;
         let shifted = off.and_then(|(input, step)| {
@@ -323,7 +323,7 @@ impl Propagator {
         inputs.map(|(derivative, (_, uncertainty))| derivative * uncertainty.standard).collect()
     }
 
-    /// Infinite where a derivative is not known.
+    /// The variance of a result, mm²; infinite where a derivative is not known.
     fn variance(&self, by_input: &[f64]) -> f64 {
         let contributions = self.contributions(by_input);
         let variance = self.uncertainties.covariance(&contributions, &contributions);
@@ -379,7 +379,7 @@ impl Propagator {
 
     /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
     fn dof(&self, contributions: &[f64], standard_mm: f64) -> Option<f64> {
-        /// How far u may fall below the sum of all contributions: a correlation coefficient is not known to more digits.
+        /// The smallest u, as a share of the sum of all contributions: correlation coefficients have no more digits.
         const CANCELLED: f64 = 1e-6;
         let is_correlated = self.uncertainties.correlates(contributions);
         let all: f64 = contributions.iter().map(|contribution| contribution.abs()).sum();
@@ -429,7 +429,7 @@ impl Derivatives {
         if let (DeviationKind::RackOverRoller, Some(over_pin)) = (kind, part.over_pin) {
             for Sensitivity { input, value } in over_pin.sensitivities()? {
                 if let (Some(at), Some(value)) = (index(input), value) {
-                    // M − M_nom falls as the nominal rises
+                    // M − M_nom falls as M_nom rises
                     constant[at] -= value;
                 }
             }

@@ -1,5 +1,5 @@
-//! The result of the propagation: a value with its standard uncertainty, coverage factor and the contribution of each input.
-//! The rules and the reports read it; it computes no derivative.
+//! The result of the propagation: a value with its standard uncertainty, its coverage factor and the contribution of each
+//! input. Decision rules and reports read it.
 
 use super::Influence;
 use super::coverage::whole_dof;
@@ -18,13 +18,13 @@ pub struct InputContribution {
     pub source: Influence,
     /// Its standard uncertainty u(x_i), mm or degrees.
     pub standard: f64,
-    /// Its degrees of freedom.
+    /// Its degrees of freedom ν_i.
     pub dof: f64,
-    /// c_i = ∂y/∂x_i, mm per mm or mm per degree.
+    /// Sensitivity c_i = ∂y/∂x_i, mm per mm or mm per degree.
     pub sensitivity: f64,
-    /// c_i u(x_i), mm.
+    /// Contribution c_i u(x_i), mm.
     pub contribution_mm: f64,
-    /// (c_i u(x_i))² / u²(y); `None` if u(y) is 0. With correlations the shares do not add up to 1.
+    /// Share (c_i u(x_i))² / u²(y); `None` if u(y) is 0. With correlations the shares do not add up to 1.
     pub share: Option<f64>,
 }
 
@@ -37,9 +37,9 @@ pub struct Linear {
     pub standard_mm: f64,
     /// Effective degrees of freedom ν_eff; `None` where correlated contributions cancel, so that u(y) is not known.
     pub dof: Option<f64>,
-    /// Coverage factor k; `None` with ν_eff.
+    /// Coverage factor k; `None` where ν_eff is.
     pub coverage_factor: Option<f64>,
-    /// One per input that this result depends on.
+    /// The contribution of each input on which this result depends.
     pub contributions: Vec<InputContribution>,
     /// Errors so near to 0 that their ΔCD, a magnitude, is not linear: u(y) is an upper bound there.
     pub folded: Vec<DeviationKind>,
@@ -59,14 +59,14 @@ impl Linear {
     }
 }
 
-/// How both ends of one error's range alone follow from its ΔCD.
+/// How the ends of one error's range alone depend on its ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EndWeights {
     /// ∂(end)/∂ΔCD.
     pub slope: Range,
     /// The most that uncertain sizes of the pair add to the standard uncertainty, mm.
     pub of_pair_mm: Range,
-    /// The fewest degrees of freedom of these sizes: contributions that add up as magnitudes have no fewer together.
+    /// The fewest degrees of freedom of these sizes; contributions that add up as magnitudes have at least as many.
     pub pair_dof: f64,
 }
 
@@ -75,13 +75,13 @@ pub struct EndWeights {
 pub struct Spread {
     /// Standard uncertainty u, mm.
     pub standard_mm: f64,
-    /// Coverage factor k; `None` with the degrees of freedom.
+    /// Coverage factor k; `None` where the degrees of freedom are.
     pub coverage_factor: Option<f64>,
-    /// Variance from measuring the errors alone, mm²: the uncertainty of the gear is the same for all parts.
+    /// Variance from the measurement of the errors alone, without that of the gear, which is the same for all parts; mm².
     pub gauge_mm2: f64,
-    /// How many errors are so near to zero that the result is not linear; `None` if some are and inputs are correlated.
+    /// The number of errors so near to zero that the result is not linear; `None` if there are any and inputs are correlated.
     pub folds: Option<u8>,
-    /// How many other strokes of a mesh may hold this end.
+    /// The number of other strokes of a mesh that may have this end.
     pub rivals: u32,
     /// Effective degrees of freedom; `None` where correlated contributions cancel, so that u is not known.
     pub dof: Option<f64>,
@@ -96,20 +96,20 @@ impl Spread {
 /// The uncertainties of a part's results.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spreads {
-    /// Of each error's ΔCD, in the order of the errors.
+    /// The uncertainty of each error's ΔCD, in the order of the errors.
     pub errors: [Spread; KINDS],
-    /// How both ends of each error's range alone follow from its ΔCD.
+    /// How the ends of each error's range alone depend on its ΔCD.
     pub weights: [EndWeights; KINDS],
-    /// Of the lower end of the combination that is judged.
+    /// The uncertainty of the lower end of the combination that is judged.
     pub lower: Spread,
-    /// Of its upper end.
+    /// The uncertainty of its upper end.
     pub upper: Spread,
     /// The correlation of both ends.
     pub end_correlation: f64,
 }
 
 impl Spreads {
-    /// A result with its uncertainty: of the error with this index alone, or of the combination.
+    /// A result with its uncertainty: that of the error with this index alone, or that of the combination.
     #[must_use]
     pub fn ends(&self, error: Option<usize>, result: Interval) -> Ends {
         let (lower_standard_mm, upper_standard_mm, correlation) = match error {
@@ -137,11 +137,11 @@ impl Spreads {
 /// The linear results for a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Propagation {
-    /// Of each error's ΔCD, in the order of the errors.
+    /// The result for each error's ΔCD, in the order of the errors.
     pub errors: Vec<(DeviationKind, Linear)>,
-    /// Of the lower end of the combination that is judged.
+    /// The result for the lower end of the combination that is judged.
     pub lower: Linear,
-    /// Of its upper end: with the range, the sum of all.
+    /// The result for its upper end.
     pub upper: Linear,
     /// The combination.
     pub stack: Stack,

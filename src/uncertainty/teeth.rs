@@ -1,5 +1,5 @@
-//! The derivatives of the curve of teeth that are known one by one by uncertain values: at both extremes, by differences of the
-//! exact mesh.
+//! For teeth that are known one by one: the derivatives of both extremes of their curve by uncertain values, as differences of
+//! the exact mesh.
 
 use std::ops::Range as Strokes;
 
@@ -8,37 +8,39 @@ use crate::judge::bound::Range;
 use crate::judge::strokes::{CurveExtreme, Extremes, extremes};
 use crate::mesh::{Mesh, MeshError};
 
-/// ∂(both extremes)/∂x of the curve of known teeth, mm per mm or per degree. If x stands for many values that were measured one
-/// by one, it is the root of the sum of their squares; where other strokes rival an extreme, the largest of all of them.
+/// The derivatives of both extremes of the curve of known teeth by x, mm per mm or per degree. If x stands for many values that
+/// were measured one by one, each is the root of the sum of their squares. If other strokes may have the extreme, it is the
+/// largest for these strokes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TeethSensitivity {
-    /// x
+    /// The uncertain value x.
     pub source: Influence,
     /// The derivatives of the lowest and of the highest ΔCD.
     pub slope: Range,
-    /// The number of other strokes that may hold the lowest and the highest ΔCD, whatever x.
+    /// The numbers of other strokes that may have the lowest and the highest ΔCD, whatever x.
     pub rivals: [u32; 2],
 }
 
-/// Meshes in which one value is off.
+/// A value, and meshes in which it is off.
 #[derive(Debug, Clone)]
 pub struct VariedTeeth {
-    /// What the value is.
+    /// The value.
     pub source: Influence,
     /// Its standard uncertainty, mm or degrees.
     pub standard: f64,
-    /// By how much the value is off, mm or degrees, and the mesh. Of several, the one in which an extreme changes most counts.
+    /// The deviation of the value, mm or degrees, and the mesh with it. Of several meshes, that in which an extreme changes most
+    /// counts.
     pub off: Vec<(f64, Mesh)>,
 }
 
-/// An extreme is searched within so many pitches of its place without the variation.
+/// Distance in pitches from an extreme's nominal stroke within which it is searched in a varied mesh.
 const AROUND: f64 = 0.1;
 
-/// The derivatives of a curve's extremes over some strokes by each source: the change of the extremes if a value is off. Curves
-/// have a tolerance in mm; differences up to twice that count as 0.
+/// The derivatives of a curve's extremes over some strokes by each source: the change of the extremes, mm, over the deviation of
+/// a value, mm or degrees. Changes up to twice `tolerance_mm`, the tolerance of the curves, count as 0.
 ///
 /// # Errors
-/// [`MeshError`] of a stroke that has no solution.
+/// [`MeshError`] if a stroke has no solution.
 pub fn teeth_sensitivities(
     mesh: &Mesh,
     at: &Extremes,
@@ -87,16 +89,16 @@ fn steeper(a: f64, b: f64) -> f64 {
 /// A stroke at which a curve is lowest or highest nearby.
 struct Peak {
     delta_cd_mm: f64,
-    /// By how much ΔCD changes there with a standard uncertainty of each value, mm.
+    /// The change of ΔCD there for a standard uncertainty of each value, mm.
     changes_mm: Vec<f64>,
 }
 
-/// Another stroke holds the extreme if its values change against those of the extreme by so many standard uncertainties: 3
-/// in 100,000.
+/// Another stroke may have the extreme if ΔCD there is within this many standard uncertainties of it; the probability beyond is
+/// 3 in 100,000.
 const OVERTAKES: f64 = 4.0;
 
-/// The strokes that may hold the lowest and the highest ΔCD if the true values differ from the measured ones, the extreme itself
-/// first. A tooth just below the highest one, with its own uncertainty, may as well hold the highest ΔCD.
+/// The strokes that may have the lowest and the highest ΔCD if the true values differ from the measured ones, the extreme itself
+/// first. A tooth just below the highest one has its own uncertainty, and may in truth be the highest.
 struct Rivals([Vec<Peak>; 2]);
 
 impl Rivals {
@@ -149,7 +151,7 @@ impl Rivals {
 }
 
 impl Peak {
-    /// Whether this stroke may hold the extreme in place of another one; not where both change alike.
+    /// Whether this stroke may have the extreme in place of another one; not where both change alike.
     fn overtakes(&self, above: &Self, sign: f64) -> bool {
         let by_value = self.changes_mm.iter().zip(&above.changes_mm);
         let u_mm = by_value.map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
@@ -157,10 +159,10 @@ impl Peak {
     }
 }
 
-/// Peaks are searched with a tolerance so many times that of extremes.
+/// The tolerance of the search for peaks over that for extremes.
 const OF_PEAKS: f64 = 100.0;
 
-/// Strokes in pieces of a pitch; where the last one begins is rounded, and may lie behind the end otherwise.
+/// Strokes in pieces of a pitch. No piece is reversed, although the start of the last one is rounded.
 fn pieces(range: &Strokes<f64>, pitch: f64) -> impl Iterator<Item = Strokes<f64>> {
     let (start, end) = (range.start, range.end);
     let count = ((end - start) / pitch).ceil().max(1.0) as u64;
@@ -176,14 +178,14 @@ fn is_alike(mesh: &Mesh, strokes: &[Strokes<f64>]) -> bool {
     of_rack.all(|tooth| Some(tooth) == first) && teeth.iter().all(|tooth| *tooth == teeth[0])
 }
 
-/// The rack's teeth that can carry at some strokes.
+/// The rack teeth that can carry in a range of strokes.
 fn carrying(mesh: &Mesh, range: &Strokes<f64>) -> impl Iterator<Item = i64> + use<> {
     let pitch = mesh.pair().rack().pitch_mm;
     let contact = (mesh.pair().contact_ratio().total + 2.0).ceil().max(3.0);
     (range.start / pitch - contact).floor() as i64..=(range.end / pitch + contact).ceil() as i64
 }
 
-/// By how much ΔCD at a stroke changes with a standard uncertainty of each value, mm.
+/// The change of ΔCD at a stroke for a standard uncertainty of each value, mm.
 fn changes_mm(mesh: &Mesh, stroke_mm: f64, varied: &[VariedTeeth]) -> Result<Vec<f64>, MeshError> {
     let centre = mesh.at(stroke_mm)?.delta_cd_mm;
     let change = |value: &VariedTeeth| {

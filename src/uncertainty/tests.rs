@@ -29,7 +29,7 @@ fn five(pitch: &str, lead: &str) -> Vec<PartDeviation> {
     ]
 }
 
-/// A pair of which nothing is known.
+/// A pair of unknown geometry.
 pub(crate) static UNKNOWN: Basis = Basis {
     geometry: GivenGeometry::Unknown,
     own_curve: OwnCurve::At(0.0),
@@ -62,7 +62,7 @@ pub(crate) const SOURCES: [Influence; 14] = [
     Influence::Error(DeviationKind::PinionLead),
 ];
 
-/// A part of which every quantity may change; mm and degrees.
+/// A part whose quantities may all change; mm and degrees.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene {
     pub(crate) values: [f64; 14],
@@ -87,7 +87,7 @@ impl Scene {
         }
     }
 
-    /// Its errors; the measure over the roller stays what it is when its nominal value changes.
+    /// Its errors; the measure over the roller does not change with its nominal value.
     pub(crate) fn errors(&self) -> Vec<PartDeviation> {
         let mm = |index: usize| Length::from_mm(self.values[index]).unwrap();
         let degrees = |index: usize| Angle::from_degrees(self.values[index]).unwrap();
@@ -112,7 +112,7 @@ impl Scene {
         errors.into_iter().map(within).collect()
     }
 
-    /// Where its pair stays by the thickness of its teeth.
+    /// Its pair, with the constant ΔCD of its tooth thickness.
     pub(crate) fn basis(&self) -> Basis {
         let thicker = self.values[12] - std::f64::consts::FRAC_PI_2 * self.values[9];
         let delta_cd_mm = 0.5 * thicker / trig::tan_of(Angle::from_degrees(self.values[5]).unwrap());
@@ -156,7 +156,7 @@ fn sensitivities_are_those_of_differences() {
         let results: Vec<_> =
             linear.errors.iter().map(|(_, linear)| linear).chain([&linear.lower, &linear.upper]).collect();
         for (index, source) in SOURCES.into_iter().enumerate() {
-            // far above the grid, far below what bends
+            // far above the grid, and small enough that ΔCD is linear
             let step = 1e-6;
             let beside = |sign: f64| {
                 let mut beside = scene;
@@ -179,7 +179,7 @@ fn sensitivities_are_those_of_differences() {
     }
 }
 
-/// A step of nothing acts either way once it is something, so that the uncertainty is not lost.
+/// A step of 0 moves both ends once it is off 0, so its uncertainty counts.
 #[test]
 fn the_ends_at_no_error() {
     let errors = five("0", "0.0255");
@@ -190,8 +190,7 @@ fn the_ends_at_no_error() {
     assert!((result.spreads.end_correlation + 1.0).abs() < 1e-9);
 }
 
-/// Welch and Satterthwaite is for independent contributions: with a correlated one of finite degrees of freedom
-/// there is no ν_eff, for those results that depend on it.
+/// A result of one input has the degrees of freedom of that input.
 #[test]
 fn a_result_of_one_input_has_its_degrees_of_freedom() {
     let errors = five("0.012", "0.0255");
@@ -206,7 +205,7 @@ fn a_result_of_one_input_has_its_degrees_of_freedom() {
     }
 }
 
-/// Two sizes of all teeth, which add up, with u, ν and correlation: ν of their sum.
+/// The degrees of freedom of the sum of two sizes of all teeth, with given u, ν and correlation.
 fn dof_of_two([u_a, u_b]: [f64; 2], [dof_a, dof_b]: [f64; 2], r: f64) -> Option<f64> {
     let (a, b) = (Influence::Error(DeviationKind::RackOverRoller), Influence::Error(DeviationKind::PinionRadial));
     let errors = [Law::rack_over_roller(), Law::pinion_radial()]
@@ -239,13 +238,13 @@ fn degrees_of_freedom_of_correlated_inputs() {
         let found = dof_of_two(u, dofs, r).unwrap();
         assert!(found == expected || (found / expected - 1.0).abs() < 1e-6, "{u:?} {dofs:?} {r}: {found}");
     }
-    // whatever the degrees of freedom, what cancels is not known
+    // contributions that cancel leave no known ν, whatever their degrees of freedom
     for dofs in [[4.0; 2], [never; 2]] {
         assert_eq!(dof_of_two(same, dofs, -1.0), None);
     }
 }
 
-/// Exactly three standard uncertainties from zero is far enough, and what has no uncertainty does not fold.
+/// An error exactly three standard uncertainties from zero does not fold, nor does an error without uncertainty.
 #[test]
 fn three_standard_uncertainties_are_far_enough() {
     let errors = [PartDeviation::new(Law::pinion_radial(), length("0.375"))];
@@ -290,7 +289,7 @@ fn contributions_add_up_in_squares() {
     assert!((shares - 1.0).abs() < 1e-12);
     assert_eq!(result.upper.coverage_factor, Some(2.0));
     assert!(result.upper.folded.is_empty());
-    // steps and leads act either way: what they add to one end they take from the other, all but the over-roller error
+    // steps and leads move both ends, in opposite directions; the over-roller error does not
     let variance = |standard: f64| standard * standard;
     assert!((result.lower.standard_mm - result.upper.standard_mm).abs() < 1e-9);
     let expected = 2.0 * variance(0.0008) / variance(result.upper.standard_mm) - 1.0;
@@ -313,7 +312,7 @@ fn correlations_add_or_cancel() {
         let uncertainties = Uncertainties::new(inputs.clone(), &[(a, b, r)]).unwrap();
         let result = propagate(&part(&errors), &uncertainties).unwrap();
         assert!((result.lower.standard_mm - expected).abs() < 1e-12, "{r}");
-        // one low space of the pinion, 4 u below zero, lifts nothing
+        // one low space of the pinion, 4 u below zero, does not move the upper end
         assert!((result.upper.standard_mm - 0.001).abs() < 1e-12, "{r}");
     }
     assert!(matches!(
@@ -341,7 +340,7 @@ fn near_zero_the_linear_result_says_that_it_is_none() {
         let inputs = vec![(Influence::Error(DeviationKind::RackPitch), Uncertainty::standard(u))];
         let result = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
         assert_eq!(result.upper.folded.contains(&DeviationKind::RackPitch), folded, "{pitch}");
-        // and is still an upper bound: the gain times u
+        // u is an upper bound: the gain times u of the error
         assert!((result.errors[1].1.standard_mm - u * 1.343_719_222_954_923).abs() < 1e-12, "{pitch}");
     }
 }
@@ -376,13 +375,13 @@ fn what_does_not_reach_a_result_leaves_it_certain() {
     let found = propagate(&part(&errors), &Uncertainties::new(inputs, &[]).unwrap()).unwrap();
     assert_eq!((found.lower.standard_mm, found.upper.standard_mm, found.spreads.end_correlation), (0.0, 0.0, 0.0));
     assert_eq!(found.lower.folded, []);
-    // the error itself has a derivative, but no share of nothing
+    // the error has a derivative, but there is no variance to have a share of
     let [only] = &found.upper.contributions[..] else { panic!("{:?}", found.upper.contributions) };
     assert!((only.sensitivity - 1.0).abs() < 1e-9);
     assert_eq!((only.contribution_mm, only.share), (0.0, None));
 }
 
-/// Rounding makes neither the coverage factor nor an interval wider by a whole degree of freedom.
+/// A binary rounding error does not cost a whole degree of freedom.
 #[test]
 fn nine_degrees_of_freedom_less_an_ulp_are_nine() {
     let linear = |dof| Linear {

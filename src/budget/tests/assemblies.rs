@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// To a part in 10⁹, in some sixty simulations, wherever it lies; and nowhere.
+/// The largest scale is found to a part in 10⁹ in some sixty simulations, whether it is 0, finite or unbounded.
 #[test]
 fn the_largest_scale_is_found_soon_and_closely() {
     let asked = std::cell::Cell::new(0);
@@ -92,7 +92,7 @@ fn simulated_tolerances_conform_and_no_more() {
     }
 }
 
-/// The worst case grants no more than assemblies of which every one conforms, and not much less.
+/// The worst case gives no larger tolerances than a simulation in which every assembly conforms, and not much smaller ones.
 #[test]
 fn the_worst_case_approaches_a_simulation_in_which_all_conform() {
     let [over_roller, pitch, lead, radial, pinion_pitch] = formulas();
@@ -179,7 +179,7 @@ proptest! {
     }
 }
 
-/// A pair that is off zero without errors, and whose geometry is not complete: what it does by itself counts.
+/// A pair of incomplete geometry whose ΔCD is not 0 without errors: that ΔCD counts.
 #[test]
 fn the_own_delta_cd_of_a_pair_counts_in_a_simulation() {
     let all_conform =
