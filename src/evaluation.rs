@@ -258,7 +258,7 @@ impl Evaluation {
     pub fn note_of_unsolved(&self) -> Option<String> {
         let why = self.unsolved.as_ref()?;
         Some(format!(
-            "nothing is left to place, and the exact mesh has no answer, so that the worst case judges: {why}"
+            "the teeth of all errors are known, but the exact mesh has no answer, so the worst case judges: {why}"
         ))
     }
 

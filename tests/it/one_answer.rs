@@ -134,7 +134,7 @@ fn a_mesh_without_an_answer_leaves_the_bound() {
     let apart = CROWNED.replace("tip_diameter = 22", "tip_diameter = 17.2").replace("addendum = 2", "addendum = 0.2");
     let spec = format!("{apart}[errors]\nrack_over_roller = \"5 um\"\n{LIMITS}");
     let ended = run(&["eval", "-"], &spec);
-    assert!(ended.stdout.contains("the exact mesh has no answer, so that the worst case judges"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("the exact mesh has no answer, so the worst case judges"), "{}", ended.stdout);
 }
 
 /// The uncertainty of errors on all teeth counts at the ends of the mesh, that of what a nominal value is computed from, too.
