@@ -1,5 +1,5 @@
-//! The contract of a table: what its columns and lines are, as a person wrote or confirmed it. Made by the spec's `[table]`, by a
-//! layout of its own and by options; obeyed by the reader.
+//! The contract of a table: what its columns and lines are, as a person wrote or confirmed it. Made from the spec's `[table]`, from a
+//! layout file and from options; the reader follows it.
 
 use std::collections::HashSet;
 use std::str::FromStr;
@@ -16,7 +16,7 @@ use crate::deviation::DeviationKind;
 use crate::diagnostic::nearest_or;
 use crate::quantity::Unit;
 
-/// Rules of a kind that a contract has at most: nobody writes or reads more.
+/// Rules of a kind that a contract has at most.
 pub(crate) const MOST_RULES: usize = 1000;
 
 /// Where the values of a part stand.
@@ -27,12 +27,12 @@ pub enum Parts {
     Rows,
     /// In a column.
     Columns,
-    /// In rows of which each is a characteristic.
+    /// In several rows, one for each characteristic.
     Characteristics,
 }
 
 impl Parts {
-    /// The word by which a contract says it.
+    /// The word in a contract.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Rows => "rows",
@@ -54,27 +54,27 @@ pub enum Repeats {
     Last,
 }
 
-/// What leaves something out that is no rule of a person's, by its place behind those.
+/// The reader's own rules, which nobody writes. Their numbers follow those of the contract's rules.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum OwnRule {
-    /// That for every further column.
+    /// `others = "ignore"`, for every further column.
     Others,
     RepeatedHeadings,
     /// What stands beside values, is read and judges nothing.
     BesideValues,
     OtherSheets,
-    /// Rows of parts that are there again below.
+    /// Rows before the last one of their part.
     RepeatedParts,
-    /// What the format of a file says besides values.
+    /// What the format of a file writes besides values.
     OfFormat,
 }
 
-/// Lines that are no parts.
+/// A rule for lines that are no parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LineRule {
-    /// What they look like.
+    /// Which lines these are.
     pub pattern: Pattern,
-    /// How many of them there may be that could be parts.
+    /// How many lines that could be parts the rule may leave out.
     pub at_most: u64,
 }
 
@@ -83,29 +83,29 @@ pub struct LineRule {
 pub enum PartNames {
     /// In the column of this heading.
     Column(String),
-    /// In lines above the rows of each part; the name is what the pattern leaves open.
+    /// In lines above the rows of each part; the name is what the pattern's `*` stands for.
     Line(Pattern),
 }
 
-/// The columns of an error, by their headings.
+/// The column of an error and those beside it, as the contract names them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeclaredColumn {
     /// The error, or the size of a space or tooth.
     pub field: Field,
-    /// What the column of its values is called; `None` if the dictionary finds it.
+    /// The heading of its values; `None` if the dictionary finds it.
     pub name: Option<String>,
-    /// The unit of its numbers, if the contract says it.
+    /// The unit of its numbers, if the contract says so.
     pub unit: Option<Unit>,
-    /// What the columns beside it are called, with what they hold.
+    /// The headings of the columns beside it, with what these hold.
     pub(crate) beside: Vec<(Beside, String)>,
-    /// Whether its values are deviations, whatever it is called.
+    /// Whether its values are deviations, whatever the heading says.
     pub is_deviation: bool,
 }
 
 /// The column of a measuring program's decision.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct StatusColumn {
-    /// What it is called.
+    /// Its heading.
     pub name: String,
     /// Texts of parts that are judged by their values.
     pub accept: Vec<String>,
@@ -130,7 +130,7 @@ pub struct Layout {
     pub range: CellRange,
     /// What separates cells of a text, if the contract says so.
     pub separator: Option<u8>,
-    /// In which column of characters each cell of a text of fixed width starts; none if the contract does not say so.
+    /// In which column of characters each cell of a text of fixed width starts; empty if the contract does not say so.
     pub starts: Vec<usize>,
     /// The decimal mark, if the contract says so.
     pub decimal: Option<DecimalMark>,
@@ -140,13 +140,13 @@ pub struct Layout {
     pub units: Option<u64>,
     /// Where the names of parts stand; `None` if the dictionary finds their column.
     pub part_id: Option<PartNames>,
-    /// What the column with the numbers of spaces or teeth is called; `None` if the dictionary finds it.
+    /// The heading of the numbers of spaces or teeth; `None` if the dictionary finds it.
     pub index: Option<(Field, String)>,
-    /// What the columns of errors are called.
+    /// The columns of errors.
     pub columns: Vec<DeclaredColumn>,
     /// The column of a measuring program's decision.
     pub status: Option<StatusColumn>,
-    /// What the columns of a table with a row per characteristic are called, by what they hold.
+    /// The headings of a table with a row per characteristic, by what their columns hold.
     pub(crate) of_characteristics: Vec<(Beside, String)>,
     /// Headings of columns that the format of the file owns, and that say nothing of values.
     pub(crate) of_format: Vec<String>,
@@ -154,19 +154,19 @@ pub struct Layout {
     pub ignore: Vec<Pattern>,
     /// Lines that belong to no part.
     pub ignore_lines: Vec<LineRule>,
-    /// Comments and text boxes of a workbook that are not used.
+    /// Comments, text boxes and metadata of a file that are not used.
     pub comments: Vec<Pattern>,
     /// Whether every further column is left out.
     pub ignores_others: bool,
     /// What becomes of a part that is there more than once.
     pub repeats: Repeats,
-    /// The parts that are there again in a later file, where the last row of a part is judged.
+    /// The parts that a later file has again, where the last row of a part is judged.
     pub later: Arc<HashSet<String>>,
-    /// Headings of columns that no value is read from and that pages show, with the keys of `[report]` that they stand for.
+    /// Columns that only a page shows: their keys in `[report]`, and their headings.
     pub details: Vec<(&'static str, String)>,
 }
 
-/// What an option says of a column: `rack_pitch=CHR_017[um]`.
+/// A column as `--column` names it: `rack_pitch=CHR_017[um]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnOption {
     /// The error; `None` if the column names the parts.
@@ -201,7 +201,7 @@ impl FromStr for ColumnOption {
 }
 
 impl DeclaredColumn {
-    /// The columns of an error; those beside that of its values by the keys of a spec.
+    /// The column of an error. `beside` has the columns beside it, each by its key in a spec and its heading.
     #[must_use]
     pub fn new(
         field: impl Into<Field>,
@@ -216,7 +216,7 @@ impl DeclaredColumn {
 }
 
 impl Layout {
-    /// What headings are looked up for where none is known.
+    /// The form of table that is supposed where no heading is known.
     pub(crate) const fn form(&self) -> Form {
         match (self.trace, self.teeth) {
             (true, _) => Form::Trace,
@@ -225,12 +225,12 @@ impl Layout {
         }
     }
 
-    /// The same where the format says which column names the part.
+    /// The same contract, with the column of the parts' names that the format has.
     pub(crate) fn with_part_column(&self, name: &str) -> Self {
         Self { part_id: Some(PartNames::Column(name.to_owned())), ..self.clone() }
     }
 
-    /// The role that the contract gives to a heading, which is its whole text or that without the unit.
+    /// The role that the contract gives to a heading. The contract may name it with its unit or without.
     pub(crate) fn declared(&self, title: &str, name: &str, form: Form) -> Option<Role> {
         let is_called = |declared: &str| is_same(declared, title) || is_same(declared, name);
         let is_trace = form == Form::Trace;
@@ -256,7 +256,7 @@ impl Layout {
         })
     }
 
-    /// Whether the contract names the heading of a role, so that the dictionary names no other.
+    /// Whether the contract names the heading of a role. Then the dictionary finds no other one.
     pub(crate) fn names(&self, role: Role) -> bool {
         match role {
             Role::PartId => matches!(self.part_id, Some(PartNames::Column(_))),
@@ -283,7 +283,7 @@ impl Layout {
         part.chain(status).chain(index).chain(columns).chain(of)
     }
 
-    /// Says what the column of a key of `[table.columns]` is called, of a table of characteristics, spaces or teeth.
+    /// Sets the heading of a key of `[table.columns]`, for a table of characteristics, spaces or teeth.
     pub(crate) fn call(&mut self, key: &str, heading: String) {
         if let Some(beside) = Beside::of_key(key) {
             self.of_characteristics.push((beside, heading));
@@ -297,7 +297,7 @@ impl Layout {
         if let Some(PartNames::Line(pattern)) = &self.part_id { Some(pattern) } else { None }
     }
 
-    /// Adds what an option says of a column, in place of what was said before.
+    /// Adds what an option says of a column. It replaces what the contract says of it.
     pub fn declare(&mut self, option: &ColumnOption) {
         let Some(kind) = option.kind else {
             self.part_id = Some(PartNames::Column(option.name.clone()));
@@ -312,14 +312,14 @@ impl Layout {
         }
     }
 
-    /// The last place, from 1, of a column that a rule leaves out by it; 0 if none does.
+    /// The last place, from 1, that a rule such as `column 3` leaves out; 0 if there is no such rule.
     pub(crate) fn last_place(&self) -> usize {
         const MOST: usize = 16_384;
         let places = self.ignore.iter().filter_map(|rule| rule.text().strip_prefix("column ")?.parse().ok());
         places.filter(|place| *place <= MOST).max().unwrap_or(0)
     }
 
-    /// The rule that leaves out a column: an exact one, or else a pattern.
+    /// The rule that leaves out a column: with `exactly` a rule that fits one text, otherwise a pattern.
     pub(crate) fn ignores(&self, title: &str, name: &str, place: usize, exactly: bool) -> Option<usize> {
         let by_place = format!("column {}", place + 1);
         let texts = [title, name, if title.is_empty() { &by_place } else { title }];
@@ -327,7 +327,7 @@ impl Layout {
     }
 }
 
-/// Whether two headings are the same but for their blanks.
+/// Whether two headings are the same apart from blanks.
 fn is_same(one: &str, other: &str) -> bool {
     let first = |text: &str| text.trim_start().bytes().next();
     first(one) == first(other) && one.split_whitespace().eq(other.split_whitespace())

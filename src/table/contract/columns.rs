@@ -1,5 +1,5 @@
-//! The columns of values of a table by contract: their units, of which all that speak agree, and the decimal mark, which is
-//! declared or the only one by which every number can be read.
+//! The columns of values of a table: their units and the decimal mark. A unit may be given in several places, which must agree. The
+//! decimal mark is declared, or the only one by which every number can be read.
 
 use std::cmp::Ordering;
 
@@ -19,7 +19,7 @@ use crate::table::layout::Layout;
 use crate::table::number::{DecimalMark, normalise};
 use crate::table::want::Want;
 
-/// Finds the columns of values; what is missing is added to what is open. `units` is the line of units below the heading.
+/// Finds the columns of values, and adds what they lack to `matched.open`. `units` is the line of units below the heading.
 pub(crate) fn columns(
     matched: &mut Matched,
     units: Option<&Record>,
@@ -51,7 +51,7 @@ pub(crate) fn columns(
     }
 }
 
-/// Problems of the spec as what is wrong with a table.
+/// Problems of the spec as problems of a table.
 fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
     let open = |problem: crate::diagnostic::Diagnostic| Open::Wrong {
         what: problem.message,
@@ -60,7 +60,7 @@ fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
     problems.into_iter().map(open).collect()
 }
 
-/// One column; `None` if nothing tells its unit.
+/// One column; `None` if nothing gives its unit, or two places disagree on it.
 fn one(
     matched: &mut Matched,
     (place, field): (usize, Field),
@@ -125,7 +125,7 @@ fn one(
     Some(with(unit, from))
 }
 
-/// The unit behind the numbers of some cells, if each has one: that of the first.
+/// The unit behind the first number in some cells, if each number has one.
 fn unit_of_cells<'c>(cells: impl Iterator<Item = &'c Cell>, is_angle: bool) -> Option<Unit> {
     let unit = |cell: &Cell| {
         let text = cell.text();
@@ -172,8 +172,9 @@ pub(crate) fn plausible_units(
     plausible(&with, field.is_angle(), rows, want)
 }
 
-/// The units in which every number of a column may be one of its values, and not all of them are below what is measured.
+/// The units in which every number of a column is of a usual size, and at least one is large enough to be measured.
 fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], want: &Want) -> Vec<&'static str> {
+    /// The smallest length that is measured: 0.1 µm.
     const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
     let symbols = if is_angle { ["deg", "arcmin", "um"] } else { ["mm", "um", "in"] };
     let usual = Reach::usual(want.module);
@@ -197,10 +198,10 @@ fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], w
     symbols.into_iter().filter(is_read).collect()
 }
 
-/// The decimal mark by which every number can be read, or most of them if none can all be; `None` if no number has one.
+/// The decimal mark by which every number can be read, or else by which more of them can; `None` if no number has a point or a comma.
 ///
 /// # Errors
-/// If both marks read every number and give other values, or as many.
+/// If both marks read every number, or equally many.
 fn mark(
     with: impl Fn(Option<DecimalMark>) -> Result<Vec<Column>, Diagnostics>,
     rows: &[Record],
@@ -217,7 +218,7 @@ fn mark(
     };
     let is_read = |column: &Column, row: &Record| {
         let read = column.read(row.cell(column.place), column.beside_in(row));
-        // how large a deviation may be settles nothing
+        // a value that is too large does not settle the mark
         read.map_or_else(|problem| problem.is_too_large, |_| true)
     };
     let is_strict = |column: &Column, row: &Record| column.value(row.cell(column.place), column.beside_in(row)).is_ok();
@@ -227,7 +228,7 @@ fn mark(
         let count = |is_it: &dyn Fn(&Column, &Record) -> bool| {
             numbers().filter(|(number, row, _)| is_it(&of[*number], row)).count()
         };
-        // what contradicts its nominal value is a number all the same
+        // a value that contradicts its nominal value is still a number
         (count(&is_strict), count(&is_written))
     };
     let [point, comma] = columns.each_ref().map(|of| numbers().all(|(number, row, _)| is_read(&of[number], row)));

@@ -9,14 +9,14 @@ use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
 use crate::table::field::Beside;
 use crate::table::layout::{Layout, OwnRule};
 
-/// A table whose columns are looked at.
+/// The columns of a table with their owners, before the table is closed.
 #[derive(Debug, Default)]
 pub(crate) struct Matched {
-    /// By place; `None` of a column that nobody owns.
+    /// The owner of each column; `None` if it has none.
     pub(crate) owners: Vec<Option<Owner>>,
     pub(crate) headings: Vec<Heading>,
     pub(crate) titles: Vec<String>,
-    /// The units of columns of values, by their places, as far as something tells them.
+    /// Place and unit of each column of values whose unit is known.
     pub(crate) units: Vec<(usize, Unit)>,
     /// The heading, as a line.
     pub(crate) heading: String,
@@ -25,11 +25,11 @@ pub(crate) struct Matched {
     pub(crate) line: u64,
     /// Everything that has no owner so far.
     pub(crate) open: Vec<Open>,
-    /// What its headings are looked up for.
+    /// The form of table as which it is read.
     pub(crate) form: Form,
-    /// Whether all values are deviations, whatever their columns are called.
+    /// Whether all values are deviations, whatever their headings say.
     pub(crate) are_deviations: bool,
-    /// The headings of a characteristics' table that have a role.
+    /// The headings with a role, in a table with a row per characteristic.
     pub(crate) of: Vec<(String, Role)>,
 }
 
@@ -42,7 +42,7 @@ impl Matched {
     }
 }
 
-/// The role of a heading in any table: what the contract declares, or the dictionary knows.
+/// The role that the contract or the dictionary gives to a heading, and its meaning if it is from the dictionary.
 fn role(title: &str, layout: &Layout, form: Form) -> Option<(Role, Option<Meaning>)> {
     let heading = Heading::of(title);
     if let Some(role) = layout.declared(title, &heading.name, form) {
@@ -66,8 +66,9 @@ pub(crate) fn is_one(record: &Record, layout: &Layout) -> bool {
     [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].into_iter().any(is_of)
 }
 
-/// How many headings of a record have a role, if it is a line of headings: one of them is of a value, and nothing is a number; of
-/// spaces or teeth, one numbers them, unless the rows are known to be that; of characteristics, one is of their names.
+/// How many headings of a record have a role; `None` if it is no line of headings. Such a line has no numbers, and a heading of
+/// values. In a table of spaces or teeth it also has a heading of their numbers, unless the rows are known to be spaces or teeth; in
+/// a table of characteristics one of their names.
 pub(crate) fn score(record: &Record, layout: &Layout, form: Form) -> Option<usize> {
     if record.cells.iter().any(Cell::is_number) {
         return None;
@@ -95,7 +96,7 @@ pub(crate) fn find(records: &[Record], layout: &Layout, form: Form) -> Option<(u
     headings().find(|(_, score)| *score > 1).or_else(|| headings().next())
 }
 
-/// Gives each column of a heading its owner. `below` are rows, to show what is not owned.
+/// Gives each column of a heading its owner. `below` are rows, which show what has no owner.
 pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form: Form) -> Matched {
     let mut titles: Vec<String> = heading.cells.iter().map(|cell| cell.text().into_owned()).collect();
     titles.resize(titles.len().max(layout.last_place()), String::new());
@@ -151,7 +152,7 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
     found
 }
 
-/// That a rule leaves out the only column with the names of the parts.
+/// The problem, if there is one, that a rule leaves out the only column with the names of the parts.
 fn ignored_names(owners: &[Option<Owner>], titles: &[String], layout: &Layout, form: Form) -> Option<Open> {
     let is_name =
         |title: &str| lookup(form, &Heading::of(title).name).is_some_and(|meaning| meaning.role == Role::PartId);
@@ -164,7 +165,7 @@ fn ignored_names(owners: &[Option<Owner>], titles: &[String], layout: &Layout, f
     })
 }
 
-/// The owner of a column; nobody if neither a role nor a rule has it.
+/// The owner of a column; `None` if it has neither a role nor a rule.
 ///
 /// # Errors
 /// A pattern that would leave out a heading that is known.
@@ -195,7 +196,7 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
     }
 }
 
-/// The owner of a column, which stands beside the size of a space or tooth if it is the deviation of that size.
+/// The owner of a column. The deviation of a size of a space or tooth stands beside that size, if a column before it has the size.
 fn beside_absolute(
     owner: Result<Option<Owner>, Open>,
     name: &str,
@@ -210,7 +211,7 @@ fn beside_absolute(
     Ok(Some(Owner::Role(if is_beside { Role::Beside(field, Beside::Deviation) } else { Role::Value(field) })))
 }
 
-/// Whether the cells of a role are in the unit of its heading.
+/// Whether a heading of a role may have a unit.
 fn has_unit(role: Role) -> bool {
     match role {
         Role::Value(_) => true,
@@ -219,7 +220,7 @@ fn has_unit(role: Role) -> bool {
     }
 }
 
-/// What a role is called.
+/// The name of a role in messages.
 pub(crate) fn key(role: Role) -> String {
     match role {
         Role::PartId => "part_id".to_owned(),

@@ -1,4 +1,4 @@
-//! Who owns a column, and how a line is held against a rule.
+//! The owner of a column, and the line that a rule is compared with.
 
 use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::Role;
@@ -6,11 +6,11 @@ use crate::table::dictionary::Role;
 /// Who owns the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Owner {
-    /// What is read.
+    /// A role: the cells are read.
     Role(Role),
-    /// The rule of that number that leaves it out.
+    /// The rule of that number, which leaves the column out.
     Rule(usize),
-    /// Nobody: it has no heading, and may have no cells.
+    /// Nobody: the column has no heading, and nothing may stand in it.
     Nameless,
 }
 

@@ -37,34 +37,34 @@ pub(crate) struct File<'f> {
     pub(crate) format: &'static str,
     /// What has no owner outside the records, such as a comment.
     pub(crate) open: Vec<Open>,
-    /// What rules left out there: the number of the rule, where or what stands there, and a text of it.
+    /// What rules left out there: the number of the rule, the line or a digest, and the text.
     pub(crate) left_out: Vec<(usize, u64, String)>,
-    /// What the format says besides values.
+    /// What the format writes besides values.
     pub(crate) said: Tally,
-    /// How far the file says that values of a column may be from nominal, mm or degrees.
+    /// The tolerance that the file gives for the column at a place and in a unit, mm or degrees.
     pub(crate) widest: Option<&'f dyn Fn(usize, Unit) -> Option<f64>>,
-    /// Whether the last cells of a row stand where its separators say.
+    /// What separates the cells of a text whose rows are streamed.
     pub(crate) separator: Option<u8>,
 }
 
-/// A closed table, without its rows, and the record with which they begin.
+/// A closed table without its rows, and where they begin.
 pub(crate) struct Found {
     pub(crate) table: Table,
     /// The records before the first row.
     pub(crate) above: usize,
     /// The place of the heading among them.
     pub(crate) heading: usize,
-    /// Rows that take the place of the records: of parts in columns, or with names that stood in lines.
+    /// Rows in place of the records: made from columns or characteristics, or with names of parts from lines of their own.
     pub(crate) turned: Option<Vec<Record>>,
 }
 
 impl<'f> File<'f> {
-    /// Tells a column how far its values may be from nominal, if the file says so.
+    /// Gives a column the tolerance that the file has for it.
     fn tell_tolerance(&self, column: &mut Column) {
         column.tolerance = self.widest.and_then(|widest| widest(column.place, column.unit));
     }
 
-    /// Takes a comment or the like, which a rule leaves out or nobody owns.
+    /// Adds a comment or the like to what a rule leaves out, or to what has no owner.
     pub(crate) fn comment(&mut self, layout: &Layout, place: &str, text: &str) {
         match layout.comments.iter().position(|rule| rule.fits(text)) {
             Some(rule) => self.left_out.push((layout.rule_of_comment(rule), 0, format!("{place}: {text}"))),
@@ -91,7 +91,7 @@ pub(crate) fn score(records: &[Record], layout: &Layout) -> usize {
     orientation(records, layout).map_or(0, |(.., score)| score)
 }
 
-/// Where parts stand, what the headings are looked up for, and how many roles they have.
+/// Where parts stand, the form of the table, and how many roles its headings have. `None` if no heading is known.
 fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usize)> {
     let forms = [
         (Parts::Rows, Form::Trace),
@@ -113,7 +113,7 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
         }
         let turned = turned(records, layout);
         let (at, score) = find(&turned, layout, form)?;
-        // the same heading again and again is the name of a characteristic in a row of each part
+        // a heading that repeats is the name of a characteristic, in a row of each part
         let mut known: Vec<Role> = roles(&turned[at], layout, form).collect();
         known.sort_by_key(|role| key(*role));
         known.dedup();
@@ -133,7 +133,7 @@ fn turned(records: &[Record], layout: &Layout) -> Vec<Record> {
     (0..width).map(row).collect()
 }
 
-/// Whether a table is read as a whole, because a row says what another one is.
+/// Whether a table is read as a whole, because a row may depend on another one.
 pub(crate) fn needs_all(layout: &Layout) -> bool {
     layout.part_line().is_some() || layout.repeats == Repeats::Last
 }
@@ -207,7 +207,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     Ok(Found { table, above: first, heading, turned })
 }
 
-/// The table of the columns that were found, whose first rows are these.
+/// Closes the table of the columns that are found. `rows` are its first rows.
 ///
 /// # Errors
 /// Everything that has no owner, at once.
@@ -240,7 +240,7 @@ fn closed(
         ..Reading::default()
     };
     let table = table(file, reading, Arc::new(contract), titles, columns, want);
-    // columns of the file are copied where its rows are parts
+    // the columns of a file are copied to results only where its rows are parts
     Ok(if parts == Parts::Rows { table } else { Table { titles: Vec::new(), ..table } })
 }
 
@@ -263,7 +263,7 @@ fn by_characteristic(
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
 }
 
-/// What is wanted of a table: of a pinion's teeth, with the pinion's face width.
+/// What is known of a table, with the pinion's face width where rows are teeth of a pinion.
 fn of_pinion<'w>(matched: &Matched, want: &'w Want) -> Cow<'w, Want> {
     let is_of_tooth = |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(field) | Role::Index(field))) if field.is_of_tooth());
     if matched.form == Form::Teeth && matched.owners.iter().any(is_of_tooth) {
@@ -330,7 +330,7 @@ fn table(
     }
 }
 
-/// A table of records that are all there or follow, the first of which are these.
+/// The table of some records, `head` and then `rest`. The rest is streamed where each row is read by itself.
 ///
 /// # Errors
 /// Everything that has no owner, at once.
@@ -360,7 +360,7 @@ pub(crate) fn of_records(
 }
 
 impl Table {
-    /// The columns that a rule leaves out: the rule, the place in the file where `places` says that, and the heading.
+    /// The columns that a rule leaves out: the rule, the place in the file, which `places` gives for each column, and the heading.
     pub(crate) fn left_out_columns(&self, places: &[usize]) -> Vec<(usize, usize, String)> {
         let left_out = self.pieces.contract().left_out();
         left_out.map(|(place, rule)| (rule, places[place], self.titles[place].clone())).collect()

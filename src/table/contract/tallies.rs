@@ -9,6 +9,7 @@ use crate::table::ledger::LeftOut;
 /// What each rule left out so far.
 pub(super) struct Tallies {
     pub(super) rules: Vec<LeftOut>,
+    /// The number of the rule for what stands beside values.
     pub(super) beside: usize,
 }
 
@@ -21,7 +22,7 @@ impl Tallies {
         self.rules[rule].tally.add(line, place, text);
     }
 
-    /// The lines that rules leave out.
+    /// Counts the lines that rules leave out.
     pub(super) fn lines(&mut self, records: &[Record], layout: &Layout) {
         for record in records {
             if let Some(rule) = layout.covering(record) {
@@ -30,7 +31,7 @@ impl Tallies {
         }
     }
 
-    /// The headings of columns that rules leave out.
+    /// Counts the headings of columns that rules leave out.
     pub(super) fn headings(&mut self, matched: &Matched) {
         for (place, (owner, title)) in matched.owners.iter().zip(&matched.titles).enumerate() {
             if let Some(Owner::Rule(rule)) = owner {

@@ -22,14 +22,14 @@ pub(super) fn line_of_units(
         |line| rows.iter().position(|record| record.line == line),
     );
     if let Some(line) = layout.units.filter(|_| units.is_none()) {
-        let what = format!("there is no line {line}, which is to have the units");
+        let what = format!("there is no line {line}, in which the contract says that the units stand");
         open.push(Open::Wrong { what, help: "correct `units`".to_owned() });
     }
     units
 }
 
-/// Whether a line has nothing but units; below columns that are not read these may be of anything, such as `°C`, and then a unit of a
-/// length or an angle stands below another column.
+/// Whether a line has units only. Below columns that are not read they may be of any quantity, such as `°C`; then a unit of length or
+/// angle must stand below another column.
 fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> bool {
     let mut is_told = false;
     let mut is_one = |(place, cell): (usize, &Cell)| {
@@ -48,8 +48,8 @@ fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> 
     only_units(&units.cells).is_some() || units.numbers() == 0 && filled.all(&mut is_one) && is_told
 }
 
-/// The owners of a line of units: of a column that a rule leaves out the rule, of a column of values what reads it; a column without
-/// an owner keeps it.
+/// Gives the cells of the line of units their owners: below a column that a rule leaves out the rule, below a column of values the
+/// column. A column without an owner keeps its unit.
 pub(super) fn own_units(units: &Record, matched: &mut Matched, left_out: &mut Tallies) {
     for (place, cell) in units.cells.iter().enumerate().filter(|(_, cell)| !cell.is_empty()) {
         let is_heading = matched.titles.get(place).is_some_and(|title| cell.text() == **title);

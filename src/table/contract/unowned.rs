@@ -1,5 +1,5 @@
-//! What of a table without an owner is found around its columns: headings that nobody knows, lines above and rows that are no parts, and
-//! columns that the rule for all others must not take.
+//! What has no owner around the columns of a table: headings that are not known, lines above it and rows that are no parts, and columns
+//! that the rule for all others must not leave out.
 
 use super::Contract;
 use super::heading::{Matched, is_one};
@@ -17,7 +17,7 @@ use crate::table::grid::unit_of;
 use crate::table::layout::{Layout, OwnRule};
 use crate::table::want::Want;
 
-/// Where the headings may stand, of records of which no line has any that is known: to show what has no owner.
+/// The line that is shown as the headings where no heading is known.
 pub(super) fn likely_heading(records: &[Record], layout: &Layout) -> usize {
     let uncovered = || records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
     let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
@@ -25,13 +25,13 @@ pub(super) fn likely_heading(records: &[Record], layout: &Layout) -> usize {
     likely.map_or(0, |(at, _)| at)
 }
 
-/// Whether each line of some records that could have headings has numbers.
+/// Whether every line that could be a line of headings has numbers.
 pub(super) fn is_bare(records: &[Record], layout: &Layout) -> bool {
     let uncovered = records.iter().filter(|record| layout.covering(record).is_none() && record.filled().len() > 1);
     layout.headings.is_empty() && uncovered.clone().next().is_some() && uncovered.clone().all(|row| row.numbers() > 0)
 }
 
-/// That values stand there without headings, with the option that gives them.
+/// The problem that values stand there without headings, with the option that gives them.
 pub(super) fn no_headings(want: &Want) -> Open {
     let unit = |kind: &DeviationKind| {
         let is_size = want.given(*kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
@@ -43,7 +43,7 @@ pub(super) fn no_headings(want: &Want) -> Open {
     Open::Wrong { what, help: format!("give a heading to each column, such as --as '{}'", headings.join(",")) }
 }
 
-/// That no heading is of a value.
+/// The problem that no heading is of values.
 pub(super) fn no_values(matched: &Matched) -> Open {
     if matches!(matched.form, Form::Parts | Form::Characteristics) {
         return Open::NoValues { titles: matched.titles.clone() };
@@ -60,15 +60,15 @@ pub(super) fn no_values(matched: &Matched) -> Open {
     Open::Wrong { what, help: help.to_owned() }
 }
 
-/// A line above a table that no rule leaves out.
+/// A line above a table, if no rule leaves it out.
 pub(super) fn unowned(record: &Record, layout: &Layout) -> Option<Open> {
     let is_open = !record.says_nothing() && layout.covering(record).is_none();
     let is_heading = is_one(record, layout);
     is_open.then(|| Open::Line { line: record.line, text: line_of(record), is_heading })
 }
 
-/// Gives back what the rule for all others takes and what has the nominal value and the unit of a column of values: it may be
-/// another measurement of the same. Where an error of the spec has no column, it takes none.
+/// Lists columns that the rule for all others must not leave out. A column with the nominal value and the unit of a column of values
+/// may be another measurement of the same. While an error of the spec has no column, the rule leaves out none.
 pub(super) fn open_to_others(
     matched: &mut Matched,
     columns: &[Column],
@@ -95,7 +95,7 @@ pub(super) fn open_to_others(
     }
 }
 
-/// Rows that are no parts, to be shown with all else that has no owner: those with the name of a statistic, and lines of words.
+/// Rows that are no parts, which are listed with what has no owner: those with the name of a statistic, and lines of words.
 pub(super) fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
     let place_of = |role: Role| matched.owners.iter().position(|owner| *owner == Some(Owner::Role(role)));
     let (id, is_value) =

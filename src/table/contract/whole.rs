@@ -1,5 +1,5 @@
-//! What is done to the records of a table before their columns are found: headings that the user gives, names of parts that stand in
-//! lines, and rows of a part that is there again.
+//! Changes to all records of a table: headings that the user gives, names of parts that stand in lines of their own, and rows before
+//! the last one of a part.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ pub(crate) fn with_headings(layout: &Layout) -> Option<Record> {
     (!layout.headings.is_empty()).then(|| Record::new(cells, 0))
 }
 
-/// That a file whose headings the user gives has some of its own.
+/// The problem, if there is one, that a file has headings of its own although the user gives them.
 pub(super) fn own_headings(records: &[Record], layout: &Layout) -> Option<Open> {
     let first = records.iter().skip(1).find(|record| layout.covering(record).is_none() && !record.filled().is_empty());
     let first = first.filter(|_| !layout.headings.is_empty())?;
@@ -31,7 +31,8 @@ pub(super) fn own_headings(records: &[Record], layout: &Layout) -> Option<Open> 
     Some(Open::Wrong { what, help: "leave --as out".to_owned() })
 }
 
-/// The records with the name of their part in a last column of its own, as lines above them say it.
+/// The records with the name of their part in a column: in that of the names, or else in a new last one. Lines above the rows of each
+/// part give the name. `None` if the contract has no such lines.
 pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut Vec<Open>) -> Option<Vec<Record>> {
     let pattern = layout.part_line()?;
     let width = records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
@@ -70,7 +71,7 @@ pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut 
     Some(rows)
 }
 
-/// The records without rows of parts that are there again below, which a rule leaves out.
+/// The records with the last row of each part only. The rows before it are left out. `None` if the contract does not ask for that.
 pub(super) fn last_of_each(
     (records, first): (&[Record], usize),
     place: Option<usize>,

@@ -1,4 +1,4 @@
-//! Stored columns to a block, without cells where each row is made of plain numbers.
+//! Reads stored columns into a block: whole columns of plain numbers at once, other rows as records.
 
 use super::super::block::{Block, Span};
 use super::super::cell::Record;
@@ -8,20 +8,19 @@ use super::{Column, PlainColumn, Rows};
 use crate::deviation::{DeviationValue, DeviationValues};
 
 impl Rows {
-    /// The columns of plain numbers; `None` if rows have more to say.
+    /// The columns of plain numbers; `None` if these are not all that is read of a row.
     fn plain_columns(&self) -> Option<&Vec<PlainColumn>> {
         self.plain_columns.as_ref().filter(|_| !self.wanted.keeps_raw)
     }
 
-    /// The fields that are looked at, of so many.
+    /// Which of so many fields are read.
     pub(crate) fn places(&self, fields: usize) -> Vec<bool> {
         // what a rule leaves out is not unpacked, unless it is copied
         let is_read = |place: usize| !matches!(self.setup.contract.owners.get(place), Some(Owner::Rule(_)));
         (0..fields).map(|place| is_read(place) || self.wanted.copied.contains(&place)).collect()
     }
 
-    /// The rows of stored columns, by field; of those that are not looked at there is nothing. `before` rows of the table
-    /// come first.
+    /// Reads rows of stored columns; a field that is not read has none. The table has `before` rows before these.
     pub(crate) fn stored(&self, fields: &[Option<Stored<'_>>], before: u64, block: &mut Block) {
         let rows = fields.iter().flatten().map(Stored::rows).max().unwrap_or(0);
         block.clear(self.setup.columns.iter().map(Column::nothing));
@@ -34,7 +33,7 @@ impl Rows {
             }
             return;
         };
-        // what cannot be told from the numbers alone is looked at as a record
+        // rows whose numbers do not say all are read as records
         let mut odd = Vec::new();
         let of_column = |(column, stored): &(PlainColumn, &Stored<'_>)| {
             deviations(column, stored, self.setup.columns[column.number].nothing(), &mut odd)
@@ -75,14 +74,14 @@ impl Rows {
         }
     }
 
-    /// A row of which only the cells that are looked at are known: without any of them it is a part without values.
+    /// Reads a row as a record. One without any cell is a part without values, because cells that are not read may stand there.
     fn odd(&self, record: &Record, block: &mut Block) {
         block.record_count += 1;
         self.part(record, Span::default(), block);
     }
 }
 
-/// The deviations of a column's numbers; a row without one is odd.
+/// The deviations of a column's numbers. Rows without one are added to `odd`.
 fn deviations(
     column: &PlainColumn,
     stored: &Stored<'_>,
@@ -103,7 +102,7 @@ fn deviations(
     values
 }
 
-/// A row of stored columns as a record; `before` rows of the table come before these.
+/// A row of stored columns as a record. The table has `before` rows before these columns.
 pub(crate) fn stored_record(fields: &[Option<Stored<'_>>], row: usize, before: u64) -> Record {
     let cell = |field: &Option<Stored<'_>>| field.as_ref().map(|stored| stored.cell(row)).unwrap_or_default();
     Record::new(fields.iter().map(cell).collect(), before + row as u64 + 1)
