@@ -1,5 +1,5 @@
-//! Rows that are spaces of a rack or teeth of a pinion, put together to parts. Called by `batch --teeth`, `paste` and
-//! whoever reads the tables that a spec names; makes quantities, and no deviations of them.
+//! Rows that are spaces of a rack or teeth of a pinion, grouped into parts. Called by `batch --teeth`, `paste` and whoever reads the
+//! tables that a spec names. It gives the values of the table; others compute deviations from them.
 
 pub(crate) mod gather;
 
@@ -12,7 +12,7 @@ use crate::quantity::{Angle, Length};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Measured {
-    /// What was measured; its deviation follows with the nominal value.
+    /// The measured value. The nominal value gives its deviation.
     Absolute(Length),
     /// Measured minus nominal.
     Deviation(Length),
@@ -29,16 +29,16 @@ pub struct RackSpace {
     pub position: Option<Measured>,
     /// Helix angle deviation.
     pub lead: Option<Angle>,
-    /// What of it was measured.
+    /// How much of it was measured.
     pub extent: RowExtent,
     /// The line of the row.
     pub line: u64,
 }
 
-/// How many of the values that a table has columns for a row has.
+/// How many of the table's columns have a value in a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowExtent {
-    /// Every one.
+    /// All.
     Whole,
     /// Some.
     Part,
@@ -56,7 +56,7 @@ pub struct RackSpaces {
 }
 
 impl RackSpaces {
-    /// The spaces of which everything was measured that the table has a column for.
+    /// The spaces with a value in every column of the table.
     #[must_use]
     pub fn measured_spaces(&self) -> BTreeSet<i64> {
         self.rows.iter().filter(|row| row.extent == RowExtent::Whole).map(|row| row.space).collect()
@@ -68,8 +68,8 @@ impl RackSpaces {
         self.rows.iter().filter(|row| row.extent == RowExtent::Nothing).map(|row| row.space).collect()
     }
 
-    /// The first space, from the first that was measured to the last, of which something was not, and the line of the row
-    /// that tells it: its own, or that of the next space.
+    /// The first space between the first and the last measured one that lacks a value or its row, and the line that shows it: its own,
+    /// or that of the next space.
     #[must_use]
     pub fn unmeasured(&self) -> Option<(i64, u64)> {
         let mut rows: Vec<_> = self.rows.iter().filter(|row| row.extent != RowExtent::Nothing).collect();
@@ -91,7 +91,7 @@ pub struct PinionTooth {
     pub tooth: i64,
     /// Radial deviation of the space after it.
     pub radial: Option<Length>,
-    /// Position of the pin in that space less its nominal one, along the reference circle.
+    /// Position of the pin in that space minus its nominal position, along the reference circle.
     pub position: Option<Length>,
     /// Single pitch deviation of its left flank.
     pub left_pitch: Option<Length>,
@@ -99,7 +99,7 @@ pub struct PinionTooth {
     pub right_pitch: Option<Length>,
     /// Helix angle deviation of its flanks.
     pub lead: Option<Angle>,
-    /// What of it was measured.
+    /// How much of it was measured.
     pub extent: RowExtent,
     /// The line of the row.
     pub line: u64,
@@ -115,7 +115,7 @@ pub struct PinionTeeth {
 }
 
 impl PinionTeeth {
-    /// The first of so many teeth of which something was not measured that the table has a column for.
+    /// The first of so many teeth that lacks a value or its row.
     #[must_use]
     pub fn unmeasured(&self, teeth: i64) -> Option<i64> {
         let whole = self.rows.iter().filter(|row| row.extent == RowExtent::Whole);
@@ -123,7 +123,7 @@ impl PinionTeeth {
         (0..teeth).find(|tooth| !measured.contains(tooth))
     }
 
-    /// What is wrong with single pitch deviations of all teeth, if all have the same sign: they add up to 0.
+    /// The fault that the single pitch deviations of all teeth have the same sign, if they do: around a pinion they add up to 0.
     fn without_signs(&self) -> Option<LineFault> {
         let has_one_sign = |flank: fn(&PinionTooth) -> Option<Length>| {
             let first = self.rows.first().and_then(flank).filter(|first| !first.is_zero());
@@ -136,8 +136,8 @@ impl PinionTeeth {
         (left || right).then(|| LineFault {
             line: self.rows[0].line,
             message: format!(
-                "the {} flanks' single pitch deviations have one sign, and around a pinion they add up to 0: write each \
-                 with its sign, less their mean",
+                                 "the {} flanks' single pitch deviations all have the same sign, but around a pinion they add up to 0: write \
+                                  each with its sign, minus their mean",
                 if left { "left" } else { "right" }
             ),
         })

@@ -1,24 +1,24 @@
-//! The lines of a contract that a proposal would add, as a spec has them.
+//! The lines of a contract that a proposal would add, as they stand in a spec.
 
 use super::own;
 use super::rules::{Certainty, MOST_EXACT, Rule, Rules, Suggestion};
 use crate::table::pattern::Pattern;
 use crate::table::want::quoted;
 
-/// What becomes of guesses.
+/// How guesses are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guesses {
-    /// They stand there, marked, as if a person had confirmed them.
+    /// As entries that are marked as guesses.
     Filled,
-    /// They stand there as comments, which a person uncomments.
+    /// As comments, which a person uncomments.
     AsComments,
 }
 
-/// From so many columns on that are not used, a rule for all others is offered.
+/// The number of new columns to leave out from which a rule for all others is offered.
 const MANY: usize = 12;
 
 impl Rules {
-    /// The `[table]` that closes the table. Lists are whole: those of the contract that there is come first.
+    /// The `[table]` that closes the table. Its lists are complete: the entries of the present contract come first.
     pub(crate) fn block(&self, guesses: Guesses) -> String {
         let mut text = "[table]\n".to_owned();
         let own = own::keys(&self.layout).into_iter().flat_map(|line| [line, "\n".to_owned()]);
@@ -39,7 +39,7 @@ impl Rules {
         let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Entry("ignore", _))).count();
         if count >= MANY {
             text += &format!(
-                "# others = \"ignore\"   # in place of the {count} new columns of that list: they and any further one\n"
+                "# others = \"ignore\"   # in place of the {count} new columns in that list: leaves out these and any further one\n"
             );
         }
         let known = self.layout.ignore_lines.iter().map(|rule| line_rule(rule.pattern.text(), rule.at_most)).collect();
@@ -65,7 +65,7 @@ impl Rules {
         self.list.iter().map(|Suggestion { rule, certainty }| (rule, certainty))
     }
 
-    /// A list: in one line, or a line for each entry where one of those is a guess.
+    /// A list in one line, or in a line for each entry where one of them is a guess.
     fn list(
         &self,
         name: &str,
@@ -105,7 +105,7 @@ impl Rules {
     }
 }
 
-/// The entries of `ignore_lines` of a rule: its pattern, or each line as it stands there.
+/// The entries of `ignore_lines` for a rule: its pattern, or each line as it stands in the table.
 fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
     let Rule::Lines { exact, like, at_most } = rule else { return Vec::new() };
     match like {
@@ -114,7 +114,7 @@ fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
     }
 }
 
-/// A rule for lines, so many of which could be parts.
+/// A rule for lines, of which `at_most` could be parts.
 fn line_rule(text: &str, at_most: u64) -> String {
     match at_most {
         0 => quoted(text),
@@ -122,7 +122,7 @@ fn line_rule(text: &str, at_most: u64) -> String {
     }
 }
 
-/// A line of a table: as it is, marked, or as a comment.
+/// A line of the spec: as it is, marked as a guess, or as a comment.
 fn entry(text: &str, certainty: &Certainty, guesses: Guesses) -> String {
     match (certainty, guesses) {
         (Certainty::Exact, _) => format!("{text}\n"),

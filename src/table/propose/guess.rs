@@ -1,5 +1,5 @@
-//! What columns without an owner may be: guesses for a person, made of their numbers, of a small measure of nearness to whole headings
-//! of the dictionary, and of what is missing. None is ever used unasked.
+//! Guesses for a person of what columns without an owner are. They rest on the numbers of a column, on how similar its heading is to
+//! known ones, and on which errors are missing. A guess counts only once a person confirms it.
 
 use std::collections::BTreeMap;
 
@@ -15,9 +15,9 @@ use crate::table::want::{Want, quoted};
 
 /// Columns that are looked at, at most.
 const MOST: usize = 100;
-/// From here on a heading is near one of an error that is missing.
+/// The least nearness of a heading to one of an error that the spec asks for.
 const NEAR: f64 = 0.6;
-/// From here on a heading is near one of an error that nobody asks for.
+/// The least nearness of a heading to one of any other error.
 const VERY_NEAR: f64 = 0.75;
 
 const IS_NEAR: &str = "its heading is near one that is known";
@@ -43,20 +43,20 @@ struct Candidate<'c> {
     place: usize,
     title: &'c str,
     name: String,
-    /// The unit of its heading, or of the line below.
+    /// The unit in its heading, or in the line of units.
     unit: Option<String>,
     cells: Vec<&'c Cell>,
 }
 
 impl Candidate<'_> {
-    /// The units in which its numbers may be values of an error; none if its own unit is of something else.
+    /// The units in which its numbers may be values of an error; none if its own unit is of another quantity.
     fn units(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> Vec<&'static str> {
         let is_other = |unit: &String| unit_of(unit, Field::Error(kind).is_angle()).is_none();
         let found = plausible_units(kind, self.title, self.place, rows, want);
         if self.unit.as_ref().is_some_and(is_other) { Vec::new() } else { found }
     }
 
-    /// The entry of a contract that says that it has values of an error.
+    /// The entry of a contract that makes it the column of an error.
     fn entry(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> String {
         let unit = self.unit.clone().or_else(|| match self.units(kind, rows, want)[..] {
             [unit] => Some(unit.to_owned()),
@@ -66,13 +66,13 @@ impl Candidate<'_> {
         format!("{{ name = {}{unit} }}", quoted(&self.name))
     }
 
-    /// Whether nearly all that stands there are numbers.
+    /// Whether nine of ten of its cells are numbers.
     fn is_numeric(&self) -> bool {
         let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
         numbers > 0 && numbers * 10 >= self.cells.len() * 9
     }
 
-    /// How near its name is to the headings of a role, from 0 to 1.
+    /// How similar its name is to the most similar heading of a role, from 0 to 1.
     fn nearness(&self, role: Role) -> f64 {
         let name = normal(&self.name);
         headings_of(role).map(|heading| strsim::sorensen_dice(&name, heading)).fold(0.0, f64::max)
@@ -83,7 +83,7 @@ impl Candidate<'_> {
     }
 }
 
-/// The guesses for the columns of a table, one a column.
+/// The guesses for the columns of a table, at most one for each.
 pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
     let mut left: Vec<Candidate<'_>> = candidates(matched, &matched.open, rows).take(MOST).collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
@@ -102,7 +102,7 @@ pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     guesses
 }
 
-/// The columns that nobody owns.
+/// The columns without an owner.
 fn candidates<'c>(
     matched: &'c Matched,
     open: &'c [Open],
@@ -118,8 +118,8 @@ fn candidates<'c>(
     })
 }
 
-/// What may be an error that the spec asks for and nothing is known or guessed to be: each such column is one of several, and that it is
-/// not used is a guess. So it is of a column whose heading is like one of an error that the table lacks.
+/// Adds choices for errors that the spec asks for and that no column is known or guessed to be: one for each column that may be the
+/// error. To leave out such a column becomes a guess. So it does where the heading is near one of an error that the table lacks.
 pub(crate) fn undecided(
     matched: &Matched,
     (open, rows): (&[Open], &[Record]),
@@ -170,7 +170,8 @@ pub(crate) fn undecided(
     rules.extend(choices);
 }
 
-/// The columns of a row per characteristic: of their names, most of which are known of errors, of their values, and of the part.
+/// Guesses for a table with a row per characteristic: the column of their names, half of which or more are headings of errors, that of
+/// their values, and that of the part.
 fn characteristics(columns: &[Candidate<'_>]) -> Vec<Guess> {
     let is_error = |cell: &&&Cell| {
         let meaning = lookup(Form::Parts, &Heading::of(&cell.text()).name);
@@ -192,7 +193,7 @@ fn characteristics(columns: &[Candidate<'_>]) -> Vec<Guess> {
     guesses
 }
 
-/// The column that may name the parts: each has another text.
+/// The column that may name the parts: its texts all differ.
 fn name_of_part(columns: &[Candidate<'_>]) -> Option<Guess> {
     let is_distinct = |column: &Candidate<'_>| {
         let mut texts: Vec<_> = column.cells.iter().map(|cell| cell.text()).collect();
@@ -243,7 +244,7 @@ fn values(
     }
 }
 
-/// A column of decisions: a few texts, of which one holds another, as `n.i.O.` and `i.O.` do.
+/// A column of decisions: a few texts, of which one ends in another, as `n.i.O.` in `i.O.`
 fn status(column: &Candidate<'_>) -> Option<Guess> {
     const MOST: usize = 4;
     let mut texts: BTreeMap<String, usize> = BTreeMap::new();

@@ -12,14 +12,14 @@ pub(crate) struct Shapes {
     of_names: HashSet<String>,
     /// The names so far, as digests.
     names: HashSet<u64>,
-    /// The first name that is there again.
+    /// The first name that is there twice.
     pub(crate) twice: Option<String>,
-    /// Names without a digit that are there again, and how often each is there.
+    /// Names without a digit that are there more than once, and how often.
     pub(crate) words: BTreeMap<String, u64>,
 }
 
 impl Shapes {
-    /// Takes the names of parts.
+    /// Adds the names of the parts in a block.
     pub(crate) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
         const MOST: usize = 1000;
         const MOST_WORDS: usize = 20;
@@ -39,7 +39,7 @@ impl Shapes {
         }
     }
 
-    /// Whether a text looks like one of them.
+    /// Whether a text looks like the name of a part.
     pub(crate) fn has(&self, text: &str) -> bool {
         self.of_names.contains(&shape(text))
     }
@@ -63,7 +63,7 @@ pub(crate) fn generalised(text: &str) -> String {
     let mut rest = text.trim();
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
         pattern += &escaped(&rest[..start]);
-        // a number within a word is the word's
+        // digits within a word stay as they are
         let is_word = pattern.ends_with(|c: char| c.is_alphanumeric() || c == '_');
         let run = &rest[start..];
         let length = run.find(|c: char| !c.is_ascii_digit() && !".,:/-".contains(c)).unwrap_or(run.len());
@@ -74,12 +74,12 @@ pub(crate) fn generalised(text: &str) -> String {
     fitting(pattern + &escaped(rest), text)
 }
 
-/// A pattern if it fits the text that it is of, or else that text alone.
+/// The pattern, if it fits its own text; otherwise the one that fits that text only.
 fn fitting(pattern: String, text: &str) -> String {
     if Pattern::of_line(&pattern).fits(text) { pattern } else { escaped(text.trim()) }
 }
 
-/// The pattern of two lines that begin alike: numbers that differ, or else all behind the words that they have in common.
+/// The pattern of two lines: `#` where their numbers differ, or else their common first words and `*`; `None` if they have none.
 pub(crate) fn common(one: &str, other: &str) -> Option<String> {
     if one == other || Pattern::of_line(one).fits(other) {
         return Some(one.to_owned());

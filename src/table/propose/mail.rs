@@ -1,5 +1,5 @@
-//! Sentences as a table: numbers behind a key or a whole heading of the dictionary. It is proposed to who pastes a mail on a terminal,
-//! and read as any table is once it is confirmed.
+//! The sentences of a mail as a table: the numbers behind keys and known headings. The table is proposed to a person who pastes a mail
+//! on a terminal, and is read like any other once that person confirms it.
 
 use crate::quantity::Unit;
 use crate::table::cell::Cell;
@@ -9,8 +9,7 @@ use crate::table::field::Field;
 /// Words of a heading at most.
 const MOST_WORDS: usize = 5;
 
-/// The numbers of one part that stand behind headings that are known, as a table with their units; `None` if there are none, or an
-/// error is there twice.
+/// The numbers of one part behind known headings, as a table with their units; `None` if there are none, or an error is there twice.
 #[must_use]
 pub fn table_in_sentences(text: &str) -> Option<String> {
     let mut found: Vec<(Field, String, String)> = Vec::new();

@@ -1,5 +1,5 @@
-//! The lines of a contract that would close a table, which the command line can write into a spec. They are text for a person: only
-//! a spec that was read becomes a contract, so that a guess never reaches an evaluator.
+//! The lines of a contract that would close a table. The command line can write them into a spec. They are text for a person: only a
+//! spec that is read becomes a contract, so that a guess never reaches an evaluator.
 
 mod block;
 pub(crate) mod guess;

@@ -1,4 +1,4 @@
-//! What a contract says already, as a spec has it.
+//! The present contract as lines of a spec.
 
 use crate::table::field::Beside;
 use crate::table::layout::{DeclaredColumn, Layout, PartNames, Parts, Repeats, StatusColumn};

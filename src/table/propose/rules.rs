@@ -15,19 +15,19 @@ use crate::table::layout::Layout;
 use crate::table::pattern::{escaped, escaped_heading};
 use crate::table::want::{Want, quoted};
 
-/// So many lines of one pattern stand there one by one, at most.
+/// How many lines of one pattern are written one by one, at most.
 pub(crate) const MOST_EXACT: usize = 20;
 
 /// How sure a rule is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Certainty {
-    /// What the file says, and nothing more.
+    /// It names what stands in the file, and nothing more.
     Exact,
     /// A guess, for this reason.
     Guess(String),
-    /// One of several, of which a person chooses.
+    /// A choice for a person, who may have to change the value.
     Choice(String),
-    /// The same, and it says all that is needed.
+    /// One of several values, each complete, of which a person chooses.
     OneOf(String),
 }
 
@@ -38,7 +38,8 @@ pub(crate) enum Rule {
     Key(&'static str, String),
     /// An entry of a list of `[table]`: of `ignore` a column that is not used, of `comments` a comment of a workbook.
     Entry(&'static str, String),
-    /// Lines that belong to no part: as they stand there, each with how many of it could be parts, and a pattern that fits more.
+    /// Lines that belong to no part: as they stand in the file, each with how many like it could be parts, and a pattern that fits
+    /// more.
     Lines { exact: Vec<(String, u64)>, like: Option<String>, at_most: u64 },
     /// An entry of `[table.columns]`, with its value as TOML.
     Column { key: String, entry: String },
@@ -135,40 +136,40 @@ fn line(text: &str, at_most: u64) -> Suggestion {
     row(text, generalised(text), at_most)
 }
 
-/// That nothing tells which column has values.
+/// The choice of the column of values, where nothing tells it.
 pub(crate) fn no_values(want: &Want) -> Suggestion {
     let kind = want.expected.first().copied().unwrap_or(DeviationKind::RackPitch);
     let entry = "{ name = \"…\", unit = \"um\" }".to_owned();
     Rule::Column { key: kind.key().to_owned(), entry }.choice("say which column it is")
 }
 
-/// What becomes of parts that are there more than once.
+/// The choices for parts that are there more than once.
 pub(crate) fn repeats() -> Vec<Suggestion> {
     each("repeats", ["last", "all"].into_iter())
 }
 
-/// The values that a key may have, of which a person chooses.
+/// The choices for the value of a key.
 fn each<'v>(key: &'static str, values: impl Iterator<Item = &'v str>) -> Vec<Suggestion> {
     values.map(|value| Rule::Key(key, quoted(value)).one_of("say which")).collect()
 }
 
-/// A line, as it stands there.
+/// The rule for a line as it stands in the file.
 fn line_as_it_is(text: &str) -> Rule {
     Rule::Lines { exact: vec![(escaped(text.trim()), 0)], like: None, at_most: 0 }
 }
 
-/// Lines with the name of a part that is there again and has no digit, so many of them: they may be no part.
+/// The choice to leave out `count` lines that have the same name without a digit: they may be no parts.
 pub(crate) fn named(name: &str, count: u64) -> Suggestion {
     let like = Some(format!("{};*", escaped(name)));
     Rule::Lines { exact: Vec::new(), like, at_most: count }.one_of("or the lines of that name are no part: say which")
 }
 
-/// One more line of a rule of the contract that could be a part.
+/// The rule for one more line that could be a part, by a pattern of the contract.
 pub(crate) fn one_more(pattern: &str, text: &str) -> Suggestion {
     row(text, pattern.to_owned(), 1)
 }
 
-/// The rule for a row that is no part by its name.
+/// The rule for a line: exact if the pattern is the line itself, otherwise a guess.
 fn row(text: &str, like: String, at_most: u64) -> Suggestion {
     let exact = escaped(text.trim());
     let (is_same, like_any) = (like == exact, like.contains('*'));
@@ -176,7 +177,7 @@ fn row(text: &str, like: String, at_most: u64) -> Suggestion {
     if is_same { rule.exact() } else { rule.guess(if like_any { "whatever stands there" } else { "any number there" }) }
 }
 
-/// The rule for a row that is no part, unless it looks like one.
+/// The rule for a row that is perhaps no part; `None` if its name looks like that of a part.
 pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     if !odd.is_no_name && shapes.has(&odd.name) {
         return None;
@@ -194,8 +195,8 @@ pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     })
 }
 
-/// What is known of the columns of a table: their owners, their headings, the units of values by their places, and the headings of
-/// a characteristics' table.
+/// What is known of the columns of a table: their owners, their headings, the units of values by place, and the headings of a table
+/// with a row per characteristic.
 pub(crate) struct Found<'t> {
     pub(crate) owners: &'t [Option<Owner>],
     pub(crate) titles: &'t [String],
@@ -203,15 +204,15 @@ pub(crate) struct Found<'t> {
     pub(crate) of: &'t [(String, Role)],
 }
 
-/// The roles that are found, as a contract names them; those that it names are none of them. A role of which two columns have
-/// one name is named by its whole heading.
+/// Entries of a contract for the roles that the dictionary finds. Roles that the contract names have one already. Where two columns
+/// differ by their unit only, the entry has the whole heading.
 pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<Suggestion> {
     let name = |place: usize| {
         let name = Heading::of(&titles[place]).name;
         let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
         quoted(if is_alone { &name } else { &titles[place] })
     };
-    // a deviation beside the size of a space is found by the heading of both
+    // the dictionary alone finds a size of a space together with the deviation beside it
     let has_deviation = |field: Field| owners.contains(&Some(Owner::Role(Role::Beside(field, Beside::Deviation))));
     let column = |(place, owner): (usize, &Option<Owner>)| {
         let Some(Owner::Role(role)) = owner else { return None };
@@ -234,7 +235,7 @@ pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
     owners.iter().enumerate().filter_map(column).chain(of).collect()
 }
 
-/// Lines such as `Teil: P1`, which would be left out, name the parts below them, where nothing else does.
+/// Replaces the rules that would leave out lines such as `Teil: P1` by one that names the parts by these lines.
 pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
     let pattern = |suggestion: &Suggestion| {
         let Rule::Lines { exact, .. } = &suggestion.rule else { return None };
@@ -252,7 +253,7 @@ pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
     rules.push(Rule::Column { key: "part_id".to_owned(), entry }.guess("it names the parts below it"));
 }
 
-/// Takes a person's word that a guess is right. Whether there was one.
+/// Confirms a guess for a person. Whether there is such a guess.
 pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bool {
     let (name, whole) = (quoted(&Heading::of(column).name), escaped_heading(column));
     let mut found = false;
@@ -267,7 +268,7 @@ pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bo
             (found, *certainty) = (true, Certainty::Exact);
         }
     }
-    // one is chosen
+    // the other choices are dropped
     let is_other = |rule: &Rule| match rule {
         Rule::Column { key: own, .. } => own == key,
         Rule::Key(own, _) => *own == key,
@@ -278,7 +279,7 @@ pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bo
 }
 
 impl Rule {
-    /// What another rule has in common that says the same.
+    /// What this rule shares with every rule that says the same.
     fn identity(&self, certainty: &Certainty) -> (u8, String) {
         match self {
             Self::Key(key, value) => (0, format!("{key} = {value}")),
@@ -286,13 +287,13 @@ impl Rule {
             Self::Lines { exact, like, .. } => {
                 (2, like.as_ref().or(exact.first().map(|(text, _)| text)).cloned().unwrap_or_default())
             }
-            // one of several columns is none of the others
+            // each choice of a column stands for itself
             Self::Column { key, entry } if matches!(certainty, Certainty::OneOf(_)) => (5, format!("{key} = {entry}")),
             Self::Column { key, .. } => (4, key.clone()),
         }
     }
 
-    /// Takes what another rule says that is the same.
+    /// Adds another rule that says the same.
     fn take(&mut self, next: Suggestion, certainty: &mut Certainty) {
         match (self, next.rule) {
             (Self::Lines { exact, at_most, .. }, Self::Lines { exact: more, at_most: most, .. })
@@ -308,7 +309,7 @@ impl Rule {
                     }
                 }
             }
-            // its unit, that is found once its column is
+            // the unit of a column is found once its role is known
             (Self::Column { entry, .. }, Self::Column { entry: more, .. })
                 if !entry.contains("unit = ") && more.contains("unit = ") =>
             {
@@ -334,7 +335,7 @@ pub(crate) fn settle(rules: &mut Vec<Suggestion>) {
     *rules = settled;
 }
 
-/// Adds the rules of another file: what is a role in both by different names needs no rule, and lines that differ are generalised.
+/// Adds the rules of another file. A role with a known heading in each file needs no rule, and lines that differ become one pattern.
 pub(crate) fn generalise(rules: &mut Vec<Suggestion>, others: Vec<Suggestion>, file: &str) {
     for other in others {
         let is_known = |known: &&mut Suggestion| matches!((&known.rule, &other.rule), (Rule::Entry(..), _) if known.rule == other.rule);

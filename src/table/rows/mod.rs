@@ -20,7 +20,7 @@ use super::split::{Field, at_quote, next_record};
 use crate::deviation::{DeviationValue, DeviationValues};
 use crate::quantity::{Decimal, shown};
 
-/// A column of which plain numbers say all.
+/// A column whose plain numbers say all of its values.
 #[derive(Debug, Clone, Copy)]
 struct PlainColumn {
     number: usize,
@@ -44,7 +44,7 @@ enum PlainField {
 #[derive(Debug, Clone)]
 struct PlainRow {
     fields: Vec<PlainField>,
-    /// The decimal mark; while it is open, none, so that a number with decimals is looked at twice.
+    /// The decimal mark; 0 while it is open, so that a number with decimals is read as a record.
     mark: u8,
 }
 
@@ -53,9 +53,9 @@ struct PlainRow {
 pub(crate) struct Rows {
     setup: Setup,
     wanted: Wanted,
-    /// The columns that are needed; `None` where plain numbers do not say all of a row.
+    /// The columns of values; `None` where plain numbers are not all that is read of a row.
     plain_columns: Option<Vec<PlainColumn>>,
-    /// `None` where a line of plain numbers does not say all.
+    /// How a line of plain numbers is read in one pass; `None` where that is not possible.
     plain: Option<PlainRow>,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct Rows {
 #[derive(Debug, Clone)]
 pub(crate) struct Setup {
     pub(crate) columns: Vec<Column>,
-    /// The names of all columns of the file.
+    /// The headings of all columns of the file.
     pub(crate) titles: Vec<String>,
     /// The field of the part's name.
     pub(crate) id: Option<usize>,
@@ -86,7 +86,7 @@ pub(crate) struct Wanted {
 }
 
 impl PlainRow {
-    /// `None` if lines are not made of the fields of a header.
+    /// `None` if lines do not have the fields of a header.
     fn of(setup: &Setup, columns: &[PlainColumn]) -> Option<Self> {
         let first = setup.columns.first().filter(|column| !column.mark_is_open);
         let mark = first.map_or(0, |column| column.mark.byte());
@@ -123,7 +123,7 @@ impl Rows {
         self.setup.separator
     }
 
-    /// The rows of a chunk of text behind so many lines; the chunk's bytes become the block's text.
+    /// Reads the rows of a chunk of text. The file has `lines` lines before it. The bytes of the chunk become the block's text.
     pub(crate) fn chunk(&self, chunk: &mut Vec<u8>, holds: ChunkContent, lines: u64, block: &mut Block) {
         block.clear(self.setup.columns.iter().map(Column::nothing));
         block.line_count = lines;
@@ -134,14 +134,14 @@ impl Rows {
         }
     }
 
-    /// The same without the fast case.
+    /// The same reader without the quick way for lines of plain numbers.
     #[cfg(test)]
     pub(super) fn without_plain_lines(self) -> Self {
         Self { plain: None, ..self }
     }
 
     fn records(&self, block: &mut Block) {
-        // what is added to the text stands behind what is read
+        // text that is appended stands behind the bytes of the chunk
         let length = block.text.len();
         let mut fields = Vec::new();
         let mut at = 0;
@@ -176,8 +176,9 @@ impl Rows {
         }
     }
 
-    /// Reads the line at the start of `unread` if it is made of as many fields as the header, with plain numbers where values
-    /// are read, all in quotes or not; the place behind it. Nothing is left in the block if it is not.
+    /// Reads the line at the start of `unread` in one pass, and returns the place behind it. `None`, with the block as it was, if the
+    /// line has not as many fields as the header, or something other than a plain number where a value is read. Fields may be in
+    /// quotes.
     #[inline]
     fn plain_row(&self, row: &PlainRow, unread: Range<usize>, block: &mut Block) -> Option<usize> {
         // a line without a character is no record
@@ -260,7 +261,7 @@ impl Rows {
         }
     }
 
-    /// A record of a file that has cells of its own, or of a short text.
+    /// Reads a record of a file with cells, or of a text that is read as a whole.
     pub(crate) fn record(&self, record: &Record, block: &mut Block) {
         if block.contradiction.is_some() {
             return;
@@ -277,7 +278,7 @@ impl Rows {
         self.owned_row(record, raw, block);
     }
 
-    /// A record that is no row of values at all: a row without them, so that columns stay as long as each other.
+    /// Rejects a record. It becomes a row without values, so that all columns have as many rows.
     fn refuse(&self, line: u64, raw: Span, block: &mut Block, text: &str, message: String) {
         start(line, raw, block);
         if self.setup.id.is_some() {
@@ -291,7 +292,7 @@ impl Rows {
         block.fault(None, false, &shown(text), message);
     }
 
-    /// A piece of a record that is too long: one refused row, however many pieces.
+    /// Reads a piece of a record that is too long. All pieces together are one rejected row.
     fn piece(&self, first: bool, last: bool, block: &mut Block) {
         let raw = Span { start: 0, end: span_end(block.text.len()) };
         (block.is_rest, block.goes_on) = (!first, !last);
@@ -342,7 +343,7 @@ fn missing(column: &Column, cell: &Cell) -> String {
     format!("there is no value for {name}{written}: a part is judged by all its values")
 }
 
-/// The number of a space or tooth in the last row.
+/// Reads the number of the space or tooth of the last row.
 pub(crate) fn take_index(block: &mut Block, cell: &Cell) {
     let text = cell.text();
     // spreadsheets and programs write 4 as 4,0
@@ -361,7 +362,7 @@ pub(crate) fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
     fields.iter().map(cell).collect()
 }
 
-/// A line with separators inside a cell, as a quote too many leaves it there.
+/// A line with separators inside a cell, as a surplus quote leaves it there.
 fn swallowed(record: &Record, separator: u8) -> Option<String> {
     let cell = record.cells.iter().find(|cell| matches!(&cell.content, Content::Text(text) if text.contains('\n')))?;
     let text = cell.text();

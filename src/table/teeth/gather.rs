@@ -1,4 +1,4 @@
-//! Puts the rows of a table of spaces or teeth together to parts, and refuses columns and rows that are none of them.
+//! Groups the rows of a table of spaces or teeth into parts, and refuses columns and rows that are not of a space or tooth.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::table::column::{Column, Nominal, is_rack};
 use crate::table::field::{Field, ValueKind};
 use crate::table::{Container, Reading, Source, Table, Want};
 
-/// A space or tooth has no higher number: racks have some thousands at most.
+/// The highest number of a space or tooth. Racks have some thousands at most.
 const FARTHEST: u64 = 100_000;
 
 const OVER_PIN: &[Field] = &[Field::OverPin, Field::Error(DeviationKind::RackOverRoller)];
@@ -20,7 +20,7 @@ const POSITION: &[Field] = &[Field::Position];
 const RADIAL: &[Field] = &[Field::Radial, Field::Error(DeviationKind::PinionRadial)];
 const LEAD: &[Field] = &[Field::Lead, Field::Error(DeviationKind::RackLead)];
 
-/// Puts the rows of a table together to parts.
+/// Groups the rows of a table into parts.
 pub(crate) struct Gatherer {
     name: Arc<str>,
     is_rack: bool,
@@ -31,13 +31,13 @@ pub(crate) struct Gatherer {
     pinion_teeth: Option<i64>,
     parts: Vec<ToothedPart>,
     known: HashMap<String, usize>,
-    /// The part whose name stood in the row before or above it, and in no other, as where cells are merged.
+    /// The part that rows without a name belong to: so far only its first row is named, as where cells are merged.
     named_once: Option<usize>,
     records: u64,
 }
 
 impl Gatherer {
-    /// For the rows of a table.
+    /// A gatherer for the rows of a table.
     ///
     /// # Errors
     /// If its columns are not those of a rack or a pinion, or leave open which they are.
@@ -86,7 +86,7 @@ impl Gatherer {
         self.records += block.record_count;
     }
 
-    /// The part of a row: that of its name, or of the row before where only the first of a part's rows has it.
+    /// The part of a row: that of its name, or of the row before where only the first row of a part is named.
     fn part_of_row(&mut self, name: &str, line: u64, record: u64) -> usize {
         if let Some(part) = self.named_once.filter(|_| name.is_empty()) {
             return part;
@@ -158,7 +158,8 @@ impl Gatherer {
             }
         };
         if number.unsigned_abs() > FARTHEST {
-            let message = format!("{number} is no number of a {what}, which is at most {FARTHEST}: check the column");
+            let message =
+                format!("{number} is too large for the number of a {what} ({FARTHEST} at most): check the column");
             part.fault.get_or_insert(LineFault { line, message });
         }
         if !part.numbers.insert(number) {
@@ -166,8 +167,8 @@ impl Gatherer {
         }
     }
 
-    /// The parts in the order of their first rows. Where all teeth of a pinion are there and count from 1, the last is tooth 0 of
-    /// the next turn.
+    /// The parts in the order of their first rows. Where all teeth of a pinion are there and count from 1, the last one becomes tooth
+    /// 0.
     pub(crate) fn finish(mut self) -> Vec<ToothedPart> {
         let Some(teeth) = self.pinion_teeth else { return self.parts };
         for part in &mut self.parts {
@@ -191,7 +192,7 @@ fn as_angle(value: DeviationValue) -> Option<Angle> {
     }
 }
 
-/// The column of one of some fields.
+/// The column that holds one of some fields.
 fn find(columns: &[Column], fields: &[Field]) -> Option<usize> {
     columns.iter().position(|column| fields.contains(&column.field))
 }
@@ -212,7 +213,7 @@ fn check_columns(table: &Table) -> Result<(), Diagnostic> {
     let flanks = [Field::LeftPitch, Field::RightPitch];
     if let [Some(title), None] | [None, Some(title)] = flanks.map(|flank| title(&[flank])) {
         let other = if find(columns, &flanks[..1]).is_some() { flanks[1] } else { flanks[0] }.key();
-        let what = format!(": `{title}` is of one flank side, and of the other nothing is said");
+        let what = format!(": `{title}` is of one flank side, and no column is of the other");
         return refused(&what, &format!("add a column {other}; 0 says that these flanks stand where they should"));
     }
     for fields in [OVER_PIN, RADIAL, LEAD] {
@@ -260,7 +261,7 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
     Err(Diagnostic::error(code, format!("{name}: `{}` {what}", column.title)).help(help))
 }
 
-/// Puts the rows of blocks together to parts.
+/// Groups the rows of blocks into parts.
 pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<ToothedPart>, Diagnostic> {
     for block in blocks {
         if let Some(contradiction) = &block.contradiction {
