@@ -31,7 +31,7 @@ macro_rules! codes {
 }
 
 codes! {
-    /// Arguments that do not make a request.
+        /// Arguments that together make no request.
     Usage = "usage",
     /// A file cannot be read or written.
     FileAccess = "file-access",
@@ -47,13 +47,13 @@ codes! {
     OutOfDomain = "out-of-domain",
     /// A value that no part has, or hardly any: a unit or a size may be mistaken.
     Implausible = "implausible",
-    /// Teeth that cannot be.
+        /// Teeth that cannot exist.
     BadGeometry = "bad-geometry",
-    /// A key that a requested result needs is not there.
+        /// A key is missing that a requested result needs.
     MissingKey = "missing-key",
     /// An error entry whose keys do not make an error.
     BadErrorEntry = "bad-error-entry",
-    /// A range of teeth that is none.
+        /// A range of teeth that cannot be read, is empty or leaves the part.
     BadTeeth = "bad-teeth",
     /// A table of measured values that cannot be read.
     BadTable = "bad-table",
@@ -61,17 +61,17 @@ codes! {
     NotUnderstood = "not-understood",
     /// A pasted block that can be read in more than one way.
     AmbiguousBlock = "ambiguous-block",
-    /// A row of a batch that makes no part.
+        /// A row of a batch that cannot be read as a part.
     BadRow = "bad-row",
     /// A limit that is not a limit.
     BadLimit = "bad-limit",
     /// A class that has no permissible value.
     NoClass = "no-class",
-    /// A name that is no standard's.
+        /// A name that no standard has.
     UnknownStandard = "unknown-standard",
     /// An uncertainty or a correlation that makes no sense.
     BadUncertainty = "bad-uncertainty",
-    /// A decision rule that is none, or that lacks what it needs.
+        /// A decision rule that is not known, or lacks what it needs.
     BadRule = "bad-rule",
     /// A Monte Carlo simulation that cannot be made.
     NoMonteCarlo = "no-monte-carlo",

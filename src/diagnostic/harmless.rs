@@ -1,9 +1,9 @@
-//! Text of an input, such that it can do nothing but be read. Called by whoever writes text: messages, tables, rows, pages.
+//! Text of an input made safe to show. Called by whoever writes text: messages, tables, rows, pages.
 
 use std::borrow::Cow;
 
-/// Whether a character steers what shows it: C0, DEL and C1 move the cursor, colour, or end a line; the others turn the
-/// direction of a text (U+202A to U+202E, U+2066 to U+2069) or end a line for some programs (U+2028, U+2029).
+/// Whether a character steers the program that shows it. C0, DEL and C1 move the cursor, colour, or end a line; the others turn
+/// the direction of a text (U+202A to U+202E, U+2066 to U+2069) or end a line for some programs (U+2028, U+2029).
 #[must_use]
 pub fn is_steering(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
@@ -16,7 +16,7 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     escaped(text, "")
 }
 
-/// The same of a text of several lines, whose line breaks stay.
+/// The same for a text of several lines, whose line breaks stay.
 #[must_use]
 pub fn harmless_lines(text: &str) -> Cow<'_, str> {
     escaped(text, "\n")

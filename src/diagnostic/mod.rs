@@ -33,7 +33,7 @@ pub struct Source {
     pub name: String,
     /// The whole text.
     pub text: String,
-    /// A text that counts as standing behind this one, a byte apart: what the command line adds to a file.
+    /// A text that counts as following this one, with a byte between them: what the command line adds to a file.
     pub next: Option<Arc<Self>>,
 }
 
@@ -43,7 +43,7 @@ impl Source {
         Self { name: name.into(), text: text.into(), next: None }
     }
 
-    /// The text that holds these bytes, of this one and what stands behind it, and where in it.
+    /// The text that holds these bytes, this one or the next, and their place in it.
     #[must_use]
     pub fn holding(self: &Arc<Self>, span: Range<usize>) -> (Arc<Self>, Range<usize>) {
         let offset = self.text.len() + 1;
@@ -94,7 +94,7 @@ impl Place {
 pub struct ListLine {
     /// What it says.
     pub text: String,
-    /// Whether it is copied from there, such as a line of a spec: it is not broken.
+    /// Whether a user copies it, such as a line of a spec. Such a line is not wrapped.
     pub is_copied: bool,
 }
 
@@ -126,7 +126,7 @@ impl Diagnostic {
         Self::error(Code::Usage, message)
     }
 
-    /// What an error of a computation is to the user: `map_err(Diagnostic::with_code(code))`.
+    /// Turns an error of a computation into a diagnostic: `map_err(Diagnostic::with_code(code))`.
     pub fn with_code<E: std::fmt::Display>(code: Code) -> impl FnOnce(E) -> Self {
         move |error| Self::error(code, error.to_string())
     }

@@ -9,11 +9,11 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use super::harmless::escaped;
 use super::{Diagnostic, Place, Severity, harmless, wrap};
 
-/// Longer lines are not shown, only where they are.
+/// Of a longer line only the place is shown.
 const LONGEST: usize = 10_000;
 
-/// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal. What is said
-/// breaks between words to fit `width`, if there is one.
+/// The diagnostic with the line it points at; `color` adds terminal colours. Nothing else in it steers a terminal. Message and help are
+/// wrapped between words to fit `width`, if there is one.
 #[must_use]
 pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> String {
     /// What stands before help.
@@ -56,7 +56,7 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
     if lines.is_some() {
         return text;
     }
-    // without a place, the bar that stands above what to do has nothing beside it
+    // without a place, the bar above the help stands alone
     let is_bar = |line: &&str| line.chars().filter(|c| !"\u{1b}[0123456789;m ".contains(*c)).eq(['|']);
     let mut all: Vec<&str> = text.lines().collect();
     if let Some(bar) = all.iter().rposition(is_bar) {

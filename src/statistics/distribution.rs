@@ -64,7 +64,7 @@ pub fn student_cdf(t: f64, dof: f64) -> f64 {
         if t.abs() > FURTHEST {
             return normal_cdf(t);
         }
-        // the derivative is 1 within a part in ν: each step gains three digits and more
+        // the derivative is 1 to within 1/ν: each step gains three digits and more
         let z = (0..6).fold(t, |z, _| z - (expanded_student_quantile(z, dof) - t));
         return normal_cdf(z);
     }
@@ -206,7 +206,7 @@ fn simpson(f: &impl Fn(f64) -> f64, a: f64, b: f64, (fa, fm, fb): (f64, f64, f64
 /// Mean and standard deviation of |X| for a normal X: the folded normal distribution.
 ///
 /// Source: E|X| = σ √(2/π) exp(−μ²/(2σ²)) + μ erf(μ/(σ√2)), E|X|² = μ² + σ² (Leone, Nelson and Nottingham 1961).
-/// What magnitudes are tested against.
+/// Tests of magnitudes compare with it.
 #[cfg(test)]
 pub(crate) fn folded_normal(mean: f64, deviation: f64) -> (f64, f64) {
     if deviation <= 0.0 {

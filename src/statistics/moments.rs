@@ -1,4 +1,4 @@
-//! Exact moments of lengths on their grid: whatever the order, and however small the spread is against the mean.
+//! Exact moments of lengths on their grid: they do not depend on the order, and hold for a spread that is small against the mean.
 
 #[cfg(feature = "batch")]
 use crate::quantity::Length;
@@ -21,7 +21,7 @@ impl Default for LengthMoments {
 }
 
 impl LengthMoments {
-    /// Those of some lengths.
+    /// The moments of some lengths.
     #[cfg(feature = "batch")]
     pub(crate) fn of(lengths: &[Length]) -> Self {
         /// The squares of so many of the largest length can be added.
@@ -52,7 +52,7 @@ impl LengthMoments {
     pub(crate) fn standard_deviation_fm(&self) -> Option<f64> {
         let squares = self.squares_fm2.filter(|_| self.count > 1)?;
         let (whole, rest) = (self.sum_fm.div_euclid(self.count.into()), self.sum_fm.rem_euclid(self.count.into()));
-        // what wraps on the way does not in the end, which lies between 0 and Σx² + n
+        // steps may wrap, the result does not: it lies between 0 and Σx² + n
         let about_whole = squares.wrapping_sub(whole.wrapping_mul(self.sum_fm.wrapping_add(rest)));
         let about_mean = about_whole as f64 - rest as f64 * (rest as f64 / self.count as f64);
         Some((about_mean.max(0.0) / (self.count - 1) as f64).sqrt())

@@ -50,8 +50,8 @@ pub struct Gauge {
 }
 
 impl Gauge {
-    /// Of values with a standard uncertainty and standard deviation, that are `margin_mm` within the nearer of limits
-    /// `width_mm` apart.
+    /// From the standard uncertainty and the standard deviation of values whose mean is `margin_mm` inside the nearer limit. The
+    /// limits are `width_mm` apart.
     #[must_use]
     pub fn of(uncertainty_mm: f64, deviation_mm: f64, margin_mm: f64, width_mm: Option<f64>) -> Self {
         let parts_alone = deviation_mm * deviation_mm - uncertainty_mm * uncertainty_mm;
@@ -70,7 +70,7 @@ impl Gauge {
 /// An index of the spread and one of the margin, as far as the limits allow.
 pub type Indices = (Option<Index>, Option<Index>);
 
-/// Cp and Cpk of so many parts in the order of production of which the mean moving range is known; as [`performance`].
+/// Cp and Cpk of so many parts in the order of production, from their mean moving range. `None` as for [`performance`].
 #[must_use]
 pub fn short_term(
     parts: u64,
@@ -84,9 +84,8 @@ pub fn short_term(
     indices(parts, mean_mm, moving_range_mm / D2_SQUARED.sqrt(), dof, (lower_mm, upper_mm))
 }
 
-/// Pp and Ppk of so many parts of which mean and standard deviation are known, against limits in mm; for batches whose
-/// values are not kept. The first is `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`]
-/// parts, without limits, or without spread.
+/// Pp and Ppk of so many parts, from their mean and standard deviation and limits in mm. The values themselves are not needed. Pp is
+/// `None` unless both limits are given; both are with fewer than [`FEWEST_PARTS`] parts, without limits, or without spread.
 #[must_use]
 pub fn performance(
     parts: u64,

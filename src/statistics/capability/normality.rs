@@ -18,7 +18,7 @@ pub struct Normality {
 }
 
 impl Normality {
-    /// Of values in any order, which it sorts, with their mean and standard deviation s.
+    /// Tests values, which it sorts, with their mean and standard deviation s.
     ///
     /// A² = −n − (1/n) Σ (2i − 1) (ln Φ(z_i) + ln Φ(−z_{n+1−i})), z_i = (x_i − x̄) / s from the smallest to the largest
     /// (D'Agostino and Stephens, *Goodness-of-Fit Techniques*, 1986, section 4.8).

@@ -1,5 +1,5 @@
-//! The schema that Arrow keeps beside the columns of a Parquet file: what it says of each field besides name and type. It is a
-//! flatbuffer in base64; each place in it is looked up within its bytes.
+//! The metadata of fields in the schema that Arrow stores in a Parquet file. The schema is a flatbuffer in base64; no place outside its
+//! bytes is read.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -13,7 +13,7 @@ const NAME: usize = 0;
 const CHILDREN: usize = 5;
 const METADATA: usize = 6;
 
-/// What the schema says of fields: the name of each with a key and its value. `None` if it is not understood.
+/// The metadata of fields: the name of a field with a key, and the value. `None` if the schema is not understood.
 pub(super) fn remarks_of_fields(schema: &str) -> Option<Vec<(String, String)>> {
     let bytes = STANDARD.decode(schema).ok()?;
     // newer files have a mark before the length
@@ -67,7 +67,7 @@ impl Buffer<'_> {
         Some(String::from_utf8_lossy(bytes).into_owned())
     }
 
-    /// What is said of a field, and of those within it. A file of few bytes cannot name fields without end.
+    /// Adds the metadata of a field and of the fields within it. `left` bounds their number by the bytes of the schema.
     fn field(&self, field: usize, deepest: u32, left: &mut usize, found: &mut Vec<(String, String)>) -> Option<()> {
         *left = left.checked_sub(8)?;
         let text_at =

@@ -12,9 +12,9 @@ use crate::table::stored::Stored;
 /// A column of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct StoredColumn {
-    /// Its name; of the field of a record its path.
+    /// Its name; the path, if it is a field of a record.
     pub(crate) name: String,
-    /// Its places among the columns of values.
+    /// The columns of values that it consists of.
     pub(super) leaves: Range<usize>,
     /// Where its values are, or why they are not read.
     pub(crate) leaf: Result<Leaf, Unread>,
@@ -23,9 +23,9 @@ pub(crate) struct StoredColumn {
 /// Why the values of a column are not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Unread {
-    /// It is a list or a map, or its values are neither numbers nor texts nor moments: what they are.
+    /// Its type: a list, a map, or values that are neither numbers nor texts nor moments.
     Type(String),
-    /// How it is packed.
+    /// Its packing.
     Packing(String),
 }
 
@@ -41,7 +41,7 @@ impl StoredColumn {
 pub(crate) struct Leaf {
     pub(super) index: usize,
     pub(super) values: Values,
-    /// The level of a row that has a value.
+    /// The definition level of a row that has a value.
     pub(super) level: i16,
 }
 
@@ -71,7 +71,8 @@ impl Values {
     }
 }
 
-/// A date or a time as a count: of what, in nanoseconds since the beginning of 1970 or since midnight, and how it is shown.
+/// A date or a time that is stored as a count since the beginning of 1970 or since midnight: the nanoseconds of one count, and how it is
+/// shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Moment {
     nanoseconds: i64,
@@ -92,7 +93,7 @@ impl Moment {
         Self { nanoseconds, format: "%F %T%.f" }
     }
 
-    /// As a message shows it; the count itself beyond all calendars.
+    /// As a message shows it; the count itself where the calendar ends.
     fn shown(self, count: i128) -> String {
         let second = i128::from(SECOND);
         let nanoseconds = count * i128::from(self.nanoseconds);
@@ -104,14 +105,14 @@ impl Moment {
     }
 }
 
-/// A timestamp of older files: nanoseconds of a day, and its number in the Julian calendar.
+/// A timestamp of older files: nanoseconds of a day, and the Julian day.
 pub(super) fn shown_int96([low, high, day]: [u32; 3]) -> String {
     const EPOCH: i128 = 2_440_588;
     let nanoseconds = (i128::from(high & 0x7fff_ffff) << 32) | i128::from(low);
     Moment::timestamp(1).shown((i128::from(day) - EPOCH) * i128::from(DAY) + nanoseconds)
 }
 
-/// Bytes of a fixed length as the text that they are, or else in hexadecimal digits.
+/// Bytes of a fixed length as text, or else in hexadecimal digits.
 pub(super) fn shown_bytes(bytes: &[u8]) -> String {
     let text = std::str::from_utf8(bytes).map(|text| text.trim_end_matches('\0'));
     match text.ok().filter(|text| !text.contains(char::is_control)) {
@@ -155,7 +156,7 @@ fn is_repeated(field: &TypePtr) -> bool {
     info.has_repetition() && info.repetition() == Repetition::REPEATED
 }
 
-/// What a column is whose type is not read.
+/// The type of a column that is not read, in words.
 fn type_in_words(field: &TypePtr) -> String {
     match field.get_basic_info().converted_type() {
         ConvertedType::LIST => "a list".to_owned(),
@@ -190,7 +191,7 @@ fn of_integers(column: &ColumnDescriptor) -> Option<Values> {
         (ConvertedType::TIME_MICROS, _) => moment(Moment::time(1000)),
         (ConvertedType::TIMESTAMP_MILLIS, _) => moment(Moment::timestamp(SECOND / 1000)),
         (ConvertedType::TIMESTAMP_MICROS, _) => moment(Moment::timestamp(1000)),
-        // nanoseconds are younger than converted types
+        // converted types have no nanoseconds, logical types have
         (ConvertedType::NONE, Some(LogicalType::Time(_))) => moment(Moment::time(1)),
         (ConvertedType::NONE, Some(LogicalType::Timestamp(_))) => moment(Moment::timestamp(1)),
         _ => None,

@@ -1,16 +1,16 @@
-//! How large the pages of a column are, by their headers: nothing is unpacked before that is known. A header is a record of Thrift's
-//! compact form, of which two numbers count.
+//! The sizes of a column's pages by their headers, which are checked before anything is unpacked. A header is a record in Thrift's
+//! compact form, of which two numbers are read.
 
 use ::parquet::file::metadata::ColumnChunkMetaData;
 use bytes::Bytes;
 
-/// Bytes of a page at most, unpacked: writers make them of 1 MiB, and hardly any of more than some.
+/// Bytes of an unpacked page at most. Writers make pages of about 1 MiB.
 pub(super) const LARGEST_PAGE: usize = 16 << 20;
-/// Bytes in which headers are looked for: first some, then as many as the statistics of long texts take.
+/// Bytes in which a header is looked for: a few, and then as many as statistics of long texts take.
 const WINDOWS: [usize; 2] = [1 << 12, 1 << 20];
-/// How deep records of a header may stand in each other.
+/// How deep records of a header may be nested.
 const DEEPEST: u8 = 8;
-/// Ends a record, in place of a field's type.
+/// The byte that ends a record, in place of a field's type.
 const END: u8 = 0;
 
 /// What a header says.
@@ -23,10 +23,10 @@ struct Header {
     packed: usize,
 }
 
-/// Whether every page of a column in a group has a size that is read; `bytes` reads some of the file.
+/// Checks that every page of a column in a group has a header and is not too large. `bytes` reads a range of the file.
 ///
 /// # Errors
-/// What is wrong with the first that has not.
+/// What is wrong with the first page that has none or is too large.
 pub(super) fn check(chunk: &ColumnChunkMetaData, bytes: &dyn Fn(u64, usize) -> Option<Bytes>) -> Result<(), String> {
     let start = chunk.dictionary_page_offset().unwrap_or(chunk.data_page_offset());
     let [Some(start), Some(size)] = [start, chunk.compressed_size()].map(|number| u64::try_from(number).ok()) else {
@@ -39,7 +39,7 @@ pub(super) fn check(chunk: &ColumnChunkMetaData, bytes: &dyn Fn(u64, usize) -> O
         let header = header.ok_or("a page has no header")?;
         if header.unpacked > LARGEST_PAGE {
             return Err(format!(
-                "a page of `{}` unpacks to {} MiB, and {} MiB are read",
+                "a page of `{}` unpacks to {} MiB, and at most {} MiB are read",
                 chunk.column_descr().name(),
                 header.unpacked >> 20,
                 LARGEST_PAGE >> 20
@@ -50,7 +50,7 @@ pub(super) fn check(chunk: &ColumnChunkMetaData, bytes: &dyn Fn(u64, usize) -> O
     Ok(())
 }
 
-/// The header at the start of some bytes; `None` if it is not whole, or none.
+/// The header at the start of some bytes; `None` if they hold no complete header.
 fn header(bytes: &[u8]) -> Option<Header> {
     let mut reader = Thrift { bytes, at: 0 };
     let mut found = Header::default();

@@ -1,8 +1,8 @@
 //! Parquet files as stored columns.
 //!
-//! A file is opened with [`ParquetTable::open`], and [`next`](ParquetTable::next) reads its rows, some at a time, of the
-//! columns that are needed. Nothing becomes text on the way: a double means its shortest decimal, a `DECIMAL` and an integer
-//! their exact value. Nothing here knows what a column means.
+//! [`ParquetTable::open`] opens a file, and [`next`](ParquetTable::next) reads some rows at a time of the columns that are needed.
+//! Numbers stay numbers: a double means its shortest decimal, a `DECIMAL` and an integer their exact value. Nothing here knows what a
+//! column means.
 
 mod arrow;
 mod column;
@@ -29,7 +29,7 @@ use crate::quantity::Decimal;
 use column::{Leaf, StoredColumn, Values};
 use pages::{CheckedPages, Texts};
 
-/// Rows that are read together: their columns stay near at hand.
+/// Rows that are read together: few enough for the processor's cache.
 pub(crate) const ROWS_TOGETHER: usize = 1 << 11;
 
 /// Reads so many bytes of a file from a place on.
@@ -40,7 +40,7 @@ const TEXT_TOGETHER: usize = 8 << 20;
 /// Stored bytes that are hashed together.
 const HASHED_TOGETHER: usize = 1 << 20;
 
-/// A Parquet file that was opened.
+/// A Parquet file that is open.
 pub struct ParquetTable {
     name: String,
     /// Bytes of the file.
@@ -52,19 +52,19 @@ pub struct ParquetTable {
     pub(crate) columns: Vec<StoredColumn>,
     /// The group of rows that is read next.
     group: usize,
-    /// The columns of the group that is being read, by place; `None` of one that is not looked at.
+    /// The columns of the group that is being read, by place; `None` for one that is not read.
     open: Vec<Option<(ColumnReader, Leaf)>>,
-    /// Bytes of the longest text of each, as far as its pages were read.
+    /// The lengths of the texts of each column, as far as its pages are read.
     longest: Vec<Arc<Texts>>,
     /// How many rows of that group are still to be read.
     left: usize,
-    /// How many rows of the file were read.
+    /// How many rows of the file are read.
     before: u64,
 }
 
 /// A source of bytes that can be read from two places.
 pub(crate) trait Again: Sized {
-    /// The same source once more.
+    /// A second handle of the same source.
     fn again(&self) -> std::io::Result<Self>;
 }
 
@@ -82,7 +82,7 @@ impl Again for Bytes {
 
 /// Some rows of a file.
 pub(crate) struct StoredRows {
-    /// By place; `None` of a column that is not looked at.
+    /// By place; `None` for a column that is not read.
     pub(crate) columns: Vec<Option<Stored<'static>>>,
     /// Rows of the file before them.
     pub(crate) before: u64,
@@ -112,7 +112,7 @@ impl ParquetTable {
         Ok(Self { name, length, reader, bytes, columns, group: 0, open, longest, left: 0, before: 0 })
     }
 
-    /// What the schema that Arrow keeps says of fields besides their names and types: keys and values.
+    /// The metadata of fields in the schema that Arrow stores: keys and values.
     pub(crate) fn remarks_of_fields(&self) -> Vec<(String, String)> {
         let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
         let schemas = pairs.filter(|pair| pair.key == "ARROW:schema").filter_map(|pair| pair.value.as_ref());
@@ -120,8 +120,7 @@ impl ParquetTable {
         schemas.flat_map(|schema| arrow::remarks_of_fields(schema).unwrap_or_else(unknown)).collect()
     }
 
-    /// What the file says of its columns besides their names and values, without what pandas and Arrow write for themselves: keys and
-    /// values.
+    /// The metadata of the file, without what pandas and Arrow write for themselves: keys and values.
     pub(crate) fn remarks(&self) -> impl Iterator<Item = (&str, &str)> {
         let pairs = self.reader.metadata().file_metadata().key_value_metadata().into_iter().flatten();
         let is_own = |key: &str| matches!(key, "pandas" | "ARROW:schema");
@@ -147,7 +146,7 @@ impl ParquetTable {
         digests.fold(0, u64::wrapping_add)
     }
 
-    /// Whether the values of the columns that can be read lie in the file.
+    /// Checks that the values of the columns that can be read lie in the file.
     ///
     /// # Errors
     /// The first column that lies beyond the file's end.
@@ -168,7 +167,7 @@ impl ParquetTable {
         Ok(())
     }
 
-    /// The next rows, so many at most, of the columns at these places, of those that can be read at all; `None` at the end.
+    /// The next rows, `most` of them at most; `None` at the end. `places` says which of the columns that can be read are needed.
     ///
     /// # Errors
     /// If they cannot be read.
@@ -219,13 +218,13 @@ impl ParquetTable {
         Ok(())
     }
 
-    /// Begins with the first row again.
+    /// Goes back to the first row.
     pub(crate) fn rewind(&mut self) {
         (self.group, self.left, self.before) = (0, 0, 0);
     }
 }
 
-/// How the values of a column in a group are packed, if that is not read.
+/// The packing of a column in a group, if it is one that is not read.
 fn packing_not_read(chunk: &ColumnChunkMetaData) -> Option<String> {
     let is_delta =
         |encoding: &Encoding| [Encoding::DELTA_BYTE_ARRAY, Encoding::DELTA_LENGTH_BYTE_ARRAY].contains(encoding);
@@ -233,7 +232,7 @@ fn packing_not_read(chunk: &ColumnChunkMetaData) -> Option<String> {
     codec_not_read(chunk.compression()).map(|codec| format!("compressed with {codec}")).or(packed)
 }
 
-/// A compression that is not read.
+/// The name of a compression that is not read; `None` if it is read.
 fn codec_not_read(compression: Compression) -> Option<&'static str> {
     match compression {
         Compression::ZSTD(_) => Some("ZSTD"),
@@ -242,7 +241,7 @@ fn codec_not_read(compression: Compression) -> Option<&'static str> {
     }
 }
 
-/// A file says at both ends what it is.
+/// Checks the marks at both ends of a file.
 fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic> {
     const MARK: usize = 4;
     let end = source.len().saturating_sub(MARK as u64);
@@ -255,7 +254,7 @@ fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic>
     }
 }
 
-/// Values of a column in the next rows.
+/// The values of a column in the next rows.
 fn stored(reader: &mut ColumnReader, leaf: &Leaf, rows: usize) -> Result<Stored<'static>, ParquetError> {
     let (values, rows) = (leaf.values, (rows, leaf.level));
     match (reader, values) {
@@ -294,7 +293,7 @@ fn stored(reader: &mut ColumnReader, leaf: &Leaf, rows: usize) -> Result<Stored<
     }
 }
 
-/// The same, each by itself.
+/// The values of a column in the next rows, each converted by itself.
 fn read_each<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     rows: (usize, i16),
@@ -303,7 +302,7 @@ fn read_each<T: DataType>(
     read(reader, rows, |values| Stored::contents(values.iter().map(content).collect()))
 }
 
-/// The same of one type; a row of that level has a value.
+/// The values of a column of one type in the next rows. A row of level `present` has a value.
 fn read<T: DataType>(
     reader: &mut ColumnReaderImpl<T>,
     (rows, present): (usize, i16),

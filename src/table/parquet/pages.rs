@@ -1,5 +1,5 @@
-//! The pages of a column, checked before they are decoded. Stands between the file and the decoder, which takes it for
-//! granted that a page is as long as it says and has the dictionary that it refers to.
+//! The pages of a column, checked before they are decoded: that a page is as long as it says, and that the dictionary is there that it
+//! refers to. The decoder does not check this.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,25 +12,26 @@ use ::parquet::column::page::{Page, PageMetadata, PageReader};
 use ::parquet::errors::{ParquetError, Result};
 use ::parquet::schema::types::ColumnDescriptor;
 
-/// How long texts are that were read.
+/// The lengths of the texts that are read.
 #[derive(Default)]
 pub(super) struct Texts {
+    /// Bytes of the longest text.
     longest: AtomicUsize,
-    /// Bytes of pages since rows were asked for.
+    /// Bytes of the pages for the rows that are read together.
     together: AtomicUsize,
 }
 
 impl Texts {
-    /// Begins with the next rows: how long a text is at most, as far as is known.
+    /// Begins with the next rows. Returns the length of the longest text so far.
     pub(super) fn begin(&self) -> usize {
         self.together.store(0, Ordering::Relaxed);
         self.longest.load(Ordering::Relaxed)
     }
 }
 
-/// Bytes of a text at most: those of a row of a CSV file.
+/// Bytes of a text at most: as many as a row of a text may have.
 const LONGEST_TEXT: usize = LONGEST_RECORD;
-/// Bytes of pages of texts that are unpacked for the rows that are read together.
+/// Bytes of unpacked pages of texts at most, for the rows that are read together.
 const MOST_TOGETHER: usize = 2 * LARGEST_PAGE;
 
 /// Pages that can be decoded.
@@ -47,7 +48,7 @@ pub(super) struct CheckedPages {
 }
 
 impl CheckedPages {
-    /// How long the texts of its dictionary are is known from then on.
+    /// The pages of a column. The dictionary of a column of texts is read at once, so that the lengths of its texts are known.
     pub(super) fn new(pages: Box<dyn PageReader>, column: &ColumnDescriptor, texts: &Arc<Texts>) -> Result<Self> {
         let is_text = column.physical_type() == Physical::BYTE_ARRAY;
         let is_optional = column.max_def_level() > 0;
@@ -64,7 +65,7 @@ impl CheckedPages {
         page.map(|page| self.checked(page)).transpose()
     }
 
-    /// Whether the decoder finds all that a page promises; texts get an end that it notices.
+    /// Checks that a page holds all that it promises, and gives texts an end that the decoder notices.
     fn checked(&mut self, mut page: Page) -> Result<Page> {
         let start = self.values_start(&page).filter(|start| *start <= page.buffer().len());
         let start = start.ok_or_else(|| broken("a page is shorter than it says"))?;
@@ -77,7 +78,7 @@ impl CheckedPages {
                 return Err(broken("a page refers to a dictionary that is not there"));
             }
             _ if matches!(page.encoding(), Encoding::DELTA_BYTE_ARRAY | Encoding::DELTA_LENGTH_BYTE_ARRAY) => {
-                // the decoder takes their lengths for granted, and ends the program where they are wrong
+                // the decoder does not check their lengths, and ends the program where they are wrong
                 return Err(broken(&format!("a column is {}", packed_by_differences(page.encoding()))));
             }
             _ => page.encoding() == Encoding::PLAIN,
@@ -88,7 +89,10 @@ impl CheckedPages {
             let (ended, longest) = ended(buf, start).ok_or_else(|| broken("a text is longer than its page"))?;
             let together = self.texts.together.fetch_add(buf.len(), Ordering::Relaxed) + buf.len();
             if longest > LONGEST_TEXT || together > MOST_TOGETHER {
-                return Err(broken(&format!("a text is longer than {} KiB, or some are together", LONGEST_TEXT >> 10)));
+                let (one, all) = (LONGEST_TEXT >> 10, MOST_TOGETHER >> 20);
+                return Err(broken(&format!(
+                    "a text is longer than {one} KiB, or the texts of some rows than {all} MiB"
+                )));
             }
             self.texts.longest.fetch_max(longest, Ordering::Relaxed);
             *buf = ended;
@@ -96,7 +100,7 @@ impl CheckedPages {
         Ok(page)
     }
 
-    /// Where the values begin: behind what says which rows have one.
+    /// Where the values begin: behind the levels, which say which rows have a value.
     fn values_start(&self, page: &Page) -> Option<usize> {
         #[expect(deprecated, reason = "older files have it")]
         let packed = Encoding::BIT_PACKED;
@@ -114,7 +118,7 @@ impl CheckedPages {
     }
 }
 
-/// Texts whose packing is not read.
+/// A packing of texts that is not read, in words.
 pub(super) fn packed_by_differences(encoding: Encoding) -> String {
     format!("packed by differences ({encoding}), which is not read")
 }
@@ -127,15 +131,15 @@ fn is_dictionary(encoding: Encoding) -> bool {
     matches!(encoding, Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY)
 }
 
-/// The end of what has its length before it, in four bytes at `at`.
+/// The end of a text whose length stands before it, in four bytes at `at`.
 fn behind_length(bytes: &[u8], at: usize) -> Option<usize> {
     let start = at.checked_add(4)?;
     let length = u32::from_le_bytes(bytes.get(at..start)?.try_into().ok()?);
     start.checked_add(usize::try_from(length).ok()?)
 }
 
-/// A page of texts from `start` on, and at its end a length that no text has: whoever reads beyond the end finds it.
-/// With the length of the longest text; `None` if the texts do not fill the page.
+/// A page whose texts begin at `start`, with a length behind them that no text has and that stops the decoder; and the length of the
+/// longest text. `None` if the texts do not fill the page.
 fn ended(page: &[u8], start: usize) -> Option<(Bytes, usize)> {
     let (mut at, mut longest) = (start, 0);
     while at < page.len() {

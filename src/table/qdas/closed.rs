@@ -1,5 +1,5 @@
-//! A Q-DAS file as a table that is closed: each characteristic is a role or left out by a rule, and so is each remark; what else it
-//! says is its format's.
+//! The closed table of a Q-DAS file. Each characteristic has a role or is left out by a rule, each remark is left out by a rule, and the
+//! format owns everything else.
 
 use std::sync::Arc;
 
@@ -48,14 +48,14 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
     file.widest = Some(&widest);
     let all = Arc::clone(&table);
     let rest = (HEAD..table.len()).filter_map(move |row| all.record(row)).map(Ok);
-    // a row is what was measured of a part
+    // each row is a part
     let layout = Arc::new(Layout { parts: Some(Parts::Rows), part_id: None, teeth: false, ..Layout::clone(&layout) });
     let mut found = of_records(&file, head, rest, &layout, want).map_err(|unclosed| {
         if left_out.is_empty() { unclosed } else { with_left_out(unclosed.into(), &left_out).into() }
     })?;
     found.reading.decimal_mark = mark.map(DecimalMark::word);
     found.reading.header_line = None;
-    // the number of a row is nobody's name
+    // the number of a row is no name of a part
     found.refuses_repeats &= has_names;
     for left_out in left_out {
         let LeftOut { code, count, first_line } = &left_out;
@@ -80,8 +80,8 @@ fn with_left_out(Diagnostics(mut problems): Diagnostics, left_out: &[LeftOut]) -
     Diagnostics(problems)
 }
 
-/// What is wanted, with the nominal values of a Q-DAS file (K2101): a characteristic that has one holds measured values,
-/// whatever its name says.
+/// What is known of the table, with the nominal values of the file (K2101). A characteristic that has one holds measured values,
+/// whatever its name says, unless the spec says deviations.
 fn with_nominals(qdas: &Qdas, layout: &Layout, want: &Want) -> Result<Want, Diagnostics> {
     let mut want = want.clone();
     for characteristic in &qdas.characteristics {
@@ -96,7 +96,7 @@ fn with_nominals(qdas: &Qdas, layout: &Layout, want: &Want) -> Result<Want, Diag
         });
         let given = &mut want.given[at];
         match &given.nominal {
-            // inches have decimals without end
+            // a nominal value in inches is rounded
             Some(Ok(stated)) if (stated.base() - nominal.base()).abs() > SMALLEST_DIGIT => {
                 let message = format!(
                     "the nominal value of {kind} is {} in the file (K2101 of `{}`) and {} in the spec or another characteristic",
@@ -123,7 +123,7 @@ fn with_nominals(qdas: &Qdas, layout: &Layout, want: &Want) -> Result<Want, Diag
     Ok(want)
 }
 
-/// The nominal value of a characteristic in its unit, or that of the spec.
+/// The nominal value of a characteristic, in its unit or else in that of the spec.
 fn nominal_of(characteristic: &Characteristic, kind: DeviationKind, want: &Want) -> Option<DeviationValue> {
     let number = Decimal::parse(characteristic.nominal.as_deref()?).ok()?;
     let default = if Field::Error(kind).is_angle() { "°" } else { "mm" };

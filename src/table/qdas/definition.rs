@@ -1,5 +1,5 @@
-//! What the header of a Q-DAS file says of one characteristic, key by key. Filled by the reader of lines; holds the keys
-//! against each other once the header is complete.
+//! What the header of a Q-DAS file says of one characteristic, key by key. Filled by the reader of lines; compares the keys with each
+//! other once the header is complete.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,14 +12,14 @@ use crate::quantity::{Decimal, Length, parse_f64};
 /// The keys that say what a characteristic is.
 const KEYS: [u16; 16] =
     [2001, 2002, 2004, 2101, 2106, 2110, 2111, 2112, 2113, 2114, 2115, 2116, 2117, 2120, 2121, 2142];
-/// Those of them that are numbers.
+/// The keys among them whose texts are numbers.
 pub(super) const NUMBERS: [u16; 6] = [2101, 2106, 2110, 2111, 2112, 2113];
 
 /// What one key says, and where.
 #[derive(Debug, Clone)]
 pub(super) struct Said {
     pub(super) text: String,
-    /// Whether it says so of all characteristics (`/0`), unless one has its own.
+    /// Whether it is about all characteristics (`/0`) that have no text of their own.
     pub(super) of_all: bool,
     pub(super) source: Arc<Source>,
     pub(super) span: Range<usize>,
@@ -42,10 +42,10 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// Takes what a key says; keys that are not read say nothing.
+    /// Adds what a key says. Keys that are not read are passed over.
     ///
     /// # Errors
-    /// If the header says something else already, or there are values that would be read otherwise.
+    /// If the header says something else already, or values before it would be read otherwise.
     pub(super) fn say(&mut self, key: u16, said: Said) -> Result<(), Diagnostic> {
         if !KEYS.contains(&key) || said.text.is_empty() {
             return Ok(());
@@ -74,8 +74,8 @@ impl Draft {
         self.said.get(&key).map(|said| said.text.clone())
     }
 
-    /// Takes the values out of a characteristic that is none of a size (K2004): they count faults, or say good or bad. Their lines, and
-    /// what they are.
+    /// Removes the values of a characteristic that is no size (K2004): they count faults, or mean good or bad. Returns their lines and
+    /// the values.
     pub(super) fn take_counts(&mut self) -> Vec<(u32, Decimal)> {
         if self.said.get(&2004).is_none_or(|said| said.text == "0") {
             return Vec::new();
@@ -113,7 +113,7 @@ impl Draft {
         })
     }
 
-    /// A limit, or the nominal value and an allowance; none where its type says that it does not count.
+    /// A limit, as it is stated or as nominal value plus allowance; `None` if there is none, or if its kind says that it does not count.
     fn limit(&self, [limit, allowance, kind]: [u16; 3]) -> Result<Option<String>, Diagnostic> {
         let stated = self.text(limit);
         let Some(allowed) = self.said.get(&allowance).filter(|_| !self.is_off(kind)) else {
@@ -144,7 +144,7 @@ impl Draft {
         }
     }
 
-    /// Limits that are found and not used, with why.
+    /// Limits that the file has and that are not used, with the reason.
     fn unused(&self) -> Vec<String> {
         let off = [([2110, 2112], 2120), ([2111, 2113], 2121)].into_iter().filter(|(_, kind)| self.is_off(*kind));
         let off = off.flat_map(|(keys, kind)| keys.map(|key| (key, Some(kind))));
@@ -157,16 +157,16 @@ impl Draft {
         unused.filter_map(in_words).collect()
     }
 
-    /// Whether there is no limit of that end (K2120, K2121).
+    /// Whether the limit of that side does not count (K2120, K2121).
     fn is_off(&self, kind: u16) -> bool {
         self.said.get(&kind).is_some_and(|said| said.text.parse() == Ok(0))
     }
 }
 
-/// By how much sums of decimals may differ in binary, of their size.
+/// How much sums of decimals may differ because they are computed in binary, relative to their size.
 const ROUNDING: f64 = 1e-12;
 
-/// A text that was found to be a number.
+/// The number that a text is known to be.
 fn number(text: &str) -> f64 {
     parse_f64(text).unwrap_or(f64::NAN)
 }

@@ -1,4 +1,4 @@
-//! The keys of Q-DAS: lines that start with one, which keys are the format's own, and what they change.
+//! The keys of Q-DAS: lines that start with one, which keys the format owns, and which change values.
 
 use std::ops::Range;
 
@@ -21,8 +21,8 @@ impl Line<'_> {
     }
 }
 
-/// Whether a key says what is measured, where, when, with what and by whom: those that are read, and others that say nothing of
-/// values. All further keys and those of remarks need a rule.
+/// Whether the format owns what stands under a key: keys that are read, and keys that say what is measured, where, when, with what and
+/// by whom. All other keys, and those of remarks, need a rule.
 #[rustfmt::skip]
 pub(super) const fn is_of_format(key: u16) -> bool {
     matches!(
@@ -35,8 +35,8 @@ pub(super) const fn is_of_format(key: u16) -> bool {
     )
 }
 
-/// Whether words under a key of the format are free ones: where the format has a number of a catalogue, an amount or a switch, in reasons
-/// of a test (K1203), and in texts of characteristics (K2092).
+/// Whether words under a key of the format are a person's own, which need a rule: where the format has a number of a catalogue, an amount
+/// or a switch, in reasons of a test (K1203), and in texts of characteristics (K2092).
 #[rustfmt::skip]
 pub(super) const fn has_free_words(key: u16) -> bool {
     matches!(
@@ -56,7 +56,7 @@ pub(super) fn is_number(text: &str) -> bool {
     parse_f64(text).is_ok()
 }
 
-/// A line that starts with a key; an error if the key is followed by an index that is none.
+/// A line that starts with a key; an error if the index behind the key is no number.
 pub(super) fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>> {
     let digits = line.strip_prefix(['K', 'k'])?.get(..4).filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()))?;
     let key: u16 = digits.parse().ok()?;
@@ -75,7 +75,7 @@ pub(super) fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>
     Some(Ok(Line { key, index, text, at, start }))
 }
 
-/// What a key says that values are changed by, if it changes them: the additive constant (K2071) or the factor (K2072).
+/// What changes the values, if a key says that something does: an additive constant (K2071) or a factor (K2072).
 pub(super) fn changes_values(key: u16, text: &str) -> Option<&'static str> {
     let (what, neutral) = match key {
         2071 => ("an additive constant of", 0.0),

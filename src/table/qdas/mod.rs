@@ -1,20 +1,28 @@
 //! Q-DAS ASCII files (AQDEF): `.dfq`, or a `.dfd` with definitions and its `.dfx` with values.
 //!
-//! The command line reads the files and calls [`read`], which gives a [`Qdas`]; `Qdas::table` makes a table from it, with a row per
-//! measured part, row by row. [`definition_lines`] and [`row_lines`] write results. Nothing here knows formulas.
+//! [`read`] reads the texts of the files into a [`Qdas`]; `Qdas::table` makes a table from it, with a row per measured part.
+//! [`definition_lines`] and [`row_lines`] write results. Nothing here knows formulas.
 //!
 //! # The format, as far as it is read
-//! A line `Kxxxx/i text` says something of characteristic (K2xxx, K0xxx) or part (K1xxx) i; `/0` says it of all. K0100
-//! counts the characteristics; K1001 and K1002 number and name the part; K2001 and K2002 number and name a
-//! characteristic, K2101 is its nominal value, K2110 and K2111 its limits (K2112 and K2113 as allowances from nominal),
-//! counted where K2120 and K2121 are not 0, K2106 its expanded uncertainty, K2142 its unit. One whose K2004 is not 0 is no size,
-//! and its values are none. K0009, K1900 and K2900 are remarks, and so are words under keys
-//! that have numbers (K0005, K2005, …), reasons of a test (K1203) and texts of characteristics (K2092). Values are either K0001 lines, with
-//! attribute K0002, date K0004 and the part's name K0014, or lines without a key: characteristics in their
-//! order between bytes 0x0F, and for each value, attribute and date between bytes 0x14. What is said of a value stands behind
-//! it. Where K0100 stands behind values, another header begins: the values behind it are of its parts and characteristics. Numbers have a decimal point or
-//! comma and no thousands marks; text is UTF-8 or Latin-1. Other keys of the format say nothing of values; what stands under any
-//! other key, and every remark, needs a rule.
+//! A line `Kxxxx/i text` is about part i (K1xxx) or characteristic i (K2xxx, K0xxx); `/0` is about all of them.
+//!
+//! | key | what it says |
+//! |---|---|
+//! | K0100 | number of characteristics |
+//! | K1001, K1002 | number and name of the part |
+//! | K2001, K2002 | number and name of the characteristic |
+//! | K2004 | its kind: one that is not 0 is no size, and its values do not count |
+//! | K2101 | its nominal value |
+//! | K2110, K2111 | its lower and upper limit; K2112 and K2113 give them as allowances from nominal; they count where K2120 and K2121 are not 0 |
+//! | K2106 | its expanded uncertainty |
+//! | K2142 | its unit |
+//! | K0001 | a value; its attribute K0002, its date K0004 and the part's name K0014 stand behind it |
+//! | K0009, K1900, K2900 | remarks; so are words under keys that have numbers (K0005, K2005, …), reasons of a test (K1203) and texts of characteristics (K2092) |
+//!
+//! Values may stand in lines without a key, too: the characteristics in their order between bytes 0x0F, and for each its value,
+//! attribute and date between bytes 0x14. A K0100 behind values begins another header: the values behind it are of the parts and
+//! characteristics of that header. Numbers have a decimal point or comma and no thousands marks; text is UTF-8 or Latin-1. Other keys
+//! of the format say nothing of values. Remarks, and texts under all other keys, need a rule.
 //!
 //! # Which values count
 //! Values with attribute 0 or none count. The maker lists the attributes 0 (valid), 129, 255, 256 and 290 (Hexagon, Q-DAS data
@@ -120,7 +128,7 @@ struct Value {
     sample: u32,
 }
 
-/// K1001, K1002 and K1008.
+/// A part as the file defines it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct PartDefinition {
     /// K1001
@@ -142,7 +150,7 @@ pub struct Qdas {
     pub left_out: Vec<LeftOut>,
     /// Remarks, and texts under unknown keys.
     pub remarks: Vec<Remark>,
-    /// The other keys of the format.
+    /// What the other keys of the format say.
     pub(crate) said: Tally,
     /// The name of the file of values in messages.
     pub name: String,
@@ -150,7 +158,7 @@ pub struct Qdas {
 }
 
 /// A remark on a value (K0009), an event in words (K0005), a remark on a part (K1900) or a characteristic (K2900), or a text under
-/// a key that is not known: what only a rule leaves out.
+/// a key that is not known. Each needs a rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Remark {
     /// Its key.
@@ -161,7 +169,7 @@ pub struct Remark {
     pub text: String,
 }
 
-/// The code of values of a characteristic that is none of a size.
+/// The code of values whose characteristic is no size.
 const OF_NO_SIZE: &str = "K2004";
 
 /// Values that do not count because of their attribute (K0002) or the kind of their characteristic (K2004).

@@ -1,4 +1,4 @@
-//! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what is said, and judges nothing.
+//! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what the file says, and judges nothing.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -14,13 +14,13 @@ use crate::table::chunk::LONGEST_RECORD;
 use crate::table::ledger::Tally;
 use crate::table::number::{DecimalMark, normalise};
 
-/// Characteristics and parts of a header at most: more is a broken index, not a measuring plan.
+/// Characteristics or parts of a header at most. A higher number is an error of the file.
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 500_000;
 /// Values of a file at most: a lot of a million parts has some millions.
 const MOST_VALUES: usize = 8_000_000;
-/// What keys with `/0` may say in all, one for each characteristic.
+/// How often keys may be applied to a characteristic in all: a key with `/0` is applied to each.
 const MOST_WORK: usize = 100_000_000;
 
 #[derive(Default)]
@@ -28,25 +28,25 @@ struct Reader {
     /// The file that is read.
     source: Arc<Source>,
     parts: Vec<PartDefinition>,
-    /// Those of the headers before this one.
+    /// The characteristics of the headers before this one.
     characteristics: Vec<Characteristic>,
-    /// Those of this header.
+    /// The characteristics of this header.
     drafts: Vec<Draft>,
-    /// How many there are to be, and where that is said.
+    /// How many characteristics K0100 says, and where.
     count: Option<(usize, Said)>,
     /// The first part of this header.
     first_part: usize,
     part: usize,
     /// Lines of values so far.
     samples: u32,
-    /// Those before this header.
+    /// Lines of values before this header.
     first_sample: u32,
     values: usize,
     /// Whether this header has values.
     has_values: bool,
     work: usize,
     part_names: Vec<String>,
-    /// By attribute.
+    /// The values that do not count, by their attribute.
     left_out: BTreeMap<String, LeftOut>,
     remarks: Vec<Remark>,
     /// What else the file says.
@@ -56,13 +56,12 @@ struct Reader {
 /// Reads a file, or a file of definitions and the file of its values: name and text of each, in that order.
 ///
 /// # Errors
-/// What is wrong, with the file, the line and the key: a line that is neither, an index beyond K0100, a number that is
-/// none.
+/// A line with neither a key nor values, an index beyond K0100, or a text in place of a number; with file, line and key.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
     read_all(files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect())
 }
 
-/// The same of texts that nobody else needs.
+/// The same for texts that the caller gives away.
 pub(crate) fn read_all(files: Vec<(String, String)>) -> Result<Qdas, Diagnostic> {
     let mut reader = Reader::default();
     for (name, mut text) in files {
@@ -130,7 +129,7 @@ impl Reader {
         let index = self.source.text[line.at..line.start].trim();
         let is_own = is_of_format(line.key) && !(has_free_words(line.key) && text.contains(char::is_alphabetic));
         if is_own {
-            // the index of a value is said by the order of values
+            // the text is a value, which is read; only the index is the format's
             let said = if line.key == 1 { index.to_owned() } else { format!("{index} {text}") };
             self.said.add(number.into(), 0, &said);
         } else if !text.is_empty() {
@@ -219,7 +218,8 @@ impl Reader {
         }
         if let Some(what) = changes_values(line.key, &said.text) {
             let message = format!("K{:04}/{} says {what} `{}`", line.key, line.index, said.text);
-            let help = "nothing tells whether the values have it in: write them as they count, without this key";
+            let help =
+                "the file does not say whether its values include it: write them as they count, without this key";
             return Err(self.bad(line.span(), message).help(help));
         }
         for index in indices {
@@ -274,18 +274,19 @@ impl Reader {
         Ok(())
     }
 
-    /// A value with that attribute does not count.
+    /// Notes a value that does not count because of its attribute.
     fn leave_out(&mut self, attribute: &str, line: u32) {
         let first = || LeftOut { code: attribute.to_owned(), count: 0, first_line: line };
         self.left_out.entry(attribute.to_owned()).or_insert_with(first).count += 1;
     }
 
+    /// Refuses a file that applies keys to characteristics too often.
     fn work(&mut self, more: usize, line: &Line<'_>) -> Result<(), Diagnostic> {
         self.work += more;
         if self.work <= MOST_WORK {
             return Ok(());
         }
-        Err(self.bad(line.span(), format!("K{:04}/0: the file repeats such lines without end", line.key)))
+        Err(self.bad(line.span(), format!("K{:04}/0: the file has too many such lines", line.key)))
     }
 
     fn value(&mut self, text: &str, start: usize, line: u32) -> Result<Value, Diagnostic> {
@@ -339,7 +340,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A header and its values are complete: what follows is of the next one.
+    /// Ends a header and its values. What follows is of the next one.
     fn end_header(&mut self) -> Result<(), Diagnostic> {
         let drafts = std::mem::take(&mut self.drafts);
         if let Some((count, said)) = self.count.take().filter(|(count, _)| *count > drafts.len()) {

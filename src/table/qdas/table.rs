@@ -1,5 +1,4 @@
-//! The values of a Q-DAS file as a table with a row per measured part. Made by [`Qdas::table`]; keeps no value, and
-//! makes each row when it is asked for.
+//! The values of a Q-DAS file as a table with a row per measured part. Made by [`Qdas::table`]; makes each row when it is asked for.
 
 use std::collections::HashMap;
 
@@ -12,7 +11,7 @@ use crate::table::layout::Layout;
 use crate::table::number::{DecimalMark, quantity};
 
 impl Characteristic {
-    /// How far its limits are from its nominal value, mm or degrees; `None` if it has none.
+    /// How far its limits are from its nominal value at most, mm or degrees; `None` if it has no limits.
     fn widest(&self, unit: Unit) -> Option<f64> {
         let base = |text: &Option<String>| {
             let number = Decimal::parse(text.as_deref()?).ok()?;
@@ -54,7 +53,8 @@ impl Qdas {
     }
 }
 
-/// Part and sample of each row: of every value, once. Most characteristics have the same ones, which are not gathered first.
+/// Part and sample of each row: every pair that some value has, once. Most characteristics have the same samples, so that only new ones
+/// are added.
 fn rows_of(mut of: Vec<(u32, &[Value])>) -> Vec<(u32, u32)> {
     of.sort_by_key(|(part, _)| *part);
     let mut rows: Vec<(u32, u32)> = Vec::new();
@@ -77,7 +77,7 @@ fn rows_of(mut of: Vec<(u32, &[Value])>) -> Vec<(u32, u32)> {
 pub(crate) struct QdasTable {
     /// The characteristics of each column but the first, one per part of the file, in the order of parts.
     pub(super) indices: Vec<Vec<usize>>,
-    /// Part and sample.
+    /// Part and sample of each row.
     rows: Vec<(u32, u32)>,
     /// Whether parts have numbers of their own (K1001).
     numbers_differ: bool,
@@ -125,8 +125,8 @@ impl QdasTable {
         }
     }
 
-    /// The refusal of the first row whose values have the names of different parts (K0014): they are joined by their order, and
-    /// are not of one part.
+    /// The refusal of the first row whose values have the names of different parts (K0014). The order of values joins them to rows, and
+    /// these are not of one part.
     pub(crate) fn mixed(&self, file: &str) -> Option<Diagnostic> {
         if self.qdas.part_names.len() < 2 {
             return None;
@@ -160,7 +160,8 @@ impl QdasTable {
         each.filter_map(|characteristic| characteristic.widest(unit)).reduce(f64::max)
     }
 
-    /// A row: the part's name and the values, nothing where there is none or it does not count; `None` beyond the last.
+    /// A row: the part's name and the values, with an empty cell where there is no value or it does not count; `None` beyond the last
+    /// row.
     pub(crate) fn record(&self, row: usize) -> Option<Record> {
         let (part, sample) = self.row(row)?;
         let name = Content::of_text(&self.part_name(row, part, sample));
@@ -179,7 +180,7 @@ impl QdasTable {
     }
 }
 
-/// What a column is called: as the contract or the dictionary knows it, with its unit.
+/// The heading of a column: the name that the contract or the dictionary knows, with its unit.
 pub(super) fn title(characteristic: &Characteristic, layout: &Layout) -> String {
     characteristic.with_unit(characteristic.called(layout))
 }

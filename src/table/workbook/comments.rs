@@ -1,5 +1,5 @@
-//! The comments on cells of a workbook and its text boxes, which may correct a value, and its texts and formats of conditions that strike
-//! through. Found in their XML; nothing here opens a file.
+//! The comments and text boxes of a workbook, which may correct a value, and its texts and conditional formats that strike through. Found
+//! in their XML; nothing here opens a file.
 
 use std::collections::HashSet;
 
@@ -14,11 +14,11 @@ pub(crate) struct Comment {
     pub(crate) text: String,
 }
 
-/// What a part of a workbook says beside its cells: comments, text boxes, titles of charts, remarks on tables.
+/// What a part of a workbook says besides cells: comments, text boxes, titles of charts, remarks on tables.
 pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
     let comment = |place: String, text: &str| Comment { place, text: unescaped(text) };
     let mut found = vec![comment("drawing".to_owned(), "")];
-    // in boxes of old drawings any text counts
+    // in text boxes of old drawings every text counts
     let mut is_box = false;
     each_tag(xml, |tag, text| {
         let cell = attribute(tag, "ref");
@@ -42,7 +42,7 @@ pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
     trimmed.filter(|comment| !comment.text.is_empty()).collect()
 }
 
-/// Without comments whose text stands in another one of their cell, as old programs see it.
+/// Removes comments whose text is part of another comment on the same cell, as Excel repeats a threaded comment for old programs.
 pub(super) fn once_each(comments: &mut Vec<Comment>) {
     let all = comments.clone();
     let is_other = |one: &Comment, other: &Comment| one.place == other.place && other.text.len() > one.text.len();
@@ -61,7 +61,7 @@ pub(super) fn struck_through(xml: &[u8]) -> HashSet<usize> {
     struck
 }
 
-/// What the formats of conditions show otherwise than plainly, in words, from `xl/styles.xml`; `None` of those that show all plainly.
+/// What each conditional format does not show plainly, in words, from `xl/styles.xml`; `None` if it shows all plainly.
 pub(super) fn conditional(xml: &[u8]) -> Vec<Option<String>> {
     let (mut formats, mut is_within) = (Vec::new(), false);
     each_tag(xml, |tag, _| match (name(tag), tag.strip_prefix('/').map(name)) {
@@ -78,7 +78,7 @@ pub(super) fn conditional(xml: &[u8]) -> Vec<Option<String>> {
     formats
 }
 
-/// What a tag of a format shows otherwise than plainly, in words.
+/// What a tag of a format does not show plainly, in words.
 pub(super) fn shows_otherwise(tag: &str) -> Option<String> {
     match name(tag) {
         "strike" if is_on(tag) => Some("strikes through".to_owned()),
@@ -90,7 +90,7 @@ pub(super) fn shows_otherwise(tag: &str) -> Option<String> {
     }
 }
 
-/// Whether a tag that is on by itself is.
+/// Whether a tag is on: it is, unless its `val` says otherwise.
 pub(super) fn is_on(tag: &str) -> bool {
     !matches!(attribute(tag, "val"), Some("0" | "false"))
 }
@@ -101,7 +101,7 @@ fn each_tag(xml: &[u8], mut take: impl FnMut(&str, &str)) {
     xml.split('<').skip(1).filter_map(|piece| piece.split_once('>')).for_each(|(tag, text)| take(tag, text));
 }
 
-/// A text of XML as it is meant.
+/// A text of XML without its escapes.
 pub(super) fn unescaped(text: &str) -> String {
     [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&#10;", "\n"), ("&amp;", "&")]
         .into_iter()

@@ -6,10 +6,10 @@ use calamine::{Font, Style as CellStyle};
 use crate::table::cell::Content;
 use crate::table::grid::unit_of;
 
-/// How a style shows what a cell holds, where that is not plainly.
+/// A style that does not show the content of every cell plainly.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Style {
-    /// For what is above zero, below, zero, and text.
+    /// For numbers above zero, below zero, zero, and for texts.
     sections: [Section; 4],
     is_struck_through: bool,
 }
@@ -22,9 +22,9 @@ struct Section {
     behind: String,
     /// Whether the number or text is shown at all.
     is_shown: bool,
-    /// What is shown of a number that is another one: a part of it, a fraction, a percentage.
+    /// Whether another number is shown: a part of the number, a fraction, a percentage.
     is_other: bool,
-    /// How many digits are shown of a whole number at least; 0 if it is shown with decimals.
+    /// How many digits of a whole number are shown at least; 0 if it is shown with decimals.
     digits: usize,
     /// What it is for.
     holds: Holds,
@@ -39,18 +39,18 @@ enum Holds {
     Texts,
 }
 
-/// What stands before and behind a text that is struck through.
+/// The mark before and behind a text that is struck through.
 const STRUCK: &str = "~~";
 
 impl Style {
-    /// How a style shows what a cell holds; `None` if plainly.
+    /// How a style shows the content of a cell; `None` if it shows all of it plainly.
     pub(super) fn of(style: &CellStyle) -> Option<Self> {
         let code = style.number_format.as_ref().map_or("", |format| &format.format_code);
         let is_struck_through = style.font.as_ref().is_some_and(Font::has_strikethrough);
         Self::of_code(code, is_struck_through)
     }
 
-    /// The same of the code of a number format.
+    /// The same from the code of a number format.
     pub(super) fn of_code(code: &str, is_struck_through: bool) -> Option<Self> {
         let plain = || Section { is_shown: true, ..Section::default() };
         let mut all: Vec<Section> = if code.is_empty() { Vec::new() } else { sections(code) };
@@ -62,7 +62,7 @@ impl Style {
         let zero = all.get(2).cloned().unwrap_or_else(|| positive.clone());
         let mut sections = [positive, negative, zero, text];
         if all.iter().any(|section| section.holds == Holds::NumbersOfCondition) {
-            // which of them is meant is not computed
+            // conditions are not computed: nothing tells which section applies
             let is_plain = |section: &Section| section.is_plain() || without_minus(section.clone()).is_plain();
             let one = Section { is_other: !all.iter().all(is_plain), ..plain() };
             sections[..3].fill(one);
@@ -70,7 +70,7 @@ impl Style {
         (is_struck_through || !sections.iter().all(Section::is_plain)).then_some(Self { sections, is_struck_through })
     }
 
-    /// What a person sees of what a cell holds.
+    /// The content of a cell as a person sees it.
     pub(super) fn seen(&self, content: Content) -> Content {
         if self.is_struck_through {
             return struck(content);
@@ -86,7 +86,7 @@ impl Style {
     }
 }
 
-/// What a cell holds, struck through.
+/// The content of a cell that is struck through.
 pub(super) fn struck(content: Content) -> Content {
     match content {
         Content::Empty => Content::Empty,
@@ -128,7 +128,7 @@ impl Section {
     }
 }
 
-/// A section for negative numbers, without the minus or the brackets that say so; without any the number seems to be another one.
+/// A section for negative numbers without its minus or its brackets. If it has neither, the number looks like another one.
 fn without_minus(mut section: Section) -> Section {
     let (before, behind) = (section.before.trim(), section.behind.trim());
     let bare = before.strip_prefix('-').map(|before| (before, behind));
@@ -140,7 +140,7 @@ fn without_minus(mut section: Section) -> Section {
     section
 }
 
-/// The sections of a format, as far as they show something else than digits.
+/// The sections of the code of a number format.
 fn sections(code: &str) -> Vec<Section> {
     let (mut all, mut characters) = (vec![Section::default()], code.chars());
     while let Some(c) = characters.next() {
@@ -160,9 +160,9 @@ fn sections(code: &str) -> Vec<Section> {
                 section.bracket(behind(end));
                 skipped = behind(end).chars().count() + 1;
             }
-            // a blank of that width
+            // a blank as wide as the next character
             '_' => skipped = 1,
-            // a character as it is, and one that fills the cell
+            // the next character as it is, or one that fills the cell
             '\\' | '*' => {
                 section.show(&rest.chars().take(1).collect::<String>());
                 skipped = 1;
@@ -173,7 +173,7 @@ fn sections(code: &str) -> Vec<Section> {
             }
             '.' => {}
             '@' => (section.holds, section.is_shown) = (Holds::Texts, true),
-            // thousands, if digits follow; else a part of the number
+            // groups thousands if digits follow, otherwise divides by 1000
             ',' if section.is_shown => {
                 let next = rest.trim_start_matches(',').chars().next();
                 section.is_other |= !next.is_some_and(|next| "0#?".contains(next));
@@ -196,7 +196,7 @@ fn sections(code: &str) -> Vec<Section> {
         characters.by_ref().take(skipped).for_each(drop);
     }
     for section in &mut all {
-        // digits behind a point are none of a whole number
+        // a format with decimals shows no whole numbers
         section.digits = if code.contains('.') { 0 } else { section.digits };
     }
     all
@@ -207,7 +207,7 @@ impl Section {
         if self.is_shown { self.behind += text } else { self.before += text }
     }
 
-    /// Takes a colour, a condition, a currency or a language.
+    /// Reads what stands in square brackets: a colour, a condition, a currency or a language.
     fn bracket(&mut self, inside: &str) {
         if let Some(currency) = inside.strip_prefix('$') {
             self.show(currency.split('-').next().unwrap_or_default());

@@ -1,5 +1,5 @@
-//! Merged cells of a sheet: a value counts for all of its rows, and none may stand below another. Asked for each cell while rows are
-//! read.
+//! Merged cells of a sheet: their value counts for all of their rows, and they may hide no other value. Asked for each cell while rows
+//! are read.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use crate::table::cell::{Cell, Record};
 /// Rows that all merged cells of a sheet together may have, at most.
 const MOST_ROWS: u64 = 1 << 22;
 
-/// The merged cells of a sheet, as they come by.
+/// The merged cells of a sheet.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MergedCells {
-    /// By their first row; the last first once reading begins.
+    /// All of them; once reading begins, sorted by their first row, the last one first.
     ranges: Vec<CellRange>,
     /// How many rows all of them have.
     rows: u64,
-    /// Those of the row that is read by their first column, with their value.
+    /// Those of the row that is being read, by their first column, with their value.
     open: BTreeMap<u32, (CellRange, Cell)>,
 }
 
@@ -29,17 +29,20 @@ impl MergedCells {
         }
     }
 
-    /// Gets ready for a sheet's first row.
+    /// Prepares for the first row of a sheet.
+    ///
+    /// # Errors
+    /// If the merged cells have too many rows.
     pub(super) fn begin(&mut self) -> Result<(), String> {
         self.ranges.sort_by_key(|range| std::cmp::Reverse(range.rows.0));
         let is_small = self.rows <= MOST_ROWS;
         is_small.then_some(()).ok_or_else(|| format!("its merged cells have more than {MOST_ROWS} rows"))
     }
 
-    /// Takes a cell that is not empty.
+    /// Notes a cell that is not empty.
     ///
     /// # Errors
-    /// If nobody sees it, because others are merged over it.
+    /// If merged cells hide it.
     pub(super) fn take(&mut self, row: u32, column: u32, cell: &Cell) -> Result<(), String> {
         while let Some(range) = self.ranges.pop_if(|range| range.rows.0 <= row) {
             self.open.insert(range.columns.0, (range, Cell::default()));
@@ -56,7 +59,7 @@ impl MergedCells {
         Ok(())
     }
 
-    /// Puts the values that count for a row into its empty cells; `first` is the column of its first.
+    /// Puts the values of merged cells into the empty cells of a row. `first` is the column of the row's first cell.
     pub(super) fn fill(&mut self, row: u32, first: u32, record: &mut Record) {
         for (range, value) in self.open.values().filter(|(range, _)| range.has_row(row)) {
             let Some(place) = range.columns.0.checked_sub(first).filter(|_| !value.is_empty()) else { continue };

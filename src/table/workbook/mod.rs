@@ -30,20 +30,21 @@ use merged::MergedCells;
 use parts::{SheetPart, sheet_parts};
 use sheet::{Known, SheetReader, SheetXml};
 
-/// Bytes of a sheet at most: a full one, a million rows of twenty columns.
+/// Bytes of a sheet at most: enough for a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
 /// Bytes at most of what is kept in memory as a whole: texts, styles, names.
 const LARGEST_OTHER: u64 = 96 << 20;
 
 /// Characters of a text at most: the format's own limit.
 const LONGEST_TEXT: usize = 32_767;
-/// How far right of a row's other cells one may stand; beyond, as many times as there are of them.
+/// The last column in which a cell of a row may stand.
 const FARTHEST: usize = 1024;
+/// A cell may stand beyond [`FARTHEST`] in so many times the filled cells of its row.
 const FARTHEST_TIMES: usize = 4;
 
 type Book = Xlsx<Cursor<Vec<u8>>>;
 
-/// A workbook that was checked and opened.
+/// A workbook that is checked and open.
 pub struct Workbook {
     name: String,
     book: Book,
@@ -54,9 +55,9 @@ pub struct Workbook {
 pub(crate) struct SheetRecords {
     /// File and sheet, for messages.
     pub(crate) name: String,
-    /// What is hidden in the range and holds values all the same, in words; `None` if nothing is, as far as is known.
+    /// Hidden rows, columns and sheets that hold values, in words; `None` if there are none.
     pub(crate) hidden: Option<String>,
-    /// The comments on cells of the workbook.
+    /// Comments, text boxes, prompts and the like.
     pub(crate) comments: Vec<Comment>,
     /// Each row that is not empty, in order; a row ends with its last cell that is not empty.
     pub(crate) records: Box<dyn Iterator<Item = Result<Record, Diagnostic>> + Send>,
@@ -73,7 +74,7 @@ impl Workbook {
         Ok(Self { name: name.to_owned(), book, checked })
     }
 
-    /// The names of its sheets that have cells.
+    /// The names of its sheets, without charts.
     #[must_use]
     pub fn sheets(&self) -> Vec<String> {
         let sheets = self.book.sheets_metadata().iter().filter(|sheet| sheet.typ != SheetType::ChartSheet);
@@ -129,7 +130,7 @@ impl Workbook {
 
     /// All rows of a sheet that are not empty.
     ///
-    /// They are read on a thread of its own, a few rows ahead: the workbook's reader cannot be kept beside the workbook.
+    /// A thread of its own reads them, a few rows ahead: the reader of cells borrows the workbook.
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
@@ -139,7 +140,7 @@ impl Workbook {
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
-            // the other end hangs up when it has seen enough
+            // sending fails once nobody needs more rows
             let read = each_row(&mut self.book, xml, &sheet, range, &mut |record| sender.send(Ok(record)).is_ok());
             if let Err(problem) = read {
                 let _ = sender.send(Err(Diagnostic::unreadable(&place, &problem)));
@@ -183,7 +184,7 @@ fn each_row(
         let (cell, style) = match reader.next_cell_with_style_id() {
             Ok(Some(cell)) => cell,
             Ok(None) => break,
-            // an error that has no name in the first versions of the format is no value either
+            // an error value of a newer Excel is no value either
             Err(XlsxError::CellError(_)) => continue,
             Err(error) => return Err(error.to_string()),
         };
@@ -245,7 +246,7 @@ fn is_too_long(value: &DataRef<'_>) -> bool {
     text.len() > LONGEST_TEXT && text.chars().count() > LONGEST_TEXT
 }
 
-/// What stands for the value of a formula that has none.
+/// The text in place of a formula's result that is missing.
 const WITHOUT_RESULT: &str = "=…";
 
 fn content(value: &DataRef<'_>) -> Content {
@@ -292,7 +293,7 @@ struct Checked {
     comments: Vec<Comment>,
 }
 
-/// Unpacks every part that will be read, counting bytes and keeping hardly any.
+/// Unpacks every part that is read later, to count its bytes. Hardly any are kept.
 fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
@@ -305,7 +306,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             parts.push((part.starts_with("xl/worksheets/") && part.strip_suffix(".xml").is_some(), part, index));
         }
     }
-    // what is said of texts and formats stands before the sheets
+    // shared texts and styles come before the sheets, which refer to them
     parts.sort();
     if let Some([(_, part, _), _]) = parts.array_windows().find(|[(_, one, _), (_, other, _)]| one == other) {
         return Err(Diagnostic::unreadable(name, &format!("it has two parts {part}")));
@@ -328,7 +329,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
             "xl/sharedstrings.xml" => &mut texts,
             "xl/styles.xml" => &mut styles,
             _ if is_sheet => &mut sheet,
-            // what pivot tables hold are cells
+            // pivot tables hold copies of cells
             _ if part.starts_with("xl/") && !part.starts_with("xl/pivot") => &mut noted,
             _ => &mut io::sink(),
         };
@@ -356,7 +357,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
         return Err(Diagnostic::unreadable(name, &problem));
     }
     once_each(&mut found);
-    // a sheet has its texts elsewhere
+    // the texts of a sheet are stored elsewhere, and belong to its digest
     let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
     let mut checked = Checked { sheets: HashMap::new(), digests: HashMap::new(), comments: found };
     for SheetPart { part, name, is_hidden } in sheet_parts(&workbook, &relations) {

@@ -13,7 +13,7 @@ pub(super) struct SheetPart {
     pub(super) is_hidden: bool,
 }
 
-/// The sheets of a workbook in their order. `workbook` is the XML that lists them, `relations` that which says where they are.
+/// The sheets of a workbook in their order. `workbook` is the XML that lists them, `relations` the XML that says where they are.
 pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
     let mut targets: HashMap<String, String> = HashMap::new();
     Tags::default().each(relations, &mut |tag, _| {

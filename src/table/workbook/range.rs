@@ -29,7 +29,7 @@ impl CellRange {
 }
 
 impl fmt::Display for CellRange {
-    /// The range as a contract says it; nothing of a whole sheet.
+    /// The range as a contract has it; empty for a whole sheet.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let whole = Self::default();
         let corner = |column: u32, row: u32| {

@@ -1,6 +1,6 @@
-//! What the XML of a sheet says beside what its cells hold: which rows and columns nobody sees, which cells are struck through or
-//! merged, prompts and page headers, and XML that programs read differently. Found while the sheets are unpacked to be
-//! counted; nothing here opens a file.
+//! What the XML of a sheet says besides the contents of its cells: hidden rows and columns, cells that are struck through or merged,
+//! prompts, page headers, and XML that programs read differently. Found while a sheet is unpacked to count its bytes; nothing here
+//! opens a file.
 
 use std::collections::{BTreeSet, HashSet};
 use std::io::{self, Write};
@@ -13,28 +13,28 @@ use super::xml::{Tags, attribute, name};
 /// Row and column of a cell, from 0.
 type Place = (u32, u32);
 
-/// What is known of a workbook before its sheets.
+/// What is known of a workbook before its sheets are read.
 #[derive(Default)]
 pub(super) struct Known {
     /// The numbers of its texts of which a run is struck through.
     pub(super) struck: HashSet<usize>,
-    /// What each format of a condition shows otherwise than plainly.
+    /// What each conditional format does not show plainly.
     pub(super) conditional: Vec<Option<String>>,
 }
 
-/// Takes the XML of a sheet, in pieces.
+/// Reads the XML of a sheet, which comes in pieces.
 pub(super) struct SheetReader<'k> {
     known: &'k Known,
     tags: Tags,
     pub(super) sheet: SheetXml,
-    /// The part of the XML that it has come to.
+    /// The part of the XML that is reached.
     part: Part,
-    /// First and last of neighbouring columns that are hidden.
+    /// First and last column of each run of hidden columns.
     hidden_columns: Vec<Place>,
-    /// Whether rows of which nothing else is said are hidden.
+    /// Whether rows are hidden unless they say otherwise.
     hides_rows: bool,
     row_is_hidden: bool,
-    /// The cells of a format of conditions, or of a prompt.
+    /// The cells of the conditional format that is being read.
     cells: String,
     cell: CellXml,
 }
@@ -48,7 +48,7 @@ enum Part {
     Below,
 }
 
-/// What is seen of a cell so far.
+/// What is read of a cell so far.
 #[derive(Default)]
 struct CellXml {
     /// Its row, from 1, and the column behind it.
@@ -57,22 +57,22 @@ struct CellXml {
     kind: CellKind,
     has_formula: bool,
     has_value: bool,
-    /// How many tags with what it holds.
+    /// How many tags hold its content.
     values: u32,
-    /// Whether what it holds has begun and not ended.
+    /// Whether a tag of its content is open.
     is_open: bool,
 }
 
-/// How a cell holds what it does.
+/// How a cell stores its content.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
 enum CellKind {
     #[default]
     Number,
-    /// By the number of a text.
+    /// As the number of a shared text.
     Shared,
-    /// The result of a formula, as a text.
+    /// As a text that is the result of a formula.
     Text,
-    /// A text of its own.
+    /// As a text of its own.
     Written,
 }
 
@@ -88,7 +88,7 @@ pub(super) struct SheetXml {
     pub(super) without_result: HashSet<Place>,
     /// Merged cells.
     pub(super) merged: MergedCells,
-    /// Texts that are none of its cells: headers and footers of pages, prompts, formats of conditions.
+    /// Texts that stand in no cell: headers and footers of pages, prompts, conditional formats.
     pub(super) beside: Vec<Comment>,
     /// Why programs may read its cells differently.
     pub(super) problem: Option<String>,
@@ -96,7 +96,7 @@ pub(super) struct SheetXml {
     pub(super) is_hidden: bool,
 }
 
-/// Cells of a kind that are kept in mind, at most.
+/// Cells of a kind that are kept, at most.
 const MOST_CELLS: usize = 1 << 20;
 
 impl Write for SheetReader<'_> {
@@ -124,9 +124,9 @@ impl SheetXml {
         (!counts.is_empty()).then(|| counts.join(" and "))
     }
 
-    /// Takes a text that is none of its cells.
+    /// Adds a text that stands in no cell.
     fn note(&mut self, place: String, text: &str) {
-        /// Whoever has more of them owns them by a pattern.
+        /// How many are kept. A pattern can own more of them.
         const MOST: usize = 10_000;
         if !text.trim().is_empty() && self.beside.len() <= MOST {
             let text = if self.beside.len() < MOST { text } else { "and more" };
@@ -209,15 +209,15 @@ impl<'k> SheetReader<'k> {
             "cfRule" => {
                 let format = attribute(tag, "dxfId").and_then(|number| number.parse::<usize>().ok());
                 if let Some(Some(shows)) = format.and_then(|number| self.known.conditional.get(number)) {
-                    self.sheet.note(format!("format of conditions {}", self.cells), shows);
+                    self.sheet.note(format!("conditional format {}", self.cells), shows);
                 }
             }
             "dataBar" | "iconSet" if is_off("showValue") => {
-                self.sheet.note(format!("format of conditions {}", self.cells), "shows no numbers");
+                self.sheet.note(format!("conditional format {}", self.cells), "shows no numbers");
             }
             _ => {
                 let shows = shows_otherwise(tag).unwrap_or_default();
-                self.sheet.note(format!("format of conditions {}", self.cells), &shows);
+                self.sheet.note(format!("conditional format {}", self.cells), &shows);
             }
         }
     }
@@ -332,7 +332,7 @@ impl<'k> SheetReader<'k> {
     }
 }
 
-/// What a page's header says by itself: without places, fonts and fields such as the page's number.
+/// The words of a page header, without codes for places, fonts and fields such as the page number.
 fn said_in_header(text: &str) -> String {
     let (mut said, mut rest) = (String::new(), text);
     while let Some((before, code)) = rest.split_once('&') {
@@ -355,7 +355,7 @@ fn is_hidden(tag: &str) -> bool {
     matches!(attribute(tag, "hidden"), Some("1" | "true"))
 }
 
-/// Whether a size is one of which nobody sees anything.
+/// Whether a size is too small to see anything.
 fn is_tiny(tag: &str, key: &str) -> bool {
     attribute(tag, key).and_then(|size| size.parse::<f64>().ok()).is_some_and(|size| size < 1.0)
 }

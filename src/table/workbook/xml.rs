@@ -5,15 +5,15 @@
 pub(super) struct Tags {
     /// What follows a `<`, without its `>`.
     open: Option<Vec<u8>>,
-    /// The text behind the last tag, where that is a page's header or footer, or what a cell holds.
+    /// The text behind the last tag, where that is a page's header or footer, or the content of a cell.
     text: Option<Vec<u8>>,
 }
 
 impl Tags {
     /// Calls `take` with each tag that ends in `piece`, without its angle brackets, and the text before it, if that is a page's header
-    /// or footer, or what a cell holds.
+    /// or footer, or the content of a cell.
     pub(super) fn each(&mut self, mut piece: &[u8], take: &mut dyn FnMut(&str, &str)) {
-        /// A longer one is none that is looked for.
+        /// No tag that is looked for is longer.
         const LONGEST: usize = 4096;
         while !piece.is_empty() {
             let Some(open) = &mut self.open else {
