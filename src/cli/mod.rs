@@ -242,7 +242,9 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         match matches.and_then(|found| Ok((Global::from_arg_matches(&found)?, found))) {
             Ok(matches) => matches,
             Err(error) => {
-                batch::report_of_usage(&arguments, &error);
+                let mut output = Output::new(ColorChoice::Auto, false, false);
+                batch::report_of_usage(&arguments, &error, &mut output);
+                target::end_reports(&output.errors());
                 return printed(&set::with_settings(&arguments, error));
             }
         };
@@ -253,6 +255,7 @@ pub fn run_with(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     drop(waiting);
     // a subcommand is required, so there always is one
     let status = output.finish(called.unwrap_or(Ok(Status::Pass)));
+    target::end_reports(&output.errors());
     for name in target::written() {
         output.remark(&format!("wrote {name}"));
     }

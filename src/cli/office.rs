@@ -51,7 +51,7 @@ impl<W: Write + Send> FormedRows<W> {
     pub(super) fn new(path: &str, out: W, (part, limits): (&str, &Limits)) -> io::Result<Self> {
         let kind = match target::ending(path).as_str() {
             "dfq" => Kind::Qdas(QdasRows::new(part, limits)),
-            _ => Kind::Book(Box::new(Book::new("rackmesh")?), path.to_owned()),
+            _ => Kind::Book(Box::new(Book::new("rackmesh", target::temporary(path.as_ref())?)?), path.to_owned()),
         };
         Ok(Self { out, kind, rest: Vec::new() })
     }

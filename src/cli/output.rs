@@ -13,7 +13,7 @@ use terminal_size::{Height, Width, terminal_size_of};
 use super::held::{Answer, ColumnTable, Facts, Held, HeldSpec};
 use super::line;
 use super::target::named;
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, harmless, harmless_lines, render, wrap};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity, harmless, harmless_lines, render, wrap};
 use crate::evaluation::LimitCheck;
 use crate::judge::Verdict;
 use crate::report::chart::Chart;
@@ -139,6 +139,10 @@ pub(super) struct Output {
     readings: Vec<Reading>,
     /// Whether a limit of the spec is open, whatever else is judged.
     is_open: bool,
+    /// Whether errors are workflow commands of GitHub Actions, too.
+    annotates: bool,
+    /// The errors so far, in words.
+    errors: Vec<String>,
     /// The request of a program, in place of printing.
     held: Option<Held>,
 }
@@ -167,6 +171,8 @@ impl Output {
             stderr,
             readings: Vec::new(),
             is_open: false,
+            annotates: false,
+            errors: Vec::new(),
             held: None,
         }
     }
@@ -190,6 +196,8 @@ impl Output {
             is_quiet: true,
             readings: Vec::new(),
             is_open: false,
+            annotates: false,
+            errors: Vec::new(),
             held: Some(held),
         }
     }
@@ -329,6 +337,34 @@ impl Output {
             return answer.warnings.push(diagnostic.clone());
         }
         self.say(&render(diagnostic, self.color_messages, width_of_stderr()));
+        self.keep_error(diagnostic);
+    }
+
+    /// Sets whether errors are workflow commands of GitHub Actions, too.
+    pub(super) fn annotate(&mut self, annotates: bool) {
+        self.annotates = annotates;
+    }
+
+    /// The errors so far, in words.
+    pub(super) fn errors(&self) -> String {
+        self.errors.join("\n")
+    }
+
+    /// Keeps an error for reports, and annotates it.
+    fn keep_error(&mut self, diagnostic: &Diagnostic) {
+        if diagnostic.severity == Severity::Error {
+            self.errors.push(diagnostic.to_string());
+            if self.annotates {
+                self.message(&report::github_annotation(diagnostic));
+            }
+        }
+    }
+
+    /// Keeps an error of the arguments for reports, and annotates it.
+    pub(super) fn keep_usage(&mut self, error: &clap::Error) {
+        let text = error.render().to_string();
+        let message = text.split("\n\n").next().unwrap_or_default();
+        self.keep_error(&Diagnostic::usage(message.trim_start_matches("error: ")));
     }
 
     /// Says why a limit of the spec is open, and keeps that for the exit status.
@@ -349,7 +385,10 @@ impl Output {
                 // with a closed pipe nothing is printed, but the status is not success
                 failure if failure.is_closed_pipe() => {}
                 Failure::Diagnostics(diagnostics) => diagnostics.iter().for_each(|found| self.diagnostic(found)),
-                Failure::Usage(error) => drop(print_usage(&error)),
+                Failure::Usage(error) => {
+                    let _ = print_usage(&error);
+                    self.keep_usage(&error);
+                }
                 Failure::Write(error) => {
                     self.diagnostic(&Diagnostic::error(Code::FileAccess, format!("cannot write {error}")));
                 }

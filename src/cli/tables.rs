@@ -238,7 +238,10 @@ impl<'a> Opener<'a> {
         let block = Proposal::joined(&proposals).block(Guesses::Filled);
         let last = proposals.len().saturating_sub(1);
         let each = proposals.iter().enumerate();
-        refused.extend(each.map(|(at, proposal)| proposal.refused(Some(&*block).filter(|_| at == last))));
+        let refusal = |(at, proposal): (usize, &Proposal)| {
+            proposal.refused(Some(&*block).filter(|_| at == last)).about(&proposal.file)
+        };
+        refused.extend(each.map(refusal));
         refused
     }
 
@@ -294,7 +297,7 @@ impl<'a> Opener<'a> {
                     kept.push(path.clone());
                 }
                 Err(failure) => {
-                    let problems = diagnostics(failure);
+                    let problems = diagnostics_of(path, failure);
                     // a pipe cannot be read again
                     let is_open = !is_dash(path);
                     if is_open && problems.iter().any(|problem| problem.code == Code::NotUnderstood) {
@@ -405,6 +408,13 @@ pub(super) fn say_readings(readings: &[Reading], output: &mut Output) -> Vec<Rea
     told
 }
 
+/// Why a table cannot be read, with its name.
+pub(super) fn diagnostics_of(path: &Path, failure: Failure) -> Vec<Diagnostic> {
+    let name = stream::name(path);
+    diagnostics(failure).into_iter().map(|diagnostic| diagnostic.about(&name)).collect()
+}
+
+/// Why there is no result.
 pub(super) fn diagnostics(failure: Failure) -> Vec<Diagnostic> {
     match failure {
         Failure::Diagnostics(diagnostics) => diagnostics,

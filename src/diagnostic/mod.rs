@@ -111,6 +111,8 @@ pub struct Diagnostic {
     pub list: Box<[ListLine]>,
     /// Where, if it is in a file.
     pub place: Option<Place>,
+    /// The file that it is about, where no place in it is known.
+    pub file: Option<Arc<str>>,
     /// What to do.
     pub help: Option<String>,
 }
@@ -118,7 +120,15 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
-        Self { code, severity: Severity::Error, message: message.into(), list: Box::default(), place: None, help: None }
+        Self {
+            code,
+            severity: Severity::Error,
+            message: message.into(),
+            list: Box::default(),
+            place: None,
+            file: None,
+            help: None,
+        }
     }
 
     /// An error in what was asked for.
@@ -134,7 +144,7 @@ impl Diagnostic {
     /// A file that cannot be read, and why.
     #[must_use]
     pub fn unreadable(name: &str, problem: &dyn std::fmt::Display) -> Self {
-        Self::error(Code::FileAccess, format!("cannot read {name}: {problem}"))
+        Self::error(Code::FileAccess, format!("cannot read {name}: {problem}")).about(name)
     }
 
     /// A warning.
@@ -149,6 +159,13 @@ impl Diagnostic {
             let (source, span) = source.holding(span);
             self.place = Some(Place { source, span, label: label.into() });
         }
+        self
+    }
+
+    /// Adds the file that the problem is about, unless one is known.
+    #[must_use]
+    pub fn about(mut self, file: &str) -> Self {
+        self.file.get_or_insert_with(|| file.into());
         self
     }
 

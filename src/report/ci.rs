@@ -9,6 +9,7 @@ use super::escape;
 use super::number::{ends, grouped};
 use super::reading::said;
 use crate::batch::{Outcome, Part, PartSink, Problem, RowPlace};
+use crate::diagnostic::Diagnostic;
 use crate::judge::Verdict;
 
 /// Annotations that a page shows of one step.
@@ -94,7 +95,7 @@ impl<F: Read + Write + Seek> Junit<F> {
         Self { cases, name, counts: CaseCounts::default(), begun: Instant::now(), last: Instant::now() }
     }
 
-    /// Writes the report of a run with this outcome.
+    /// Writes the report of a run with this outcome; `failed` says why tables were not read to their end.
     ///
     /// # Errors
     /// If it cannot be written, or the test cases cannot be read back.
@@ -104,8 +105,13 @@ impl<F: Read + Write + Seek> Junit<F> {
         title: Option<&str>,
         basis: &Basis,
         outcome: &Outcome,
+        failed: &[Diagnostic],
     ) -> io::Result<()> {
-        let doubts = doubts(basis, outcome);
+        let mut doubts = doubts(basis, outcome);
+        doubts.extend(failed.iter().map(|fault| {
+            let file = fault.file.as_deref().unwrap_or("a table");
+            doubt(&format!("{file} is read to its end"), "unread", fault.sentence())
+        }));
         for doubt in &doubts {
             self.counts.add(doubt.tag);
         }
@@ -231,11 +237,11 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
         let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
         let title = format!("part {}", part.id);
-        command(&mut text, level, &part.place, &title, &sentence(part));
+        command(&mut text, level, of_row(&part.place), &title, &sentence(part));
     }
     for problem in outcome.problems.iter().take(ANNOTATIONS_SHOWN) {
         let title = format!("record {} rejected", problem.place.record);
-        command(&mut text, "error", &problem.place, &title, &problem.what());
+        command(&mut text, "error", of_row(&problem.place), &title, &problem.what());
     }
     let counts = &outcome.counts;
     let left_out = |all: u64, what: &str| {
@@ -257,12 +263,29 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     text
 }
 
-fn command(text: &mut String, level: &str, place: &RowPlace, title: &str, message: &str) {
+/// An error that belongs to no row as a workflow command of GitHub Actions, in its file and line if it has them.
+#[must_use]
+pub fn github_annotation(error: &Diagnostic) -> String {
+    let mut text = String::new();
+    let place = error.place.as_ref().map(|place| (&*place.source.name, Some(place.line_and_column().0 as u64)));
+    let place = place.or_else(|| error.file.as_deref().map(|file| (file, None)));
+    command(&mut text, "error", place, error.code.name(), &error.sentence());
+    text.trim_end().to_owned()
+}
+
+fn of_row(place: &RowPlace) -> Option<(&str, Option<u64>)> {
+    Some((&place.file, Some(place.line)))
+}
+
+/// Adds a workflow command about a file and a line of it, as far as they are known.
+fn command(text: &mut String, level: &str, place: Option<(&str, Option<u64>)>, title: &str, message: &str) {
     // the characters that end a value, as the runner's own toolkit writes them
     let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
     let value = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
-    let (file, line) = (value(&place.file), place.line);
-    let _ = writeln!(text, "::{level} file={file},line={line},title={}::{}", value(title), data(message));
+    let (file, line) = place.unzip();
+    let file = file.map(|file| format!("file={},", value(file))).unwrap_or_default();
+    let line = line.flatten().map(|line| format!("line={line},")).unwrap_or_default();
+    let _ = writeln!(text, "::{level} {file}{line}title={}::{}", value(title), data(message));
 }
 
 #[cfg(test)]
@@ -274,7 +297,7 @@ mod tests {
         assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\\u0001&#10;");
         let mut text = String::new();
         let place = RowPlace { file: "a,b.csv".into(), line: 7, record: 1, in_words: None };
-        command(&mut text, "error", &place, "part 1:2", "50 %\nout: of");
+        command(&mut text, "error", of_row(&place), "part 1:2", "50 %\nout: of");
         assert_eq!(text, "::error file=a%2Cb.csv,line=7,title=part 1%3A2::50 %25%0Aout: of\n");
     }
 }

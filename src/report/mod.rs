@@ -62,7 +62,7 @@ pub use batch_chart::{Histograms, RunChart};
 pub use budget::BudgetReport;
 pub use calculation::{Calculation, ResultUnit, WorstCase, WorstCaseResult, formula_note};
 #[cfg(feature = "batch")]
-pub use ci::{ANNOTATIONS_SHOWN, Junit, github_annotations, junit_of_failure};
+pub use ci::{ANNOTATIONS_SHOWN, Junit, github_annotation, github_annotations, junit_of_failure};
 pub use class::{ClassReport, ClassRow, GradeSearchReport, ObtainedReport};
 pub use evaluation::{EvaluationReport, MeshPart};
 

@@ -45,15 +45,15 @@ struct BookColumn {
 }
 
 impl Book {
-    /// A workbook whose sheet has no rows yet.
+    /// A workbook whose sheet has no rows yet; they wait in the file `below`, which is empty.
     ///
     /// # Errors
-    /// If there is no temporary file.
-    pub fn new(sheet: &str) -> io::Result<Self> {
+    /// If a sheet cannot have this name.
+    pub fn new(sheet: &str, below: File) -> io::Result<Self> {
         let mut workbook = Workbook::new();
         let page = workbook.add_worksheet();
         page.set_name(sheet).and_then(|page| page.set_freeze_panes(1, 0)).map_err(io::Error::other)?;
-        Ok(Self { workbook, rows: 0, columns: Vec::new(), below: BufWriter::new(tempfile::tempfile()?), copied: 0 })
+        Ok(Self { workbook, rows: 0, columns: Vec::new(), below: BufWriter::new(below), copied: 0 })
     }
 
     /// Adds a row.

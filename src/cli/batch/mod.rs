@@ -109,7 +109,8 @@ const PROBLEMS_SHOWN: usize = 10;
 const NO_LIMITS: &str = "there are no limits, so that no part can pass: --only-failures leaves nothing out";
 
 fn unread(file: &Path, error: &io::Error) -> Diagnostic {
-    Diagnostic::error(Code::FileAccess, format!("cannot read {} to its end: {error}", stream::name(file)))
+    let name = stream::name(file);
+    Diagnostic::error(Code::FileAccess, format!("cannot read {name} to its end: {error}")).about(&name)
 }
 
 /// The results when the last file has been read, whether its rows were parts or teeth.
@@ -126,6 +127,7 @@ struct Ending<'a> {
 
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
+        output.annotate(self.annotations.is_some());
         let junit = self.begin_report()?;
         let spec = Arc::new(self.reading.laid_out(self.set.read_spec(&self.spec, output)?)?);
         let mut files = self.files.clone();
@@ -204,8 +206,7 @@ impl Args {
     ) -> Result<Vec<Diagnostic>, Failure> {
         let mut failed = std::mem::take(&mut found.failed);
         for path in found.paths.clone() {
-            let opened = found.next(&path).map_err(tables::diagnostics);
-            let ran = opened.and_then(|opened| run(opened.table, bar).map_err(|diagnostics| diagnostics.0));
+            let ran = found.next(&path).and_then(|opened| Ok(run(opened.table, bar)?));
             bar.next();
             match ran {
                 Ok((ran, is_over)) => {
@@ -214,7 +215,7 @@ impl Args {
                         break;
                     }
                 }
-                Err(diagnostics) => failed.extend(diagnostics),
+                Err(failure) => failed.extend(tables::diagnostics_of(&path, failure)),
             }
         }
         Ok(failed)
@@ -255,7 +256,7 @@ impl Args {
             tables::say(&outcome.readings, &outcome.notes, output);
         }
         self.problems(&basis, &outcome, output);
-        targets.finish_report(spec.title.as_deref(), &basis, &outcome)?;
+        targets.finish_report(spec.title.as_deref(), &basis, &outcome, failed)?;
         if self.summary {
             let report = BatchReport::new(spec.title.as_deref(), &basis, &outcome);
             let report = WithReading { report: &report, readings: &outcome.readings, notes: &outcome.notes };
@@ -424,7 +425,7 @@ pub(super) fn unfinished(path: &Path, run: Result<(), RunError>) -> Result<Optio
             let (line, end) =
                 if line == 0 { (String::new(), "") } else { (format!(", line {line}"), "; the run ends here") };
             let message = format!("{}{line}{column}: {message}{end}", stream::name(path));
-            Ok(Some(Diagnostic::error(Code::BadTable, message).help(help)))
+            Ok(Some(Diagnostic::error(Code::BadTable, message).help(help).about(&stream::name(path))))
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::cli::output::{Failure, Output};
 use crate::cli::rows::RowsFile;
 use crate::cli::rows_format::RowsFormat;
 use crate::cli::signals::Interruption;
-use crate::cli::target::{self, Target, UnlessComplete, named, shown};
+use crate::cli::target::{self, Target, UnlessComplete, shown};
 use crate::diagnostic::Diagnostic;
 use crate::report::{self, Basis, Junit, Screen};
 use crate::spec::Spec;
@@ -57,9 +57,10 @@ impl Targets {
         title: Option<&str>,
         basis: &Basis,
         outcome: &Outcome,
+        failed: &[Diagnostic],
     ) -> Result<(), Failure> {
         let Some((mut target, cases)) = self.junit.take().zip(self.cases.take()) else { return Ok(()) };
-        cases.write(&mut target, title, basis, outcome)?;
+        cases.write(&mut target, title, basis, outcome, failed)?;
         target.finish()
     }
 
@@ -84,13 +85,16 @@ fn begin_report(path: &Path, inputs: &[PathBuf]) -> Result<Target, Failure> {
     Target::with(path, inputs, UnlessComplete::Report(report::junit_of_failure))
 }
 
-/// Writes the JUnit report of a run whose arguments are wrong.
-pub(in crate::cli) fn report_of_usage(arguments: &[OsString], error: &clap::Error) {
+/// Writes the JUnit report and the annotation of a run whose arguments are wrong.
+pub(in crate::cli) fn report_of_usage(arguments: &[OsString], error: &clap::Error, output: &mut Output) {
     if !error.use_stderr() {
         return;
     }
     // a wrong option ends clap's reading, whatever follows
     let mut rest = arguments.iter().skip_while(|argument| *argument != "batch");
+    let annotates = |argument: &OsString| argument.to_string_lossy().starts_with("--annotations");
+    output.annotate(rest.clone().any(annotates));
+    output.keep_usage(error);
     let path = rest.find_map(|argument| match argument.to_str()?.strip_prefix("--junit")? {
         "" => Some(None),
         value => value.strip_prefix('=').map(|path| Some(PathBuf::from(path))),
@@ -133,14 +137,14 @@ impl Args {
         let shown_as = (format, screen, self.decimals.is_some());
         let rows = (!self.summary).then(|| RowsFile::begin(path, inputs, called, shown_as)).transpose()?;
         let name = self.junit.as_deref().map(shown).unwrap_or_default();
-        let cases = junit.as_ref().map(|_| tempfile::tempfile()).transpose();
+        let cases = self.junit.as_deref().filter(|_| junit.is_some()).map(target::temporary).transpose()?;
         Ok(Targets {
             rows,
             rejects_packing: packing,
             rejects,
             summary,
             junit,
-            cases: cases.map_err(|error| named(&name, &error))?.map(|cases| Junit::new(name, cases)),
+            cases: cases.map(|cases| Junit::new(name, cases)),
         })
     }
 }

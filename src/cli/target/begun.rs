@@ -183,16 +183,37 @@ pub(super) fn discard(id: u64) {
     drop(take(&mut lock(&BEGUN), id));
 }
 
-/// Ends an incomplete file and returns the message about it.
-pub(super) fn abandon(id: u64, why: &str) -> Option<String> {
+/// Ends an incomplete file and keeps the message about it. A report waits for the reason: [`end_reports`].
+pub(super) fn drop_file(id: u64) {
     let mut all = lock(&BEGUN);
-    take(&mut all, id)?.abandon(why)
+    let is_partial = |begun: &Begun| matches!(begun.unless_complete, UnlessComplete::Partial);
+    if all.iter().any(|begun| begun.id == id && is_partial(begun)) {
+        let said = take(&mut all, id).and_then(|begun| begun.abandon(""));
+        lock(&SAID).extend(said);
+    }
 }
 
-/// Ends an incomplete file and keeps the message about it.
-pub(super) fn drop_file(id: u64) {
-    let said = abandon(id, "the run failed: its messages say why");
-    lock(&SAID).extend(said);
+/// Ends the reports of a run that has ended and did not complete them; `why` is empty where no message says it.
+pub(in crate::cli) fn end_reports(why: &str) {
+    let why = if why.is_empty() { "the run failed" } else { why };
+    let mut all = lock(&BEGUN);
+    let is_report = |begun: &mut Begun| matches!(begun.unless_complete, UnlessComplete::Report(_));
+    all.extract_if(.., is_report).for_each(|report| drop(report.abandon(why)));
+}
+
+/// A file without a name for what waits to be written to `path`: in the system's folder for such files, or beside `path` where
+/// there is none.
+pub(in crate::cli) fn temporary(path: &Path) -> io::Result<File> {
+    tempfile::tempfile().or_else(|error| {
+        tempfile::tempfile_in(folder(path)).map_err(|beside| {
+            let (folders, name) = (std::env::temp_dir(), shown(path));
+            let message = format!(
+                "{name}: it needs a temporary file, and there is none in {} ({error}; TMPDIR names the folder), nor beside it ({beside})",
+                shown(&folders)
+            );
+            io::Error::new(error.kind(), message)
+        })
+    })
 }
 
 /// Messages about incomplete files that were not printed yet.

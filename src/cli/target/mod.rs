@@ -9,7 +9,7 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-pub(super) use begun::{UnlessComplete, abandon_all, said, written};
+pub(super) use begun::{UnlessComplete, abandon_all, end_reports, said, temporary, written};
 pub(super) use names::{ending, is_dash, known_ending, refuse_inputs, refuse_same, shown};
 
 use super::output::{Failure, Output};

@@ -192,3 +192,70 @@ fn a_field_of_100_mb_is_refused_in_little_memory() {
         assert!(kib < 8 << 10, "{kib} KiB");
     }
 }
+
+/// A pipeline shows why a run has no result: in the report, and at the file or the line of the spec.
+#[test]
+fn a_run_that_fails_says_why_where_pipelines_look() {
+    let (spec, bad, junit) = (path("misspelt.toml"), path("other, table.csv"), path("failed.xml"));
+    std::fs::write(&spec, "[errors]\nrack_pich = \"5 um\"\n").unwrap();
+    std::fs::write(&bad, "part_id,a<b\n1,2\n").unwrap();
+    let good = path("good.csv");
+    std::fs::write(&good, TABLE).unwrap();
+    let named = |name: &str| name.replace(',', "%2C");
+    let whole = [
+        (vec![spec.as_str(), &good], format!("::error file={spec},line=2,title=unknown-key::"), "no key `rack_pich`"),
+        (vec![SPEC, &bad], format!("::error file={},title=not-understood::", named(&bad)), "column `a&lt;b`: 2"),
+        (vec![SPEC, "no-such.csv"], "::error file=no-such.csv,title=file-access::".to_owned(), "cannot read no-such"),
+        (vec![SPEC, &good, "--no-such"], "::error title=usage::".to_owned(), "unexpected argument"),
+        (
+            vec![SPEC, &good, "no-such.csv"],
+            "::error file=no-such.csv,title=file-access::".to_owned(),
+            "cannot read no-such",
+        ),
+    ];
+    for (arguments, annotation, why) in whole {
+        let ended = batch(&[&arguments[..], &["--annotations", "github", "--junit", &junit]].concat(), b"");
+        let (messages, report) = (text(&ended.stderr), std::fs::read_to_string(&junit).unwrap());
+        assert_eq!(ended.status.code(), Some(2), "{messages}");
+        assert!(messages.lines().any(|line| line.starts_with(&annotation)), "{annotation}: {messages}");
+        assert!(report.contains("<error type=") && report.contains(why), "{why}: {report}");
+    }
+}
+
+/// A container may have no folder for temporary files.
+#[test]
+#[cfg(unix)]
+fn a_workbook_and_a_report_need_no_folder_for_temporary_files() {
+    let (book, junit) = (path("no-tmp.xlsx"), path("no-tmp.xml"));
+    let run = |book: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rackmesh"));
+        command.args(["batch", SPEC, &path("no-tmp.csv"), "-o", book, "--junit", &junit]);
+        command.env("TMPDIR", path("no-such-folder")).output().unwrap()
+    };
+    std::fs::write(path("no-tmp.csv"), TABLE).unwrap();
+    let ended = run(&book);
+    assert!(std::fs::read(&book).is_ok_and(|bytes| bytes.starts_with(b"PK")), "{}", text(&ended.stderr));
+    assert!(std::fs::read_to_string(&junit).unwrap().contains("<testcase "));
+}
+
+/// The hooks of pre-commit as they are called: one evaluates, the other takes specs of batches, too.
+#[test]
+#[cfg(unix)]
+fn a_hook_takes_the_specs_that_it_is_for() {
+    let manifest = include_str!("../../../.pre-commit-hooks.yaml");
+    let entry = |id: &str| {
+        let hook = manifest.split("- id: ").find(|hook| hook.lines().next() == Some(id)).unwrap();
+        hook.lines().find_map(|line| line.trim().strip_prefix("entry: ")).unwrap().to_owned()
+    };
+    let program = std::path::Path::new(env!("CARGO_BIN_EXE_rackmesh")).parent().unwrap();
+    let run = |id: &str, specs: &str| {
+        let line = format!("PATH={}:$PATH; {} {specs}", program.display(), entry(id));
+        Command::new("sh").args(["-c", &line]).output().unwrap().status.code()
+    };
+    let bad = path("bad.batch.toml");
+    std::fs::write(&bad, "[errors]\nrack_pich = \"5 um\"\n").unwrap();
+    assert_eq!(run("rackmesh-eval", "examples/minimal.toml examples/steering.toml"), Some(0));
+    assert_eq!(run("rackmesh-eval", "examples/batch.toml"), Some(1));
+    assert_eq!(run("rackmesh-batch", "examples/batch.toml examples/steering.toml"), Some(0));
+    assert_eq!(run("rackmesh-batch", &format!("{bad} examples/batch.toml")), Some(1));
+}
