@@ -5,12 +5,14 @@ mod closure;
 mod containers;
 mod rows;
 mod teeth;
+mod workbook_xml;
 
 use super::*;
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// A table that was read.
+#[derive(Debug)]
 struct Read {
     reading: Reading,
     /// Each part: `name: error deviation, …`, with what is wrong in place of a value.

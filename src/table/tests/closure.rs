@@ -15,7 +15,7 @@ type Grid = Vec<Vec<String>>;
 
 /// A file of some kind, as it is written from a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     Text(char, char),
     FixedWidth,
     Workbook,
@@ -113,7 +113,7 @@ fn all_tables() -> impl Iterator<Item = &'static str> {
     TABLES.into_iter().chain(CHARACTERISTICS).chain(TEETH)
 }
 
-fn contract(grid: &str) -> Want {
+pub(super) fn contract(grid: &str) -> Want {
     let column = |kind, name: &str, beside: &[(&'static str, &str)]| {
         let beside = beside.iter().map(|(key, name)| (*key, (*name).to_owned())).collect();
         DeclaredColumn::new(kind, (!name.is_empty()).then(|| name.to_owned()), None, beside)
@@ -216,9 +216,9 @@ fn parquet(grid: &Grid, remark: Option<&str>) -> Vec<u8> {
     writer.into_inner().unwrap()
 }
 
-/// What is observed of a file: its parts with their values, what its columns are, and what each rule left out; `None` if it is
+/// What is observed of a file: its parts with their values, what its columns are, what each rule left out and what is hidden; an error if it is
 /// refused, or a row is rejected.
-fn observed(kind: Kind, bytes: Vec<u8>, want: &Want) -> Result<(Vec<String>, String), String> {
+pub(super) fn observed(kind: Kind, bytes: Vec<u8>, want: &Want) -> Result<(Vec<String>, String), String> {
     let in_words = |Diagnostics(problems): Diagnostics| format!("{problems:?}");
     let name = if kind == Kind::Workbook { "lot.xlsx" } else { "lot" };
     let table = Container::open(name, Source::bytes(bytes), want).and_then(|container| container.table(name, want));
@@ -242,13 +242,14 @@ fn observed(kind: Kind, bytes: Vec<u8>, want: &Want) -> Result<(Vec<String>, Str
     if names.len() < parts.len() {
         return Err("a part is there twice".to_owned());
     }
-    Ok((parts, format!("{:?} {:?}", reading.columns, reading.left_out)))
+    let hidden: Vec<_> = reading.notes.iter().filter(|note| note.contains("hidden")).collect();
+    Ok((parts, format!("{:?} {:?} {hidden:?}", reading.columns, reading.left_out)))
 }
 
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn below(&mut self, count: usize) -> usize {
+    pub(super) fn below(&mut self, count: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;

@@ -1,10 +1,10 @@
 //! The comments and text boxes of a workbook, which may correct a value, and its texts and conditional formats that strike through. Found
 //! in their XML; nothing here opens a file.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use super::format::Style;
-use super::xml::{attribute, name};
+use super::xml::{attribute, each_tag, ended, name, unescaped};
 
 /// A comment on a cell, or a text box.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,25 +16,27 @@ pub(crate) struct Comment {
 
 /// What a part of a workbook says besides cells: comments, text boxes, titles of charts, remarks on tables.
 pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
-    let comment = |place: String, text: &str| Comment { place, text: unescaped(text) };
-    let mut found = vec![comment("drawing".to_owned(), "")];
+    let comment = |place: &str, text: String| Comment { place: place.to_owned(), text };
+    let mut found = vec![comment("drawing", String::new())];
     // in text boxes of old drawings every text counts
     let mut is_box = false;
     each_tag(xml, |tag, text| {
-        let cell = attribute(tag, "ref");
-        match (name(tag), cell, found.last_mut()) {
-            ("comment" | "threadedComment", Some(cell), _) => found.push(comment(format!("comment {cell}"), "")),
-            ("table", ..) => found.extend(attribute(tag, "comment").map(|text| comment("table".to_owned(), text))),
-            ("sp" | "textbox", ..) => {
-                is_box = name(tag) == "textbox";
-                found.push(comment("text box".to_owned(), if is_box { text } else { "" }));
+        if let Some(comment) = found.last_mut().filter(|_| is_box || matches!(ended(tag), Some("t" | "text"))) {
+            comment.text += &unescaped(text);
+        }
+        is_box &= ended(tag) != Some("textbox");
+        match (name(tag), attribute(tag, "ref"), found.last_mut()) {
+            ("comment" | "threadedComment", Some(cell), _) => {
+                found.push(comment(&format!("comment {cell}"), String::new()));
             }
-            (other, _, Some(comment)) if is_box => {
-                is_box = !(other.is_empty() && tag.ends_with("textbox"));
-                comment.text += &unescaped(if is_box { text } else { "" });
+            ("table", ..) => {
+                found.extend(attribute(tag, "comment").map(|text| comment("table", unescaped(text))));
+            }
+            ("sp" | "textbox", ..) => {
+                is_box = name(tag) == "textbox" && !tag.ends_with('/');
+                found.push(comment("text box", String::new()));
             }
             ("p", _, Some(shape)) => shape.text += "\n",
-            ("t" | "text", _, Some(comment)) => comment.text += &unescaped(text),
             _ => {}
         }
     });
@@ -42,29 +44,42 @@ pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
     trimmed.filter(|comment| !comment.text.is_empty()).collect()
 }
 
-/// Removes comments whose text is part of another comment on the same cell, as Excel repeats a threaded comment for old programs.
-pub(super) fn once_each(comments: &mut Vec<Comment>) {
-    let all = comments.clone();
-    let is_other = |one: &Comment, other: &Comment| one.place == other.place && other.text.len() > one.text.len();
-    comments.retain(|one| !all.iter().any(|other| is_other(one, other) && other.text.contains(one.text.trim())));
+/// How a run of a text is shown, if not plainly.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Run {
+    /// Raised or lowered, as the `2` of `mm²` is: no digit of a number.
+    Raised,
+    Struck,
 }
 
-/// The numbers of the texts of which a run is struck through, from `xl/sharedStrings.xml`.
-pub(super) fn struck_through(xml: &[u8]) -> HashSet<usize> {
-    let (mut struck, mut count) = (HashSet::new(), 0);
-    each_tag(xml, |tag, _| match name(tag) {
-        "strike" if is_on(tag) => _ = struck.insert(count),
-        "si" if tag.ends_with('/') => count += 1,
-        _ if tag.strip_prefix('/').is_some_and(|tag| name(tag) == "si") => count += 1,
-        _ => {}
+impl Run {
+    /// How a tag says that its run is shown.
+    pub(super) fn of(tag: &str) -> Option<Self> {
+        match (name(tag), attribute(tag, "val")) {
+            ("strike", _) if is_on(tag) => Some(Self::Struck),
+            ("vertAlign", Some("superscript" | "subscript")) => Some(Self::Raised),
+            _ => None,
+        }
+    }
+}
+
+/// The texts of which a run is not shown plainly, by their numbers, from `xl/sharedStrings.xml`.
+pub(super) fn odd_runs(xml: &[u8]) -> HashMap<usize, Run> {
+    let (mut odd, mut count) = (HashMap::new(), 0);
+    each_tag(xml, |tag, _| {
+        if let Some(run) = Run::of(tag) {
+            let known = odd.entry(count).or_insert(run);
+            *known = run.max(*known);
+        }
+        count += usize::from(ended(tag) == Some("si") || name(tag) == "si" && tag.ends_with('/'));
     });
-    struck
+    odd
 }
 
 /// What each conditional format does not show plainly, in words, from `xl/styles.xml`; `None` if it shows all plainly.
 pub(super) fn conditional(xml: &[u8]) -> Vec<Option<String>> {
     let (mut formats, mut is_within) = (Vec::new(), false);
-    each_tag(xml, |tag, _| match (name(tag), tag.strip_prefix('/').map(name)) {
+    each_tag(xml, |tag, _| match (name(tag), ended(tag)) {
         ("dxfs", _) => is_within = !tag.ends_with('/'),
         (_, Some("dxfs")) => is_within = false,
         ("dxf", _) if is_within => formats.push(None),
@@ -76,6 +91,27 @@ pub(super) fn conditional(xml: &[u8]) -> Vec<Option<String>> {
         }
     });
     formats
+}
+
+/// What programs read differently in `xl/styles.xml`: two number formats of one number, a font that is not there.
+pub(super) fn odd_styles(xml: &[u8]) -> Option<&'static str> {
+    let (mut formats, mut fonts, mut list, mut odd) = (HashSet::new(), 0, String::new(), None);
+    each_tag(xml, |tag, _| match (name(tag), list.as_str()) {
+        (part @ ("numFmts" | "fonts" | "cellXfs" | "cellStyleXfs" | "dxfs"), _) => part.clone_into(&mut list),
+        ("numFmt", "numFmts") => {
+            let is_new = attribute(tag, "numFmtId").is_some_and(|number| formats.insert(number.to_owned()));
+            odd = odd.or((!is_new).then_some("two number formats of one number"));
+        }
+        ("font", "fonts") => fonts += 1,
+        ("xf", "cellXfs") => {
+            let is_there = |font: &str| font.parse::<usize>().is_ok_and(|font| font < fonts);
+            odd = odd.or(attribute(tag, "fontId")
+                .filter(|font| !is_there(font))
+                .map(|_| "a style of a font that is not there"));
+        }
+        _ => {}
+    });
+    odd
 }
 
 /// What a tag of a format does not show plainly, in words.
@@ -95,19 +131,6 @@ pub(super) fn is_on(tag: &str) -> bool {
     !matches!(attribute(tag, "val"), Some("0" | "false"))
 }
 
-/// Calls `take` with each tag and the text behind it.
-fn each_tag(xml: &[u8], mut take: impl FnMut(&str, &str)) {
-    let xml = String::from_utf8_lossy(xml);
-    xml.split('<').skip(1).filter_map(|piece| piece.split_once('>')).for_each(|(tag, text)| take(tag, text));
-}
-
-/// A text of XML without its escapes.
-pub(super) fn unescaped(text: &str) -> String {
-    [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&apos;", "'"), ("&#10;", "\n"), ("&amp;", "&")]
-        .into_iter()
-        .fold(text.to_owned(), |text, (escape, meant)| text.replace(escape, meant))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,9 +148,9 @@ mod tests {
     fn texts_and_conditions_that_strike_through() {
         let xml = "<x:sst><x:si><x:t>25,012</x:t></x:si><x:si/><x:si><x:r><x:rPr><x:strike val='true'/></x:rPr><x:t>25,4</x:t></x:r>\
                    <x:r><x:t>25,0</x:t></x:r><x:rPh><x:t>yomi</x:t></x:rPh></x:si>\
-                   <x:si><x:r><x:rPr><x:strike val=\"0\"/></x:rPr><x:t>A</x:t></x:r></x:si></x:sst>";
+                   <x:si><x:r><x:rPr><x:strike val=\"0\"/><x:vertAlign val='subscript'/></x:rPr><x:t>A</x:t></x:r></x:si></x:sst>";
         for xml in [xml.to_owned(), xml.replace("x:", "")] {
-            assert_eq!(struck_through(xml.as_bytes()), HashSet::from([2]));
+            assert!(odd_runs(xml.as_bytes()) == HashMap::from([(2, Run::Struck), (3, Run::Raised)]));
         }
         let styles = "<styleSheet><fonts><font><strike/></font></fonts><dxfs><dxf><font><color/></font></dxf><dxf/>\
                       <dxf><font><strike/></font></dxf><dxf><numFmt numFmtId='9' formatCode='&quot;n.i.O.&quot;'/></dxf>\

@@ -3,7 +3,7 @@
 
 use calamine::{Font, Style as CellStyle};
 
-use crate::table::cell::Content;
+use crate::table::cell::{Cell, Content};
 use crate::table::grid::unit_of;
 
 /// A style that does not show the content of every cell plainly.
@@ -92,6 +92,15 @@ pub(super) fn struck(content: Content) -> Content {
         Content::Empty => Content::Empty,
         content => Content::Unlike(format!("{STRUCK}{content}{STRUCK}")),
     }
+}
+
+/// What a cell holds of which a run is raised or lowered: a digit there is none of a number.
+pub(super) fn raised(content: Content) -> Content {
+    let cell = Cell::from(content);
+    if !cell.is_number() {
+        return cell.content;
+    }
+    Content::Unlike(format!("{}, of which a part is raised or lowered", cell.text()))
 }
 
 impl Section {

@@ -24,11 +24,12 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
-use comments::{comments, conditional, once_each, struck_through};
-use format::{Style, struck};
+use comments::{Run, comments, conditional, odd_runs, odd_styles};
+use format::{Style, raised, struck};
 use merged::MergedCells;
 use parts::{SheetPart, sheet_parts};
 use sheet::{Known, SheetReader, SheetXml};
+use xml::{ODD, each_tag, is_odd};
 
 /// Bytes of a sheet at most: enough for a million rows of twenty columns.
 const LARGEST_SHEET: u64 = 768 << 20;
@@ -77,7 +78,7 @@ impl Workbook {
     /// The names of its sheets, without charts.
     #[must_use]
     pub fn sheets(&self) -> Vec<String> {
-        let sheets = self.book.sheets_metadata().iter().filter(|sheet| sheet.typ != SheetType::ChartSheet);
+        let sheets = self.book.sheets_metadata().iter().filter(|sheet| sheet.typ == SheetType::WorkSheet);
         sheets.map(|sheet| sheet.name.clone()).collect()
     }
 
@@ -104,8 +105,8 @@ impl Workbook {
     }
 
     /// What the XML of a sheet says.
-    fn xml(&self, sheet: &str) -> Option<&SheetXml> {
-        self.checked.sheets.get(sheet)
+    fn xml(&self, sheet: &str) -> SheetXml {
+        self.checked.sheets.get(sheet).cloned().unwrap_or_else(SheetXml::missing)
     }
 
     /// What messages call a sheet.
@@ -119,7 +120,7 @@ impl Workbook {
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
         let mut head = Vec::new();
-        let xml = self.xml(sheet).cloned().unwrap_or_default();
+        let xml = self.xml(sheet);
         each_row(&mut self.book, xml, sheet, range, &mut |record| {
             head.push(record);
             head.len() < most
@@ -134,7 +135,7 @@ impl Workbook {
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
-        let mut xml = self.checked.sheets.remove(sheet).unwrap_or_default();
+        let mut xml = self.checked.sheets.remove(sheet).unwrap_or_else(SheetXml::missing);
         let hidden = xml.hidden(range);
         let comments = [std::mem::take(&mut self.checked.comments), std::mem::take(&mut xml.beside)].concat();
         let (sender, receiver) = mpsc::sync_channel(AHEAD);
@@ -208,10 +209,15 @@ fn each_row(
             () if xml.without_result.contains(&(row, column)) => Content::Other(WITHOUT_RESULT.to_owned()),
             () => content(cell.get_value()),
         };
-        let is_struck = xml.struck.contains(&(row, column));
-        let content = if is_struck { struck(content) } else { content };
+        let run = xml.odd_runs.get(&(row, column)).copied();
+        let content = match run {
+            Some(Run::Struck) => struck(content),
+            Some(Run::Raised) => raised(content),
+            None => content,
+        };
         let content = match styles.get(style) {
-            Some(Some(style)) if !is_struck => style.seen(content),
+            Some(Some(style)) if run != Some(Run::Struck) => style.seen(content),
+            None if style > 0 => return Err(format!("row {line}: a cell has a style that the workbook lacks")),
             _ => content,
         };
         if content != Content::Empty {
@@ -294,14 +300,14 @@ struct Checked {
 }
 
 /// Unpacks every part that is read later, to count its bytes. Hardly any are kept.
-fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
-    let broken = |error: &dyn std::fmt::Display| no_workbook(name, error);
+fn check(file: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
+    let broken = |error: &dyn std::fmt::Display| no_workbook(file, error);
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
     let (mut workbook, mut relations, mut texts, mut styles) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut parts = Vec::new();
     for index in 0..archive.len() {
-        let file = archive.by_index(index).map_err(|error| broken(&error))?;
-        let part = file.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
+        let stored = archive.by_index(index).map_err(|error| broken(&error))?;
+        let part = stored.name().map_err(|error| broken(&error))?.to_ascii_lowercase();
         if [".xml", ".rels", ".vml"].into_iter().any(|suffix| part.ends_with(suffix)) {
             parts.push((part.starts_with("xl/worksheets/") && part.strip_suffix(".xml").is_some(), part, index));
         }
@@ -309,60 +315,62 @@ fn check(name: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     // shared texts and styles come before the sheets, which refer to them
     parts.sort();
     if let Some([(_, part, _), _]) = parts.array_windows().find(|[(_, one, _), (_, other, _)]| one == other) {
-        return Err(Diagnostic::unreadable(name, &format!("it has two parts {part}")));
+        return Err(Diagnostic::unreadable(file, &format!("it has two parts {part}")));
     }
     let (mut sheets, mut digests): (HashMap<String, SheetXml>, HashMap<String, u32>) = (HashMap::new(), HashMap::new());
     let (mut known, mut other, mut found) = (Known::default(), 0, Vec::new());
     let mut is_known = false;
     for (is_sheet, part, index) in parts {
         if is_sheet && !is_known {
-            known = Known { struck: struck_through(&texts), conditional: conditional(&styles) };
+            known = Known { odd_runs: odd_runs(&texts), conditional: conditional(&styles) };
             is_known = true;
         }
-        let file = archive.by_index(index).map_err(|error| broken(&error))?;
-        digests.insert(part.clone(), file.crc32());
+        let stored = archive.by_index(index).map_err(|error| broken(&error))?;
+        digests.insert(part.clone(), stored.crc32());
         let most = if is_sheet { LARGEST_SHEET } else { LARGEST_OTHER - other };
-        let (mut sheet, mut noted) = (SheetReader::new(&known), Vec::new());
+        let (mut sheet, mut xml) = (SheetReader::new(&known), Vec::new());
         let into: &mut dyn io::Write = match part.as_str() {
-            "xl/workbook.xml" => &mut workbook,
-            "xl/_rels/workbook.xml.rels" => &mut relations,
-            "xl/sharedstrings.xml" => &mut texts,
-            "xl/styles.xml" => &mut styles,
             _ if is_sheet => &mut sheet,
             // pivot tables hold copies of cells
-            _ if part.starts_with("xl/") && !part.starts_with("xl/pivot") => &mut noted,
+            _ if part.starts_with("xl/") && !part.starts_with("xl/pivot") => &mut xml,
             _ => &mut io::sink(),
         };
-        let size = io::copy(&mut file.take(most + 1), into).map_err(|error| broken(&error))?;
+        let size = io::copy(&mut stored.take(most + 1), into).map_err(|error| broken(&error))?;
         if size > most {
             return Err(Diagnostic::unreadable(
-                name,
+                file,
                 &format!("its part {part} unpacks to more than {} MiB", most >> 20),
             ));
         }
         if is_sheet {
-            let sheet = sheet.sheet;
-            sheets.insert(part, sheet);
-        } else {
-            other += size;
-            found.extend(comments(&noted));
+            sheets.insert(part, sheet.sheet);
+            continue;
+        }
+        other += size;
+        let mut has_odd = false;
+        each_tag(&xml, |tag, _| has_odd |= is_odd(tag));
+        if has_odd {
+            return Err(Diagnostic::unreadable(file, &format!("its part {part} has {ODD}")));
+        }
+        match part.as_str() {
+            "xl/workbook.xml" => workbook = xml,
+            "xl/_rels/workbook.xml.rels" => relations = xml,
+            "xl/sharedstrings.xml" => texts = xml,
+            "xl/styles.xml" => styles = xml,
+            _ => found.extend(comments(&xml)),
         }
     }
-    if let Some(part) = ["workbook.xml", "sharedStrings.xml", "styles.xml"]
-        .into_iter()
-        .zip([&workbook, &texts, &styles])
-        .find_map(|(part, xml)| memchr::memmem::find(xml, b"<!").map(|_| part))
-    {
-        let problem = format!("its part xl/{part} has comments or the like, which programs read differently");
-        return Err(Diagnostic::unreadable(name, &problem));
+    if let Some(odd) = odd_styles(&styles) {
+        return Err(Diagnostic::unreadable(file, &format!("it has {odd}")));
     }
-    once_each(&mut found);
     // the texts of a sheet are stored elsewhere, and belong to its digest
     let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
     let mut checked = Checked { sheets: HashMap::new(), digests: HashMap::new(), comments: found };
     for SheetPart { part, name, is_hidden } in sheet_parts(&workbook, &relations) {
         let digest = digests.get(&part).copied().unwrap_or_default();
-        checked.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts));
+        if checked.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts)).is_some() {
+            return Err(Diagnostic::unreadable(file, &format!("it has two sheets `{name}`")));
+        }
         if let Some(mut sheet) = sheets.get(&part).cloned() {
             sheet.is_hidden = is_hidden;
             checked.sheets.insert(name, sheet);

@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::comments::unescaped;
-use super::xml::{Tags, attribute, name};
+use super::xml::{attribute, each_tag, name, unescaped};
 
 /// A sheet of a workbook: its part in small letters, `xl/worksheets/sheet1.xml`, its name, and whether it is hidden.
 #[derive(Debug, PartialEq, Eq)]
@@ -16,7 +15,7 @@ pub(super) struct SheetPart {
 /// The sheets of a workbook in their order. `workbook` is the XML that lists them, `relations` the XML that says where they are.
 pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
     let mut targets: HashMap<String, String> = HashMap::new();
-    Tags::default().each(relations, &mut |tag, _| {
+    each_tag(relations, |tag, _| {
         if name(tag) == "Relationship"
             && let (Some(id), Some(target)) = (attribute(tag, "Id"), attribute(tag, "Target"))
         {
@@ -25,7 +24,7 @@ pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
         }
     });
     let mut sheets = Vec::new();
-    Tags::default().each(workbook, &mut |tag, _| {
+    each_tag(workbook, |tag, _| {
         if name(tag) == "sheet" {
             let part = attribute(tag, "id").and_then(|id| targets.get(id)).cloned().unwrap_or_default();
             let name = attribute(tag, "name").map(unescaped).unwrap_or_default();

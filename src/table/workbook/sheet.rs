@@ -2,13 +2,13 @@
 //! prompts, page headers, and XML that programs read differently. Found while a sheet is unpacked to count its bytes; nothing here
 //! opens a file.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{self, Write};
 
-use super::comments::{Comment, is_on, shows_otherwise, unescaped};
+use super::comments::{Comment, Run, shows_otherwise};
 use super::merged::MergedCells;
 use super::range::{CellRange, corner};
-use super::xml::{Tags, attribute, name};
+use super::xml::{ODD, Tags, attribute, ended, is_odd, name, unescaped};
 
 /// Row and column of a cell, from 0.
 type Place = (u32, u32);
@@ -16,8 +16,8 @@ type Place = (u32, u32);
 /// What is known of a workbook before its sheets are read.
 #[derive(Default)]
 pub(super) struct Known {
-    /// The numbers of its texts of which a run is struck through.
-    pub(super) struck: HashSet<usize>,
+    /// Its texts of which a run is not shown plainly, by their numbers.
+    pub(super) odd_runs: HashMap<usize, Run>,
     /// What each conditional format does not show plainly.
     pub(super) conditional: Vec<Option<String>>,
 }
@@ -36,6 +36,8 @@ pub(super) struct SheetReader<'k> {
     row_is_hidden: bool,
     /// The cells of the conditional format that is being read.
     cells: String,
+    /// What that format does not show plainly, and on which condition.
+    condition: Option<String>,
     cell: CellXml,
 }
 
@@ -82,8 +84,8 @@ pub(super) struct SheetXml {
     /// The hidden rows and columns that hold values.
     rows: BTreeSet<u32>,
     columns: BTreeSet<u32>,
-    /// Cells of which a run is struck through.
-    pub(super) struck: HashSet<Place>,
+    /// Cells of which a run is not shown plainly.
+    pub(super) odd_runs: HashMap<Place, Run>,
     /// Cells with a formula and no result.
     pub(super) without_result: HashSet<Place>,
     /// Merged cells.
@@ -124,6 +126,11 @@ impl SheetXml {
         (!counts.is_empty()).then(|| counts.join(" and "))
     }
 
+    /// Of a sheet that is not where programs look for it.
+    pub(super) fn missing() -> Self {
+        Self { problem: Some("its XML is at another place than workbooks have it".to_owned()), ..Self::default() }
+    }
+
     /// Adds a text that stands in no cell.
     fn note(&mut self, place: String, text: &str) {
         /// How many are kept. A pattern can own more of them.
@@ -150,22 +157,27 @@ impl<'k> SheetReader<'k> {
             hides_rows: false,
             row_is_hidden: false,
             cells: String::new(),
+            condition: None,
             cell: CellXml::default(),
         }
     }
 
     fn take(&mut self, tag: &str, text: &str) {
-        if tag.starts_with('!') {
-            self.sheet.refuse("its XML has comments or the like, which programs read differently".to_owned());
+        if is_odd(tag) {
+            self.sheet.refuse(format!("its XML has {ODD}"));
         }
         if self.part == Part::Rows { self.take_of_rows(tag, text) } else { self.take_beside(tag, text) }
     }
 
     /// A tag above or below the rows.
     fn take_beside(&mut self, tag: &str, text: &str) {
-        if !text.is_empty() {
+        if ended(tag).is_some_and(|name| name.ends_with("Header") || name.ends_with("Footer")) {
             self.sheet.note("page header".to_owned(), &said_in_header(&unescaped(text)));
         }
+        if let Some(condition) = self.condition.as_mut().filter(|_| ended(tag) == Some("formula")) {
+            *condition += &unescaped(text);
+        }
+        self.end_of_condition(ended(tag) == Some("cfRule"));
         let is_off = |key: &str| matches!(attribute(tag, key), Some("0" | "false"));
         match name(tag) {
             "sheetData" if self.part == Part::Below => self.sheet.refuse("it has two lists of rows".to_owned()),
@@ -191,8 +203,10 @@ impl<'k> SheetReader<'k> {
                 }
             }
             "mergeCell" => {
-                if let Some(range) = attribute(tag, "ref").and_then(|range| range.parse().ok()) {
-                    self.sheet.merged.add(range);
+                let range = attribute(tag, "ref").unwrap_or_default();
+                match range.parse() {
+                    Ok(range) => self.sheet.merged.add(range),
+                    Err(_) => self.sheet.refuse(format!("its merged cells `{range}` are none")),
                 }
             }
             "dataValidation" => {
@@ -208,9 +222,10 @@ impl<'k> SheetReader<'k> {
             "conditionalFormatting" => attribute(tag, "sqref").unwrap_or_default().clone_into(&mut self.cells),
             "cfRule" => {
                 let format = attribute(tag, "dxfId").and_then(|number| number.parse::<usize>().ok());
-                if let Some(Some(shows)) = format.and_then(|number| self.known.conditional.get(number)) {
-                    self.sheet.note(format!("conditional format {}", self.cells), shows);
-                }
+                let shows = format.and_then(|number| self.known.conditional.get(number)?.as_ref());
+                let condition = ["type", "operator", "text"].map(|key| attribute(tag, key).unwrap_or_default());
+                self.condition = shows.map(|shows| format!("{shows}: {}", condition.join(" ")));
+                self.end_of_condition(tag.ends_with('/'));
             }
             "dataBar" | "iconSet" if is_off("showValue") => {
                 self.sheet.note(format!("conditional format {}", self.cells), "shows no numbers");
@@ -222,12 +237,19 @@ impl<'k> SheetReader<'k> {
         }
     }
 
+    /// Notes a conditional format that does not show plainly, once its condition is complete.
+    fn end_of_condition(&mut self, is_complete: bool) {
+        if let Some(condition) = self.condition.take_if(|_| is_complete) {
+            self.sheet.note(format!("conditional format {}", self.cells), &condition);
+        }
+    }
+
     /// A tag among the rows.
     fn take_of_rows(&mut self, tag: &str, text: &str) {
         if self.cell.is_open && name(tag.trim_start_matches('/')) != "v" {
             self.refuse_cell("holds more than a number or text");
         }
-        match (name(tag), tag.strip_prefix('/').map(name)) {
+        match (name(tag), ended(tag)) {
             (_, Some("sheetData")) => self.part = Part::Below,
             ("row", _) => self.row(tag),
             ("c", _) => self.cell(tag),
@@ -238,8 +260,7 @@ impl<'k> SheetReader<'k> {
             (_, Some("v")) => self.end_of_value(text),
             ("is", _) if self.cell.kind != CellKind::Written => self.refuse_cell("holds more than a number or text"),
             ("is", _) if !tag.ends_with('/') => (self.cell.values, self.cell.has_value) = (self.cell.values + 1, true),
-            ("strike", _) if is_on(tag) => self.strike(),
-            _ => {}
+            _ => self.run(Run::of(tag)),
         }
     }
 
@@ -267,6 +288,9 @@ impl<'k> SheetReader<'k> {
                 next
             }
         };
+        if let Some(style) = attribute(tag, "s").filter(|style| style.parse::<usize>().is_err()) {
+            self.sheet.refuse(format!("row {row}: a cell has the style `{style}`"));
+        }
         let kind = match attribute(tag, "t") {
             Some("s") => CellKind::Shared,
             Some("str") => CellKind::Text,
@@ -283,9 +307,11 @@ impl<'k> SheetReader<'k> {
         if self.cell.kind == CellKind::Written || !is_text && text.contains('&') {
             self.refuse_cell("holds more than a number or text");
         }
-        let is_shared = self.cell.kind == CellKind::Shared;
-        if is_shared && text.trim().parse().is_ok_and(|number| self.known.struck.contains(&number)) {
-            self.strike();
+        if self.cell.kind == CellKind::Shared {
+            match text.parse::<usize>() {
+                Ok(number) => self.run(self.known.odd_runs.get(&number).copied()),
+                Err(_) => self.refuse_cell("is the text of no number"),
+            }
         }
     }
 
@@ -293,8 +319,12 @@ impl<'k> SheetReader<'k> {
         (self.cell.row.saturating_sub(1), self.cell.column.saturating_sub(1))
     }
 
-    fn strike(&mut self) {
-        self.sheet.struck.insert(self.place());
+    /// Takes how a run of the cell is shown, where that is not plainly.
+    fn run(&mut self, run: Option<Run>) {
+        if let Some(run) = run {
+            let known = self.sheet.odd_runs.entry(self.place()).or_insert(run);
+            *known = run.max(*known);
+        }
     }
 
     fn end_of_cell(&mut self) {
@@ -308,12 +338,10 @@ impl<'k> SheetReader<'k> {
         if has_formula && !has_value && !(is_text && values > 0) {
             self.sheet.without_result.insert(place);
         }
-        for cells in [&mut self.sheet.struck, &mut self.sheet.without_result] {
-            if cells.len() > MOST_CELLS {
-                let problem = format!("more than {MOST_CELLS} cells are struck through, or have no result");
-                self.sheet.problem.get_or_insert(problem);
-                cells.clear();
-            }
+        if self.sheet.odd_runs.len().max(self.sheet.without_result.len()) > MOST_CELLS {
+            self.sheet.refuse(format!("more than {MOST_CELLS} cells are struck through, or have no result"));
+            self.sheet.odd_runs.clear();
+            self.sheet.without_result.clear();
         }
         if !has_value {
             return;
@@ -392,15 +420,15 @@ mod tests {
     #[test]
     fn what_programs_read_differently_is_refused() {
         let problem = |rows: &str| {
-            let known = Known { struck: [1].into(), ..Known::default() };
+            let known = Known { odd_runs: [(1, Run::Struck)].into(), ..Known::default() };
             let mut reader = SheetReader::new(&known);
             reader.write_all(format!("<worksheet><sheetData>{rows}</sheetData></worksheet>").as_bytes()).unwrap();
             reader.sheet.problem.unwrap_or_default()
         };
         for (rows, what) in [
             ("<row><c><v>1</v></c><c r=\"C1\" t=\"str\"><f>A1&amp;B1</f><v>a &amp; b</v></c></row><row r=\"7\"/>", ""),
-            ("<row><c><v>1<!-- -->2</v></c></row>", "comments or the like"),
-            ("<row><c><v>1<![CDATA[2]]></v></c></row>", "comments or the like"),
+            ("<row><c><v>1<!-- -->2</v></c></row>", "comments, an encoding or the like"),
+            ("<row><c><v>1<![CDATA[2]]></v></c></row>", "comments, an encoding or the like"),
             ("<row><c><v>1<b/>2</v></c></row>", "row 1: the cell of column 1 holds more than a number or text"),
             ("<row><c><v>1&#50;</v></c></row>", "holds more than a number"),
             ("<row><c><v>1</v><v>2</v></c></row>", "holds two values"),
