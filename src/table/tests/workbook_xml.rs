@@ -140,7 +140,7 @@ const IGNORED: &[(&str, &[&str], &[&str])] = &[
     ("xl/", &["rPr", "b", "i"], &["element"]),
     ("xl/worksheets/", &["sheetPr", "tabColor", "pageMargins", "pageSetup", "sheetProtection"], &["*"]),
     ("xl/worksheets/", &["sheetFormatPr"], &["element"]),
-    // the number of a format of conditions, and the bars of others
+    // the number of a conditional format, and bars
     ("xl/styles.xml", &["numFmt"], &["numFmtId"]),
     ("xl/worksheets/", &["dataBar", "cfvo"], &["element", "type"]),
     // what may be typed into a cell, where a link leads to, on which pages a header stands

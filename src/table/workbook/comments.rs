@@ -44,6 +44,25 @@ pub(super) fn comments(xml: &[u8]) -> Vec<Comment> {
     trimmed.filter(|comment| !comment.text.is_empty()).collect()
 }
 
+/// The words of a page header, without codes for places, fonts and fields such as the page number.
+pub(super) fn said_in_header(text: &str) -> String {
+    let (mut said, mut rest) = (String::new(), text);
+    while let Some((before, code)) = rest.split_once('&') {
+        said += before;
+        let mut characters = code.chars();
+        rest = match characters.next() {
+            Some('"') => characters.as_str().split_once('"').map_or("", |(_, rest)| rest),
+            Some('K') => characters.as_str().get(6..).unwrap_or_default(),
+            Some('0'..='9') => code.trim_start_matches(|c: char| c.is_ascii_digit()),
+            _ => characters.as_str(),
+        };
+        said.push(' ');
+    }
+    said += rest;
+    let has_words = said.contains(char::is_alphanumeric);
+    if has_words { said.split_whitespace().collect::<Vec<_>>().join(" ") } else { String::new() }
+}
+
 /// How a run of a text is shown, if not plainly.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Run {

@@ -5,7 +5,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{self, Write};
 
-use super::comments::{Comment, Run, shows_otherwise};
+use super::comments::{Comment, Run, said_in_header, shows_otherwise};
 use super::merged::MergedCells;
 use super::range::{CellRange, corner};
 use super::xml::{ODD, Tags, attribute, ended, is_odd, name, unescaped};
@@ -358,25 +358,6 @@ impl<'k> SheetReader<'k> {
         let CellXml { row, column, .. } = self.cell;
         self.sheet.refuse(format!("row {row}: the cell of column {column} {what}"));
     }
-}
-
-/// The words of a page header, without codes for places, fonts and fields such as the page number.
-fn said_in_header(text: &str) -> String {
-    let (mut said, mut rest) = (String::new(), text);
-    while let Some((before, code)) = rest.split_once('&') {
-        said += before;
-        let mut characters = code.chars();
-        rest = match characters.next() {
-            Some('"') => characters.as_str().split_once('"').map_or("", |(_, rest)| rest),
-            Some('K') => characters.as_str().get(6..).unwrap_or_default(),
-            Some('0'..='9') => code.trim_start_matches(|c: char| c.is_ascii_digit()),
-            _ => characters.as_str(),
-        };
-        said.push(' ');
-    }
-    said += rest;
-    let has_words = said.contains(char::is_alphanumeric);
-    if has_words { said.split_whitespace().collect::<Vec<_>>().join(" ") } else { String::new() }
 }
 
 fn is_hidden(tag: &str) -> bool {
