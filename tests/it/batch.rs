@@ -263,7 +263,7 @@ fn several_tables_and_what_pipelines_show() {
     assert_eq!((of(3, "part_id"), of(3, "delta_cd_rack_over_roller_mm")), ("Q2 <&>".into(), 0.4.into()));
     assert_eq!(of(3, "verdict"), "fail");
     let messages = text(&output.stderr);
-    assert!(messages.contains("there is no `over_roller`, which is to be rack_over_roller"), "{messages}");
+    assert!(messages.contains("there is no `over_roller`, which the contract names as rack_over_roller"), "{messages}");
     assert!(messages.contains("5 rows: 2 pass, 2 fail, 1 rejected"), "{messages}");
     assert!(
         messages.lines().any(|line| line.starts_with("::error file=") && line.contains("line=3,title=part P2::ΔCD"))

@@ -55,7 +55,7 @@ const NO_PART_NAMES: &str = "mean, average, avg, max, min, maximum, minimum, med
 
 /// The names of the reader's own rules, which nobody writes, in the order of [`OwnRule`].
 const OWN_RULES: [&str; 6] =
-    ["others", "headings again", "beside values", "other sheets", "rows before the last of their part", OF_FORMAT];
+    ["others", "repeated headings", "beside values", "other sheets", "rows before the last of their part", OF_FORMAT];
 
 impl Contract {
     /// Closes a table: every column has an owner.

@@ -73,8 +73,8 @@ impl Open {
                     shown(title)
                 )
             }
-            Self::Missing { key, name } => format!("there is no `{}`, which is to be {key}", shown(name)),
-            Self::NoValues { titles } => format!("no column is known as that of an error: {}", listed(titles)),
+            Self::Missing { key, name } => format!("there is no `{}`, which the contract names as {key}", shown(name)),
+            Self::NoValues { titles } => format!("no column is known to hold an error: {}", listed(titles)),
             Self::Mark { example } => {
                 format!("`{}` has a decimal mark or a thousands mark, and nothing tells which", shown(example))
             }

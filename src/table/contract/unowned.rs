@@ -54,7 +54,7 @@ pub(super) fn no_values(matched: &Matched) -> Open {
         let help = "call them stroke and delta_cd, or say which they are: [table.columns] stroke = { name = \"…\", unit = \"mm\" }";
         return Open::Wrong { what, help: help.to_owned() };
     }
-    let what = format!("no column is known as that of a rack's spaces or a pinion's teeth: {}", titles.join(", "));
+    let what = format!("no column is known to hold a rack's spaces or a pinion's teeth: {}", titles.join(", "));
     let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
                 tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
     Open::Wrong { what, help: help.to_owned() }

@@ -84,7 +84,7 @@ fn what_is_ambiguous_or_wrong_is_refused_with_its_place() {
         ("over_pin,space\n25.5,3\n25.0,4,x\n", "rack.csv, line 3: `x` stands in column 3, which has no heading"),
         ("over_pin [deg]\n25.0\n", "`over_pin [deg]`: `deg` is no unit of a length"),
         ("Lücke;Rollenmaß\n1;25.0\n", "`Rollenmaß` is rack_over_roller, and nothing tells its unit"),
-        ("height\n1\n", "no column is known as that of a rack's spaces or a pinion's teeth: `height`"),
+        ("height\n1\n", "no column is known to hold a rack's spaces or a pinion's teeth: `height`"),
         ("space,over_pin,height [mm]\n1,2,3\n", "column `height [mm]`: 3\n"),
         ("tooth,over_pin\n1,25\n", "error[bad-table]: rack.csv mixes spaces of a rack with teeth of a pinion"),
         ("tooth,left_pitch,pitch_um\n1,2,25\n", "column `pitch_um`: 25"),
