@@ -36,7 +36,7 @@ pub(crate) struct Chunker {
     pub(crate) separator: u8,
 }
 
-/// The place in a record that its bytes so far end at.
+/// Where in a record its bytes so far end.
 #[derive(Debug, Clone, Copy)]
 enum Overlong {
     FieldStart,

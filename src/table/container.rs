@@ -160,7 +160,7 @@ impl Container {
     }
 }
 
-/// Whether a file is a Parquet file. A pipe is none, because it cannot be read again from its start.
+/// Whether a file is a Parquet file. A pipe is not looked at here, because it cannot be read again from its start.
 fn is_parquet(mut file: &File) -> io::Result<bool> {
     if file.stream_position().is_err() {
         return Ok(false);

@@ -225,7 +225,7 @@ impl Pcdmis<'_> {
         self.report.said.add(number, 0, text);
     }
 
-    /// Reads a line of the head, such as `SER NUMBER : 0417`. Whether it is one.
+    /// Reads a line of the head, such as `SER NUMBER : 0417`. Returns whether it is one.
     fn head(&mut self, line: &str, number: u64) -> bool {
         let Some((key, value)) = line.split_once(':') else { return false };
         let (key, value) = (key.split_whitespace().collect::<Vec<_>>().join(" "), value.trim());

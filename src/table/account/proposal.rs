@@ -251,7 +251,7 @@ impl Proposal {
         }
     }
 
-    /// Confirms a guess for a person. Whether there is such a guess.
+    /// Marks a guess as confirmed by a person. Returns whether there is such a guess.
     pub fn accept(&mut self, key: &str, column: &str) -> bool {
         rules::accept(&mut self.rules.list, key, column)
     }

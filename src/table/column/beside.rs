@@ -54,7 +54,7 @@ impl Column {
         mut deviation: DeviationValue,
         beside: &Companions<&Cell>,
     ) -> Result<DeviationValue, Problem> {
-        /// A deviation so many times its tolerance has another unit.
+        /// A deviation of so many times its tolerance is in the wrong unit.
         const TIMES: f64 = 100.0;
         let stated = self.quantity_beside(beside, Role::Deviation)?;
         if let Some(stated) = stated.filter(|_| self.checks_deviation()) {
@@ -95,7 +95,7 @@ impl Column {
     pub(super) fn rounding(&self, cell: &Cell, beside: &Companions<&Cell>) -> f64 {
         /// A deviation with finer digits than this, mm or degrees, was computed.
         const FINE: f64 = 1e-3;
-        /// A last digit so many times the finest one has lost zeros.
+        /// A number whose last digit is so many times the finest one is written without its last zeros.
         const FEWER: f64 = 15.0;
         let value = Some(self.digit(cell, self.unit));
         // a nominal value of 0 is exact

@@ -145,6 +145,11 @@ pub(crate) fn is_in_rows(records: &[Record], layout: &Layout) -> bool {
 
 /// Finds the columns of a table by its first records, or by all of them where parts are not in rows.
 ///
+/// In this order: where parts stand and the form of the table; the names of parts that stand in lines of their own; the line of
+/// headings and the line of units; lines above and between them without an owner; the owner of each column; units and decimal mark;
+/// the rows that `repeats = "last"` leaves out. Everything without an owner is collected on the way, and [`Contract::close`] refuses
+/// the table if there is any.
+///
 /// # Errors
 /// Everything that has no owner, at once.
 pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, want: &Want) -> Result<Found, Unclosed> {

@@ -66,7 +66,7 @@ impl Candidate<'_> {
         format!("{{ name = {}{unit} }}", quoted(&self.name))
     }
 
-    /// Whether nine of ten of its cells are numbers.
+    /// Whether at least nine of ten of its cells are numbers.
     fn is_numeric(&self) -> bool {
         let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
         numbers > 0 && numbers * 10 >= self.cells.len() * 9
@@ -118,8 +118,9 @@ fn candidates<'c>(
     })
 }
 
-/// Adds choices for errors that the spec asks for and that no column is known or guessed to be: one for each column that may be the
-/// error. To leave out such a column becomes a guess. So it does where the heading is near one of an error that the table lacks.
+/// Where no column is known or guessed to hold an error that the spec asks for, adds a choice for each column that may hold it. The
+/// rule that leaves out such a column becomes a guess; so does the rule for a column whose heading is near one of an error that the
+/// table lacks.
 pub(crate) fn undecided(
     matched: &Matched,
     (open, rows): (&[Open], &[Record]),

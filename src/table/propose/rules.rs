@@ -253,7 +253,7 @@ pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
     rules.push(Rule::Column { key: "part_id".to_owned(), entry }.guess("it names the parts below it"));
 }
 
-/// Confirms a guess for a person. Whether there is such a guess.
+/// Marks a guess as confirmed by a person. Returns whether there is such a guess.
 pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bool {
     let (name, whole) = (quoted(&Heading::of(column).name), escaped_heading(column));
     let mut found = false;

@@ -38,9 +38,9 @@ const LARGEST_OTHER: u64 = 96 << 20;
 
 /// Characters of a text at most: the format's own limit.
 const LONGEST_TEXT: usize = 32_767;
-/// The last column in which a cell of a row may stand.
+/// The last place of a cell in a row, unless the row has many cells.
 const FARTHEST: usize = 1024;
-/// A cell may stand beyond [`FARTHEST`] in so many times the filled cells of its row.
+/// The last place of a cell in a row with many cells: so many times the number of its filled cells.
 const FARTHEST_TIMES: usize = 4;
 
 type Book = Xlsx<Cursor<Vec<u8>>>;
