@@ -49,6 +49,7 @@ pub const fn unstated(what: Unstated) -> &'static str {
         Unstated::FixedRack => "the rack cannot roll",
         Unstated::Thickness => "teeth have their nominal thickness where none is given",
         Unstated::Form => "flanks have no form where none is given",
+        Unstated::Extent => "an error without an extent has the usual one of its kind",
     }
 }
 

@@ -349,7 +349,9 @@ impl Spec {
     pub fn unstated(&self, kinds: &[DeviationKind], has_teeth: bool, rule: &Rule) -> Vec<Unstated> {
         let is_involute = self.get(keys::PINION_ROOT_FORM_DIAMETER).is_none() && self.is_undercut() == Some(true);
         let root_form = is_involute.then_some(Unstated::RootForm);
-        let of_gear = root_form.into_iter().chain(self.left_out());
+        let is_written = |kind: &DeviationKind| self.extents.iter().any(|(of, _)| of == kind);
+        let extent = (!kinds.iter().all(is_written)).then_some(Unstated::Extent);
+        let of_gear = root_form.into_iter().chain(self.left_out()).chain(extent);
         if !rule.needs_uncertainty() {
             return of_gear.collect();
         }

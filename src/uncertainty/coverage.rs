@@ -30,7 +30,8 @@ pub fn coverage_factor(dof: f64) -> f64 {
     if dof.is_finite() { student_quantile(0.5 + 0.5 * COVERAGE, whole_dof(dof)) } else { 2.0 }
 }
 
-/// Degrees of freedom rounded down to a whole number of at least 1 (clause G.6.4); 9 less a binary rounding error stay 9.
+/// Degrees of freedom rounded down to a whole number of at least 1 (clause G.6.4); 9 less the rounding errors of the
+/// shares stay 9.
 pub(super) fn whole_dof(dof: f64) -> f64 {
-    (dof * (1.0 + 1e-12)).floor().max(1.0)
+    (dof * (1.0 + 1e-9)).floor().max(1.0)
 }

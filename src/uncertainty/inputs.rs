@@ -34,13 +34,15 @@ pub enum Unstated {
     Thickness,
     /// Flanks have no crowning, relief and slope.
     Form,
+    /// An error is on the teeth that are usual for its kind.
+    Extent,
 }
 
 impl Unstated {
     /// Whether it is a default of the gear: facts list these, the sentence of a pass does not.
     #[must_use]
     pub const fn is_default(self) -> bool {
-        matches!(self, Self::Zero | Self::FixedRack | Self::Thickness | Self::Form)
+        matches!(self, Self::Zero | Self::FixedRack | Self::Thickness | Self::Form | Self::Extent)
     }
 }
 

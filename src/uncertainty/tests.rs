@@ -259,6 +259,15 @@ fn three_standard_uncertainties_are_far_enough() {
     assert_eq!(propagate(&part(&zero), &size).unwrap().upper.folded, []);
 }
 
+/// Rounding errors of shares do not take a whole degree of freedom.
+#[test]
+fn a_whole_number_of_degrees_stays_whole() {
+    let dof = effective_dof(&[1.0, 1e-13], &[3.0, 1.0], false);
+    assert!(dof < 3.0);
+    assert_eq!(coverage_factor(dof), coverage_factor(3.0));
+    assert_eq!(coverage_factor(2.999), coverage_factor(2.0));
+}
+
 #[test]
 fn the_end_gauge_of_jcgm_100_h1() {
     // JCGM 100:2008, H.1: contributions 25, 9.7, 2.9 and 16.6 nm with 18, 25.6, 50 and 2 degrees of freedom

@@ -24,6 +24,7 @@ const DEFAULTS: [&str; 4] = [
     "the rack cannot roll",
     "teeth have their nominal thickness where none is given",
     "flanks have no form where none is given",
+    "an error without an extent has the usual one of its kind",
 ];
 
 /// What a verdict takes for granted besides defaults.
@@ -48,7 +49,8 @@ fn the_defaults_of_what_is_left_out_are_named() {
         ("crowning = 0\n", Some(3)),
         ("profile_slope = 0\n", Some(3)),
         ("[support]\nroll = \"fixed\"\n", Some(1)),
-        ("[errors]\nrack_lead = \"1 arcmin\"\n[limits]\ncenter_distance = \"±5\"\n", None),
+        ("[limits]\ncenter_distance = \"±5\"\n[errors.rack_lead]\nvalue = \"1 arcmin\"\n", None),
+        ("extent = \"all\"\n", Some(4)),
     ];
     let assumed = |left_out: usize| {
         let kept = parts.iter().enumerate().filter(|(place, _)| *place != left_out);
