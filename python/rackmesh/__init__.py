@@ -1,7 +1,7 @@
 """How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion.
 
-A ``Spec`` is what the command line takes as a file; its methods give what the commands say. A ``Plan`` judges tables of
-parts that are Arrow data: pyarrow, polars, or anything else with Arrow's C interface.
+A ``Spec`` is a gear spec, as the command line takes it from a file; its methods give the answers of the commands. A
+``Plan`` judges tables of parts in Arrow data: pyarrow, polars, or any object with Arrow's C interface.
 """
 
 from ._rackmesh import Plan, __version__, compare

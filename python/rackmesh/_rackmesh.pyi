@@ -1,4 +1,4 @@
-"""The extension module; its names are those of the package."""
+"""The extension module; the package has the same names."""
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,19 +10,19 @@ from ._types import Answer
 __version__: str
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs the command line with these arguments, the first of which is its name; the exit status."""
+    """Runs the command line with these arguments, the first of which is its name; returns the exit status."""
 
 def compare(*specs: Spec, **options: Any) -> Answer:
-    """Specs side by side, each with what is set in it: ``rackmesh compare`` with the same options.
+    """Specs side by side, each with its own settings: ``rackmesh compare`` with the same options.
 
-    ``differences`` has the keys with their ``values``, ``results`` what that does.
+    ``differences`` has each ``key`` with its ``values``, ``results`` the results with ``values`` and ``changes``.
     """
 
 class Spec:
-    """A gear spec: TOML, with keys set in place of what the text says. Does not change; ``set`` gives another one.
+    """A gear spec: TOML text, and keys that are set in place of those of the text. It does not change; ``set`` returns
+    another one.
 
-    The keys, their units and domains are those of ``rackmesh explain keys``. What is wrong with a spec is a
-    ``RackmeshError``.
+    The keys, their units and domains are those of ``rackmesh explain keys``. A wrong spec raises ``RackmeshError``.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Spec:
 
     @classmethod
     def from_toml(cls, text: str, name: str = "spec.toml") -> Spec:
-        """A spec from its text; messages call it ``name``, and the tables that it names are beside that."""
+        """A spec from its text. Messages call it ``name``; paths of tables in it are relative to the folder of ``name``."""
 
     @classmethod
     def from_file(cls, path: str | os.PathLike[str]) -> Spec:
@@ -51,7 +51,7 @@ class Spec:
         seed: int = ...,
         digits: int = ...,
     ) -> Answer:
-        """ΔCD of each error, combined and judged (mm): ``rackmesh eval`` with the same options."""
+        """ΔCD of each error, in mm, combined and judged: ``rackmesh eval`` with the same options."""
 
     def mesh(
         self,
@@ -61,27 +61,27 @@ class Spec:
         measured: str | PathLike[str] | tuple[Iterable[float], Iterable[float]] | None = None,
         **options: Any,
     ) -> Answer:
-        """ΔCD along the stroke by the exact mesh (mm): ``rackmesh mesh`` with the same options.
+        """ΔCD along the stroke by the exact mesh, in mm: ``rackmesh mesh`` with the same options.
 
-        ``measured`` lays a measured curve on the computed one: the path of a table, or strokes and ΔCD in mm.
+        ``measured`` is a measured curve to lay on the computed one: the path of a table, or strokes and ΔCD in mm.
         ``diagnose=True, noise="1 um"`` names the teeth whose errors explain it: ``answer["diagnosis"]``.
         """
 
     def simulate(self, **options: Any) -> Answer:
-        """ΔCD along the stroke with elastic teeth and forces (mm, N): ``rackmesh simulate`` with the same options."""
+        """ΔCD along the stroke with elastic teeth and forces, in mm and N: ``rackmesh simulate`` with the same options."""
 
     def monte_carlo(
         self, racks: int | None = None, from_mm: float | None = None, to_mm: float | None = None, **options: Any
     ) -> Answer:
-        """Random racks, each through the exact mesh (mm): ``rackmesh monte-carlo`` with the same options.
+        """Random racks, each through the exact mesh, in mm: ``rackmesh monte-carlo`` with the same options.
 
-        ``first_rack=N, racks=M, study="range.json"`` keeps what a range came to; ``merge=["a.json", "b.json"]`` puts ranges
-        together, with the bits of one run. ``contributions=True`` adds which scatter makes which share of the variance:
+        ``first_rack=N, racks=M, study="range.json"`` writes the result of a range of racks; ``merge=["a.json", "b.json"]``
+        combines ranges, with the same bits as one run. ``contributions=True`` adds the share of each scatter in the variance:
         ``answer.array("contributions", "indices")`` has a numpy array for each number.
         """
 
     def budget(self, **options: Any) -> Answer:
-        """Tolerances from a limit (mm, degrees): ``rackmesh budget`` with the same options."""
+        """Tolerances from a limit, in mm and degrees: ``rackmesh budget`` with the same options."""
 
     def sweep(
         self,
@@ -92,7 +92,7 @@ class Spec:
         arguments: Sequence[str] | None = None,
         **options: Any,
     ) -> Answer:
-        """What a command says of every design: ``rackmesh sweep`` with the same options (``samples``, ``seed``, ``until``).
+        """The answer of a command about every design: ``rackmesh sweep`` with its options (``samples``, ``seed``, ``until``).
 
         ``over`` has the values of each key: a list, or a text such as ``"18..25:0.5"``; ``arguments`` are those of the
         command. The rows are ``answer.table``, an Arrow record batch: ``pyarrow.record_batch(answer.table)``,
@@ -102,10 +102,10 @@ class Spec:
 class Plan:
     """Judges tables of parts as ``rackmesh batch`` does.
 
-    Columns are found, and refused, by the rules for any table; ``ignore`` leaves out columns by name (``*`` for any
-    characters), ``partial`` judges without errors that the spec asks for and the table lacks, and says so in a column
-    ``judged_without``. ``columns`` are those to give, by name; all results without it. Results are in mm, with all their
-    digits.
+    Columns are found, and refused, by the rules for all tables. ``ignore`` leaves out columns by name (``*`` for any
+    characters). ``partial`` judges without errors that the spec asks for and the table lacks, and names them in a column
+    ``judged_without``. ``columns`` names the columns of the result; without it, the result has all. Results are in mm, with
+    all digits.
     """
 
     def __init__(
@@ -121,12 +121,12 @@ class Plan:
         threads: int = 1,
     ) -> None: ...
     def evaluate(self, data: Any) -> Any:
-        """Judges the parts of a record batch or a table with Arrow's C interface: as many rows, in their order.
+        """Judges the parts of a record batch or a table with Arrow's C interface; one row for each, in their order.
 
-        ``verdict`` is pass, fail, indeterminate or null, and ``reason`` says why a row has none. pyarrow gives pyarrow,
-        polars gives polars; of other libraries comes an object with the same interface. Columns that are not understood
-        raise ``RackmeshError``.
+        ``verdict`` is pass, fail, indeterminate or null, and ``reason`` says why it is not a pass. For pyarrow data the result
+        is pyarrow's, for polars data polars'; for other data it is an object with Arrow's C interface. Columns that are not
+        understood raise ``RackmeshError``.
         """
 
     def schema(self, data: Any) -> Any:
-        """The schema of what ``evaluate`` gives for such data: a record batch, a table or a schema."""
+        """The schema of the result of ``evaluate`` for such data: a record batch, a table or a schema."""

@@ -1,4 +1,4 @@
-"""What the extension module gives back, as plain Python."""
+"""The types that the extension module returns."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ._rackmesh import Plan, Spec
 
 
 class Place(NamedTuple):
-    """Where in a file something is wrong; line and column count from 1."""
+    """The place of a problem in a file; line and column count from 1."""
 
     file: str
     line: int
@@ -31,7 +31,7 @@ class Diagnostic(NamedTuple):
 
 
 class RackmeshError(ValueError):
-    """Why there is no result: one diagnostic or several, found in one go."""
+    """Why there is no result: one diagnostic, or several of the same call."""
 
     def __init__(self, diagnostics: list[Diagnostic]) -> None:
         super().__init__(diagnostics)
@@ -42,31 +42,31 @@ class RackmeshError(ValueError):
 
     @property
     def code(self) -> str:
-        """The kind of the first problem; ``rackmesh explain CODE`` explains it."""
+        """The code of the first problem; ``rackmesh explain CODE`` explains it."""
         return self.diagnostics[0].code
 
     @property
     def message(self) -> str:
-        """What is wrong."""
+        """What is wrong, of the first problem."""
         return self.diagnostics[0].message
 
     @property
     def place(self) -> Place | None:
-        """Where, if it is in a file."""
+        """The place of the first problem, if it is in a file."""
         return self.diagnostics[0].place
 
     @property
     def remedy(self) -> str | None:
-        """What to do."""
+        """What to do about the first problem."""
         return self.diagnostics[0].remedy
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command says of a spec.
+    """The answer of a command about a spec.
 
     ``answer["verdict"]`` is a key of the result, ``answer.array("points_mm")`` a list of numbers as a numpy array. A notebook
-    shows the table and, where the command draws one, the picture ``svg``. ``table`` has the rows of ``sweep`` as Arrow data.
+    shows the tables and, if the command draws one, the picture ``svg``. ``table`` has the rows of ``sweep`` as Arrow data.
     """
 
     command: str
@@ -79,14 +79,14 @@ class Answer:
     table: Any = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The result: what the command writes with ``--format json``."""
+        """The result, as the command writes it with ``--format json``."""
         return self.result
 
     def __getitem__(self, key: str) -> Any:
         return self.result[key]
 
     def array(self, *keys: str) -> Any:
-        """What stands below these keys as a numpy array: numbers, or one array per column of records or of ``"table"``."""
+        """The value below these keys as a numpy array; of records or of ``"table"``, one array per column."""
         import numpy
 
         if keys == ("table",):
@@ -116,7 +116,7 @@ class Answer:
 
 
 def spec_again(text: str, name: str, settings: list[str]) -> Spec:
-    """The spec that was pickled."""
+    """Restores a pickled spec."""
     return Spec._again(text, name, settings)
 
 
@@ -130,7 +130,7 @@ def plan_again(
     partial: bool,
     threads: int,
 ) -> Plan:
-    """The plan that was pickled."""
+    """Restores a pickled plan."""
     return Plan(
         spec, columns=columns, stack=stack, rule=rule, model=model, ignore=ignore, partial=partial, threads=threads
     )

@@ -1,4 +1,4 @@
-//! Arrow arrays as stored columns, without copies where they are numbers, and results as a record batch. Knows no spec.
+//! Arrow arrays as stored columns, numbers without a copy, and results as a record batch.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema};
 use rackmesh::batch::{ColumnKind, ResultColumns, ResultValues};
 use rackmesh::table::Stored;
 
-/// Arrays of types that stored columns have: dictionaries and views as what they stand for.
+/// An array of a type that stored columns have: dictionaries and views are cast to their values.
 pub(crate) fn plain(array: &ArrayRef) -> Result<ArrayRef, ArrowError> {
     match array.data_type() {
         DataType::Dictionary(_, values) => plain(&cast(array, values)?),
@@ -26,7 +26,7 @@ pub(crate) fn plain(array: &ArrayRef) -> Result<ArrayRef, ArrowError> {
     }
 }
 
-/// A plain array as a stored column; `None` of a type that holds no measurement.
+/// A plain array as a stored column; `None` for a type that holds no measurement.
 pub(crate) fn stored(array: &ArrayRef) -> Option<Stored<'_>> {
     let column = match array.data_type() {
         DataType::Float64 => Stored::doubles(&array.as_primitive::<Float64Type>().values()[..]),
@@ -83,9 +83,9 @@ where
     Stored::integers(values.iter().map(|value| i64::from(*value)).collect::<Vec<_>>(), scale)
 }
 
-/// Texts that begin and end at these places of `all`, which may hold those of other rows, too.
+/// Texts that begin and end at these places of `all`, which may also hold the texts of other rows.
 fn texts_of<'a, O: Copy + TryInto<usize>>(all: &'a [u8], offsets: &[O]) -> Stored<'a> {
-    // offsets of an array are not negative
+    // offsets of an array are never negative
     let place = |offset: &O| (*offset).try_into().unwrap_or(0);
     let (first, last) = (offsets.first().map_or(0, place), offsets.last().map_or(0, place));
     Stored::texts(&all[first..last], offsets.iter().map(|offset| place(offset) - first).collect())

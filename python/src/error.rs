@@ -1,10 +1,10 @@
-//! Diagnostics as exceptions. Asked wherever the library refuses something.
+//! Diagnostics as exceptions. Called wherever the library refuses an input.
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use rackmesh::diagnostic::{Diagnostic, Diagnostics};
 
-/// The exception `rackmesh.RackmeshError` of these diagnostics.
+/// The exception `rackmesh.RackmeshError` for these diagnostics.
 pub(crate) fn raised(py: Python<'_>, diagnostics: &Diagnostics) -> PyErr {
     let raised = || {
         let all: Vec<_> = diagnostics.0.iter().map(|one| diagnostic(py, one)).collect::<PyResult<_>>()?;
@@ -16,7 +16,7 @@ pub(crate) fn raised(py: Python<'_>, diagnostics: &Diagnostics) -> PyErr {
     }
 }
 
-/// A `rackmesh.Diagnostic`.
+/// A diagnostic as a `rackmesh.Diagnostic`.
 pub(crate) fn diagnostic<'py>(py: Python<'py>, diagnostic: &Diagnostic) -> PyResult<Bound<'py, PyAny>> {
     let types = py.import("rackmesh._types")?;
     let place = diagnostic.place.as_ref().map(|place| {

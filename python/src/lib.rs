@@ -1,6 +1,6 @@
 //! rackmesh for Python: specs and their answers, and tables of parts as Arrow data.
 //!
-//! Each answer is that of a command; each table is judged by the batch of the library. Nothing here computes.
+//! Each answer is that of a command; each table is judged by the batch of the library. This crate computes nothing.
 
 mod arrow;
 mod error;
@@ -11,7 +11,7 @@ use std::ffi::OsString;
 
 use pyo3::prelude::*;
 
-/// Runs the command line with these arguments, the first of which is its name; the exit status.
+/// Runs the command line with these arguments, the first of which is its name; returns the exit status.
 #[pyfunction]
 fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| rackmesh::cli::run_with(arguments))

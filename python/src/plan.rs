@@ -20,7 +20,7 @@ use crate::arrow;
 use crate::error::raised;
 use crate::spec::Spec;
 
-/// What is asked of the parts, as `Plan` takes it.
+/// The arguments of `Plan`.
 #[derive(Debug, Clone)]
 struct Asked {
     columns: Option<Vec<String>>,
@@ -32,7 +32,7 @@ struct Asked {
     threads: usize,
 }
 
-/// Judges tables of parts: ΔCD of each error, the worst case, and the verdict.
+/// Judges tables of parts: the ΔCD of each error, the worst case, and the verdict.
 #[pyclass(frozen, module = "rackmesh")]
 pub(crate) struct Plan {
     spec: Py<Spec>,
@@ -40,7 +40,7 @@ pub(crate) struct Plan {
     evaluator: ColumnEvaluator,
 }
 
-/// Rows of a batch that are evaluated together.
+/// The number of rows of a batch that are evaluated together.
 const PIECE_ROWS: usize = 1 << 16;
 
 impl Asked {
@@ -74,7 +74,7 @@ impl Asked {
 enum NoResults {
     Refused(Diagnostics),
     Arrow(ArrowError),
-    /// What a signal raised in Python, such as `KeyboardInterrupt`.
+    /// The exception that a signal raises in Python, such as `KeyboardInterrupt`.
     Signal(PyErr),
 }
 
@@ -127,8 +127,8 @@ impl Plan {
         Ok(arrow::batch(&columns, results)?)
     }
 
-    /// Evaluates batches on as many threads as were asked for; results in their order. Between pieces Python's signals are
-    /// looked at, so that Ctrl-C ends the run.
+    /// Evaluates batches on the threads of the plan; results are in the order of the batches. Python's signals are checked
+    /// between pieces, so that Ctrl-C ends the run.
     fn evaluate_all(&self, batches: &[RecordBatch]) -> Result<Vec<RecordBatch>, NoResults> {
         let pieces: Vec<RecordBatch> = batches.iter().flat_map(pieces).collect();
         let workers = self.asked.threads.clamp(1, pieces.len().max(1));
@@ -193,7 +193,7 @@ impl Plan {
         Self::make(py, spec, Asked { columns, stack, rule, model, ignore, partial, threads })
     }
 
-    /// Judges the parts of a record batch or a table: as many rows as it has, in their order.
+    /// Judges the parts of a record batch or a table; the result has one row for each, in their order.
     fn evaluate<'py>(&self, py: Python<'py>, data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let (batches, schema, is_batch) = match data.extract::<AnyRecordBatch>()? {
             AnyRecordBatch::RecordBatch(batch) => {
@@ -220,7 +220,7 @@ impl Plan {
         like(py, data, table()?.into_pyobject(py)?.into_any(), "table")
     }
 
-    /// The schema of what `evaluate` gives for such data: a record batch, a table or a schema.
+    /// The schema of the results of `evaluate` for such data: a record batch, a table or a schema.
     fn schema<'py>(&self, py: Python<'py>, data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let schema = match data.extract::<PySchema>() {
             Ok(schema) => schema.into_inner(),
@@ -244,7 +244,7 @@ impl Plan {
     }
 }
 
-/// The pieces of a batch as one again.
+/// The pieces of a batch joined to one batch.
 fn joined(schema: &SchemaRef, batches: &[RecordBatch]) -> PyResult<RecordBatch> {
     match batches {
         [one] => Ok(one.clone()),
@@ -254,7 +254,7 @@ fn joined(schema: &SchemaRef, batches: &[RecordBatch]) -> PyResult<RecordBatch> 
     }
 }
 
-/// Results in the library that the data came from: pyarrow or polars; of others, an object with Arrow's C interface.
+/// Results as objects of the library of the data, pyarrow or polars; for other libraries, an object with Arrow's C interface.
 fn like<'py>(
     py: Python<'py>,
     data: &Bound<'py, PyAny>,

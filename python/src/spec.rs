@@ -1,4 +1,4 @@
-//! Specs, and what the commands say of them.
+//! Specs, and the answers of commands about them.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use serde_json::Value;
 use crate::arrow;
 use crate::error::{diagnostic, raised};
 
-/// A gear spec: TOML, with keys set in place of what the text says. Does not change; `set` gives another one.
+/// A gear spec: TOML text, and keys that are set in place of those of the text. It does not change; `set` returns another one.
 #[pyclass(frozen, module = "rackmesh")]
 #[derive(Debug, Clone)]
 pub(crate) struct Spec {
@@ -53,7 +53,7 @@ fn flags(options: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
     Ok(arguments)
 }
 
-/// A `rackmesh.Answer`: what a command says; `ask` asks it until it is told to stop.
+/// The answer of a command as a `rackmesh.Answer`; `ask` runs the command and stops when the flag is set.
 fn answered<'py>(
     py: Python<'py>,
     command: &str,
@@ -70,7 +70,7 @@ fn answered<'py>(
 }
 
 impl Spec {
-    /// What a command says of the spec.
+    /// The answer of a command about the spec.
     fn ask<'py>(
         &self,
         py: Python<'py>,
@@ -101,10 +101,10 @@ pub(crate) fn compare<'py>(
     answered(py, "compare", |stop| cli::compare(&arguments, held, stop))
 }
 
-/// Runs what looks at a flag from time to time, and sets it when Python has a signal such as Ctrl-C, which is raised in place
-/// of the result.
+/// Runs a call that checks a flag from time to time. The flag is set when Python has a signal such as Ctrl-C, whose exception is
+/// raised in place of the result.
 fn until_signal<T: Send>(run: impl FnOnce(&Arc<AtomicBool>) -> T + Send) -> PyResult<T> {
-    /// Between two looks at Python's signals.
+    /// The time between two checks of Python's signals.
     const INTERVAL: Duration = Duration::from_millis(50);
     let (stop, waiting) = (Arc::new(AtomicBool::new(false)), thread::current());
     thread::scope(|scope| {
@@ -126,21 +126,21 @@ fn until_signal<T: Send>(run: impl FnOnce(&Arc<AtomicBool>) -> T + Send) -> PyRe
     })
 }
 
-/// Strokes and ΔCD, each anything that yields numbers, as a table.
+/// Strokes and ΔCD, two iterables of numbers, as a table.
 fn trace(measured: &Bound<'_, PyAny>) -> PyResult<String> {
     let column = |at: usize| -> PyResult<Vec<f64>> {
         measured.get_item(at)?.try_iter()?.map(|number| number?.extract()).collect()
     };
     let (strokes, delta_cd) = (column(0)?, column(1)?);
     if measured.len()? != 2 || strokes.len() != delta_cd.len() {
-        let message = "measured is the path of a table, or (strokes, ΔCD) of the same length, in mm";
+        let message = "measured must be the path of a table, or (strokes, ΔCD) of the same length, in mm";
         return Err(PyValueError::new_err(message));
     }
     let rows = strokes.iter().zip(&delta_cd).map(|(stroke, delta_cd)| format!("{stroke},{delta_cd}\n"));
     Ok(std::iter::once("stroke,delta_cd\n".to_owned()).chain(rows).collect())
 }
 
-/// A stroke as a command takes it.
+/// A range of strokes as arguments of a command.
 fn stroke(from_mm: Option<f64>, to_mm: Option<f64>) -> Vec<String> {
     let from = from_mm.map(|from_mm| format!("--from={from_mm}"));
     from.into_iter().chain(to_mm.map(|to_mm| format!("--to={to_mm}"))).collect()
@@ -148,7 +148,7 @@ fn stroke(from_mm: Option<f64>, to_mm: Option<f64>) -> Vec<String> {
 
 #[pymethods]
 impl Spec {
-    /// A spec from its text; messages call it `name`, and the tables that it names are beside that.
+    /// A spec from its text. Messages call it `name`; paths of tables in it are relative to the folder of `name`.
     #[classmethod]
     #[pyo3(signature = (text, name = "spec.toml"))]
     fn from_toml(class: &Bound<'_, PyType>, text: String, name: &str) -> PyResult<Self> {
@@ -163,7 +163,7 @@ impl Spec {
         Self::checked(class.py(), HeldSpec { name: path.display().to_string(), text }, Vec::new())
     }
 
-    /// The same spec with a key set, in place of what the text says.
+    /// The same spec with a key set, in place of that of the text.
     fn set(&self, py: Python<'_>, key: &str, value: &Bound<'_, PyAny>) -> PyResult<Self> {
         let value = if value.is_instance_of::<PyBool>() {
             value.extract::<bool>()?.to_string()
@@ -177,13 +177,13 @@ impl Spec {
         Self::checked(py, self.held.clone(), settings)
     }
 
-    /// Its text.
+    /// The TOML text.
     #[getter]
     fn text(&self) -> &str {
         &self.held.text
     }
 
-    /// What messages call it.
+    /// The name of the spec in messages.
     #[getter]
     fn name(&self) -> &str {
         &self.held.name
@@ -247,8 +247,8 @@ impl Spec {
         self.ask(py, "budget", Vec::new(), options, None)
     }
 
-    /// What a command says of every design: `rackmesh sweep`. `over` has the values of each key, a list or as the option has
-    /// them; `arguments` are those of the command that is asked.
+    /// The answer of a command about every design: `rackmesh sweep`. `over` has the values of each key, as a list or as a text
+    /// such as "18..25:0.5"; `arguments` are those of the command.
     #[pyo3(signature = (over, of = "eval", *, columns = None, arguments = None, **options))]
     fn sweep<'py>(
         &self,
@@ -281,7 +281,7 @@ impl Spec {
         Ok((again, arguments).into_pyobject(slf.py())?.into_any())
     }
 
-    /// The same spec from its parts.
+    /// A pickled spec from its parts.
     #[classmethod]
     fn _again(class: &Bound<'_, PyType>, text: String, name: String, settings: Vec<String>) -> PyResult<Self> {
         Self::checked(class.py(), HeldSpec { name, text }, settings)
