@@ -161,8 +161,8 @@ pub(super) fn why_ends_differ(
     }
     let differs = |sum: f64, end: Length| (sum - end.mm()).abs() >= SEEN_MM;
     (differs(lower, combined.lower) || differs(upper, combined.upper)).then(|| {
-        "the worst case is not the sum of the errors' own: where one error lifts a tooth out of contact, what another one \
-         lowers counts in full, and not every error lifts at the same stroke"
+        "the worst case is not the sum of the errors' own ranges: an error that lifts a tooth out of contact lets another \
+         one lower ΔCD in full, and not all errors raise ΔCD at the same stroke"
             .to_owned()
     })
 }
