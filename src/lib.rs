@@ -1,8 +1,8 @@
 //! How far manufacturing errors move the operating centre distance (ΔCD) of a rack and pinion.
 //!
-//! A steering rack and its pinion are measured: the measure over a roller, pitches, the lead of the
-//! teeth, radial measures and pitches of the pinion. rackmesh predicts how far the pinion's axis moves
-//! away from the rack, without backlash, because of what was found.
+//! A steering rack and its pinion are measured: the measure over a roller, the pitches and the lead of the
+//! rack, the radial measures, the pitches and the lead of the pinion. From the deviations rackmesh predicts how
+//! far the pinion's axis moves away from the rack, without backlash.
 //!
 //! # The map
 //! Data flows one way:
@@ -11,18 +11,18 @@
 //! |---|---|
 //! | [`quantity`] | lengths and angles on a grid finer than any measurement; domains and their errors |
 //! | [`trig`] | the only place that computes sines, the same bits everywhere |
-//! | [`deviation`] | what is wrong with a part |
+//! | [`deviation`] | the deviations of a part |
 //! | [`formula`] | ΔCD of one error: a law for each, with its inverse and sensitivities |
 //! | [`standard`] | accuracy grades: permissible deviations by standard and edition |
 //! | [`gear`] | the nominal pair, valid by construction |
 //! | [`mesh`] | ΔCD along the stroke: the exact zero-backlash mesh of every tooth's own deviations |
 //! | [`multibody`] | elastic contact simulated: equilibrium along the stroke, motion in time |
-//! | [`reproduction`] | the paper's tables and figure, computed again |
+//! | [`reproduction`] | the paper's tables and figure, recomputed |
 //! | [`statistics`] | distribution functions, quantiles, capability |
-//! | [`judge`] | bounds of ΔCD for errors with extents, how they add up, limits, decision rules, classes and grades |
+//! | [`judge`] | bounds of ΔCD for errors with extents, their combination, limits, decision rules, classes and grades |
 //! | [`uncertainty`] | from the uncertainties of inputs to that of ΔCD |
 //! | [`evaluation`] | the errors of a part, judged |
-//! | [`function`] | what the curve means for the yoke's play, its setting, the pinion's torque and lift-off |
+//! | [`function`] | the yoke's play and its setting, the pinion's torque and lift-off, from the curve |
 //! | [`chance`] | random parts and random racks |
 //! | [`budget`] | the largest tolerances that a limit leaves |
 #![cfg_attr(feature = "spec", doc = "| [`spec`] | the gear spec: TOML as written, and what it means |")]
@@ -76,7 +76,7 @@ assert_eq!(spec.part_deviations()?.len(), 1);
 #[doc = include_str!("../README.md")]
 mod readme {}
 
-/// Writes a value as its name.
+/// Implements `Display` with the name of a value.
 macro_rules! display_by_name {
     ($type:ty) => {
         impl std::fmt::Display for $type {
@@ -87,7 +87,7 @@ macro_rules! display_by_name {
     };
 }
 
-/// An enum of which every variant has a name.
+/// Declares an enum whose variants have names.
 macro_rules! named {
     (
         $(#[$of_type:meta])*
@@ -101,7 +101,7 @@ macro_rules! named {
         }
 
         impl $type {
-            /// Every one.
+            /// Every variant.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$variant),+];
 
             #[doc = concat!("Its name" $(, " `", $name, "`")+, ".")]
@@ -145,7 +145,7 @@ pub mod statistics;
 #[cfg(feature = "table")]
 #[cfg_attr(
     not(feature = "cli"),
-    allow(dead_code, unused_imports, reason = "some of it is asked for by batches and the command line only")
+    allow(dead_code, unused_imports, reason = "only batches and the command line use some of it")
 )]
 pub mod table;
 pub mod trace;

@@ -49,13 +49,15 @@ impl Uncertainty {
         Self { standard: u, distribution: Distribution::Normal, dof: f64::INFINITY, is_dof_stated: true }
     }
 
-    /// The uncertainty from an expanded uncertainty U = k u.
+    /// The standard uncertainty u = U / k from an expanded uncertainty U and its coverage factor k, above 0 (JCGM 100:2008,
+    /// clause 4.3.3).
     #[must_use]
     pub fn expanded(expanded: f64, k: f64) -> Self {
         Self::standard(expanded / k)
     }
 
-    /// The uncertainty from a half-width and its distribution.
+    /// The standard uncertainty u from a half-width a and its distribution: a / 2 (normal), a / √3 (rectangular), a / √6
+    /// (triangular) or a / √2 (arcsine) (JCGM 100:2008, clause 4.3.7).
     #[must_use]
     pub fn half_width(half_width: f64, distribution: Distribution) -> Self {
         Self { distribution, ..Self::standard(half_width / distribution.half_width()) }
