@@ -50,10 +50,10 @@ impl Axis {
         if let Some((from, to, step)) = range(values) {
             let measures: Vec<_> = [Some(from), Some(to), step].into_iter().flatten().collect();
             let unit =
-                shared_unit(&measures).ok_or_else(|| refused("the numbers of a range have one unit"))?.to_owned();
+                shared_unit(&measures).ok_or_else(|| refused("the numbers of a range must have one unit"))?.to_owned();
             let step = step.map(|step| step.0).or_else(|| is_whole(&key).then_some(1.0));
             if from.0 > to.0 || step.is_some_and(|step| step <= 0.0) {
-                return Err(refused("a range runs upwards, with a step above 0"));
+                return Err(refused("a range must rise, with a step above 0"));
             }
             return Ok(Self { key, unit, values: Values::Range { from: from.0, to: to.0, step } });
         }

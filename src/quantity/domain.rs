@@ -53,7 +53,7 @@ pub enum DomainError {
         largest: Length,
     },
     /// An angle where the formula takes a length, or a length where it takes an angle.
-    #[error("{value} is no value of a {error} error")]
+    #[error("{value} has the wrong dimension for a {error} error")]
     WrongDimension {
         /// The error's name.
         error: &'static str,
