@@ -19,7 +19,7 @@ fn eval(spec: &str) -> Option<Value> {
 }
 
 /// What stands for keys of the gear that a spec leaves out.
-const DEFAULTS: [&str; 4] = [
+const DEFAULTS: [&str; 5] = [
     "β_r, β_p and x are 0 where they are not given",
     "the rack cannot roll",
     "teeth have their nominal thickness where none is given",
