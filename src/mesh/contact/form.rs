@@ -135,6 +135,8 @@ struct Peak {
     surfaces: [Polynomial; 3],
     /// The surface that asks for the least there; of two that cross, the first.
     least: usize,
+    /// What the end of the generator that is farther away asks for; nothing where all of it asks for the same.
+    rival: f64,
 }
 
 impl FlankContact {
@@ -187,12 +189,12 @@ impl FlankContact {
     fn peak(&self, on: &OnGenerator<'_>) -> Peak {
         let OnGenerator { form, pose, at, lines, lo, hi } = on;
         let surfaces = self.surfaces(form, &self.along(form, pose, at, lines));
-        let demand = |w: f64| surfaces.iter().map(|surface| surface.at(w)).fold(f64::INFINITY, f64::min);
+        let asked = |w: f64| surfaces.iter().map(|surface| surface.at(w)).fold(f64::INFINITY, f64::min);
         // if no point asks for more than the middle by more than rounding, take the middle: flanks without crowning touch along a line
         let middle = lo.w + 0.5 * (hi.w - lo.w);
         let tie = DEMAND * self.scale;
-        let at_middle = demand(middle);
-        let level = [lo.w, hi.w].into_iter().all(|w| (demand(w) - at_middle).abs() <= tie);
+        let at_middle = asked(middle);
+        let level = [lo.w, hi.w].into_iter().all(|w| (asked(w) - at_middle).abs() <= tie);
         let least = |w: f64| {
             let demands = surfaces.map(|surface| surface.at(w));
             (0..SURFACES.len()).min_by(|&i, &j| demands[i].total_cmp(&demands[j])).unwrap_or(0)
@@ -200,16 +202,16 @@ impl FlankContact {
         let mut best = if hi.w - lo.w <= SMALLEST * self.half_face {
             // at a vertex the bound that counts is the one towards which the demand rises
             if surfaces[least(middle)].slope_at(middle) > 0.0 {
-                (demand(hi.w), hi.w, PeakHeldBy::High)
+                (asked(hi.w), hi.w, PeakHeldBy::High)
             } else {
-                (demand(lo.w), lo.w, PeakHeldBy::Low)
+                (asked(lo.w), lo.w, PeakHeldBy::Low)
             }
         } else {
             (at_middle, middle, if level { PeakHeldBy::Level } else { PeakHeldBy::Top })
         };
         let mut consider = |w: f64, held: PeakHeldBy| {
             if w >= lo.w && w <= hi.w {
-                let value = demand(w);
+                let value = asked(w);
                 if value > best.0 + tie {
                     best = (value, w, held);
                 }
@@ -228,7 +230,11 @@ impl FlankContact {
         }
         let (demand, w, held) = best;
         let least = if let PeakHeldBy::Crossing(first, _) = held { first } else { least(w) };
-        Peak { demand, w, held, surfaces, least }
+        let rival = match held {
+            PeakHeldBy::Level => f64::NEG_INFINITY,
+            _ => asked(if w > middle { lo.w } else { hi.w }),
+        };
+        Peak { demand, w, held, surfaces, least, rival }
     }
 
     /// How the largest demand on a generator changes with the rates of its place and of its ends.
@@ -266,6 +272,7 @@ impl FlankContact {
                 PeakHeldBy::Top | PeakHeldBy::Crossing(..) => ContactKind::Point,
             },
             surface: SURFACES[peak.least],
+            rival: peak.rival,
         }
     }
 

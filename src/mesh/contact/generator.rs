@@ -7,8 +7,8 @@ use crate::trig;
 /// The demand of one generator.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Generator {
-    /// The generator has points over the rack tooth.
-    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, surface: Surface },
+    /// The generator has points over the rack tooth. With form, `rival` is what the end of it that is farther away asks for.
+    Some { demand: f64, slope: f64, rate: f64, w: f64, kind: ContactKind, surface: Surface, rival: f64 },
     /// The generator has no such points: the bounds on w miss each other by `gap` < 0, which changes with δ by `slope` and with
     /// c by `rate`.
     None { gap: f64, slope: f64, rate: f64 },
@@ -187,6 +187,7 @@ impl FlankContact {
             w: bound.w,
             kind: bound.kind,
             surface,
+            rival: f64::NEG_INFINITY,
         };
         let (demand, line, surface) = at_bound(&hi);
         if line.q >= 0.0 {
@@ -208,6 +209,7 @@ impl FlankContact {
             w,
             kind: ContactKind::RackEdge,
             surface: Surface::Flank,
+            rival: f64::NEG_INFINITY,
         }
     }
 }

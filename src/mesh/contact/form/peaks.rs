@@ -27,6 +27,9 @@ const BESIDE: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.03];
 /// Places on neighbouring generators that are this share of half the face apart may be those of two peaks, one at each end.
 const FAR: f64 = 0.1;
 
+/// Between two generators the other end may ask for more by this share of r_b / sin ν and of their distance's square.
+const BEND: f64 = 0.125;
+
 /// Peaks of a flank that are kept for the next position.
 const KEPT: usize = 3;
 
@@ -143,7 +146,7 @@ impl FlankContact {
                     let cells = row.windows(2).map(|ends| (ends[0], ends[1], depth + 1));
                     between.extend(cells.filter(|(low, high, _)| !(low.x < peak && peak < high.x)));
                 }
-            } else if depth < DIVISIONS && low.hides(&high, floor, FAR * self.half_face) {
+            } else if depth < DIVISIONS && low.hides(&high, floor, FAR * self.half_face, BEND * self.scale) {
                 let middle = sample(low.x + 0.5 * (high.x - low.x));
                 between.extend([(low, middle, depth + 1), (middle, high, depth + 1)]);
             }
@@ -186,18 +189,20 @@ impl Sample {
 
     /// Whether a peak higher than `floor` may lie between this generator and the next one though none shows: where
     /// another edge or surface takes over, or the flank begins or ends, or where the tangents do not bound what lies
-    /// between as those of a concave function do.
-    fn hides(&self, next: &Self, floor: f64, far: f64) -> bool {
+    /// between as those of a concave function do, or where the other end of a generator asks for almost as much.
+    fn hides(&self, next: &Self, floor: f64, far: f64, bend: f64) -> bool {
         let width = next.x - self.x;
         match (self.generator, next.generator) {
             (
-                Generator::Some { demand: here, slope: before, w, .. },
-                Generator::Some { demand: there, slope: after, w: next_w, .. },
+                Generator::Some { demand: here, slope: before, w, rival, .. },
+                Generator::Some { demand: there, slope: after, w: next_w, rival: next_rival, .. },
             ) => {
                 let is_one = self.is_as(next) && (next_w - w).abs() <= far;
                 let mean = (there - here) / width;
                 let steepest = before.abs().max(after.abs());
-                here.max(there) + steepest * width > floor && !(is_one && before >= mean && mean >= after)
+                let less = (here - rival).min(there - next_rival);
+                let is_concave = is_one && before >= mean && mean >= after && less > bend * width * width;
+                here.max(there) + steepest * width > floor && !is_concave
             }
             (Generator::None { .. }, Generator::None { .. }) => false,
             _ => true,

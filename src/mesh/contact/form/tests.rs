@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::super::Touch;
 use super::*;
 use crate::deviation::{PinionFlanks, PinionForm, RackDeviation, RackDeviationKind, RackFlanks, RackForm, ToothRange};
-use crate::gear::{Pair, PairData, RackData, example};
+use crate::gear::{Pair, PairData, PinionData, RackData, example};
 use crate::mesh::contact::tests::{
     NO_FLOOR, Random, compare_rates, looks, off_axis, pair, positions, said::compare_roll_rates, scanned,
 };
@@ -94,7 +94,7 @@ fn the_highest_of_all_peaks_is_found() {
         assert!((touch.demand - best).abs() < allowed, "{best} {touch:?}\n{contact:?}\n{pose:?}");
     });
     println!("{some} touch, {none} do not, difference {worst:e}; {count} generators");
-    assert!(some > 4000 && none > 300 && count <= 293_500, "{count}");
+    assert!(some > 4000 && none > 300 && count <= 304_000, "{count}");
 }
 
 /// How much more the highest of many generators asks for than the one that is found.
@@ -123,6 +123,39 @@ fn peaks_beside_others_are_found() {
             assert!(below < 1e-9, "{made:?} {below:e}\n{contact:?}\n{pose:?}");
         });
     }
+}
+
+/// Where a peak at one end of the generators lies between two places at their other end it is found too, whatever was solved
+/// before: a curve is then as smooth as the flanks are.
+#[test]
+fn peaks_at_the_other_end_of_the_generators_are_found() {
+    let data = PairData {
+        normal_module_mm: 3.0,
+        normal_pressure_angle_rad: 20_f64.to_radians(),
+        rack: RackData {
+            helix_angle_rad: -10_f64.to_radians(),
+            face_width_mm: 20.0,
+            addendum_mm: 1.8,
+            tooth_thickness_mm: None,
+        },
+        pinion: PinionData {
+            teeth: 5,
+            helix_angle_rad: -10_f64.to_radians(),
+            profile_shift: 0.5,
+            tip_diameter_mm: 23.3314,
+            root_form_diameter_mm: None,
+            face_width_mm: 26.0,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    };
+    let pair = Pair::new(&data).expect("a valid pair");
+    let form = RackForm { crowning_mm: 0.0, tip_relief_mm: 0.01, tip_relief_start_mm: 0.72 };
+    let rack = RackFlanks::nominal(&pair).with_form(&pair, form).expect("small");
+    let slope = PinionForm { crowning_mm: 0.0, profile_slope_mm: -0.01 };
+    let pinion = PinionFlanks::nominal(&pair).with_form(slope).expect("small");
+    let mesh = Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: 8.0 }).expect("teeth in order");
+    let curve = mesh.curve(0.0, pair.rack().pitch_mm, 1e-5).expect("a mesh");
+    assert!(curve.resolved && curve.solved < 800, "{}", curve.solved);
 }
 
 /// `RACKMESH_LONG_TESTS=1` counts among very many: now and then a peak does not show.
