@@ -8,6 +8,7 @@ use super::encoding::text;
 use super::ledger::{Tally, join};
 use super::reading::{AsideReading, Reading};
 use crate::deviation::{DeviationValue, DeviationValues};
+use crate::diagnostic::{Code, Diagnostic};
 
 /// A range of bytes in a block's text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,6 +67,14 @@ pub struct Contradiction {
     pub message: String,
     /// What to do.
     pub help: &'static str,
+}
+
+impl Contradiction {
+    /// The same of a table of that name, where it is all that is read.
+    pub(crate) fn of(&self, name: &str) -> Diagnostic {
+        let message = format!("{name}, line {}: {}", self.line, self.message);
+        Diagnostic::error(Code::BadTable, message).help(self.help)
+    }
 }
 
 /// Some rows of a table.

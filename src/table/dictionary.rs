@@ -25,6 +25,20 @@ pub(crate) enum Role {
     Of(Beside),
 }
 
+impl Role {
+    /// Whether a contract that names it means tables of that form.
+    pub(crate) fn is_of(self, form: Form) -> bool {
+        match self {
+            Self::PartId | Self::Status => form != Form::Trace,
+            Self::Index(_) => matches!(form, Form::Parts | Form::Teeth),
+            Self::Of(_) => form == Form::Characteristics,
+            Self::Value(field) | Self::Beside(field, _) => {
+                form != Form::Characteristics && field.is_of_trace() == (form == Form::Trace)
+            }
+        }
+    }
+}
+
 /// What a heading means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Meaning {

@@ -171,34 +171,26 @@ pub(crate) enum Beside {
 }
 
 impl Beside {
+    /// Each with the key by which a contract names it, in their order.
+    const KEYS: [(Self, &'static str); 9] = [
+        (Self::Deviation, "deviation"),
+        (Self::Nominal, "nominal"),
+        (Self::Upper, "upper"),
+        (Self::Lower, "lower"),
+        (Self::Uncertainty, "uncertainty"),
+        (Self::Unit, "unit"),
+        (Self::Length, "length"),
+        (Self::Measured, "actual"),
+        (Self::Name, "name"),
+    ];
+
     /// The key by which a contract names it.
     pub(crate) const fn key(self) -> &'static str {
-        match self {
-            Self::Deviation => "deviation",
-            Self::Nominal => "nominal",
-            Self::Upper => "upper",
-            Self::Lower => "lower",
-            Self::Uncertainty => "uncertainty",
-            Self::Unit => "unit",
-            Self::Length => "length",
-            Self::Measured => "actual",
-            Self::Name => "name",
-        }
+        Self::KEYS[self as usize].1
     }
 
     /// What the key names.
     pub(crate) fn of_key(key: &str) -> Option<Self> {
-        const ALL: [Beside; 9] = [
-            Beside::Deviation,
-            Beside::Nominal,
-            Beside::Upper,
-            Beside::Lower,
-            Beside::Uncertainty,
-            Beside::Unit,
-            Beside::Length,
-            Beside::Measured,
-            Beside::Name,
-        ];
-        ALL.into_iter().find(|role| role.key() == key)
+        Self::KEYS.into_iter().find(|(_, own)| *own == key).map(|(beside, _)| beside)
     }
 }

@@ -233,39 +233,15 @@ impl Layout {
     /// The role that the contract gives to a heading. The contract may name it with its unit or without.
     pub(crate) fn declared(&self, title: &str, name: &str, form: Form) -> Option<Role> {
         let is_called = |declared: &str| is_same(declared, title) || is_same(declared, name);
-        let is_trace = form == Form::Trace;
-        if matches!(&self.part_id, Some(PartNames::Column(declared)) if !is_trace && is_called(declared)) {
-            return Some(Role::PartId);
-        }
-        if !is_trace && self.status.as_ref().is_some_and(|status| is_called(&status.name)) {
-            return Some(Role::Status);
-        }
-        if form == Form::Teeth
-            && let Some((index, _)) = self.index.as_ref().filter(|(_, name)| is_called(name))
-        {
-            return Some(Role::Index(*index));
-        }
-        if form == Form::Characteristics {
-            return self.of_characteristics.iter().find(|(_, name)| is_called(name)).map(|(of, _)| Role::Of(*of));
-        }
-        let mut of_form = self.columns.iter().filter(|column| column.field.is_of_trace() == is_trace);
-        of_form.find_map(|column| {
-            let own = column.name.as_deref().filter(|name| is_called(name)).map(|_| Role::Value(column.field));
-            let beside = || column.beside.iter().find(|(_, name)| is_called(name));
-            own.or_else(|| beside().map(|(beside, _)| Role::Beside(column.field, *beside)))
-        })
+        let is_of = |role: Role| role.is_of(form) && (form == Form::Teeth || !matches!(role, Role::Index(_)));
+        self.promised().find(|(role, name)| is_of(*role) && is_called(name)).map(|(role, _)| role)
     }
 
     /// Whether the contract names the heading of a role. Then the dictionary finds no other one.
     pub(crate) fn names(&self, role: Role) -> bool {
-        match role {
-            Role::PartId => matches!(self.part_id, Some(PartNames::Column(_))),
-            Role::Value(field) => self.columns.iter().any(|column| column.field == field && column.name.is_some()),
-            Role::Status => self.status.is_some(),
-            Role::Index(_) => self.index.is_some(),
-            Role::Beside(..) => false,
-            Role::Of(of) => self.of_characteristics.iter().any(|(other, _)| *other == of),
-        }
+        let is_index = |role: Role| matches!(role, Role::Index(_));
+        let is_it = |own: Role| own == role || is_index(own) && is_index(role);
+        !matches!(role, Role::Beside(..)) && self.promised().any(|(own, _)| is_it(own))
     }
 
     /// The headings that the contract names and a table must have.

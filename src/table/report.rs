@@ -2,33 +2,26 @@
 //! to. A report is recognised by marks of its format. Called by [`text`](super::text).
 
 use super::cell::{Cell, Record};
-use super::contract::{Open, line_of};
+use super::contract::{File, Open, line_of};
 use super::field::Beside as Role;
 use super::grid::separated;
 use super::layout::{Layout, Parts};
-use super::ledger::Tally;
 use crate::quantity::Decimal;
 
 /// A report as a table with a row per characteristic.
-pub(crate) struct Report {
-    pub(crate) format: &'static str,
+pub(crate) struct Report<'n> {
+    pub(crate) file: File<'n>,
     pub(crate) records: Vec<Record>,
     /// The contract with the meaning of the format's columns.
     pub(crate) layout: Layout,
-    /// What the format writes besides values.
-    pub(crate) said: Tally,
-    /// What rules left out, by the number of the rule.
-    pub(crate) left_out: Vec<(usize, u64, String)>,
-    /// What neither the format nor a rule owns.
-    pub(crate) open: Vec<Open>,
 }
 
 /// Reads a text as a report; `None` if it is none.
-pub(crate) fn report(text: &str, layout: &Layout) -> Option<Report> {
+pub(crate) fn report<'n>(name: &'n str, text: &str, layout: &'n Layout) -> Option<Report<'n>> {
     if is_calypso(text) {
-        return Some(calypso(text, layout));
+        return Some(calypso(name, text, layout));
     }
-    is_pcdmis(text).then(|| pcdmis(text, layout))
+    is_pcdmis(text).then(|| pcdmis(name, text, layout))
 }
 
 /// Whether a text is such a report, by its start.
@@ -71,13 +64,13 @@ fn is_calypso(text: &str) -> bool {
     text.lines().find(|line| !line.trim().is_empty()).is_some_and(|line| line.starts_with("planid\tpartnb\tid\t"))
 }
 
-fn calypso(text: &str, layout: &Layout) -> Report {
+fn calypso<'n>(name: &'n str, text: &str, layout: &Layout) -> Report<'n> {
     let mut records = separated(text.as_bytes(), b'\t', true, 0).0;
-    let mut said = Tally::default();
+    let mut file = File::new(name, "Calypso");
     records.retain(|record| {
         let is_end = line_of(record) == "END";
         if is_end {
-            said.add(record.line, 0, "END");
+            file.said.add(record.line, 0, "END");
         }
         !is_end
     });
@@ -93,7 +86,7 @@ fn calypso(text: &str, layout: &Layout) -> Report {
         of_format: own,
         ..layout.with_part_column("partnb")
     };
-    Report { format: "Calypso", records, layout, said, left_out: Vec::new(), open: Vec::new() }
+    Report { file, records, layout }
 }
 
 /// The columns of a PC-DMIS report's axes that are read, and what they are.
@@ -137,7 +130,7 @@ fn stated_unit(line: &str) -> Option<String> {
 /// The reader of a PC-DMIS report.
 struct Pcdmis<'l> {
     layout: &'l Layout,
-    report: Report,
+    report: Report<'l>,
     /// The name of the part, and whether it is its serial number.
     part: Option<(String, bool)>,
     dimension: String,
@@ -147,7 +140,7 @@ struct Pcdmis<'l> {
     axes: Vec<(String, Record)>,
 }
 
-fn pcdmis(text: &str, layout: &Layout) -> Report {
+fn pcdmis<'n>(name: &'n str, text: &str, layout: &'n Layout) -> Report<'n> {
     let mut roles: Vec<(Role, String)> = PCDMIS_ROLES.iter().map(|(name, role)| (*role, (*name).to_owned())).collect();
     roles.extend([(Role::Name, "DIM".to_owned()), (Role::Unit, "UNITS".to_owned())]);
     let own = Layout {
@@ -155,14 +148,7 @@ fn pcdmis(text: &str, layout: &Layout) -> Report {
         of_characteristics: roles,
         ..layout.with_part_column("SER NUMBER")
     };
-    let report = Report {
-        format: "PC-DMIS",
-        records: Vec::new(),
-        layout: own,
-        said: Tally::default(),
-        left_out: Vec::new(),
-        open: Vec::new(),
-    };
+    let report = Report { file: File::new(name, "PC-DMIS"), records: Vec::new(), layout: own };
     let (dimension, unit, columns) = (String::new(), String::new(), Vec::new());
     let mut reader = Pcdmis { layout, report, part: None, dimension, unit, columns, axes: Vec::new() };
     for (line, number) in text.lines().zip(1..) {
@@ -214,15 +200,15 @@ impl Pcdmis<'_> {
         match self.layout.covering(&record) {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
-                self.report.left_out.push((rule, 0, format!("line {number}: {line}")));
+                self.report.file.left_out.push((rule, 0, format!("line {number}: {line}")));
             }
-            None => self.report.open.push(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
+            None => self.report.file.open.push(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
         }
     }
 
     /// Counts a text that the format owns.
     fn own(&mut self, text: &str, number: u64) {
-        self.report.said.add(number, 0, text);
+        self.report.file.said.add(number, 0, text);
     }
 
     /// Reads a line of the head, such as `SER NUMBER : 0417`. Returns whether it is one.
@@ -255,8 +241,8 @@ impl Pcdmis<'_> {
         for (place, word) in words.iter().enumerate().filter(|(_, word)| !is_known(word)) {
             let first = vec![format!("line {number}")];
             let open = Open::Column { place: place + 1, title: (*word).to_owned(), first, may_decide: false };
-            if !self.report.open.contains(&open) {
-                self.report.open.push(open);
+            if !self.report.file.open.contains(&open) {
+                self.report.file.open.push(open);
             }
         }
     }
@@ -273,7 +259,11 @@ impl Pcdmis<'_> {
         }
         if numbers.len() < self.columns.len() {
             let what = format!("line {number}: {} values below {} headings", numbers.len(), self.columns.len());
-            return self.report.open.push(Open::Wrong { what, help: "write a value below each heading".to_owned() });
+            return self
+                .report
+                .file
+                .open
+                .push(Open::Wrong { what, help: "write a value below each heading".to_owned() });
         }
         let cell = |text: &str| Cell::of_text(text, 0..0);
         let part = self.part.as_ref().map(|(name, _)| name.as_str()).unwrap_or_default();
@@ -285,7 +275,7 @@ impl Pcdmis<'_> {
         for (place, text) in numbers.iter().enumerate() {
             match self.columns.get(place) {
                 Some(column) if PCDMIS_COLUMNS.contains(&column.as_str()) => {
-                    self.report.said.add(number, place + 1, text);
+                    self.report.file.said.add(number, place + 1, text);
                 }
                 Some(_) => {}
                 None => cells.push(cell(text)),
@@ -301,7 +291,7 @@ impl Pcdmis<'_> {
         for (axis, mut record) in axes {
             let name = if is_one { self.dimension.clone() } else { format!("{} {axis}", self.dimension) };
             if is_one {
-                self.report.said.add(record.line, 0, &axis);
+                self.report.file.said.add(record.line, 0, &axis);
             }
             record.cells[1] = Cell::of_text(&name, 0..0);
             self.report.records.push(record);
@@ -334,7 +324,8 @@ mod tests {
                     AX NOMINAL +TOL -TOL MEAS MAX DEV OUTTOL\nM 1 2 3 4 5 6 7 ---->---\nDIM B= LOCATION UNITS=MM\n\
                     AX NOMINAL MEAS DEV\nX 1 2 3\nY 4 5 6\nEND OF DIMENSION B\nPART NAME:RACK\nSER NUMBER   :\n\
                     DIM A= UNITS=MM\nAX MEAS\nM 7 8\n";
-        let report = report(text, &Layout::default()).unwrap();
+        let layout = Layout::default();
+        let report = report("lot", text, &layout).unwrap();
         let lines: Vec<String> = report.records.iter().map(line_of).collect();
         assert_eq!(
             lines,
@@ -346,6 +337,6 @@ mod tests {
                 "RACK;A;mm;;;;7;;8"
             ]
         );
-        assert!(report.open.is_empty(), "{:?}", report.open);
+        assert!(report.file.open.is_empty(), "{:?}", report.file.open);
     }
 }

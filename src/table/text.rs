@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::Table;
 use super::account::Unclosed;
 use super::chunk::{Chunker, LONGEST_RECORD};
-use super::contract::{File, of_records};
+use super::contract::of_records;
 use super::encoding::{Encoding, owned_text, recoded, text};
 use super::pieces::Place;
 use super::report::{Report, is_report, report};
@@ -101,18 +101,26 @@ impl Text {
         Ok(())
     }
 
+    /// All bytes, of a table that is read as a whole.
+    fn all(&mut self) -> Result<Vec<u8>, Diagnostic> {
+        let (bytes, is_all) = self.start(LARGEST_WHOLE)?;
+        if !is_all {
+            let message =
+                format!("{} is larger than {} MiB, and its parts are not in rows", self.name, LARGEST_WHOLE >> 20);
+            return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));
+        }
+        self.refuse_long_lines(&bytes)?;
+        Ok(bytes)
+    }
+
     /// The table of a report that a measuring program wrote.
     fn report(mut self, want: &Want) -> Result<Table, Unclosed> {
         let layout = want.contract();
-        let (bytes, is_all) = self.start(LARGEST_WHOLE)?;
-        self.refuse_long_lines(&bytes)?;
-        let Some(report) = report(&text(&bytes), &layout).filter(|_| is_all) else {
-            let message =
-                format!("{} is larger than {} MiB, and its parts are not in rows", self.name, LARGEST_WHOLE >> 20);
-            return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part").into());
+        let bytes = self.all()?;
+        let bytes = text(&bytes);
+        let Some(Report { file, records, layout }) = report(&self.name, &bytes, &layout) else {
+            return self.by_contract(&layout, want);
         };
-        let Report { format, records, layout, said, left_out, open } = report;
-        let file = File { open, left_out, said, ..File::new(&self.name, format) };
         let mut table = of_records(&file, records, std::iter::empty(), &Arc::new(layout), want)?;
         table.reading.header_line = None;
         table.place = Place::Line;

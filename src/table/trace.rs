@@ -41,7 +41,7 @@ impl Trace {
         let mut trace = Self { name: name.clone(), reading, ..Self::default() };
         for block in &blocks {
             if let Some(found) = &block.contradiction {
-                return Err(bad(format!("{name}, line {}: {}", found.line, found.message)).help(found.help).into());
+                return Err(found.of(&name).into());
             }
             let wrong = block.faults().iter().find(|fault| !fault.is_missing);
             if let Some(fault) = wrong {

@@ -3,7 +3,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
-use crate::table::account::{Proposal, Unclosed};
+use crate::table::account::Unclosed;
 use crate::table::cell::{Cell, Content, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::OwnRule;
@@ -30,10 +30,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     let sheet = match filled.as_slice() {
         [] => return Err(Diagnostic::error(Code::BadTable, "no sheet of the workbook has cells").into()),
         [sheet] => sheet.clone(),
-        _ => {
-            let open = vec![Open::Sheets { names: filled }];
-            return Err(Unclosed::Open(Box::new(Proposal::of(&book.called(""), layout, open))));
-        }
+        _ => return Err(Unclosed::of(&book.called(""), layout, Open::Sheets { names: filled })),
     };
     let mut head = book.head(&sheet, layout.range, HEAD)?;
     let others = book.others(&sheet);

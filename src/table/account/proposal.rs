@@ -85,6 +85,13 @@ pub(crate) enum Unclosed {
     Wrong(Diagnostics),
 }
 
+impl Unclosed {
+    /// Because this one thing of a file is open.
+    pub(crate) fn of(file: &str, layout: &Arc<Layout>, open: Open) -> Self {
+        Self::Open(Box::new(Proposal::of(file, layout, vec![open])))
+    }
+}
+
 impl From<Diagnostics> for Unclosed {
     fn from(problems: Diagnostics) -> Self {
         Self::Wrong(problems)

@@ -134,17 +134,7 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
         }
     }
     found.open.extend(ignored_names(&found.owners, &titles, layout, form));
-    let is_of_form = |role: Role| match role {
-        Role::Value(field) | Role::Beside(field, _) if field.is_of_trace() || form == Form::Trace => {
-            field.is_of_trace() && form == Form::Trace
-        }
-        _ if form == Form::Trace => false,
-        role => {
-            (form == Form::Characteristics) == matches!(role, Role::Of(_))
-                || matches!(role, Role::PartId | Role::Status)
-        }
-    };
-    let promised = layout.promised().filter(|(role, _)| is_of_form(*role));
+    let promised = layout.promised().filter(|(role, _)| role.is_of(form));
     for (role, name) in promised.filter(|(role, _)| !roles.iter().any(|(other, _)| other == role)) {
         found.open.push(Open::Missing { key: key(role), name: name.to_owned() });
     }

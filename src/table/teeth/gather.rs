@@ -265,8 +265,7 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
 pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<ToothedPart>, Diagnostic> {
     for block in blocks {
         if let Some(contradiction) = &block.contradiction {
-            let message = format!("{}, line {}: {}", gatherer.name, contradiction.line, contradiction.message);
-            return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help));
+            return Err(contradiction.of(&gatherer.name));
         }
         gatherer.take(block, false);
     }

@@ -4,9 +4,8 @@
 use std::sync::Arc;
 
 use super::{LARGEST_WHOLE, START, Text};
-use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
-use crate::table::account::{Proposal, Unclosed};
+use crate::table::account::Unclosed;
 use crate::table::cell::{Cell, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, score, with_headings};
 use crate::table::encoding::text;
@@ -57,20 +56,12 @@ impl Text {
         }
         let names = self.better_encodings(&bytes, (is_all, declared), layout, head.roles);
         if !names.is_empty() {
-            return Err(Unclosed::Open(Box::new(Proposal::of(&self.name, layout, vec![Open::Encoding { names }]))));
+            return Err(Unclosed::of(&self.name, layout, Open::Encoding { names }));
         }
         let is_cut = matches!(head.separator, Separator::Character(_) | Separator::Lines);
         let is_streamed = is_cut && is_in_rows(&head.records, layout) && !needs_all(layout);
         if !is_streamed && !is_all {
-            (bytes, is_all) = self.start(LARGEST_WHOLE)?;
-            if !is_all {
-                let message =
-                    format!("{} is larger than {} MiB, and its parts are not in rows", self.name, LARGEST_WHOLE >> 20);
-                return Err(Diagnostic::error(Code::BadTable, message)
-                    .help("split it, or write a row per part")
-                    .into());
-            }
-            self.refuse_long_lines(&bytes)?;
+            (bytes, is_all) = (self.all()?, true);
             head = self.head(&bytes, is_all, declared.or(head.settled()), layout)?;
         }
         let byte = head.separator.byte();
@@ -154,7 +145,7 @@ impl Text {
         }
         if heads.len() > 1 {
             let names = heads.iter().map(|head| head.separator.name()).collect();
-            return Err(Unclosed::Open(Box::new(Proposal::of(&self.name, layout, vec![Open::Separator { names }]))));
+            return Err(Unclosed::of(&self.name, layout, Open::Separator { names }));
         }
         Ok(heads.swap_remove(0))
     }
