@@ -266,7 +266,9 @@ fn changes(xml: &str) -> Vec<(String, String, String)> {
         let mut add = |what: &str, xml: String| all.push((name.clone(), what.to_owned(), xml));
         for (key, value) in attributes {
             let what = &xml[key.clone()];
-            values(what).iter().for_each(|text| add(what, with(value, text)));
+            for text in values(what) {
+                add(what, with(value, text));
+            }
             // where a cell without it stands is counted
             if what != "r" {
                 add(what, with(&(key.start..value.end + 1), ""));
@@ -280,7 +282,9 @@ fn changes(xml: &str) -> Vec<(String, String, String)> {
             }
         }
         for text in texts {
-            ["", "7", "in Zoll"].into_iter().for_each(|other| add("text", with(text, other)));
+            for other in ["", "7", "in Zoll"] {
+                add("text", with(text, other));
+            }
             for more in ["1", "<!-- 1 -->", "<![CDATA[1]]>"] {
                 add("text", with(&(text.end..text.end), more));
             }
