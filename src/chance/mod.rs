@@ -11,9 +11,11 @@ mod random;
 mod run;
 mod sobol;
 
+pub(crate) use part::simulate_part_watched;
 pub use part::{PartSimulation, simulate_part};
 pub(crate) use random::{Random, Ziggurat};
 pub use run::simulate;
+pub(crate) use run::{Watch, simulate_watched};
 pub use sobol::{Estimate, RESAMPLES};
 
 use thiserror::Error;

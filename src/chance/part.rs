@@ -1,7 +1,7 @@
 //! A part's formulas as a model to simulate: errors and gear data in, ΔCD of each error and both ends of the
 //! combination out. In plain `f64`, a few operations per error: a draw needs no exact decimals.
 
-use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, simulate};
+use super::{Band, MonteCarloError, Outcome, Settings, Simulated, Simulation, Variables, Watch, simulate_watched};
 use crate::deviation::DeviationKind;
 use crate::formula::over_pin::OverPin;
 use crate::formula::{Law, Model, PartDeviation};
@@ -51,6 +51,17 @@ pub fn simulate_part(
     limits: &Limits,
     settings: &Settings,
 ) -> Result<PartSimulation, MonteCarloError> {
+    simulate_part_watched(part, uncertainties, limits, settings, &|_| {})
+}
+
+/// The same, with a look at how much is done.
+pub(crate) fn simulate_part_watched(
+    part: &UncertainPart<'_>,
+    uncertainties: &Uncertainties,
+    limits: &Limits,
+    settings: &Settings,
+    watch: &Watch<'_>,
+) -> Result<PartSimulation, MonteCarloError> {
     if uncertainties.is_empty() {
         return Err(MonteCarloError::NothingUncertain);
     }
@@ -72,7 +83,7 @@ pub fn simulate_part(
     let variables = Variables { variables, factor: uncertainties.correlation_factor().map(<[f64]>::to_vec) };
     let bands: Vec<_> = limits.iter().map(|(on, limit)| model.band(*on, limit)).collect();
     let known: Vec<_> = bands.iter().flatten().copied().collect();
-    let mut outcome = simulate(&model, &variables, &known, settings)?;
+    let mut outcome = simulate_watched(&model, &variables, &known, settings, watch)?;
     let mut inside = std::mem::take(&mut outcome.inside).into_iter();
     outcome.inside = bands.iter().map(|band| band.and_then(|_| inside.next()).unwrap_or(f64::NAN)).collect();
     Ok(PartSimulation { outcome, kinds })

@@ -1,5 +1,8 @@
 //! A simulation block by block, on all threads. Counts do not depend on the order of blocks; sums are added in their order.
 
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::histogram::Histogram;
 use super::{
     BLOCK, Band, MOST_DRAWS, MonteCarloError, Outcome, Random, Settings, Simulated, Simulation, Variables, Ziggurat,
@@ -15,6 +18,9 @@ const MOST_BLOCKS: u64 = 10_000;
 /// Blocks of the first round.
 const FIRST_BLOCKS: u64 = 10;
 
+/// Sees how much of a simulation is done, 0 to 1; `None` before that is known.
+pub(crate) type Watch<'a> = dyn Fn(Option<f64>) + Sync + 'a;
+
 /// Simulates `model` for draws of `variables`.
 ///
 /// # Errors
@@ -24,6 +30,17 @@ pub fn simulate(
     variables: &Variables,
     bands: &[Band],
     settings: &Settings,
+) -> Result<Outcome, MonteCarloError> {
+    simulate_watched(model, variables, bands, settings, &|_| {})
+}
+
+/// The same, with a look at how much is done: of an adaptive simulation, of the blocks that the spread of those made so far asks for.
+pub(crate) fn simulate_watched(
+    model: &impl Simulated,
+    variables: &Variables,
+    bands: &[Band],
+    settings: &Settings,
+    watch: &Watch<'_>,
 ) -> Result<Outcome, MonteCarloError> {
     let check = |what, value, least, most| {
         if (least..=most).contains(&value) {
@@ -41,10 +58,11 @@ pub fn simulate(
     let mut total = Tally::new(&pilot, bands.len());
     let mut blocks = Vec::new();
     let wanted = settings.draws.map(|draws| draws.div_ceil(BLOCK));
-    let mut done = 0;
+    let (mut done, mut expected) = (0, wanted);
     let reached = loop {
         let upto = wanted.unwrap_or(if done == 0 { FIRST_BLOCKS } else { (2 * done).min(MOST_BLOCKS) });
-        run.blocks(done, upto, &pilot, &mut total, &mut blocks);
+        let seen = |made: u64| watch(expected.map(|all| (done + made) as f64 / all as f64));
+        run.blocks(done..upto, &pilot, &mut total, &mut blocks, &seen);
         done = upto;
         if total.outside > 0 {
             let share = total.outside as f64 / (done * BLOCK) as f64;
@@ -53,9 +71,11 @@ pub fn simulate(
         if wanted.is_some() {
             break None;
         }
-        if run.settled(&blocks, &pilot) {
+        let excess = run.excess(&blocks, &pilot);
+        if excess <= 1.0 {
             break Some(true);
         }
+        expected = Some(blocks_for(done, excess));
         if done >= MOST_BLOCKS {
             break Some(false);
         }
@@ -208,14 +228,26 @@ impl<M: Simulated> SimulationRun<'_, M> {
     }
 
     /// Makes the blocks from `from` to before `upto`, on all threads.
-    fn blocks(&self, from: u64, upto: u64, pilot: &[Pilot], total: &mut Tally, sums: &mut Vec<Vec<BlockSums>>) {
-        let count = usize::try_from(upto - from).unwrap_or(usize::MAX);
+    fn blocks(
+        &self,
+        range: Range<u64>,
+        pilot: &[Pilot],
+        total: &mut Tally,
+        sums: &mut Vec<Vec<BlockSums>>,
+        seen: &(impl Fn(u64) + Sync),
+    ) {
+        let count = usize::try_from(range.end - range.start).unwrap_or(usize::MAX);
+        let made = AtomicU64::new(0);
         let threads = self.settings.threads.unwrap_or_else(parallel::cores);
         let (made, workers) = parallel::map(
             threads,
             count,
             || Worker::new(self, pilot),
-            |worker, index| worker.block(self, from + index as u64, pilot),
+            |worker, index| {
+                let sums = worker.block(self, range.start + index as u64, pilot);
+                seen(1 + made.fetch_add(1, Ordering::Relaxed));
+                sums
+            },
         );
         for worker in &workers {
             total.add(&worker.tally);
@@ -223,29 +255,48 @@ impl<M: Simulated> SimulationRun<'_, M> {
         sums.extend(made);
     }
 
-    /// JCGM 101, 7.9.4: whether means, deviations and interval ends of the blocks agree to the digits of every result.
-    fn settled(&self, blocks: &[Vec<BlockSums>], pilot: &[Pilot]) -> bool {
+    /// JCGM 101, 7.9.4: how many times its tolerance the least certain of means, deviations and interval ends of the blocks is off;
+    /// at most 1 where they agree to the digits of every result.
+    fn excess(&self, blocks: &[Vec<BlockSums>], pilot: &[Pilot]) -> f64 {
         let (count, n) = (blocks.len() as f64, BLOCK as f64);
-        (0..pilot.len()).all(|output| {
+        let of_output = |output: usize| {
             let (_, standard) = moments(blocks.iter().map(|block| &block[output]), pilot[output].center);
             // a result that does not vary has nothing to settle
             if standard == 0.0 {
-                return true;
+                return 0.0;
             }
             let tolerance = tolerance(standard, self.settings.digits) / 5.0;
             let statistics = |block: &BlockSums| {
                 let mean = block.sum / n;
                 [mean, ((block.squares - n * mean * mean) / (n - 1.0)).max(0.0).sqrt(), block.ends.0, block.ends.1]
             };
-            (0..4).all(|which| {
+            let error = |which: usize| {
                 let values = || blocks.iter().map(|block| statistics(&block[output])[which]);
                 let first = statistics(&blocks[0][output])[which];
                 let mean = first + values().map(|value| value - first).sum::<f64>() / count;
                 let squares: f64 = values().map(|value| value - mean).map(|d| d * d).sum();
-                2.0 * (squares / (count * (count - 1.0))).sqrt() <= tolerance
-            })
-        })
+                2.0 * (squares / (count * (count - 1.0))).sqrt() / tolerance
+            };
+            (0..4).map(error).fold(0.0, largest)
+        };
+        (0..pilot.len()).map(of_output).fold(0.0, largest)
     }
+}
+
+/// The larger one, or what is no number.
+fn largest(one: f64, other: f64) -> f64 {
+    if other.is_nan() || other > one { other } else { one }
+}
+
+/// The blocks after which an adaptive simulation is settled, if `done` leave it off by `excess` times the tolerance: errors shrink with
+/// the root of the number, which doubles.
+fn blocks_for(done: u64, excess: f64) -> u64 {
+    let needed = done as f64 * excess * excess;
+    let mut upto = done;
+    while (upto as f64) < needed && upto < MOST_BLOCKS {
+        upto = (2 * upto).min(MOST_BLOCKS);
+    }
+    upto
 }
 
 /// Memory for a chunk: a column for each variable and each result, and one more.

@@ -3,6 +3,7 @@
 
 use std::io::{self, IsTerminal as _};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::line::{begin_waiting, clear, draw_line, draw_waiting, no_waiting};
@@ -56,7 +57,6 @@ pub(super) struct Bar {
 
 impl Bar {
     pub(super) fn new(output: &Output) -> Self {
-        no_waiting();
         Self { watched: is_watched(output), begun: Instant::now(), drawn: None }
     }
 
@@ -72,6 +72,9 @@ impl Bar {
         const CELLS: usize = 20;
         if !self.watched || self.drawn.unwrap_or(self.begun).elapsed() < EVERY {
             return;
+        }
+        if self.drawn.is_none() {
+            no_waiting();
         }
         self.drawn = Some(Instant::now());
         let mut text = message();
@@ -92,5 +95,26 @@ impl Bar {
         if self.drawn.is_some() {
             clear();
         }
+    }
+}
+
+/// The progress of work on several threads.
+pub(super) struct SharedBar(Mutex<Bar>);
+
+impl SharedBar {
+    pub(super) fn new(output: &Output) -> Self {
+        Self(Mutex::new(Bar::new(output)))
+    }
+
+    /// Draws the line, if it is time to.
+    pub(super) fn show(&self, share: Option<f64>, what: &str) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).show(share, || what.to_owned());
+    }
+}
+
+/// Clears the line.
+impl Drop for SharedBar {
+    fn drop(&mut self) {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner).finish();
     }
 }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 
+use super::bar::SharedBar;
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
 use crate::diagnostic::{Code, Diagnostic};
@@ -82,19 +83,21 @@ impl JudgeArgs {
     }
 
     /// Evaluates a part's errors and decides by the rule, with their uncertainties (`None` without any). Where nothing is left to
-    /// place the exact mesh judges; a pass by the bound stands, because the bound is exact where the mesh is rounded.
+    /// place the exact mesh judges; a pass by the bound stands, because the bound is exact where the mesh is rounded. `bar` shows random
+    /// draws.
     pub(super) fn judged(
         &self,
         spec: &Spec,
         errors: &[PartDeviation],
         basis: &Basis,
+        bar: &SharedBar,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
-        let Some(solved) = solved(spec) else { return self.judged_by(None, spec, errors, basis) };
-        let by_mesh = self.judged_by(Some(solved), spec, errors, basis)?;
+        let Some(solved) = solved(spec) else { return self.judged_by(None, spec, errors, basis, bar) };
+        let by_mesh = self.judged_by(Some(solved), spec, errors, basis, bar)?;
         if by_mesh.0.passes() {
             return Ok(by_mesh);
         }
-        let by_bound = self.judged_by(None, spec, errors, basis)?;
+        let by_bound = self.judged_by(None, spec, errors, basis, bar)?;
         Ok(if by_bound.0.passes() { by_bound } else { by_mesh })
     }
 
@@ -104,6 +107,7 @@ impl JudgeArgs {
         spec: &Spec,
         errors: &[PartDeviation],
         basis: &Basis,
+        bar: &SharedBar,
     ) -> Result<(Evaluation, Option<UncertaintyPart>), Failure> {
         let (mut unsolved, mut basis, mut spec) = (None, Cow::Borrowed(basis), Cow::Borrowed(spec));
         match solved {
@@ -123,7 +127,7 @@ impl JudgeArgs {
         let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
         evaluation.unstated = spec.unstated(&kinds, spec.known_teeth.is_some(), &rule);
         let open = evaluation.judged.err();
-        let known = if open.is_some() { None } else { self.known(errors, basis, spec, &mut evaluation.notes)? };
+        let known = if open.is_some() { None } else { self.known((errors, basis), spec, &mut evaluation.notes, bar)? };
         if rule.needs_uncertainty() && known.is_none() {
             // an open range has no uncertainty, without which some rules decide on no error either
             let why = open.map_or(Unjudged::NoUncertainty, Unjudged::NoBound);
@@ -150,10 +154,10 @@ impl JudgeArgs {
     /// which is noted.
     fn known(
         &self,
-        errors: &[PartDeviation],
-        basis: &Basis,
+        (errors, basis): (&[PartDeviation], &Basis),
         spec: &Spec,
         notes: &mut Vec<Note>,
+        bar: &SharedBar,
     ) -> Result<Option<UncertaintyPart>, Failure> {
         let (settings, uncertainties) = (self.settings()?, spec.uncertainties()?);
         if uncertainties.is_empty() {
@@ -177,7 +181,9 @@ impl JudgeArgs {
             }
             propagation => propagation.map_err(Diagnostic::with_code(Code::NoResult))?,
         };
-        let simulated = |settings| chance::simulate_part(&part, &uncertainties, &spec.limits(), &settings);
+        let watch = |share| bar.show(share, "random draws");
+        let simulated =
+            |settings| chance::simulate_part_watched(&part, &uncertainties, &spec.limits(), &settings, &watch);
         let simulation = settings.map(simulated).transpose().map_err(|error| unsimulated(&error))?;
         Ok(Some(UncertaintyPart {
             propagation,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
@@ -86,7 +87,8 @@ pub(super) fn evaluated<'a>(
     worst: Option<&WorstTeeth>,
     output: &mut Output,
 ) -> Result<EvaluationReport<'a>, Failure> {
-    let (mut evaluation, uncertainty) = judge.judged(spec, &spec.part_deviations()?, &spec.basis()?)?;
+    let (mut evaluation, uncertainty) =
+        judge.judged(spec, &spec.part_deviations()?, &spec.basis()?, &SharedBar::new(output))?;
     let worst = worst.filter(|_| spec.limit_on(LimitTarget::CenterDistance).is_some());
     evaluation.reached = worst.map(WorstTeeth::interval).transpose()?;
     let note_of_exact = judge.leave_open_without_uncertainty(spec, &mut evaluation);

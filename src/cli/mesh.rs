@@ -286,7 +286,7 @@ impl Args {
         let strokes = self.strokes(ends)?;
         let picture = self.plot.picture(&self.trace.inputs(files_read(&spec, &self.spec)))?;
         let (spec, input) = placed(spec, &self.spec, output)?;
-        let judged = judged(&spec, &JudgeArgs::of_spec())?;
+        let judged = judged(&spec, &JudgeArgs::of_spec(), output)?;
         let status = Status::of(judged.verdict, &judged.limits);
         if let (Format::Csv, None, false, None) = (self.format, &picture, spec.has_yoke(), &trace) {
             // no output needs the whole curve

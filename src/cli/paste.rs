@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
@@ -247,7 +248,7 @@ impl Args {
             let title = if is_named { format!("part {}", part.id) } else { self.block_name() };
             let cells = rows_of(&text)?;
             let errors = only_part(opener.open(&path)?.table, &read.spec)?;
-            let report = self.only(&plan, &errors, (&title, part), &read.spec)?;
+            let report = self.only(&plan, &errors, (&title, part), &read.spec, output)?;
             self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
         } else {
             let (title, rows) = (read.spec.title.as_deref(), &rows_of(&text)?[..]);
@@ -281,6 +282,7 @@ impl Args {
         errors: &[(DeviationKind, DeviationValue)],
         (title, part): (&'s str, &batch_room::Part),
         spec: &Spec,
+        output: &Output,
     ) -> Result<EvaluationReport<'s>, Failure> {
         let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
         let spec = &spec.for_columns(&in_table);
@@ -290,7 +292,8 @@ impl Args {
         let mut all: Vec<_> = all.collect();
         all.sort_by_key(|(kind, _)| *kind);
         let of_part = spec.with_errors(&all);
-        let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &of_part.part_deviations()?, &spec.basis()?)?;
+        let (deviations, bar) = (of_part.part_deviations()?, SharedBar::new(output));
+        let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &deviations, &spec.basis()?, &bar)?;
         let why = if plan.lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::Lacking };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
         if !plan.is_yoke_limited() {

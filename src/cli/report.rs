@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use kept::{Detail, Listed, Shown, details};
+use kept::{Detail, Listed, Lot, Shown, details, measured_blocks};
 
+use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
 use super::output::{Failure, Output, Status};
@@ -21,18 +22,16 @@ use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{batch, function, mesh, monte_carlo, spec_files};
 use crate::batch::{
-    Batch, Layout, Outcome, Part, PartError, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth,
-    TeethRequest,
+    Batch, Layout, Part, PartError, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::{LimitTarget, Stack};
 use crate::mesh::TOLERANCE_MM;
-use crate::report::chart::Chart;
 use crate::report::html::{InputFile, Page, Section};
 use crate::report::{
     Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection,
-    contributions, grouped, part_block, parts_block, yokes_block,
+    contributions, grouped, parts_blocks, yokes_block,
 };
 use crate::spec::{Spec, WrittenError, keys};
 
@@ -186,7 +185,8 @@ impl Args {
         let is_open = !self.partial && !spec.lacking(&kinds).is_empty();
         let spec = spec.with_errors(&errors);
         let basis = spec.basis()?;
-        let (mut evaluation, uncertainty) = self.judge.judged(&spec, &spec.part_deviations()?, &basis)?;
+        let (mut evaluation, uncertainty) =
+            self.judge.judged(&spec, &spec.part_deviations()?, &basis, &SharedBar::new(output))?;
         if is_open {
             evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
         }
@@ -292,7 +292,7 @@ impl Args {
                 (_, 0) => ("Parts".to_owned(), &parts),
                 (_, worst) => (format!("The worst {worst} parts"), &outcome.worst),
             };
-            let blocks = parts_block(listed, "part").into_iter().chain(yokes_block(listed, "yoke of part"));
+            let blocks = parts_blocks(listed, "part").into_iter().chain(yokes_block(listed, "yoke of part"));
             let blocks = blocks.chain([report.counts_table()]).chain(unread);
             page.sections.push(Section::new(heading, blocks.collect()));
             let level = level.into_iter().map(Block::Note);
@@ -339,14 +339,17 @@ impl Args {
             ..Sinks::default()
         };
         let mut lot = Batch::new(&plan, sinks, None);
+        let mut bar = batch::Bar::new(&found.paths, "rows", output);
         for path in found.paths.clone() {
             let opened = found.next(&path)?;
             let layout = Layout::new(&plan, &opened.table)?;
-            let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |_| {});
+            let ran = lot.run(opened.table, &layout, interruption.stop(), &mut |progress| bar.show(progress));
+            bar.next();
             if let Some(problem) = batch::unfinished(&path, ran)? {
                 return Err(problem.into());
             }
         }
+        bar.finish();
         let (mut outcome, written) = lot.finish();
         written?;
         outcome.notes.extend(notes);
@@ -377,13 +380,16 @@ impl Args {
         let mut parts = Listed::default();
         let sinks = Sinks { parts: self.all_parts.then_some(&mut parts as &mut dyn PartSink), ..Sinks::default() };
         let mut teeth = Teeth::new(spec, &measured, request, sinks, crate::parallel::cores())?;
+        let mut bar = batch::Bar::new(&found.paths, "parts", output);
         for path in found.paths.clone() {
             let ran = teeth.take(found.next(&path)?.table)?;
+            bar.next();
             if let Some(problem) = batch::unfinished(&path, ran)? {
                 return Err(problem.into());
             }
         }
-        let (outcome, written) = teeth.finish(interruption.stop(), &mut |_| {});
+        let (outcome, written) = teeth.finish(interruption.stop(), &mut |progress| bar.show(progress));
+        bar.finish();
         written?;
         let Histograms { judged, level, .. } = Histograms::of(&outcome);
         Ok(Lot {
@@ -421,26 +427,4 @@ fn problem_text(problem: &crate::batch::Problem) -> String {
 /// An error of a part in the form of a spec.
 fn written(error: &PartError) -> WrittenError {
     error.tolerance.map_or_else(|| error.deviation.into(), WrittenError::Tolerance)
-}
-
-/// The measured values of a part, and how far they are inside their limits.
-fn measured_blocks(part: &Part) -> Vec<Block> {
-    let result = parts_block(&[Part { errors: Vec::new(), ..part.clone() }], "part");
-    let result = result.into_iter().chain(yokes_block(std::slice::from_ref(part), "yoke of part"));
-    part_block(part).into_iter().chain(result).chain(part.reason.clone().map(Block::Note)).collect()
-}
-
-/// The outcome of the parts of all tables.
-struct Lot {
-    /// The spec, completed by the first table.
-    spec: Arc<Spec>,
-    outcome: Outcome,
-    basis: Basis,
-    /// Every part, if they are to be listed.
-    parts: Vec<Part>,
-    charts: Vec<Chart>,
-    small_charts: Vec<Chart>,
-    /// The results that do not vary.
-    level: Vec<String>,
-    facts: Vec<(String, String)>,
 }

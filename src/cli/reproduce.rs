@@ -1,9 +1,8 @@
 //! `rackmesh reproduce`: the paper's tables and its last figure beside the computed ones.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
 
-use super::bar::Bar;
+use super::bar::SharedBar;
 use super::output::{Failure, Output, Status};
 use super::picture::Picture;
 use super::target;
@@ -34,11 +33,9 @@ impl Args {
         if let Some(folder) = &self.plots {
             target::create_folder(folder)?;
         }
-        let bar = Mutex::new(Bar::new(output));
-        let bar_of_run = || bar.lock().unwrap_or_else(PoisonError::into_inner);
-        let watch = |share| bar_of_run().show(Some(share), || "simulating the rows of Tables 1 to 3".to_owned());
-        let reproduction = Reproduction::new(&watch);
-        bar_of_run().finish();
+        let bar = SharedBar::new(output);
+        let reproduction = Reproduction::new(&|share| bar.show(Some(share), "simulating the rows of Tables 1 to 3"));
+        drop(bar);
         let reproduction = reproduction.map_err(Diagnostic::with_code(Code::NoResult))?;
         if let Some(folder) = &self.plots {
             for (table, name, what) in [

@@ -73,7 +73,7 @@ impl Args {
         }
         let picture = self.plot.picture(&files_read(&spec, &self.spec))?;
         let (spec, input) = placed(spec, &self.spec, output)?;
-        let evaluation = judged(&spec, &JudgeArgs::of_spec())?;
+        let evaluation = judged(&spec, &JudgeArgs::of_spec(), output)?;
         let scene = spec.scene(&input)?;
         let parameters = scene.parameters();
         let interruption = signals::interrupted(output);

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output};
 use super::spec_files::measured_tables;
@@ -45,8 +46,9 @@ pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Sp
 }
 
 /// The errors of a spec whose known teeth are solved, judged by its limits.
-pub(super) fn judged(spec: &Spec, judge: &JudgeArgs) -> Result<Evaluation, Failure> {
-    let (mut evaluation, _) = judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?)?;
+pub(super) fn judged(spec: &Spec, judge: &JudgeArgs, output: &Output) -> Result<Evaluation, Failure> {
+    let (mut evaluation, _) =
+        judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?, &SharedBar::new(output))?;
     judge.leave_open_without_uncertainty(spec, &mut evaluation);
     Ok(evaluation)
 }

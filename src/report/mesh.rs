@@ -6,7 +6,8 @@ use super::chart::{Chart, Layer, Mark, Shape, Span};
 use super::evaluation::failure_sentence;
 use super::grounds::{assumed, assumptions_of};
 use super::mesh_points::{self, ListedPoint, Trust};
-use super::number::{SEEN_MM, interval_text, plain, signed, tidy, unsigned};
+use super::number::{SEEN_MM, interval_text, plain, stroke_text, tidy, unsigned};
+use super::rows::rate_text;
 use super::uncertainty::rule_words;
 use super::{
     Block, Column, FunctionPart, Report, Screen, Table, TracePart, YokeSection, document, fact, geometry, noted,
@@ -194,20 +195,19 @@ fn millimetres(mm: f64) -> String {
 fn summary_table(summary: &Summary) -> Block {
     let mm = |value: f64| format!("{} mm", millimetres(value));
     let plain_mm = |value: f64| format!("{} mm", unsigned(tidy(value)));
-    let rate = signed(1000.0 * summary.largest_rate, 2);
     let rows = [
         ("mean ΔCD", mm(summary.mean_mm), None),
         ("smallest ΔCD", mm(summary.min_mm), Some(summary.min_stroke_mm)),
         ("largest ΔCD", mm(summary.max_mm), Some(summary.max_stroke_mm)),
         ("peak to peak, the pair's own variation", plain_mm(summary.peak_to_peak_mm), None),
         ("tooth to tooth, the pair's own", plain_mm(summary.tooth_to_tooth_mm), None),
-        ("largest rate", format!("{} µm/mm", rate.trim_start_matches('+')), None),
+        ("largest rate", format!("{} µm/mm", rate_text(summary.largest_rate)), None),
         ("transmission error, rack travel", plain_mm(summary.transmission_error_mm), None),
     ];
     Table::of(rows)
         .text("exact mesh", |(name, ..)| *name)
         .number("value", |(_, value, _)| value.clone())
-        .number("at stroke [mm]", |(.., at)| at.map(|stroke| format!("{stroke:.4}")).unwrap_or_default())
+        .number("at stroke [mm]", |(.., at)| at.map(stroke_text).unwrap_or_default())
         .block()
 }
 

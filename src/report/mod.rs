@@ -78,7 +78,7 @@ pub use mesh::{CurveEnd, MeasureReport, MeshReport, extreme_in_words};
 #[cfg(feature = "cli")]
 pub(crate) use number::grouped;
 #[cfg(feature = "batch")]
-pub use parts::{part_block, parts_block};
+pub use parts::{part_block, parts_blocks};
 #[cfg(feature = "batch")]
 pub use paste::{PartsReport, SpacesReport};
 #[cfg(feature = "table")]

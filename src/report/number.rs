@@ -21,6 +21,11 @@ pub(super) fn unsigned(mm: f64) -> String {
     millimetres(mm).trim_start_matches('+').to_owned()
 }
 
+/// The stroke of an extreme, mm, for people; empty where there is none.
+pub(super) fn stroke_text(mm: f64) -> String {
+    if mm.is_nan() { String::new() } else { format!("{mm:.4}") }
+}
+
 /// A count with its thousands apart.
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::number::{millimetres, tidy};
+use super::number::{millimetres, signed, tidy};
 use super::{Block, Column, Report, Table};
 use crate::deviation::key_in_words;
 use crate::quantity::{Rounded, Unit};
@@ -31,7 +31,7 @@ pub(super) fn heading(name: &str, between: char) -> String {
         "lower_mm" => ("ΔCD from", "mm"),
         "upper_mm" => ("ΔCD to", "mm"),
         "nearest_limit" => ("limit", ""),
-        name if name.ends_with("largest_rate") => (name, "mm/mm"),
+        name if is_rate(name) => (name, "µm/mm"),
         _ => name_and_unit(name),
     };
     let of = if name.starts_with("delta_cd_") { "ΔCD of " } else { "" };
@@ -40,12 +40,25 @@ pub(super) fn heading(name: &str, between: char) -> String {
     if unit.is_empty() { words } else { format!("{words}{between}[{unit}]") }
 }
 
-/// A number of a result for people: a length to 0.1 µm, any other with four decimals at most.
+/// Whether a result is a rate, which programs get in mm/mm and people in µm/mm.
+fn is_rate(name: &str) -> bool {
+    name.ends_with("largest_rate")
+}
+
+/// A rate of mm/mm in µm/mm for people.
+pub(super) fn rate_text(rate: f64) -> String {
+    signed(1000.0 * rate, 2).trim_start_matches('+').to_owned()
+}
+
+/// A number of a result for people: a length to 0.1 µm, a rate in µm/mm, any other with four decimals at most.
 pub(super) fn number_text(name: &str, number: f64) -> String {
     const LEAST: f64 = 1e-3;
     let number = tidy(number);
     if name.ends_with("_mm") {
         return millimetres(number);
+    }
+    if is_rate(name) {
+        return rate_text(number);
     }
     if number != 0.0 && number.abs() < LEAST {
         return Rounded(number).to_string();

@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::number::{plain, signed, tidy};
+use super::number::{millimetres, plain, signed, stroke_text, tidy};
 use super::{Block, Report, Screen, Table, fact, mesh, sketch, titled};
 use crate::evaluation::Evaluation;
 use crate::judge::Verdict;
@@ -130,7 +130,7 @@ impl SimulationReport<'_> {
     }
 
     fn steady_table(&self) -> Option<Block> {
-        let mm = |value: f64| signed(tidy(value), 5);
+        let mm = |value: f64| millimetres(tidy(value));
         let micrometres = |mm: f64| signed(1000.0 * mm, 3);
         // the simulated ΔCD, that with the indentation added back, and the exact mesh
         let parts = self.parts().into_iter().filter_map(|(name, steady, exact)| {
@@ -162,9 +162,9 @@ impl SimulationReport<'_> {
         let rows = [("largest ΔCD", largest), ("smallest ΔCD", smallest)];
         let table = Table::of(rows)
             .text("over the stroke", |(name, _)| *name)
-            .number("simulated\n[mm]", |(_, at)| signed(tidy(at.delta_cd_mm), 5))
+            .number("simulated\n[mm]", |(_, at)| millimetres(tidy(at.delta_cd_mm)))
             .number("elastic part\n[µm]", |(_, at)| signed(-1000.0 * at.indentation_mm, 3))
-            .number("at stroke\n[mm]", |(_, at)| format!("{:.2}", at.stroke_mm))
+            .number("at stroke\n[mm]", |(_, at)| stroke_text(at.stroke_mm))
             .number("right flank\nof rack tooth", |(_, at)| tooth(at.carrying[0]))
             .number("left flank\nof rack tooth", |(_, at)| tooth(at.carrying[1]));
         Some(table.block())
@@ -191,14 +191,13 @@ impl SimulationReport<'_> {
             ("drive of the rack [N]", forces.rack_n, 1),
             ("torque at the pinion [N m]", forces.pinion_torque_n_m, 4),
         ];
-        let stroke = |mm: f64| format!("{mm:.2}");
         Table::of(rows)
             .text(heading, |(name, ..)| *name)
             .number("mean", |(_, force, decimals)| fixed(force.mean, *decimals))
             .number("smallest", |(_, force, decimals)| fixed(force.smallest, *decimals))
-            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.smallest_stroke_mm))
+            .number("at stroke\n[mm]", |(_, force, _)| stroke_text(force.smallest_stroke_mm))
             .number("largest", |(_, force, decimals)| fixed(force.largest, *decimals))
-            .number("at stroke\n[mm]", |(_, force, _)| stroke(force.largest_stroke_mm))
+            .number("at stroke\n[mm]", |(_, force, _)| stroke_text(force.largest_stroke_mm))
             .block()
     }
 

@@ -133,7 +133,7 @@ impl UncertaintyPart {
                 None => String::new(),
             })
             .number("contribution\n[µm]", |c| c.map(|c| micrometres(c.contribution_mm.abs())).unwrap_or_default())
-            .number("share", |c| c.map_or(Some(1.0 - shares), |c| c.share).map(percent))
+            .number("share of\nvariance u²", |c| c.map_or(Some(1.0 - shares), |c| c.share).map(percent))
             .block()
     }
 

@@ -15,6 +15,7 @@ use super::{Located, Spec, syntax_error};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{Unit, shown};
+use crate::table::DETAILS;
 use crate::table::{
     DecimalMark, DeclaredColumn, Encoding, Field, Layout, LineRule, MOST_RULES, PartNames, Parts, Pattern, Repeats,
     Separator, StatusColumn,
@@ -90,7 +91,7 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
             let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
             headings.extend(text.map(|text| (key, text.to_owned())));
         }
-        for key in keys::DETAILS {
+        for key in DETAILS {
             let text = reader.table.get(key).and_then(|value| reader.text_value(key, value, "a heading in quotes"));
             details.extend(text.map(|text| (key, text.to_owned())));
         }

@@ -166,6 +166,9 @@ pub struct Layout {
     pub details: Vec<(&'static str, String)>,
 }
 
+/// The keys of `[report]` that a column may stand for.
+pub(crate) const DETAILS: [&str; 4] = ["date", "inspector", "order", "drawing"];
+
 /// A column as `--column` names it: `rack_pitch=CHR_017[um]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnOption {

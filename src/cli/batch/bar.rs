@@ -9,7 +9,7 @@ use crate::cli::target::shown;
 use crate::report::grouped;
 
 /// How far the run is, where somebody watches.
-pub(super) struct Bar {
+pub(in crate::cli) struct Bar {
     shown: bar::Bar,
     /// The sizes of the files, as far as they have one.
     sizes: Vec<Option<u64>>,
@@ -20,7 +20,7 @@ pub(super) struct Bar {
 }
 
 impl Bar {
-    pub(super) fn new(files: &[PathBuf], unit: &'static str, output: &Output) -> Self {
+    pub(in crate::cli) fn new(files: &[PathBuf], unit: &'static str, output: &Output) -> Self {
         let sizes = files.iter().map(|path| {
             let (packing, _) = Packing::of_name(&shown(path));
             let metadata = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
@@ -29,7 +29,7 @@ impl Bar {
         Self { shown: bar::Bar::new(output), sizes: sizes.collect(), file: 0, done: 0, unit }
     }
 
-    pub(super) fn show(&mut self, progress: &Progress) {
+    pub(in crate::cli) fn show(&mut self, progress: &Progress) {
         let total: Option<u64> = self.sizes.iter().copied().sum();
         let share = total.filter(|total| *total > 0);
         let share = share.map(|total| (self.done + progress.bytes) as f64 / total as f64);
@@ -47,12 +47,12 @@ impl Bar {
         });
     }
 
-    pub(super) fn next(&mut self) {
+    pub(in crate::cli) fn next(&mut self) {
         self.done += self.sizes.get(self.file).copied().flatten().unwrap_or(0);
         self.file += 1;
     }
 
-    pub(super) fn finish(&self) {
+    pub(in crate::cli) fn finish(&self) {
         self.shown.finish();
     }
 }

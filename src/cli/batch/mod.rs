@@ -9,7 +9,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bar::Bar;
+pub(super) use bar::Bar;
 use clap::builder::PossibleValue;
 pub(super) use notes::{notes, unjudged, without_names};
 use targets::Targets;

@@ -1,10 +1,12 @@
-//! The data that a page keeps of the parts of tables while they are read: the run chart, the texts of columns about all parts,
-//! and each part where all are listed.
+//! The data that a page keeps of the parts of tables: while they are read the run chart, the texts of columns about all parts, and
+//! each part where all are listed; in the end the outcome.
 
 use std::io;
+use std::sync::Arc;
 
-use crate::batch::{ColumnSink, Part, PartSink, Plan, Problem, ResultColumns, ResultValues};
-use crate::report::RunChart;
+use crate::batch::{ColumnSink, Outcome, Part, PartSink, Plan, Problem, ResultColumns, ResultValues};
+use crate::report::chart::Chart;
+use crate::report::{Basis, Block, RunChart, part_block, parts_blocks, yokes_block};
 use crate::spec::Spec;
 use crate::spec::keys::{self, Key};
 
@@ -81,4 +83,26 @@ pub(super) fn details(spec: &Spec, columns: &[Detail], has_names: bool) -> Vec<(
         Some((name.to_owned(), written.or_else(|| column.map(Detail::shown))?))
     };
     keys::REPORT_KEYS.into_iter().filter_map(detail).collect()
+}
+
+/// The measured values of a part, and how far they are inside their limits.
+pub(super) fn measured_blocks(part: &Part) -> Vec<Block> {
+    let result = parts_blocks(&[Part { errors: Vec::new(), ..part.clone() }], "part");
+    let result = result.into_iter().chain(yokes_block(std::slice::from_ref(part), "yoke of part"));
+    part_block(part).into_iter().chain(result).chain(part.reason.clone().map(Block::Note)).collect()
+}
+
+/// The outcome of the parts of all tables.
+pub(super) struct Lot {
+    /// The spec, completed by the first table.
+    pub(super) spec: Arc<Spec>,
+    pub(super) outcome: Outcome,
+    pub(super) basis: Basis,
+    /// Every part, if they are to be listed.
+    pub(super) parts: Vec<Part>,
+    pub(super) charts: Vec<Chart>,
+    pub(super) small_charts: Vec<Chart>,
+    /// The results that do not vary.
+    pub(super) level: Vec<String>,
+    pub(super) facts: Vec<(String, String)>,
 }

@@ -16,7 +16,7 @@ pub(super) use racks::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
 use serde_json::{Value, json};
 
 use super::mesh_points::ListedPoint;
-use super::number::{plain, signed, tidy, unsigned};
+use super::number::{plain, signed, stroke_text, tidy, unsigned};
 use super::{Block, Table};
 use crate::function::{AtStroke, Bounds, Check, ForcesAt, Function, Judged, Setting, Torque, Yoke};
 use crate::judge::Verdict;
@@ -201,7 +201,7 @@ impl FunctionPart {
 
     pub(super) fn blocks(&self) -> Vec<Block> {
         let mut blocks = vec![self.play_table()];
-        blocks.extend(self.torque_table());
+        blocks.extend(self.torque_tables());
         blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
             .extend(self.checks.iter().map(|check| Block::Verdict(check.verdict, check.sentence(&self.scope(check)))));
@@ -215,7 +215,7 @@ impl FunctionPart {
         };
         let (smallest, largest) = function.plays_mm().unzip();
         let no_play = || "no play is set".to_owned();
-        let set_at = format!("{:.4}", function.set_at_mm);
+        let set_at = stroke_text(function.set_at_mm);
         let settings = self.window.map(|_| settings_in_words(&self.yoke, function.setting, "none"));
         let play = |mm: f64| play_in_words(&self.yoke, mm);
         let (from, to) = function.strokes_mm;
@@ -253,8 +253,9 @@ impl FunctionPart {
             .block()
     }
 
-    fn torque_table(&self) -> Option<Block> {
-        let forces = self.function.forces.as_ref()?;
+    /// Torque, forces, and how far the torque fluctuates; nothing without forces.
+    fn torque_tables(&self) -> Vec<Block> {
+        let Some(forces) = &self.function.forces else { return Vec::new() };
         let bearing = self.yoke.bearing_torque_n_m;
         let constant = |value: f64| Extent {
             mean: value,
@@ -264,34 +265,29 @@ impl FunctionPart {
             largest_stroke_mm: f64::NAN,
         };
         let rows = [
-            Some(("torque, stroke rising [N m]", forces.rising.extent, Some(forces.rising))),
-            Some(("torque, stroke falling [N m]", forces.falling.extent, Some(forces.falling))),
-            Some(("of it: lifting the yoke, rising [N m]", forces.lifting_n_m, None)),
-            self.yoke.yoke_friction.map(|_| ("of it: friction of the yoke [N m]", forces.yoke_friction_n_m, None)),
-            self.yoke.tooth_friction.map(|_| ("of it: friction at the teeth [N m]", forces.tooth_friction_n_m, None)),
-            bearing.map(|torque| ("of it: bearings [N m]", constant(torque), None)),
-            Some(("force of the yoke [N]", forces.yoke_n, None)),
-            Some(("lift-off force [N]", forces.lift_off_n, None)),
+            Some(("torque, stroke rising [N m]", forces.rising.extent)),
+            Some(("torque, stroke falling [N m]", forces.falling.extent)),
+            Some(("of it: lifting, rising [N m]", forces.lifting_n_m)),
+            self.yoke.yoke_friction.map(|_| ("of it: yoke friction [N m]", forces.yoke_friction_n_m)),
+            self.yoke.tooth_friction.map(|_| ("of it: tooth friction [N m]", forces.tooth_friction_n_m)),
+            bearing.map(|torque| ("of it: bearings [N m]", constant(torque))),
+            Some(("force of the yoke [N]", forces.yoke_n)),
+            Some(("lift-off force [N]", forces.lift_off_n)),
         ];
-        let decimals = |name: &str| if name.ends_with("[N]") { 1 } else { 4 };
-        let number = |name: &str, value: f64| signed(tidy(value), decimals(name)).trim_start_matches('+').to_owned();
-        let stroke = |mm: f64| if mm.is_nan() { String::new() } else { format!("{mm:.2}") };
-        Some(
-            Table::of(rows.into_iter().flatten())
-                .text("free pinion", |(name, ..)| *name)
-                .number("mean", |(name, extent, _)| number(name, extent.mean))
-                .number("smallest", |(name, extent, _)| number(name, extent.smallest))
-                .number("at stroke\n[mm]", |(_, extent, _)| stroke(extent.smallest_stroke_mm))
-                .number("largest", |(name, extent, _)| number(name, extent.largest))
-                .number("at stroke\n[mm]", |(_, extent, _)| stroke(extent.largest_stroke_mm))
-                .number("fluctuation\nover the stroke", |(name, _, torque)| {
-                    torque.map(|t| number(name, t.fluctuation_n_m())).unwrap_or_default()
-                })
-                .number("in a turn", |(name, _, torque)| {
-                    torque.map(|t| number(name, t.fluctuation_in_a_turn_n_m)).unwrap_or_default()
-                })
-                .block(),
-        )
+        let number = |value: f64, decimals| signed(tidy(value), decimals).trim_start_matches('+').to_owned();
+        let of_row = |name: &str, value: f64| number(value, if name.ends_with("[N]") { 1 } else { 4 });
+        let table = Table::of(rows.into_iter().flatten())
+            .text("free pinion", |(name, _)| *name)
+            .number("mean", |(name, extent)| of_row(name, extent.mean))
+            .number("smallest", |(name, extent)| of_row(name, extent.smallest))
+            .number("at stroke\n[mm]", |(_, extent)| stroke_text(extent.smallest_stroke_mm))
+            .number("largest", |(name, extent)| of_row(name, extent.largest))
+            .number("at stroke\n[mm]", |(_, extent)| stroke_text(extent.largest_stroke_mm));
+        let fluctuation = Table::of([("stroke rising", forces.rising), ("stroke falling", forces.falling)])
+            .text("fluctuation of the torque", |(name, _)| *name)
+            .number("over the stroke\n[N m]", |(_, torque)| number(torque.fluctuation_n_m(), 4))
+            .number("in a turn\n[N m]", |(_, torque)| number(torque.fluctuation_in_a_turn_n_m, 4));
+        vec![table.block(), fluctuation.block()]
     }
 
     /// The assumptions of the values, and where they are incomplete.

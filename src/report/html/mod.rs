@@ -9,7 +9,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::chart::{self, Chart};
 use super::table::verdict_word;
-use super::{Align, Block, Table, escape, noted};
+use super::{Align, Block, Column, Table, escape, noted};
 use crate::judge::Verdict;
 
 /// A part of a page.
@@ -131,9 +131,7 @@ impl Page {
                 let charts: String = section.small_charts.iter().map(figure).collect();
                 out += &format!("<div class=\"small\">\n{charts}</div>\n");
             }
-            for block in &section.blocks {
-                out += &block_html(block);
-            }
+            out += &blocks_html(&section.blocks);
             if let Some(source) = &section.source {
                 out += &format!("<pre tabindex=\"0\">{}</pre>\n", escape(source));
             }
@@ -195,25 +193,73 @@ fn block_html(block: &Block) -> String {
     }
 }
 
-/// A table, named by the heading of its first column.
+/// Whether a table may stand beside others.
+fn is_small(block: &&Block) -> bool {
+    const MOST_ROWS: usize = 16;
+    matches!(block, Block::Table(table) if table.rows.len() <= MOST_ROWS && !is_wide(table))
+}
+
+/// Whether a table takes the whole width, or more.
+fn is_wide(table: &Table) -> bool {
+    const MOST_COLUMNS: usize = 8;
+    table.columns.len() > MOST_COLUMNS
+}
+
+/// Blocks one below the other, small tables side by side where there is room.
+fn blocks_html(blocks: &[Block]) -> String {
+    let mut out = String::new();
+    for group in blocks.chunk_by(|one, next| is_small(&one) && is_small(&next)) {
+        let html: String = group.iter().map(block_html).collect();
+        out += &if group.len() > 1 { format!("<div class=\"tables\">\n{html}</div>\n") } else { html };
+    }
+    out
+}
+
+/// Text of a cell, whose lines break between words only: a word with a hyphen stays whole, up to a length.
+fn cell_html(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let may_break = |word: &str| word.chars().count() <= LONGEST && word.trim_matches('-').contains('-');
+    let words = text.split(' ').map(|word| {
+        let html = escape(word);
+        if may_break(word) { format!("<span class=\"w\">{html}</span>") } else { html }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A table, named by the heading of its first column. Neighbouring columns whose headings begin with the same line have it above
+/// them once.
 fn table_html(table: &Table) -> String {
     let class = |align: Align| if align == Align::Right { " class=\"n\"" } else { "" };
-    let heading = |text: &str| escape(&text.replace('\n', " "));
-    let name = table.columns.first().map_or_else(String::new, |column| heading(&column.heading));
+    let name = table.columns.first().map_or_else(String::new, |column| escape(&column.heading.replace('\n', " ")));
     // many columns are small on paper
-    let wide = if table.columns.len() > 8 { " class=\"wide\"" } else { "" };
+    let wide = if is_wide(table) { " wide" } else { "" };
     let mut out = format!(
-        "<div class=\"scroll\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table{wide}>\n<caption>{name}</caption>\n<thead><tr>"
+        "<div class=\"scroll{wide}\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table>\n<caption>{name}</caption>\n<thead><tr>"
     );
-    for column in &table.columns {
-        let heading = escape(&column.heading).replace('\n', "<br>");
-        out += &format!("<th scope=\"col\"{}>{heading}</th>", class(column.align));
+    let lines = |text: &str| text.lines().map(cell_html).collect::<Vec<_>>().join("<br>");
+    let above = |column: &Column| column.heading.split_once('\n').map(|(above, _)| above.to_owned());
+    let groups: Vec<_> =
+        table.columns.chunk_by(|one, next| above(one).is_some() && above(one) == above(next)).collect();
+    let rows = if groups.iter().any(|group| group.len() > 1) { " rowspan=\"2\"" } else { "" };
+    let mut below = String::new();
+    for group in groups {
+        if let [column] = group {
+            out += &format!("<th scope=\"col\"{rows}{}>{}</th>", class(column.align), lines(&column.heading));
+            continue;
+        }
+        let above = group.first().and_then(above).unwrap_or_default();
+        out += &format!("<th scope=\"colgroup\" colspan=\"{}\">{}</th>", group.len(), cell_html(&above));
+        for column in group {
+            let own = column.heading.split_once('\n').map_or("", |(_, own)| own);
+            below += &format!("<th scope=\"col\"{}>{}</th>", class(column.align), lines(own));
+        }
     }
+    out += &if below.is_empty() { String::new() } else { format!("</tr>\n<tr>{below}") };
     out += "</tr></thead>\n<tbody>\n";
     for row in &table.rows {
         out += "<tr>";
         for (index, (cell, column)) in row.iter().zip(&table.columns).enumerate() {
-            let (class, cell) = (class(column.align), escape(cell));
+            let (class, cell) = (class(column.align), cell_html(cell));
             out += &if index == 0 {
                 format!("<th scope=\"row\"{class}>{cell}</th>")
             } else {
@@ -228,7 +274,6 @@ fn table_html(table: &Table) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Column;
     use crate::report::chart::{Axis, Layer, Shape};
 
     #[test]
@@ -261,6 +306,33 @@ mod tests {
         assert!(!html.contains("<script") && !html.contains("alert('"), "{html}");
         assert_eq!(html.matches("<caption>").count(), html.matches("<table").count());
         assert!(html.contains("<th scope=\"col\" class=\"n\">n</th>"));
+    }
+
+    #[test]
+    fn names_stay_whole_and_neighbours_share_a_heading() {
+        let columns = vec![
+            Column::text("part"),
+            Column::number("rack over-roller\nmeasured"),
+            Column::number("rack over-roller\nmargin [mm]"),
+            Column::number("rack pitch\ndeviation [µm]"),
+        ];
+        let cells = ["LOT-2026-0417", "25.0012", "-0.0011", "+0.4"].map(str::to_owned);
+        let table = Table { columns, rows: vec![cells.to_vec()] };
+        let html = blocks_html(&[Block::Table(table.clone())]);
+        for part in [
+            "<th scope=\"colgroup\" colspan=\"2\">rack <span class=\"w\">over-roller</span></th>",
+            "<th scope=\"col\" rowspan=\"2\" class=\"n\">rack pitch<br>deviation [µm]</th>",
+            "</tr>\n<tr><th scope=\"col\" class=\"n\">measured</th><th scope=\"col\" class=\"n\">margin [mm]</th></tr>",
+            "<th scope=\"row\"><span class=\"w\">LOT-2026-0417</span></th>",
+            "<td class=\"n\">-0.0011</td>",
+        ] {
+            assert!(html.contains(part), "{part}: {html}");
+        }
+        // small tables side by side, those of many rows one below the other
+        let long = Table { rows: table.rows.iter().cycle().take(60).cloned().collect(), ..table.clone() };
+        let [small, long] = [table, long].map(Block::Table);
+        assert_eq!(blocks_html(&[long.clone(), small.clone()]).matches("class=\"tables\"").count(), 0);
+        assert_eq!(blocks_html(&[long, small.clone(), small]).matches("class=\"tables\"").count(), 1);
     }
 
     #[test]

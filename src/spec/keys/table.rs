@@ -132,9 +132,6 @@ pub(crate) const TABLE_COLUMNS: Section = section(
     ],
 );
 
-/// The keys of `[table.columns]` for columns that a page shows.
-pub(crate) const DETAILS: [&str; 4] = ["date", "inspector", "order", "drawing"];
-
 /// The keys of `[table.columns]` that are headings.
 pub(crate) const HEADINGS: [&str; 10] =
     ["name", "actual", "nominal", "upper", "lower", "deviation", "uncertainty", "unit", "space", "tooth"];

@@ -15,7 +15,7 @@ use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::{Layout, LineRule};
 use crate::table::pattern::escaped_heading;
 use crate::table::propose::Guesses;
-use crate::table::propose::guess::{Guess, guesses, undecided};
+use crate::table::propose::guess::{self, Guess, guesses, undecided};
 use crate::table::propose::lines::Shapes;
 use crate::table::propose::rules::{self, Found, Rule, Rules};
 use crate::table::reading::Reading;
@@ -123,7 +123,7 @@ impl Proposal {
         let rules = Rules { layout: Arc::clone(layout), list: Vec::new() };
         let mut proposal = Self { file: file.to_owned(), rules, open, more, ..Self::default() };
         for open in &proposal.open {
-            proposal.rules.list.extend(rules::of_open(open));
+            proposal.rules.list.extend(rules::of_open(open, layout));
             proposal.lines.extend(line_account(open));
         }
         proposal
@@ -155,6 +155,10 @@ impl Proposal {
         }
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
         undecided(&matched, (&proposal.open, rows), want, &guesses, &mut proposal.rules.list);
+        if layout.details.iter().all(|(key, _)| *key != "date") {
+            let date = guess::date(&matched, &proposal.open, rows, &proposal.rules.list);
+            proposal.rules.list.extend(date);
+        }
         proposal.rules.list.extend(rules::pinned(&found, layout));
         proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
         if !owners.contains(&Some(Owner::Role(Role::PartId))) && layout.part_id.is_none() {

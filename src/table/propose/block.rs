@@ -35,7 +35,11 @@ impl Rules {
                 _ => Vec::new(),
             }
         };
-        text += &self.list("ignore", quote_all(&self.layout.ignore), guesses, &texts("ignore"));
+        // the columns of details are named
+        let is_detail =
+            |rule: &&Pattern| self.layout.details.iter().any(|(_, name)| Pattern::of_heading(name) == **rule);
+        let ignored: Vec<_> = self.layout.ignore.iter().filter(|rule| !is_detail(rule)).cloned().collect();
+        text += &self.list("ignore", quote_all(&ignored), guesses, &texts("ignore"));
         let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Entry("ignore", _))).count();
         if count >= MANY {
             text += &format!(

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::rules::{Certainty, Rule, Suggestion};
+use super::rules::{Certainty, Rule, Suggestion, ignore, may_be_detail};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
 use crate::table::contract::{Matched, Open, Owner, plausible_units};
@@ -100,6 +100,32 @@ pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     }
     guesses.extend(status);
     guesses
+}
+
+/// A column of dates that a page can show as the date of the parts; nothing tells of what it is the date.
+pub(crate) fn date(matched: &Matched, open: &[Open], rows: &[Record], rules: &[Suggestion]) -> Option<Suggestion> {
+    let is_date_known = |known: &Suggestion| matches!(&known.rule, Rule::Column { key, .. } if key == "date");
+    let is_dated = |column: &Candidate<'_>| {
+        let is_free = rules.iter().any(|known| known.rule == ignore(column.title));
+        is_free
+            && may_be_detail(column.title)
+            && !column.cells.is_empty()
+            && column.cells.iter().all(|cell| is_date(&cell.text()))
+    };
+    let column = candidates(matched, open, rows).take(MOST).find(is_dated)?;
+    let rule = Rule::Column { key: "date".to_owned(), entry: quoted(column.title) };
+    (!rules.iter().any(is_date_known))
+        .then(|| rule.one_of("in place of the column in `ignore`: its texts are dates, which a page can show"))
+}
+
+/// Whether a text begins with year, month and day, or with day or month first and the year last.
+fn is_date(text: &str) -> bool {
+    let day = text.trim().split([' ', 'T']).next().unwrap_or_default();
+    let Some(mark) = day.chars().find(|c| !c.is_ascii_digit()).filter(|c| matches!(c, '-' | '.' | '/')) else {
+        return false;
+    };
+    let lengths: Vec<_> = day.split(mark).map(|part| part.parse::<u32>().map_or(0, |_| part.len())).collect();
+    matches!(lengths[..], [4, 1 | 2, 1 | 2] | [1 | 2, 1 | 2, 4])
 }
 
 /// The columns without an owner.

@@ -53,6 +53,7 @@ pub(super) fn columns(layout: &Layout) -> Vec<(String, String)> {
     let of = layout.of_characteristics.iter().map(|(beside, name)| (beside.key(), name));
     let headings = of.chain(layout.index.iter().map(|(index, name)| (index.key(), name)));
     let headings = headings.map(|(key, name)| format!("{key} = {}", quoted(name)));
+    let headings = headings.chain(layout.details.iter().map(|(key, name)| format!("{key} = {}", quoted(name))));
     let keyed = |line: String| (line.split(" = ").next().unwrap_or_default().to_owned(), line);
     part.into_iter().chain(status).chain(headings).chain(columns).map(keyed).collect()
 }

@@ -9,9 +9,9 @@ use crate::deviation::DeviationKind;
 use crate::quantity::Unit;
 use crate::table::block::Odd;
 use crate::table::contract::{Open, Owner, key, may_decide};
-use crate::table::dictionary::{Form, Heading, Role, lookup};
+use crate::table::dictionary::{Form, Heading, Role, lookup, normal};
 use crate::table::field::{Beside, Field};
-use crate::table::layout::Layout;
+use crate::table::layout::{DETAILS, Layout};
 use crate::table::pattern::{escaped, escaped_heading};
 use crate::table::want::{Want, quoted};
 
@@ -78,7 +78,7 @@ impl Rule {
 }
 
 /// The rules that would own what has no owner.
-pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
+pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
     let name = |title: &str| quoted(&Heading::of(title).name);
     let unless_it_decides = |rule: Rule, may_decide: bool| {
         vec![if may_decide { rule.guess("its few texts may be decisions: then it is `status`") } else { rule.exact() }]
@@ -87,7 +87,9 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
         Open::Column { place, title, may_decide, .. } if title.is_empty() => {
             unless_it_decides(ignore(&format!("column {}", place + 1)), *may_decide)
         }
-        Open::Column { title, may_decide, .. } => unless_it_decides(ignore(title), *may_decide),
+        Open::Column { title, may_decide, .. } => {
+            unless_it_decides(detail(title, layout).unwrap_or_else(|| ignore(title)), *may_decide)
+        }
         Open::Characteristic { title, first } => {
             unless_it_decides(ignore(title), may_decide(first.iter().map(Cow::from)))
         }
@@ -127,8 +129,20 @@ pub(crate) fn of_open(open: &Open) -> Vec<Suggestion> {
 }
 
 /// A column that is not used.
-fn ignore(title: &str) -> Rule {
+pub(crate) fn ignore(title: &str) -> Rule {
     Rule::Entry("ignore", escaped_heading(title))
+}
+
+/// Whether a heading can name a column that a page shows: it is a pattern there.
+pub(crate) fn may_be_detail(title: &str) -> bool {
+    escaped_heading(title) == title
+}
+
+/// A column that a page shows, if its heading is the key of one that has no column yet.
+fn detail(title: &str, layout: &Layout) -> Option<Rule> {
+    let name = normal(&Heading::of(title).name);
+    let key = DETAILS.into_iter().find(|key| *key == name && layout.details.iter().all(|(known, _)| known != key))?;
+    may_be_detail(title).then(|| Rule::Column { key: key.to_owned(), entry: quoted(title) })
 }
 
 /// The rule for a line, `at_most` of which could be parts.
@@ -267,6 +281,10 @@ pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bo
         if is_it && !matches!(certainty, Certainty::Choice(_)) {
             (found, *certainty) = (true, Certainty::Exact);
         }
+    }
+    // a column that a page shows is named in place of being left out
+    if found && DETAILS.contains(&key) {
+        rules.retain(|known| known.rule != Rule::Entry("ignore", whole.clone()));
     }
     // the other choices are dropped
     let is_other = |rule: &Rule| match rule {
