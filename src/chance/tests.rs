@@ -251,6 +251,27 @@ fn what_cannot_be_simulated_says_why() {
     assert!(matches!(try_with(all_uncertain(), &nine), MonteCarloError::Setting { value: 9, .. }));
 }
 
+/// What is done is a share of all draws, or of those that the draws so far ask for.
+#[test]
+fn draws_show_how_much_is_done() {
+    let variables = Variables { variables: vec![(3.0, Uncertainty::standard(9.5))], factor: None };
+    let seen = |settings: Settings| {
+        let shares = std::sync::Mutex::new(Vec::new());
+        let watch = |share| shares.lock().unwrap().push(share);
+        let outcome = simulate_watched(&Function(|x: &[f64]| x[0]), &variables, &[], &settings, &watch).unwrap();
+        let shares: Vec<Option<f64>> = shares.into_inner().unwrap();
+        assert_eq!(shares.len() as u64 * BLOCK, outcome.draws);
+        shares
+    };
+    let one_thread = Settings { threads: Some(1), ..Settings::default() };
+    assert_eq!(seen(Settings { draws: Some(4 * BLOCK), ..one_thread }), [0.25, 0.5, 0.75, 1.0].map(Some));
+    // to one digit in several rounds: unknown in the first one, then never beyond all, and all in the end
+    let shares = seen(Settings { digits: 1, ..one_thread });
+    let (unknown, known) = shares.split_at(10);
+    assert!(unknown.iter().all(Option::is_none) && known.iter().all(|share| share.is_some_and(|share| share <= 1.0)));
+    assert_eq!((known.is_empty(), shares.last()), (false, Some(&Some(1.0))));
+}
+
 /// The ends of the interval have a standard error of 2.67 u/√n: to one digit, u = 9.5 takes 258 000 draws.
 #[test]
 fn rounds_double_until_the_digits_hold() {

@@ -228,6 +228,15 @@ impl<'a> BatchReport<'a> {
         notes
     }
 
+    /// The method that judges all parts, or those that the mesh need not judge.
+    const fn sum_judged_by(&self) -> JudgedBy {
+        match self.basis.stack {
+            None => JudgedBy::Mesh,
+            Some(Stack::Rss) => JudgedBy::Statistical,
+            Some(_) => JudgedBy::Bound,
+        }
+    }
+
     /// The verdict on all parts.
     #[must_use]
     pub fn verdict(&self) -> Block {
@@ -239,8 +248,7 @@ impl<'a> BatchReport<'a> {
             String::new()
         };
         let parts = counts.rows - counts.rejected;
-        let by = self.basis.stack.map_or_else(|| self.basis.model.to_owned(), |stack| stack.to_string());
-        let by = format!("{by}{}{}", self.basis.and_mesh(), rule_words(&self.basis.rule));
+        let by = format!("{}{}{}", self.sum_judged_by(), self.basis.and_mesh(), rule_words(&self.basis.rule));
         let judged_by = format!("(judged by {by}){}", judged_without(&self.basis.without));
         let unfit = |count: u64, how: &str| {
             let are = if count == 1 { "is" } else { "are" };
@@ -336,12 +344,7 @@ fn part_fact(part: &Part) -> Value {
 
 impl Report for BatchReport<'_> {
     fn json(&self) -> Value {
-        let judged_by = match self.basis.stack {
-            None => JudgedBy::Mesh,
-            Some(_) if self.outcome.counts.meshed > 0 => JudgedBy::Mesh,
-            Some(Stack::Rss) => JudgedBy::Statistical,
-            Some(_) => JudgedBy::Bound,
-        };
+        let judged_by = if self.outcome.counts.meshed > 0 { JudgedBy::Mesh } else { self.sum_judged_by() };
         let Outcome { counts, worst, interrupted, is_cut, .. } = self.outcome;
         let named = counts.named().into_iter().map(|(name, count)| (name.to_owned(), count.into()));
         let mut json = json!({

@@ -138,6 +138,8 @@ mod tests {
             ("torque_rising_mean_n_m", "torque rising mean\n[N m]", 1.234_56e-5, "0.0000123456"),
             ("delta_cd_rack_pitch_mm", "ΔCD of rack pitch\n[mm]", 0.0123_456, "+0.0123"),
             ("F_beta_um", "F_beta\n[µm]", 7.5, "7.5"),
+            ("mesh_largest_rate", "mesh largest rate\n[µm/mm]", 0.103_388, "103.39"),
+            ("mesh_largest_rate", "mesh largest rate\n[µm/mm]", -0.000_26, "-0.26"),
             ("contact_ratio", "contact ratio", 1.987_654_3, "1.9877"),
         ] {
             assert_eq!((row_heading(name).as_str(), number_text(name, number).as_str()), (heading, text));

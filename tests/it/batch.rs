@@ -167,7 +167,7 @@ fn a_table_of_no_row_or_one_is_summed_up_in_plain_words() {
     assert!(page.contains("\n1 part is too few for capability indices"), "{page}");
     assert!(
         page.ends_with(
-            "PASS: the part is inside the limits if the error-free pair has ΔCD = 0 (judged by worst case)\n"
+            "PASS: the part is inside the limits if the error-free pair has ΔCD = 0 (judged by the worst case)\n"
         ),
         "{page}"
     );
@@ -304,7 +304,7 @@ fn an_error_that_the_table_lacks_leaves_the_sum_open_everywhere() {
     assert_eq!(json["unjudged_limits"], serde_json::json!(["center_distance"]));
     let partial = run(&["--summary", "--partial"]);
     assert_eq!(partial.status.code(), Some(0));
-    assert!(text(&partial.stdout).ends_with("(judged by worst case); judged without rack lead\n"));
+    assert!(text(&partial.stdout).ends_with("(judged by the worst case); judged without rack lead\n"));
 }
 
 #[test]

@@ -59,13 +59,13 @@ impl FunctionPart {
             Layer::new("limits", Shape::Limits(limits)),
             Layer::new("stroke rising", line(|at| at.rising_n_m)),
             Layer::new("stroke falling", line(|at| at.falling_n_m)),
-            Layer::new("lifting the yoke, rising", line(|at| at.lifting_n_m)),
+            Layer::new("lifting, rising", line(|at| at.lifting_n_m)),
         ];
         if self.yoke.yoke_friction.is_some() {
-            layers.push(Layer::new("friction of the yoke", line(|at| at.yoke_friction_n_m)));
+            layers.push(Layer::new("yoke friction", line(|at| at.yoke_friction_n_m)));
         }
         if self.yoke.tooth_friction.is_some() {
-            layers.push(Layer::new("friction at the teeth", line(|at| at.tooth_friction_n_m)));
+            layers.push(Layer::new("tooth friction", line(|at| at.tooth_friction_n_m)));
         }
         let chart = Chart::along_the_stroke(title.unwrap_or("free torque of the pinion"), layers);
         Some(Chart { y: Axis { label: "torque at the pinion [N m]".to_owned(), scale: Scale::Airy }, ..chart })
