@@ -3,9 +3,10 @@
 use serde_json::{Value, json};
 
 use super::number::{millimetres, tidy, unsigned};
+use super::trace::AT_AN_END;
 use super::{Block, Table};
 use crate::gear::Pair;
-use crate::trace::{Diagnosis, FoundError, ToothError, UNSEEN_MM, Unseen};
+use crate::trace::{Alternative, Diagnosis, FoundError, ToothError, UNSEEN_MM, Unseen};
 
 fn json_of(pair: &Pair, error: ToothError, value_mm: f64) -> Value {
     let mut json = json!({
@@ -26,7 +27,13 @@ pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
         let mut json = json_of(pair, found.error, found.value_mm);
         json["interval_mm"] = found.interval_mm.map(|end| end.map(tidy)).to_vec().into();
         json["effect_mm"] = tidy(found.effect_mm).into();
-        let others = found.alternatives.iter().map(|other| json_of(pair, other.error, other.value_mm));
+        let others = found.alternatives.iter().map(|other| {
+            let mut json = json_of(pair, other.error, other.value_mm);
+            if let Some(shift_mm) = other.shift_mm {
+                json["stroke_shift_mm"] = tidy(shift_mm).into();
+            }
+            json
+        });
         json["alternatives"] = others.collect();
         json
     });
@@ -66,12 +73,26 @@ fn micrometres(mm: f64) -> String {
 /// The part for people.
 pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
     let end = |found: &FoundError, at: usize| found.interval_mm[at].map_or_else(|| "open".to_owned(), micrometres);
-    let table = Table::of(&diagnosis.errors)
-        .text("explains the curve", |found| name(found.error))
-        .number("value", |found| micrometres(found.value_mm))
-        .number("from", |found| end(found, 0))
-        .number("to", |found| end(found, 1))
-        .number("changes ΔCD by", |found| format!("{:.1} µm", 1000.0 * found.effect_mm));
+    let mut rows: Vec<[String; 5]> = diagnosis
+        .errors
+        .iter()
+        .map(|found| {
+            let effect = format!("{:.1} µm", 1000.0 * found.effect_mm);
+            [name(found.error), micrometres(found.value_mm), end(found, 0), end(found, 1), effect]
+        })
+        .collect();
+    if !rows.is_empty() && is_fitted {
+        let fitted = [("offset", diagnosis.offset_mm), ("stroke shift", diagnosis.shift_mm)];
+        rows.extend(fitted.map(|(name, mm)| {
+            [name.to_owned(), format!("{} mm", millimetres(tidy(mm))), String::new(), String::new(), String::new()]
+        }));
+    }
+    let table = Table::of(rows)
+        .text("explains the curve", |row| row[0].clone())
+        .number("value", |row| row[1].clone())
+        .number("from", |row| row[2].clone())
+        .number("to", |row| row[3].clone())
+        .number("changes ΔCD by", |row| row[4].clone());
     let mut blocks: Vec<Block> = table.block_if_any().into_iter().collect();
     let stated = if diagnosis.noise_is_stated { "stated" } else { "estimated from second differences" };
     let left = format!(
@@ -96,6 +117,9 @@ fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
     remarks.extend(diagnosis.errors.iter().filter(open).map(|found| {
         format!("the curve shows one side only of the {}: at the open end its size may be any", name(found.error))
     }));
+    if is_fitted && !diagnosis.errors.is_empty() && diagnosis.at_an_end {
+        remarks.push(AT_AN_END.to_owned());
+    }
     if diagnosis.leaves_more {
         remarks.push("what is left is more than the noise: errors of single teeth do not explain all of it".to_owned());
     }
@@ -114,11 +138,17 @@ fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
     remarks
 }
 
+fn elsewhere(other: &Alternative) -> String {
+    let shift = |mm: f64| format!(" at a stroke shift of {} mm", millimetres(tidy(mm)));
+    other.shift_mm.map_or_else(String::new, shift)
+}
+
 fn same_curve(found: &FoundError) -> String {
     const MOST: usize = 6;
     let others = found.alternatives.iter().take(MOST);
-    let mut others: Vec<_> =
-        others.map(|other| format!("{} {}", name(other.error), micrometres(other.value_mm))).collect();
+    let mut others: Vec<_> = others
+        .map(|other| format!("{} {}{}", name(other.error), micrometres(other.value_mm), elsewhere(other)))
+        .collect();
     if let more @ 1.. = found.alternatives.len().saturating_sub(MOST) {
         others.push(format!("{more} more"));
     }

@@ -304,9 +304,15 @@ impl Report for MeshReport<'_> {
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(summary_table(&summary));
         if let Some(width) = self.screen.drawing_width() {
-            let points: Vec<_> =
-                self.curve.points.iter().map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
-            blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
+            let drawn = match &self.measured {
+                Some(measured) => sketch::sketch(&measured.curve(), "measured ΔCD [mm]", [width, 8]),
+                None => {
+                    let points = self.curve.points.iter();
+                    let points: Vec<_> = points.map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
+                    sketch::sketch(&points, "ΔCD [mm]", [width, 8])
+                }
+            };
+            blocks.extend(drawn.map(Block::Drawing));
         }
         blocks.push(comparison_table(&summary, &self.prediction));
         blocks.extend(self.measured.iter().flat_map(TracePart::blocks));

@@ -356,7 +356,7 @@ impl Report for SimulationReport<'_> {
         if let Some(width) = self.screen.drawing_width() {
             let there = &self.outcome.samples[..self.outcome.there];
             let points: Vec<_> = there.iter().map(|s| (s.stroke_mm, tidy(s.delta_cd_mm))).collect();
-            blocks.extend(sketch::sketch(&points, width, 8).map(Block::Drawing));
+            blocks.extend(sketch::sketch(&points, "ΔCD [mm]", [width, 8]).map(Block::Drawing));
         }
         let given = self.given();
         let given: Vec<_> = given

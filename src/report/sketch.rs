@@ -5,11 +5,11 @@ use super::number::signed;
 /// Columns left of the dots.
 const AXIS: usize = 10;
 
-/// Draws ΔCD along the stroke in `width` by `height` characters, with the range of y at the left and that of x below. `None`
+/// Draws a curve along the stroke in width by height characters, with the range of y at the left and that of x below. `None`
 /// if there is no room or no curve.
-pub(super) fn sketch(points: &[(f64, f64)], width: usize, height: usize) -> Option<String> {
+pub(super) fn sketch(points: &[(f64, f64)], label: &str, size: [usize; 2]) -> Option<String> {
     let (first, last) = (points.first()?, points.last()?);
-    labelled(points, [width, height], "ΔCD [mm]", [format!("{:.1}", first.0), format!("{:.1} mm", last.0)])
+    labelled(points, size, label, [format!("{:.1}", first.0), format!("{:.1} mm", last.0)])
 }
 
 /// Draws `points` in the order of x, with the name of y and the texts below the ends of x.
@@ -81,14 +81,14 @@ mod tests {
     #[test]
     fn a_step_is_a_step() {
         let points = [(0.0, 0.0), (5.0, 0.0), (5.0, 0.02), (10.0, 0.02)];
-        let drawn = sketch(&points, 21, 2).unwrap();
+        let drawn = sketch(&points, "ΔCD [mm]", [21, 2]).unwrap();
         let lines: Vec<_> = drawn.lines().collect();
         assert_eq!(lines.len(), 3);
         assert!(lines[0].starts_with("   +0.0200 ⠀⠀⠀⠀") && lines[0].ends_with('⠉'), "{drawn}");
         assert!(lines[1].starts_with("    0.0000 ⣀⣀⣀⣀") && lines[1].ends_with('⠀'), "{drawn}");
         assert!(lines[2].ends_with("10.0 mm"), "{drawn}");
-        assert!(sketch(&points, 15, 2).is_none());
-        assert!(sketch(&[(0.0, f64::NAN), (1.0, 0.0)], 60, 2).is_some());
-        assert!(sketch(&[], 60, 2).is_none());
+        assert!(sketch(&points, "ΔCD [mm]", [15, 2]).is_none());
+        assert!(sketch(&[(0.0, f64::NAN), (1.0, 0.0)], "", [60, 2]).is_some());
+        assert!(sketch(&[], "", [60, 2]).is_none());
     }
 }

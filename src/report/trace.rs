@@ -25,6 +25,10 @@ pub struct TracePart {
     pub notes: Vec<String>,
 }
 
+/// What a stroke shift at an end of its range means.
+pub(super) const AT_AN_END: &str =
+    "the stroke shift lies at the end of the half pitch in which it is sought: the curves may be of other teeth";
+
 const METHOD: &str = "a constant and the sines of all orders together, by least squares";
 
 fn um(mm: f64) -> String {
@@ -170,14 +174,16 @@ impl TracePart {
         let mut remarks = Vec::new();
         if let Some(placement) = &self.overlay.placement {
             if placement.shift.is_none() {
-                remarks.push(
-                    "the computed curve varies too little to tell a stroke shift, which is taken as 0".to_owned(),
-                );
+                let told = if self.diagnosis.as_ref().is_some_and(|found| !found.errors.is_empty()) {
+                    "; the errors found tell theirs"
+                } else {
+                    ""
+                };
+                remarks.push(format!(
+                    "the computed curve varies too little to tell a stroke shift, and is compared as if there were none{told}"
+                ));
             } else if placement.at_an_end {
-                remarks.push(
-                    "the stroke shift lies at the end of the half pitch in which it is sought: the curves may be of other teeth"
-                        .to_owned(),
-                );
+                remarks.push(AT_AN_END.to_owned());
             }
         }
         remarks.push(match &self.overlay.spectrum {
@@ -194,6 +200,11 @@ impl TracePart {
         remarks
     }
 
+    /// The measured points: stroke and ΔCD, mm.
+    pub(super) fn curve(&self) -> Vec<(f64, f64)> {
+        self.overlay.points.iter().map(|point| (point.stroke_mm, point.delta_cd_mm)).collect()
+    }
+
     /// Measured over computed, the difference below.
     #[must_use]
     pub fn chart(&self, title: &str) -> Chart {
@@ -201,14 +212,14 @@ impl TracePart {
         let over = |values: &mut dyn Iterator<Item = f64>| -> Vec<(f64, f64)> {
             overlay.points.iter().map(|point| point.stroke_mm).zip(values).collect()
         };
-        let measured = over(&mut overlay.points.iter().map(|point| point.delta_cd_mm));
         let placed = if overlay.placement.is_some() { "computed, placed by least squares" } else { "computed" };
         let mut layers = vec![
-            Layer::new("measured", Shape::Line(measured)),
+            Layer::new("measured", Shape::Line(self.curve())),
             Layer::new(placed, Shape::Line(over(&mut overlay.computed_mm.iter().copied()))),
         ];
+        let left = if self.diagnosis.is_some() { "left by the computed curve" } else { "" };
         let mut differences =
-            vec![Layer::new("", Shape::Line(over(&mut overlay.differences_mm().map(|mm| 1000.0 * mm))))];
+            vec![Layer::new(left, Shape::Line(over(&mut overlay.differences_mm().map(|mm| 1000.0 * mm))))];
         if let Some(found) = &self.diagnosis {
             let with = "computed with the errors found";
             layers.push(Layer::new(with, Shape::Line(over(&mut found.explained_mm.iter().copied()))));

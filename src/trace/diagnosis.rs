@@ -14,6 +14,8 @@ pub struct Alternative {
     pub error: ToothError,
     /// Its size, mm; for a lead error the helix slope deviation over the face width.
     pub value_mm: f64,
+    /// The stroke shift at which it has the same curve, mm, if that is another than the diagnosis'.
+    pub shift_mm: Option<f64>,
 }
 
 /// An error that explains the curve.
@@ -63,8 +65,10 @@ pub struct Diagnosis {
     pub explained_mm: Vec<f64>,
     /// The offset added to the computed curve, mm.
     pub offset_mm: f64,
-    /// The shift added to the measured strokes, mm.
+    /// The measured less the computed stroke of one and the same place, mm.
     pub shift_mm: f64,
+    /// Whether the shift lies at an end of its range, ± half a pitch.
+    pub at_an_end: bool,
     /// The number of errors that were tried.
     pub candidates: usize,
     /// The least by which an error must lower χ².
@@ -77,6 +81,8 @@ pub struct Diagnosis {
 const INTERVAL: f64 = 3.84;
 /// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
+/// The errors that a search may find more than an answer that explains all has; afterwards several may become one.
+const SPARE: usize = 3;
 
 impl Diagnosis {
     /// Finds the smallest set of single-tooth errors that explains the differences of an overlay.
@@ -89,34 +95,42 @@ impl Diagnosis {
         request: DiagnosisRequest,
         watch: &mut Watch<'_>,
     ) -> Result<Self, TraceError> {
-        // an error may distort the shift that was fitted without it: search from that shift and from none, keep the better
-        let fitted = Search::new(mesh, overlay, request);
-        let unmoved = (fitted.shift_mm != 0.0).then(|| Search { shift_mm: 0.0, ..fitted.clone() });
-        let (mut search, unseen) = std::iter::once(fitted)
-            .chain(unmoved)
-            .map(|mut search| search.add_all(watch).map(|unseen| (search, unseen)))
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .min_by(|(a, _), (b, _)| a.cost().total_cmp(&b.cost()))
-            .ok_or(TraceError::TooFewPoints)?;
-        let found = search.explained(watch)?;
+        // an error distorts the shift that is fitted without it
+        let search = Search::new(mesh, overlay, request);
+        let (mut answers, mut most) = (Vec::new(), MOST_ERRORS);
+        for shift_mm in search.starts(watch)? {
+            let mut search = search.moved_to(shift_mm);
+            let unseen = search.add_all(most, watch)?;
+            if !search.leaves_more() {
+                most = most.min(search.errors.len() + SPARE);
+            }
+            answers.push((search.cost(), search, unseen));
+        }
+        answers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut answers = answers.into_iter();
+        let (least, mut search, unseen) = answers.next().ok_or(TraceError::TooFewPoints)?;
+        let mut found = search.explained(watch)?;
+        for (cost, mut other, _) in answers {
+            if cost < least + SAME_CURVE && other.is_elsewhere(&search) {
+                add_elsewhere(&mut found, other.explained(watch)?, other.shift_mm);
+            }
+        }
         let sight = search.sight(&search.errors, &search.points, false)?;
         let points: Vec<f64> = overlay.points.iter().map(|point| point.delta_cd_mm).collect();
         let mean = |of: &mut dyn Iterator<Item = f64>| of.sum::<f64>() / points.len() as f64;
         let apart = || points.iter().zip(&sight.model_mm).map(|(measured, model)| measured - model);
         let offset_mm = if search.fits { mean(&mut apart()) } else { 0.0 };
         let square = mean(&mut apart().map(|apart| (apart - offset_mm) * (apart - offset_mm)));
-        let freedom = (points.len() as f64 - found.len() as f64 - 2.0).max(1.0);
-        let reduced = square * points.len() as f64 / (freedom * search.noise_mm * search.noise_mm);
         Ok(Self {
             errors: found,
             noise_mm: search.noise_mm,
             noise_is_stated: request.noise_mm.is_some(),
             rms_left_mm: square.sqrt(),
-            leaves_more: reduced > 1.0 + 5.0 * (2.0 / freedom).sqrt() + 0.1,
+            leaves_more: search.leaves_more(),
             explained_mm: sight.model_mm.iter().map(|model| model + offset_mm).collect(),
             offset_mm,
             shift_mm: search.shift_mm,
+            at_an_end: search.shift_mm.abs() >= 0.999 * search.half_mm(),
             candidates: search.candidates.len(),
             threshold: search.threshold,
             unseen,
@@ -124,55 +138,56 @@ impl Diagnosis {
     }
 }
 
+/// Adds the answer at another stroke shift to the alternatives; both list the errors with the largest effects first.
+fn add_elsewhere(found: &mut [FoundError], elsewhere: Vec<FoundError>, shift_mm: f64) {
+    if found.len() != elsewhere.len() {
+        return;
+    }
+    for (one, other) in found.iter_mut().zip(elsewhere) {
+        let own = Alternative { error: other.error, value_mm: other.value_mm, shift_mm: None };
+        for alternative in std::iter::once(own).chain(other.alternatives) {
+            let known = one.alternatives.iter().map(|known| known.error).chain([one.error]);
+            if !known.into_iter().any(|known| known == alternative.error) {
+                one.alternatives.push(Alternative { shift_mm: Some(shift_mm), ..alternative });
+            }
+        }
+    }
+}
+
 impl Search<'_> {
     /// Adds errors as long as one stands out of the noise, then finds the errors that do not show in the curve.
-    fn add_all(&mut self, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
+    fn add_all(&mut self, most: usize, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
         /// The share of the threshold that an error must explain at the first look.
         const LEAST: f64 = 0.5;
         loop {
-            let errors = self.errors.clone();
-            let sights = [&self.means, &self.points].map(|points| self.sight(&errors, points, false));
+            let before = self.clone();
+            let errors = &before.errors;
+            let sights = [&self.means, &self.points].map(|points| self.sight(errors, points, false));
             let [means, points] = sights;
             let (means, points) = (means?, points?);
-            let screened = self.screened(&errors, &means, |_| true, watch)?;
-            let best = self.best(&errors, (&means, &points), &screened, LEAST * self.threshold).into_iter().next();
-            match best.filter(|(_, explains)| explains.gain > self.threshold && errors.len() < MOST_ERRORS) {
-                Some((error, explains)) => self.errors.push((error, explains.size_mm)),
-                None => return Ok(self.unseen(&means, &screened)),
+            let screened = self.screened(errors, &means, |_| true, watch)?;
+            let best = self.best(errors, (&means, &points), &screened, LEAST * self.threshold).into_iter().next();
+            if let Some((error, explains)) = best.filter(|(_, best)| best.gain > self.threshold && errors.len() < most)
+            {
+                self.errors.push((error, explains.size_mm));
+                self.refit()?;
+                self.remove_needless()?;
             }
-            self.refit()?;
-            self.remove_needless()?;
-            if self.errors == errors {
-                return Ok(self.unseen(&means, &screened));
+            if self.cost() >= before.cost() {
+                *self = before.clone();
+                self.simplify(watch)?;
+                if self.cost() >= before.cost() {
+                    return Ok(self.unseen(&means, &screened));
+                }
             }
         }
     }
 
-    /// χ² with the errors found, plus the threshold for each of them.
-    fn cost(&self) -> f64 {
+    /// Whether what the errors leave is clearly more than the noise.
+    fn leaves_more(&self) -> bool {
+        let freedom = (self.points.len() as f64 - self.errors.len() as f64 - 2.0).max(1.0);
         let square = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
-        square + self.threshold * self.errors.len() as f64
-    }
-
-    /// Removes errors without which the others explain the curve as well.
-    fn remove_needless(&mut self) -> Result<(), TraceError> {
-        while self.errors.len() > 1 {
-            let all = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
-            let without = |at: usize| {
-                let mut fewer = Search { errors: self.errors.clone(), ..self.clone() };
-                fewer.errors.remove(at);
-                fewer.refit()?;
-                let worse = fewer.chi_square(&fewer.errors, fewer.shift_mm).unwrap_or(f64::INFINITY) - all;
-                Ok((worse, fewer))
-            };
-            let tried: Vec<(f64, Self)> = (0..self.errors.len()).map(without).collect::<Result<_, TraceError>>()?;
-            let least = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            match least.filter(|(worse, _)| *worse < self.threshold) {
-                Some((_, fewer)) => *self = fewer,
-                None => break,
-            }
-        }
-        Ok(())
+        square / freedom > 1.0 + 5.0 * (2.0 / freedom).sqrt() + 0.1
     }
 
     /// Errors of the size [`UNSEEN_MM`] that do not show in the curve, by part, kind and sign.
@@ -185,13 +200,14 @@ impl Search<'_> {
                 let is_seen = effects.at(size_mm).is_some_and(|effect| sight.visible(effect) > self.threshold);
                 let teeth: Vec<i64> = if is_seen { Vec::new() } else { vec![*tooth] };
                 match all.iter_mut().find(is_it) {
-                    Some(of) => {
-                        of.teeth.extend(teeth);
-                        of.of += 1;
-                    }
-                    None => all.push(Unseen { part: *part, kind: *kind, is_negative, teeth, of: 1 }),
+                    Some(of) => of.teeth.extend(teeth),
+                    None => all.push(Unseen { part: *part, kind: *kind, is_negative, teeth, of: 0 }),
                 }
             }
+        }
+        for of in &mut all {
+            // those found are no candidates any more
+            of.of = self.candidates.iter().filter(|one| (one.part, one.kind) == (of.part, of.kind)).count();
         }
         all.retain(|of| !of.teeth.is_empty());
         all
@@ -221,14 +237,18 @@ impl Search<'_> {
                     *changed = (*other, explains.size_mm);
                 }
                 self.refit()?;
+                self.remove_needless()?;
                 (found, swaps, at) = (Vec::new(), swaps + 1, 0);
                 continue;
             }
             let most = best.first().map_or(member.gain, |(_, best)| best.gain.max(member.gain));
             let is_same = |(_, other): &&(ToothError, Explains)| other.gain > most - SAME_CURVE;
             let alternatives = best.iter().filter(is_same);
-            let alternatives =
-                alternatives.map(|(error, other)| Alternative { error: *error, value_mm: other.size_mm });
+            let alternatives = alternatives.map(|(error, other)| Alternative {
+                error: *error,
+                value_mm: other.size_mm,
+                shift_mm: None,
+            });
             found.push(FoundError {
                 error,
                 value_mm: member.size_mm,

@@ -5,7 +5,9 @@
 mod diagnosis;
 mod search;
 mod sight;
+mod smallest;
 mod spectrum;
+mod starts;
 mod tooth_error;
 
 pub use diagnosis::{Alternative, Diagnosis, FoundError, Unseen};
@@ -34,19 +36,19 @@ pub struct Fitted {
     pub uncertainty_mm: f64,
 }
 
-/// Offset and shift that place the computed curve on the measured one: measured(s) ≈ computed(s + shift) + offset.
+/// Offset and shift that place the computed curve on the measured one: measured(s) ≈ computed(s − shift) + offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// Added to ΔCD.
     pub offset: Fitted,
-    /// Added to the measured stroke; `None` where the computed curve does not determine it: then it is 0.
+    /// Measured less computed stroke of one and the same place; `None` where the computed curve does not determine it: then it is 0.
     pub shift: Option<Fitted>,
     /// Whether the shift lies at an end of its range, ± half a pitch.
     pub at_an_end: bool,
 }
 
 impl Placement {
-    /// The shift added to the measured stroke, mm.
+    /// The measured less the computed stroke, mm.
     #[must_use]
     pub fn shift_mm(&self) -> f64 {
         self.shift.map_or(0.0, |shift| shift.value_mm)
@@ -142,7 +144,7 @@ impl Overlay {
         let placement = if fits { Some(placement(mesh, points)?) } else { None };
         let shift_mm = placement.as_ref().map_or(0.0, Placement::shift_mm);
         let offset_mm = placement.as_ref().map_or(0.0, |placement| placement.offset.value_mm);
-        let strokes: Vec<f64> = points.iter().map(|point| point.stroke_mm + shift_mm).collect();
+        let strokes: Vec<f64> = points.iter().map(|point| point.stroke_mm - shift_mm).collect();
         let computed_mm: Vec<f64> = sampled(mesh, &strokes)?.into_iter().map(|mm| mm + offset_mm).collect();
         let differences = points.iter().zip(&computed_mm).map(|(point, computed)| point.delta_cd_mm - computed);
         let rms_mm = (differences.clone().map(|mm| mm * mm).sum::<f64>() / points.len() as f64).sqrt();
@@ -181,7 +183,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
     let chords = Chords::of(mesh, ends[0] - half, ends[1] + half)?;
     let mean = |of: &dyn Fn(&TracePoint) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
     let rest = |shift_mm: f64| {
-        let off = |point: &TracePoint| point.delta_cd_mm - chords.at(point.stroke_mm + shift_mm).0;
+        let off = |point: &TracePoint| point.delta_cd_mm - chords.at(point.stroke_mm - shift_mm).0;
         let offset = mean(&off);
         mean(&|point| (off(point) - offset) * (off(point) - offset))
     };
@@ -191,7 +193,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
     let better = |a: &(f64, f64), b: &(f64, f64)| a.1.total_cmp(&b.1).then(a.0.abs().total_cmp(&b.0.abs()));
     let best = tried.map(|shift| (shift, rest(shift))).min_by(better).map_or(0.0, |(shift, _)| shift);
     let shift_mm = lowest(&rest, (best - step).max(-half), (best + step).min(half));
-    let slopes: Vec<f64> = points.iter().map(|point| chords.at(point.stroke_mm + shift_mm).1).collect();
+    let slopes: Vec<f64> = points.iter().map(|point| chords.at(point.stroke_mm - shift_mm).1).collect();
     let ones = vec![1.0; points.len()];
     let freedom = points.len().saturating_sub(2).max(1) as f64;
     let sigma_mm = |rest: f64| (rest * points.len() as f64 / freedom).sqrt();
@@ -199,7 +201,7 @@ fn placement(mesh: &Mesh, points: &[TracePoint]) -> Result<Placement, MeshError>
         .map(|fit| fit.inverse)
         .filter(|inverse| sigma_mm(rest(shift_mm)) * inverse[1][1].sqrt() < TOLD * pitch_mm);
     let placed = |shift_mm: f64, shift: Option<Fitted>, of_offset: f64| {
-        let offset_mm = mean(&|point| point.delta_cd_mm - chords.at(point.stroke_mm + shift_mm).0);
+        let offset_mm = mean(&|point| point.delta_cd_mm - chords.at(point.stroke_mm - shift_mm).0);
         let offset = Fitted { value_mm: offset_mm, uncertainty_mm: sigma_mm(rest(shift_mm)) * of_offset.sqrt() };
         Placement { offset, shift, at_an_end: shift_mm.abs() > half - 0.01 * step }
     };

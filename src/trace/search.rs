@@ -4,6 +4,7 @@
 use std::ops::ControlFlow;
 
 use super::sight::{Effects, Explains, Sight};
+use super::starts::SHIFTS;
 use super::tooth_error::{ToothError, with_errors};
 use super::{Overlay, TraceError, TracePoint, sampled};
 use crate::mesh::{Mesh, MeshPoint, PairLine, Sampler, Support};
@@ -20,7 +21,7 @@ const FALSE_ALARM: f64 = 0.01;
 /// Step of the stroke, or of an error's size, for slopes of the curve, mm.
 const STEP_MM: f64 = 2e-4;
 /// Strokes in a pitch for the first, coarse comparison.
-const FIRST_LOOK: f64 = 12.0;
+pub(super) const FIRST_LOOK: u8 = 12;
 /// The number of errors that are compared more closely.
 const CLOSER: usize = 48;
 
@@ -47,6 +48,7 @@ pub(super) struct Search<'a> {
     pub(super) means: Points,
     pub(super) noise_mm: f64,
     pub(super) fits: bool,
+    pub(super) is_master: bool,
     pub(super) candidates: Vec<ToothError>,
     pub(super) threshold: f64,
     pub(super) errors: Vec<(ToothError, f64)>,
@@ -97,20 +99,34 @@ impl<'a> Search<'a> {
             .iter()
             .map(|TracePoint { stroke_mm, delta_cd_mm }| (*stroke_mm, *delta_cd_mm, 1.0))
             .collect();
-        let ends = [points.first(), points.last()].map(|end| end.map_or(0.0, |end| end.0 + shift_mm));
-        let candidates = ToothError::all(mesh.pair(), ends.into(), request.is_master);
-        Self {
+        let mut search = Self {
             mesh,
-            means: means(&points, mesh.pair().rack().pitch_mm / FIRST_LOOK),
+            means: means(&points, mesh.pair().rack().pitch_mm / f64::from(FIRST_LOOK)),
             points,
             noise_mm: request.noise_mm.unwrap_or_else(|| estimated_noise_mm(overlay)),
             fits: overlay.placement.is_some(),
-            // the tail of χ² with one degree of freedom is below exp(−χ²/2)
-            threshold: 2.0 * libm::log(2.0 * candidates.len().max(1) as f64 / FALSE_ALARM),
-            candidates,
+            is_master: request.is_master,
+            threshold: 0.0,
+            candidates: Vec::new(),
             errors: Vec::new(),
             shift_mm,
-        }
+        };
+        search.candidates = search.within_reach([shift_mm; 2]);
+        // the tail of χ² with one degree of freedom is below exp(−χ²/2)
+        let tried = search.candidates.len().max(1) * if search.fits { SHIFTS } else { 1 };
+        search.threshold = 2.0 * libm::log(2.0 * tried as f64 / FALSE_ALARM);
+        search
+    }
+
+    /// The errors of the teeth that the strokes reach at shifts from one to another.
+    pub(super) fn within_reach(&self, [from_mm, to_mm]: [f64; 2]) -> Vec<ToothError> {
+        let [first, last] = [self.points.first(), self.points.last()].map(|end| end.map_or(0.0, |end| end.0));
+        ToothError::all(self.mesh.pair(), (first - to_mm, last - from_mm), self.is_master)
+    }
+
+    /// The search at another stroke shift, among the teeth that its strokes reach.
+    pub(super) fn moved_to(&self, shift_mm: f64) -> Self {
+        Self { shift_mm, candidates: self.within_reach([shift_mm; 2]), ..self.clone() }
     }
 
     /// The differences that some errors leave at points; with `fits_sizes` their sizes are fitted together with another error's.
@@ -120,7 +136,7 @@ impl<'a> Search<'a> {
         points: &Points,
         fits_sizes: bool,
     ) -> Result<Sight, TraceError> {
-        let strokes: Vec<f64> = points.iter().map(|(stroke, ..)| stroke + self.shift_mm).collect();
+        let strokes: Vec<f64> = points.iter().map(|(stroke, ..)| stroke - self.shift_mm).collect();
         let measured: Vec<f64> = points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
         let weights: Vec<f64> = points.iter().map(|(.., count)| count / (self.noise_mm * self.noise_mm)).collect();
         let model = sampled(&self.with(errors)?, &strokes)?;
@@ -324,7 +340,7 @@ impl<'a> Search<'a> {
 
     /// χ² of some errors at a stroke shift, with the best offset.
     pub(super) fn chi_square(&self, errors: &[(ToothError, f64)], shift_mm: f64) -> Option<f64> {
-        let strokes: Vec<f64> = self.points.iter().map(|(stroke, ..)| stroke + shift_mm).collect();
+        let strokes: Vec<f64> = self.points.iter().map(|(stroke, ..)| stroke - shift_mm).collect();
         let model = sampled(&with_errors(self.mesh, errors)?, &strokes).ok()?;
         let measured: Vec<f64> = self.points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
         let weights = vec![1.0 / (self.noise_mm * self.noise_mm); strokes.len()];
@@ -336,17 +352,16 @@ impl<'a> Search<'a> {
     pub(super) fn refit(&mut self) -> Result<(), TraceError> {
         const ROUNDS: usize = 8;
         const ENOUGH: f64 = 0.1;
-        let half_mm = 0.5 * self.mesh.pair().rack().pitch_mm;
         let mut least = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
         for _ in 0..ROUNDS {
             let fitted = self.sight(&self.errors, &self.points, true)?;
             let placed = fitted.columns() - self.errors.len();
             let moved = |share: f64| {
-                let shift = self.shift_mm + if placed > 1 { share * fitted.step(1) } else { 0.0 };
+                let shift = self.shift_mm - if placed > 1 { share * fitted.step(1) } else { 0.0 };
                 let sizes = self.errors.iter().enumerate();
                 let errors: Vec<_> =
                     sizes.map(|(at, (error, mm))| (*error, mm + share * fitted.step(placed + at))).collect();
-                (errors, shift.clamp(-half_mm, half_mm))
+                (errors, shift.clamp(-self.half_mm(), self.half_mm()))
             };
             let tried = [1.0, 0.5, 0.25, 0.1].into_iter().map(moved);
             let better = tried.map(|(errors, shift)| (self.chi_square(&errors, shift), errors, shift));

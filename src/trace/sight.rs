@@ -179,13 +179,25 @@ impl Effects {
         best
     }
 
-    /// The amount by which a size lowers χ²; effects are linear between solved sizes.
-    pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
+    /// The effect of a size; effects are linear between solved sizes.
+    pub(super) fn of(&self, size_mm: f64) -> Vec<f64> {
         let at = self.0.partition_point(|(size, _)| *size < size_mm).clamp(1, self.0.len().max(2) - 1);
-        let (Some((from, a)), Some((to, b))) = (self.0.get(at - 1), self.0.get(at)) else { return 0.0 };
+        let (Some((from, a)), Some((to, b))) = (self.0.get(at - 1), self.0.get(at)) else {
+            return self.0.first().map_or_else(Vec::new, |(_, effect)| effect.clone());
+        };
         let share = (size_mm - from) / (to - from);
-        let rest = sight.rest_mm.iter().zip(a.iter().zip(b)).map(|(rest, (a, b))| rest - a - share * (b - a));
+        a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect()
+    }
+
+    /// The amount by which a size lowers χ².
+    pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
+        let rest = sight.rest_mm.iter().zip(self.of(size_mm)).map(|(rest, effect)| rest - effect);
         let rest: Vec<f64> = rest.collect();
         sight.chi_square() - sight.inner(&rest, &rest)
+    }
+
+    /// The effects at other strokes, where `moved` finds a curve that is known at those of the sight.
+    pub(super) fn moved(&self, moved: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self(self.0.iter().map(|(size, effect)| (*size, moved(effect))).collect())
     }
 }

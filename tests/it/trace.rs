@@ -53,7 +53,7 @@ fn a_moved_curve_is_laid_back() {
     let path = table(&folder, &format!("Hub [mm];ΔCD [µm]\n{}\n", rows.join("\n")));
     let all = ask(&spec, &["--measured", &path]).unwrap();
     assert!((number(&all, "/measured/offset/value_mm") - 0.0123).abs() < 1e-6);
-    assert!((number(&all, "/measured/stroke_shift/value_mm") - 0.73).abs() < 1e-4);
+    assert!((number(&all, "/measured/stroke_shift/value_mm") + 0.73).abs() < 1e-4);
     assert!(number(&all, "/measured/rms_difference_mm") < 1e-6);
     let both = ["measured", "computed"].map(|curve| number(&all, &format!("/measured/{curve}/tooth_to_tooth_mm")));
     assert!((both[0] - both[1]).abs() < 2e-6 && both[0] > 0.02, "{both:?}");
@@ -100,6 +100,11 @@ const TWO_TURNS: i32 = 1005;
 
 /// A trace of a spec with errors, with 1 µm of noise at 0.1 mm and an offset.
 fn noisy(errors: &str, seed: u64, count: i32) -> String {
+    noisy_from(errors, seed, count, 0.0)
+}
+
+/// The same, on a gauge whose strokes are larger than the computed ones.
+fn noisy_from(errors: &str, seed: u64, count: i32, shift_mm: f64) -> String {
     let mut state = seed;
     let mut unit = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -109,7 +114,7 @@ fn noisy(errors: &str, seed: u64, count: i32) -> String {
     let rows = strokes.iter().zip(computed(&(SPEC.to_owned() + errors), &strokes)).map(|(stroke, mm)| {
         // near enough to the normal distribution
         let noise = (0..12).map(|_| unit()).sum::<f64>() - 6.0;
-        format!("{stroke:.1},{:.5}\n", mm + 0.0042 + 0.001 * noise)
+        format!("{:.1},{:.5}\n", stroke + shift_mm, mm + 0.0042 + 0.001 * noise)
     });
     std::iter::once("stroke,delta_cd\n".to_owned()).chain(rows).collect()
 }
@@ -184,6 +189,36 @@ fn errors_with_the_same_curve_are_alternatives() {
             assert!((1000.0 * number(one, "/value_mm") - um).abs() <= 2.0, "{part} {kind} {tooth} {um}: {one}");
         }
     }
+}
+
+/// A gauge whose stroke begins anywhere within half a pitch does not change the answer, and the shift has one sign: measured less
+/// computed.
+#[test]
+fn a_stroke_shift_does_not_change_the_teeth() {
+    let folder = tempfile::tempdir().unwrap();
+    for shift_mm in [2.0, -2.6] {
+        let path =
+            table(&folder, &noisy_from(&(rack(7, "thickness", 22) + &rack(12, "right", 14)), 31, TWO_TURNS, shift_mm));
+        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+        let found = answer["diagnosis"].as_array().unwrap();
+        let teeth: Vec<_> =
+            found.iter().map(|one| (one["part"].as_str().unwrap(), one["tooth"].as_i64().unwrap())).collect();
+        assert_eq!(teeth, [("rack", 7), ("rack", 12)], "{shift_mm}: {found:?}");
+        let told = number(&answer, "/measured/explained/stroke_shift_mm");
+        assert!((told - shift_mm).abs() < 0.05, "{told} for {shift_mm}");
+    }
+}
+
+/// Errors that are together what one is are that one.
+#[test]
+fn the_set_is_the_smallest() {
+    let folder = tempfile::tempdir().unwrap();
+    let errors = "[[rack.deviation]]\nteeth = 4\nthickness = \"19 um\"\n[[rack.deviation]]\nteeth = 13\nthickness = \"23.5 um\"\n";
+    let path = table(&folder, &noisy(errors, 6, TWO_TURNS));
+    let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+    let teeth: Vec<_> =
+        answer["diagnosis"].as_array().unwrap().iter().map(|one| one["tooth"].as_i64().unwrap()).collect();
+    assert_eq!(teeth, [13, 4], "{}", answer["diagnosis"]);
 }
 
 /// A measured stretch does not shrink the travel over which a yoke is judged.

@@ -1,0 +1,92 @@
+//! The smallest set: errors without which the others do as well go, and several errors of neighbouring teeth become one.
+
+use super::TraceError;
+use super::search::{Search, Watch};
+use super::tooth_error::ToothError;
+use crate::deviation::Part;
+
+impl Search<'_> {
+    /// χ² with the errors found, plus the threshold for each of them.
+    pub(super) fn cost(&self) -> f64 {
+        let square = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
+        square + self.threshold * self.errors.len() as f64
+    }
+
+    /// Removes errors without which the others explain the curve as well.
+    pub(super) fn remove_needless(&mut self) -> Result<(), TraceError> {
+        while !self.errors.is_empty() {
+            let without = |at: usize| {
+                let mut fewer = self.clone();
+                fewer.errors.remove(at);
+                fewer.refit()?;
+                Ok((fewer.cost(), fewer))
+            };
+            let tried: Vec<(f64, Self)> = (0..self.errors.len()).map(without).collect::<Result<_, TraceError>>()?;
+            let least = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            match least.filter(|(cost, _)| *cost < self.cost()) {
+                Some((_, fewer)) => *self = fewer,
+                None => break,
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces errors of a tooth, or of neighbours, by one of these teeth, as long as one explains as much as they do.
+    pub(super) fn simplify(&mut self, watch: &mut Watch<'_>) -> Result<(), TraceError> {
+        while let Some(fewer) = self.merged(watch)? {
+            *self = fewer;
+            self.remove_needless()?;
+        }
+        Ok(())
+    }
+
+    /// The search with one error instead of two or three, if that has the lower cost.
+    fn merged(&self, watch: &mut Watch<'_>) -> Result<Option<Self>, TraceError> {
+        /// The errors that are tried for a group.
+        const TRIED: usize = 2;
+        let cost = self.cost();
+        for group in self.groups() {
+            let others: Vec<_> = self.errors.iter().filter(|(error, _)| !group.contains(error)).copied().collect();
+            let is_of_group =
+                |one: &ToothError| group.iter().any(|error| (one.part, one.tooth) == (error.part, error.tooth));
+            let means = self.sight(&others, &self.means, false)?;
+            let points = self.sight(&others, &self.points, false)?;
+            let screened = self.screened(&others, &means, is_of_group, watch)?;
+            for (error, explains) in
+                self.best(&others, (&means, &points), &screened, self.threshold).into_iter().take(TRIED)
+            {
+                let mut fewer = self.clone();
+                fewer.errors = others.clone();
+                fewer.errors.push((error, explains.size_mm));
+                fewer.refit()?;
+                if fewer.cost() < cost {
+                    return Ok(Some(fewer));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Three errors, then two, of one part whose teeth are the same or neighbours.
+    fn groups(&self) -> Vec<Vec<ToothError>> {
+        let errors: Vec<ToothError> = self.errors.iter().map(|(error, _)| *error).collect();
+        let teeth = i64::from(self.mesh.pair().pinion().teeth);
+        let is_near = |a: &ToothError, b: &ToothError| {
+            let apart = match a.part {
+                Part::Rack => (a.tooth - b.tooth).abs(),
+                Part::Pinion => (a.tooth - b.tooth).rem_euclid(teeth).min((b.tooth - a.tooth).rem_euclid(teeth)),
+            };
+            a.part == b.part && apart <= 1
+        };
+        let mut groups: Vec<Vec<ToothError>> = Vec::new();
+        for (at, a) in errors.iter().enumerate() {
+            for (next, b) in errors.iter().enumerate().skip(at + 1).filter(|(_, b)| is_near(a, b)) {
+                let third = errors.iter().skip(next + 1).filter(|c| is_near(a, c) && is_near(b, c));
+                groups.extend(third.map(|c| vec![*a, *b, *c]));
+                groups.push(vec![*a, *b]);
+            }
+        }
+        groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
+        groups
+    }
+}
