@@ -64,6 +64,10 @@ impl Axis {
         if list.iter().any(String::is_empty) {
             return Err(refused("a value between two commas is missing"));
         }
+        if let Some(part) = list.iter().find(|value| range(value).is_some()) {
+            let why = format!("`{part}` is a range within a list: write all values, or one range such as 0..30:5 um");
+            return Err(refused(&why));
+        }
         let measures: Vec<Option<Measure<'_>>> = list.iter().map(|value| number(value)).collect();
         let known: Vec<Measure<'_>> = measures.iter().flatten().copied().collect();
         // a unit behind the last number counts for all numbers; 0 needs none
@@ -362,6 +366,7 @@ mod tests {
             "k=20um,0.01",
             "k=5,2um,7",
             "k=5,2um,1mm",
+            "k=0,5..30um",
         ] {
             assert!(Axis::parse(text, |_| false).is_err(), "{text}");
         }

@@ -109,7 +109,7 @@ impl Args {
             classes: &classes,
             grades: &grades,
             reached: if self.no_worst_teeth { None } else { reached(&budget, &request.basis)? },
-            notes: [bound_remarks(&budget.notes, &spec.missing_geometry()), remarks(&spec, &decision)].concat(),
+            notes: [remarks(&spec, &decision), bound_remarks(&budget.notes, &spec.missing_geometry())].concat(),
             screen: output.screen(),
         };
         draw(picture, || report.chart(), true, output)?;
@@ -154,9 +154,18 @@ impl Args {
     }
 }
 
-/// Remarks on how a decision rule counts, and on parts of the spec that a budget leaves out.
+/// Remarks on parts of the spec that a budget leaves out, and on how a decision rule counts.
 fn remarks(spec: &Spec, decision: &Rule) -> Vec<String> {
+    let left_out = [
+        (spec.has_deviations(), "deviations of single teeth"),
+        (!spec.errors.is_empty(), "the values of [errors]"),
+        (!spec.uncertainties.is_empty(), "uncertainties"),
+    ];
+    let left_out: Vec<_> = left_out.into_iter().filter(|(is_given, _)| *is_given).map(|(_, what)| what).collect();
     let mut remarks = Vec::new();
+    if !left_out.is_empty() {
+        remarks.push(format!("no part of the budget: {}", left_out.join(", ")));
+    }
     match decision {
         Rule::Simple => {}
         Rule::Guard(band) => remarks.push(format!("limits are narrowed by the guard band of {band}, as parts will be judged")),
@@ -165,15 +174,6 @@ fn remarks(spec: &Spec, decision: &Rule) -> Vec<String> {
              limit will be indeterminate"
                 .to_owned(),
         ),
-    }
-    let left_out = [
-        (spec.has_deviations(), "deviations of single teeth"),
-        (!spec.errors.is_empty(), "the values of [errors]"),
-        (!spec.uncertainties.is_empty(), "uncertainties"),
-    ];
-    let left_out: Vec<_> = left_out.into_iter().filter(|(is_given, _)| *is_given).map(|(_, what)| what).collect();
-    if !left_out.is_empty() {
-        remarks.push(format!("no part of the budget: {}", left_out.join(", ")));
     }
     remarks
 }

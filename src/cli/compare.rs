@@ -97,15 +97,11 @@ impl Args {
         let keys = spec.written(path)?;
         let limit = spec.limit_on(LimitTarget::CenterDistance).copied();
         let exit_status = eval.as_ref().map_or(Status::Undecided.code(), |answer| answer.status);
-        let mut notes = Vec::new();
-        let mut known = |what: &str, answer: Result<Answer, String>| match answer {
-            Ok(answer) => answer.json,
-            Err(why) => {
-                notes.push(format!("no {what}: {why}"));
-                Value::Null
-            }
+        let known = |what: &str, answer: Result<Answer, String>| match answer {
+            Ok(answer) => (answer.json, None),
+            Err(why) => (Value::Null, Some(format!("no {what}: {why}"))),
         };
-        let (eval, mesh) = (known("result", eval), known("mesh", mesh));
+        let ((eval, no_result), (mesh, no_mesh)) = (known("result", eval), known("mesh", mesh));
         let number = |point: &Value, name: &str| point.get(name).and_then(Value::as_f64);
         let points = mesh.get("points").and_then(Value::as_array).into_iter().flatten();
         let limits = ["/limits", "/yoke/limits"].map(|place| eval.pointer(place).and_then(Value::as_array));
@@ -119,7 +115,8 @@ impl Args {
             outside: failed.filter_map(|limit| Some(key_in_words(limit["on"].as_str()?))).collect(),
             results: results_of(&eval, &mesh),
             exit_status,
-            notes,
+            notes: no_mesh.into_iter().collect(),
+            no_result,
         })
     }
 }

@@ -6,11 +6,15 @@ use std::ffi::{OsStr, OsString};
 use super::bar::SharedBar;
 use super::output::Failure;
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
+use crate::deviation::DeviationValue;
+use crate::deviation::plausible::{self, WrittenIn};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluation::{Evaluation, Unjudged, evaluate};
 use crate::formula::{Model, PartDeviation};
 use crate::judge::bound::{Basis, Note};
+use crate::judge::rule::RuleError;
 use crate::judge::{LimitTarget, Rule, Stack};
+use crate::quantity::parse_f64;
 use crate::report::UncertaintyPart;
 use crate::spec::{SolvedTeeth, Spec, keys};
 use crate::uncertainty::{self, UncertainPart, UncertaintyError};
@@ -25,7 +29,7 @@ pub(super) struct JudgeArgs {
     #[arg(long, value_enum, default_value_t)]
     pub(super) model: Model,
     /// Decision rule: simple, iso14253 or guard=VALUE; else the spec's.
-    #[arg(long, value_name = "RULE")]
+    #[arg(long, value_name = "RULE", value_parser = rule)]
     rule: Option<Rule>,
     /// Uncertainty of ΔCD by simulation (JCGM 101), with N draws.
     #[arg(long, value_name = "N", num_args = 0..=1)]
@@ -37,6 +41,22 @@ pub(super) struct JudgeArgs {
     /// Digits of the uncertainty that the simulation shall reach.
     #[arg(long, value_name = "DIGITS", default_value_t = DEFAULT_DIGITS, requires = "monte_carlo")]
     digits: u32,
+}
+
+/// Reads a decision rule. A guard band without a unit is in mm, and is refused where µm are more likely.
+pub(super) fn rule(text: &str) -> Result<Rule, String> {
+    let rule: Rule = text.parse().map_err(|error: RuleError| error.to_string())?;
+    let is_bare = |(_, number): (&str, &str)| parse_f64(number.trim()).is_ok();
+    let Rule::Guard(band) = &rule else { return Ok(rule) };
+    let doubt = plausible::deviation(DeviationValue::Length(*band), None);
+    match doubt.filter(|_| text.split_once('=').is_some_and(is_bare)) {
+        Some(doubt) => {
+            let doubt = doubt.of_no_size().of_no_part();
+            let remedy = doubt.remedy(WrittenIn::Argument);
+            Err(format!("{doubt}; {remedy}; if not, write the unit: guard={}mm", band.mm()))
+        }
+        None => Ok(rule),
+    }
 }
 
 /// A number of draws as people write it: `1000000`, `1_000_000`, `1e6`.
@@ -127,7 +147,7 @@ impl JudgeArgs {
         let kinds: Vec<_> = errors.iter().map(PartDeviation::kind).collect();
         evaluation.unstated = spec.unstated(&kinds, spec.known_teeth.is_some(), &rule);
         let open = evaluation.judged.err();
-        let known = if open.is_some() { None } else { self.known((errors, basis), spec, &mut evaluation.notes, bar)? };
+        let known = if open.is_some() { None } else { self.known((errors, basis), spec, &mut evaluation, bar)? };
         if rule.needs_uncertainty() && known.is_none() {
             // an open range has no uncertainty, without which some rules decide on no error either
             let why = open.map_or(Unjudged::NoUncertainty, Unjudged::NoBound);
@@ -150,13 +170,13 @@ impl JudgeArgs {
         Some(note)
     }
 
-    /// Propagates the uncertainties of the spec; `None` if it gives none and none is needed, or if a bound is open within them,
+    /// Propagates the uncertainties of the spec to what is judged; `None` if it gives none and none is needed, or if a bound is open within them,
     /// which is noted.
     fn known(
         &self,
         (errors, basis): (&[PartDeviation], &Basis),
         spec: &Spec,
-        notes: &mut Vec<Note>,
+        evaluation: &mut Evaluation,
         bar: &SharedBar,
     ) -> Result<Option<UncertaintyPart>, Failure> {
         let (settings, uncertainties) = (self.settings()?, spec.uncertainties()?);
@@ -172,11 +192,11 @@ impl JudgeArgs {
             return Ok(None);
         }
         let (over_pin, teeth) = (spec.over_pin(), &spec.teeth_sensitivities);
-        let (model, stack) = (self.model, self.stack);
+        let (model, stack) = (evaluation.model, evaluation.stack);
         let part = UncertainPart { errors, over_pin: over_pin.as_ref(), model, stack, basis, teeth };
         let propagation = match uncertainty::propagate(&part, &uncertainties) {
             Err(UncertaintyError::NoBound(source)) => {
-                notes.push(Note::OpenWithin(source));
+                evaluation.notes.push(Note::OpenWithin(source));
                 return Ok(None);
             }
             propagation => propagation.map_err(Diagnostic::with_code(Code::NoResult))?,

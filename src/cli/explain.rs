@@ -57,7 +57,7 @@ const METHODS: &[Page] = &[
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
-            None => list(output.screen().width),
+            None => list(output.screen().width.or(Some(FILE_WIDTH))),
             Some(topic) => for_screen(
                 &page_of(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?,
                 output.screen().width,
@@ -92,7 +92,11 @@ fn keys(topic: &str) -> Option<String> {
     (!rows.is_empty()).then(|| format!("# {topic}\n\n| key | holds | what it means |\n|---|---|---|\n{rows}"))
 }
 
-/// Markdown for a screen: code indented instead of fenced; with a width, lines are broken to fit it and tables drawn.
+/// The width of a page where no screen says one.
+const FILE_WIDTH: u16 = 80;
+
+/// Markdown for a screen: code indented instead of fenced; with a width, tables are drawn and lines broken to fit it. Without one,
+/// for a file, only sentences are broken.
 pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
     /// Longer lines are tiring to read.
     const WIDEST: u16 = 100;
@@ -109,7 +113,7 @@ pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
                 table.push(line);
             }
             table_text(&table_of(&table), width)
-        } else if width.is_some() && !line.is_empty() && !line.starts_with('#') {
+        } else if !line.is_empty() && !line.starts_with(['#', '|']) {
             let mut paragraph = line.to_owned();
             while let Some(line) = lines.next_if(|line| {
                 !(line.is_empty() || line.starts_with(['|', '#', '-', '`']) || line.starts_with("    "))
@@ -117,7 +121,7 @@ pub(super) fn for_screen(text: &str, width: Option<u16>) -> String {
                 paragraph.push(' ');
                 paragraph.push_str(line.trim_start());
             }
-            wrap(&paragraph, width)
+            wrap(&paragraph, width.or(Some(FILE_WIDTH)))
         } else {
             line.to_owned()
         };
@@ -216,7 +220,7 @@ mod tests {
     fn a_page_for_a_file_stays_markdown() {
         assert_eq!(
             for_screen("a\nb\n```text\nx = 1\n```\n| a |\n|---|\n| \\|b\\| |\n", None),
-            "a\nb\n    x = 1\n| a |\n|---|\n| \\|b\\| |\n"
+            "a b\n    x = 1\n| a |\n|---|\n| \\|b\\| |\n"
         );
         let cells = table_of(&["| a | b |", "|---|---|", "| \\|x\\| | 1 |"]);
         assert_eq!(cells.rows, [["|x|", "1"]]);

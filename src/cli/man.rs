@@ -28,11 +28,11 @@ impl Args {
             target::create_folder(dir)?;
             let mut command = super::command().disable_help_subcommand(true);
             command.build();
-            write_pages(&command, dir)?;
+            write_pages(&with_all_options(command), dir)?;
             return Ok(Status::Pass);
         }
         let mut page = Vec::new();
-        clap_mangen::Man::new(super::command()).render(&mut page)?;
+        clap_mangen::Man::new(with_all_options(super::command())).render(&mut page)?;
         if output.screen().width.is_none() {
             output.text(&String::from_utf8_lossy(&page))?;
         } else if !is_shown(&page) {
@@ -51,6 +51,11 @@ fn is_shown(page: &[u8]) -> bool {
     // leaving the pager early closes the pipe
     let _ = man.stdin.take().map(|mut pipe| pipe.write_all(page));
     man.wait().is_ok_and(|status| status.success())
+}
+
+/// A command whose pages describe the options that `-h` leaves out, too.
+fn with_all_options(command: Command) -> Command {
+    command.mut_subcommands(with_all_options).mut_args(|argument| argument.hide_short_help(false))
 }
 
 /// Writes the page of a command and those of its subcommands.

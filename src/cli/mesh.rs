@@ -323,7 +323,8 @@ impl Args {
                 report.listed = listed_in_table(strokes, &input.mesh, output);
             }
         }
-        draw(picture, || self.chart(&report), true, output)?;
+        let chart = self.chart(&report)?;
+        draw(picture, || chart.clone().unwrap_or_else(|| report.chart()), true, output)?;
         let listed = match (&strokes, self.format) {
             (Some(strokes), Format::Csv) => list_csv(strokes, &Listed::of(&report), output),
             (Some(strokes), Format::Json) => {
@@ -335,15 +336,20 @@ impl Args {
         closed_is(status, listed)
     }
 
-    /// The quantity to draw, or ΔCD where it does not exist.
-    fn chart(&self, report: &MeshReport<'_>) -> Chart {
+    /// The picture of a quantity of the yoke; `None` for ΔCD.
+    fn chart(&self, report: &MeshReport<'_>) -> Result<Option<Chart>, Diagnostic> {
         let points = &report.curve.points;
-        let of_yoke = report.function().and_then(|part| match self.plot_of {
-            PlotOf::DeltaCd => None,
-            PlotOf::Play => Some(part.play_chart(report.title, points)),
-            PlotOf::Torque => part.torque_chart(report.title, points),
-        });
-        of_yoke.unwrap_or_else(|| report.chart())
+        let part = report.function();
+        let (chart, needs) = match self.plot_of {
+            PlotOf::DeltaCd => return Ok(None),
+            PlotOf::Play => (part.map(|part| part.play_chart(report.title, points)), "play: it needs [yoke]"),
+            PlotOf::Torque => {
+                let chart = part.and_then(|part| part.torque_chart(report.title, points));
+                (chart, "torque: it needs `preload` below [yoke], and the rates of the mesh at every stroke")
+            }
+        };
+        let missing = || Diagnostic::usage(format!("--plot-of {needs}")).help("see `rackmesh explain yoke`");
+        chart.map_or_else(|| Err(missing()), |chart| Ok(Some(chart)))
     }
 
     /// Writes the points of the curve as they are found; returns the status of an interruption, if one came.

@@ -179,8 +179,12 @@ fn with_short_help(command: Command) -> Command {
     });
     let Some(all) = command.get_after_help().map(ToString::to_string) else { return command };
     let examples = all.split("\n\n").find(|part| part.starts_with("Example")).unwrap_or_default();
-    let examples: Vec<_> = examples.lines().take(1 + MOST_EXAMPLES).collect();
-    command.after_help(examples.join("\n")).after_long_help(all)
+    let hidden = command.get_arguments().filter(|argument| argument.is_hide_short_help_set());
+    let hidden: Vec<_> = hidden.filter_map(|argument| Some(format!("--{}", argument.get_long()?))).collect();
+    let is_shown = |line: &&str| !line.split_whitespace().any(|word| hidden.iter().any(|option| option == word));
+    let examples: Vec<_> = examples.lines().filter(is_shown).take(1 + MOST_EXAMPLES).collect();
+    let examples = if examples.len() > 1 { examples.join("\n") } else { String::new() };
+    command.after_help(examples).after_long_help(all)
 }
 
 /// The place of common options: behind a subcommand's own.

@@ -47,7 +47,7 @@ impl SetArgs {
         spec::refuse_size(name, &bytes)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
-            Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})"))
+            Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})")).help(spec::NOT_A_SPEC)
         })?;
         self.parse(name, &text, output)
     }

@@ -14,7 +14,7 @@ use super::written;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report;
-use crate::spec::{Spec, TableSection};
+use crate::spec::{self, Spec, TableSection};
 use crate::table::{
     CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, MOST_RULES, PartNames, Parts,
     Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
@@ -172,6 +172,10 @@ impl<'a> Opener<'a> {
 
     /// A file whose format is recognised.
     fn container(&self, path: &Path) -> Result<Container, Failure> {
+        if target::ending(path) == "toml" {
+            let message = format!("{} is a spec, and not a table", shown(path));
+            return Err(Diagnostic::error(Code::BadTable, message).help(spec::NOT_A_SPEC).into());
+        }
         Ok(match qdas_pair(path) {
             Some((definitions, values)) => {
                 let sources = (self.source(&definitions)?, self.source(&values)?);

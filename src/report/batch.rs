@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::basis::Basis;
 use super::function::{lot_json, lot_table};
 use super::grounds::assumed;
-use super::number::{grouped, millimetres, unsigned};
+use super::number::{counted, grouped, millimetres, unsigned};
 use super::parts::judged;
 use super::rows::result_in_words;
 use super::uncertainty::{micrometres, rule_words};
@@ -252,7 +252,7 @@ impl<'a> BatchReport<'a> {
         let judged_by = format!("(judged by {by}){}", judged_without(&self.basis.without));
         let unfit = |count: u64, how: &str| {
             let are = if count == 1 { "is" } else { "are" };
-            format!("{} of {} parts {are} {how} a limit {judged_by}{rejected}", grouped(count), grouped(parts))
+            format!("{} of {} {are} {how} a limit {judged_by}{rejected}", grouped(count), counted(parts, "part"))
         };
         let unjudged = self.basis.unjudged_sentence(counts);
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;

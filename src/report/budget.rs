@@ -7,7 +7,7 @@ use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::class::class_fact;
 use super::evaluation::ON_WORST_TEETH;
 use super::grounds::{Assumption, assumed, assumptions, why_ends_differ};
-use super::number::{deviation_text, interval_text, millimetres, plain, signed, truncated};
+use super::number::{deviation_text, interval_text, millimetres, plain, signed, truncated, unsigned};
 use super::{Block, Column, Report, Screen, Table, fact, number, titled};
 use crate::budget::{Budget, Line, Request, Summation};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
@@ -231,7 +231,8 @@ impl BudgetReport<'_> {
                     _ => ' ',
                 })
                 .collect();
-            let ends = if *from == -*to { format!("±{to:.4}") } else { format!("{from:.4} … {to:.4}") };
+            let ends =
+                if *from == -*to { format!("±{to:.4}") } else { format!("{} … {}", unsigned(*from), unsigned(*to)) };
             format!("{error:<NAME$} {bar} {ends}")
         });
         Some(lines.collect::<Vec<_>>().join("\n"))

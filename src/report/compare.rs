@@ -27,8 +27,10 @@ pub struct ComparedSpec {
     pub outside: Vec<String>,
     /// The exit status by itself.
     pub exit_status: u8,
-    /// Why it has no results, or no mesh.
+    /// Why it has no mesh.
     pub notes: Vec<String>,
+    /// Why it has no results.
+    pub no_result: Option<String>,
 }
 
 /// Specs, compared.
@@ -132,7 +134,7 @@ impl<'a> CompareReport<'a> {
             .zip(end("upper_mm"))
             .map(|(lower, upper)| format!("ΔCD {} mm", ends(tidy(lower), tidy(upper))));
         let outside = (!spec.outside.is_empty()).then(|| format!("outside the limits of {}", spec.outside.join(", ")));
-        let reason = result("reason").and_then(Value::as_str).map(str::to_owned);
+        let reason = result("reason").and_then(Value::as_str).or(spec.no_result.as_deref()).map(str::to_owned);
         let said: Vec<_> = judged.into_iter().chain(outside).chain(reason).collect();
         let said = if said.is_empty() { "no limit is given".to_owned() } else { said.join("; ") };
         Block::Verdict(verdict, format!("{}: {said}", self.short_name(spec)))
@@ -149,7 +151,8 @@ impl<'a> CompareReport<'a> {
 impl Report for CompareReport<'_> {
     fn json(&self) -> Value {
         let specs = self.0.iter().map(|spec| {
-            json!({ "name": spec.name, "title": spec.title, "outside": spec.outside, "exit_status": spec.exit_status, "notes": spec.notes })
+            let notes: Vec<_> = spec.no_result.iter().chain(&spec.notes).collect();
+            json!({ "name": spec.name, "title": spec.title, "outside": spec.outside, "exit_status": spec.exit_status, "notes": notes })
         });
         let differences = self.differences().into_iter().map(|(key, values)| json!({ "key": key, "values": values }));
         let results = self.results().into_iter().map(|(name, values)| {

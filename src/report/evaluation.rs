@@ -258,10 +258,11 @@ impl<'a> EvaluationReport<'a> {
     fn verdict_block(&self) -> Option<Block> {
         let evaluation = &self.evaluation;
         let without = judged_without(&self.without);
-        if let Some(failed) = evaluation.limits.iter().find(|check| check.verdict == Some(Verdict::Fail)) {
-            let sentence = failure_sentence(failed, evaluation.stack);
-            let reached = beyond_reach(failed, evaluation).map_or_else(String::new, |text| format!("; {text}"));
-            return Some(Block::Verdict(Some(Verdict::Fail), format!("{sentence}{reached}{without}")));
+        let failed = evaluation.limits.iter().filter(|check| check.verdict == Some(Verdict::Fail));
+        let said = |check| [Some(failure_sentence(check, evaluation.stack)), beyond_reach(check, evaluation)];
+        let failed: Vec<_> = failed.flat_map(said).flatten().collect();
+        if !failed.is_empty() {
+            return Some(Block::Verdict(Some(Verdict::Fail), format!("{}{without}", failed.join("; "))));
         }
         if let Some(why) = evaluation.open_because() {
             return Some(Block::Verdict(evaluation.verdict, format!("{why}{without}")));

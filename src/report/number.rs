@@ -33,6 +33,11 @@ pub(crate) fn grouped(count: u64) -> String {
     groups.join(",")
 }
 
+/// So many things: `1 rack`, `1,000 racks`.
+pub(crate) fn counted(count: u64, thing: &str) -> String {
+    format!("{} {thing}{}", grouped(count), if count == 1 { "" } else { "s" })
+}
+
 /// A share in whole percent.
 pub(super) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::chart::{Axis, Chart, Layer, Scale, Shape};
 use super::fact::FORMAT_VERSION;
 use super::function::{RACK_YOKE_COLUMNS, RacksYokePart, rack_values};
-use super::number::{millimetres, percent, plain, tidy, unsigned};
+use super::number::{counted, millimetres, percent, plain, tidy, unsigned};
 use super::{Block, Report, Table, contributions, fact, titled};
 use crate::chance::racks::{
     Bin, CONFIDENCE, Contributions, Inside, MOST_BINS, RackRange, RackResult, RackStatistics, RacksStudy, RacksSummary,
@@ -160,8 +160,8 @@ impl RacksReport<'_> {
             None => format!("{STEPS_PER_PITCH:.0} strokes per pitch"),
         };
         let mut notes = vec![format!(
-            "{} racks{from} by the exact mesh, stroke {} … {} mm, {followed}, seed {}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
-            self.study.racks(),
+            "{}{from} by the exact mesh, stroke {} … {} mm, {followed}, seed {}; quantiles with distribution-free 95 % confidence intervals (order statistics)",
+            counted(self.study.racks(), "rack"),
             plain(of.from_mm),
             plain(of.to_mm),
             of.seed
@@ -380,8 +380,11 @@ impl Report for RacksReport<'_> {
         blocks.extend(self.all_notes().into_iter().map(Block::Remark));
         let inside = self.summary.inside.map(|Inside { racks, share, lower, upper }| {
             format!(
-                "{racks} of {} racks stay within the limits along the stroke: {:.2} %, 95 % confidence {:.2} … {:.2} %",
-                self.study.racks(),
+                "{racks} of {} within the limits along the stroke: {:.2} %, 95 % confidence {:.2} … {:.2} %",
+                match self.study.racks() {
+                    1 => "1 rack stays".to_owned(),
+                    all => format!("{all} racks stay"),
+                },
                 100.0 * share,
                 100.0 * lower,
                 100.0 * upper

@@ -50,7 +50,8 @@ pub(super) fn rate_text(rate: f64) -> String {
     signed(1000.0 * rate, 2).trim_start_matches('+').to_owned()
 }
 
-/// A number of a result for people: a length to 0.1 µm, a rate in µm/mm, any other with four decimals at most.
+/// A number of a result for people: a length to 0.1 µm, a rate in µm/mm, any other with four decimals at most, or with three digits
+/// if it is small.
 pub(super) fn number_text(name: &str, number: f64) -> String {
     const LEAST: f64 = 1e-3;
     let number = tidy(number);
@@ -61,7 +62,7 @@ pub(super) fn number_text(name: &str, number: f64) -> String {
         return rate_text(number);
     }
     if number != 0.0 && number.abs() < LEAST {
-        return Rounded(number).to_string();
+        return Rounded(format!("{number:.2e}").parse().unwrap_or(number)).to_string();
     }
     let short = format!("{number:.4}");
     short.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -11,7 +11,7 @@ use crate::judge::class::{
     self, DiameterSource, ErrorClass, RackDiameter, developed_diameter, deviation_of, reference_diameter,
 };
 use crate::quantity::{DomainError, Length};
-use crate::standard::{Size, StandardError, Wheel};
+use crate::standard::{Deviation, Size, Standard, StandardError, Wheel};
 
 impl Spec {
     /// The errors that the spec gives as classes, with their permissible values.
@@ -66,38 +66,28 @@ impl Spec {
         };
         let part = kind.part();
         let need = || -> Need { (format!("`{}` of class {grade}", kind.key()), Some((span.clone(), String::new()))) };
-        let standard = problems.take(self, keys::TOLERANCE_STANDARD, need)?;
+        let mut wheel = self.wheel(part);
+        let needs_width = kind == DeviationKind::RackLead;
+        let face_width = needs_width.then(|| problems.take(self, keys::RACK_FACE_WIDTH, need));
+        let Some(standard) = problems.take(self, keys::TOLERANCE_STANDARD, need) else {
+            // as far as can be known without the standard
+            let sizes = sizes_of_all(deviation, grade, &wheel);
+            self.complete(&mut wheel, (&sizes, part), need, problems);
+            return None;
+        };
         let Some(limiting) = standard.that_limits(deviation) else {
             let error = StandardError::NoSuchDeviation { standard, deviation };
             return problems.accept(Err(self.no_class(kind, &error, span)));
         };
-        let mut wheel = self.wheel(part);
-        let mut diameter = None;
-        // a size is required only where the standard needs it
-        let permissible = loop {
-            match limiting.permissible(deviation, grade, &wheel) {
-                Ok(permissible) => break permissible,
-                Err(StandardError::Missing { size: Size::Diameter, .. }) => {
-                    let found = self.diameter(part, need, problems)?;
-                    wheel.diameter = Some(found.0);
-                    diameter = Some(found);
-                }
-                Err(StandardError::Missing { size, .. }) => {
-                    let key = match (size, part) {
-                        (Size::NormalModule, _) => keys::PAIR_NORMAL_MODULE.any,
-                        (Size::FaceWidth, Part::Rack) => keys::RACK_FACE_WIDTH.any,
-                        (Size::FaceWidth, Part::Pinion) => keys::PINION_FACE_WIDTH.any,
-                        _ => keys::PINION_TEETH.any,
-                    };
-                    problems.note(key, need);
-                    return None;
-                }
-                Err(error) => return problems.accept(Err(self.no_class(kind, &error, span))),
-            }
+        let sizes = limiting.sizes_missing_for(&[deviation], grade, &wheel);
+        let diameter = self.complete(&mut wheel, (&sizes, part), need, problems);
+        let permissible = match limiting.permissible(deviation, grade, &wheel) {
+            Err(StandardError::Missing { .. }) => return None,
+            permissible => problems.accept(permissible.map_err(|error| self.no_class(kind, &error, span)))?,
         };
-        let face_width = match kind {
-            DeviationKind::RackLead => Some(problems.take(self, keys::RACK_FACE_WIDTH, need)?),
-            _ => None,
+        let face_width = match face_width {
+            Some(width) => Some(width?),
+            None => None,
         };
         let value = class::error_value(kind, &permissible, face_width);
         let value =
@@ -106,6 +96,29 @@ impl Spec {
             }))?;
         let total = class::total_of(kind, limiting, grade, &wheel);
         Some(ErrorClass { kind, permissible, diameter, value, total })
+    }
+
+    /// Notes the sizes that a wheel lacks, and completes it by its diameter, which is computed; returns that.
+    fn complete(
+        &self,
+        wheel: &mut Wheel,
+        (sizes, part): (&[Size], Part),
+        need: impl Fn() -> Need + Copy,
+        problems: &mut Problems,
+    ) -> Option<(Length, DiameterSource)> {
+        for size in sizes {
+            let key = match (size, part) {
+                (Size::Diameter, _) => continue,
+                (Size::NormalModule, _) => keys::PAIR_NORMAL_MODULE.any,
+                (Size::FaceWidth, Part::Rack) => keys::RACK_FACE_WIDTH.any,
+                (Size::FaceWidth, Part::Pinion) => keys::PINION_FACE_WIDTH.any,
+                _ => keys::PINION_TEETH.any,
+            };
+            problems.note(key, need);
+        }
+        let diameter = sizes.contains(&Size::Diameter).then(|| self.diameter(part, need, problems)).flatten();
+        wheel.diameter = wheel.diameter.or(diameter.map(|found| found.0));
+        diameter
     }
 
     /// The diameter with which a standard is entered for a part; `None` if a key is missing or the diameter is refused.
@@ -154,4 +167,13 @@ impl Spec {
             .at(&self.source, span.clone(), "")
             .help(help)
     }
+}
+
+/// The sizes that every standard needs for a grade of a deviation and the wheel lacks.
+fn sizes_of_all(deviation: Deviation, grade: u8, wheel: &Wheel) -> Vec<Size> {
+    let limiting = Standard::ALL.into_iter().filter_map(|standard| standard.that_limits(deviation));
+    let each = limiting.filter(|standard| standard.grades().contains(&grade));
+    let sizes = each.map(|standard| standard.sizes_missing_for(&[deviation], grade, wheel));
+    let common = |all: Vec<Size>, sizes: Vec<Size>| all.into_iter().filter(|size| sizes.contains(size)).collect();
+    sizes.reduce(common).unwrap_or_default()
 }

@@ -316,26 +316,49 @@ pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
     Err(Diagnostic::unreadable(name, &problem).help("values of many teeth stand in a table: `measured = \"FILE\"`"))
 }
 
-/// A syntax error, with a word on the two slips that spreadsheet and drawing users make.
+/// What to do where a spec is something else.
+pub const NOT_A_SPEC: &str =
+    "a spec is a TOML file, such as `rackmesh init` writes; tables stand behind it: `rackmesh batch SPEC TABLE`";
+
+/// Whether the first line of a text that is no TOML looks like a row of a table.
+fn is_table(text: &str) -> bool {
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default();
+    first.contains([',', ';', '\t']) && !first.contains('=') && !first.starts_with(['#', '['])
+}
+
+/// Whether a number with a decimal comma stands at a place of a text: `25,013`.
+fn is_decimal_comma(text: &str, at: usize) -> bool {
+    let is_part = |c: char| c.is_ascii_digit() || c == ',';
+    let Some((before, after)) = text.split_at_checked(at) else { return false };
+    let word = before.trim_end();
+    let start = word.trim_end_matches(is_part).len();
+    let end = after.find(|c| !is_part(c)).unwrap_or(after.len());
+    if end == 0 && after.starts_with(|c: char| c.is_alphanumeric() || c == '"') {
+        return false;
+    }
+    let number = if end > 0 { text.get(start..at + end).unwrap_or_default() } else { &word[start..] };
+    let is_number = |part: &str| !part.is_empty() && !part.contains(',');
+    number.trim_end_matches(',').split_once(',').is_some_and(|(whole, rest)| is_number(whole) && is_number(rest))
+}
+
+/// A syntax error, with a word on a table in place of a spec, and on the two slips that spreadsheet and drawing users make.
 fn syntax_error(source: &Arc<Source>, error: &toml::de::Error) -> Diagnostic {
+    let text = &source.text;
+    if is_table(text) {
+        let message = format!("{} is a table, and not a spec", source.name);
+        return Diagnostic::error(Code::TomlSyntax, message).help(NOT_A_SPEC).about(&source.name);
+    }
     let span = error.span().unwrap_or(0..0);
     let diagnostic = Diagnostic::error(Code::TomlSyntax, error.message());
-    let text = &source.text;
     let start = text.get(..span.start).and_then(|before| before.rfind('\n')).map_or(0, |newline| newline + 1);
     let line = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
-    let diagnostic = match line.split_once('=').map(|(_, value)| value.trim()) {
-        Some(value) if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | '±')) => {
-            let digits = |c: char| c.is_ascii_digit();
-            let comma = value
-                .find(',')
-                .is_some_and(|comma| value[..comma].ends_with(digits) && value[comma + 1..].starts_with(digits));
-            if comma {
-                diagnostic.help("numbers take a decimal point, not a comma")
-            } else {
-                diagnostic.help("a value that is more than a number needs quotes: \"20 um\"")
-            }
-        }
-        _ => diagnostic,
+    let is_number = |value: &str| value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | '±'));
+    let diagnostic = if is_decimal_comma(text, span.start) {
+        diagnostic.help("numbers take a decimal point, not a comma")
+    } else if line.split_once('=').is_some_and(|(_, value)| is_number(value.trim())) {
+        diagnostic.help("a value that is more than a number needs quotes: \"20 um\"")
+    } else {
+        diagnostic
     };
     diagnostic.at(source, span, "")
 }

@@ -145,8 +145,11 @@ impl Spec {
                 law.and_then(|law| Ok(PartDeviation::new(law, measured - nominal?)))
             }
             WrittenError::Class(grade) => {
-                let class = self.class(kind, grade, &written.span, problems)?;
-                self.law_of(kind, problems, &need)?.map(|law| class.tolerance(law))
+                // all that is missing is noted
+                let class = self.class(kind, grade, &written.span, problems);
+                let law = self.law_of(kind, problems, &need)?;
+                let class = class?;
+                law.map(|law| class.tolerance(law))
             }
         };
         problems.accept(error.map_err(|error| self.contradiction(written, &error)))

@@ -170,9 +170,15 @@ impl Standard {
     /// The sizes that the permissible values of a grade depend on and the wheel lacks.
     #[must_use]
     pub fn sizes_missing(self, grade: u8, wheel: &Wheel) -> Vec<Size> {
+        self.sizes_missing_for(&self.deviations(), grade, wheel)
+    }
+
+    /// The sizes that the permissible values of these deviations depend on and the wheel lacks.
+    #[must_use]
+    pub fn sizes_missing_for(self, deviations: &[Deviation], grade: u8, wheel: &Wheel) -> Vec<Size> {
         let (mut wheel, mut missing) = (wheel.clone(), Vec::new());
         let lacks = |wheel: &Wheel| {
-            let errors = self.deviations().into_iter().map(|deviation| self.permissible(deviation, grade, wheel));
+            let errors = deviations.iter().map(|deviation| self.permissible(*deviation, grade, wheel));
             errors.filter_map(Result::err).find_map(|error| match error {
                 StandardError::Missing { size, .. } => Some(size),
                 _ => None,

@@ -36,6 +36,7 @@ mod proposals;
 mod reading;
 mod readme;
 mod set;
+mod slips;
 mod spec;
 mod stability;
 mod sweep;

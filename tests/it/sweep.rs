@@ -150,4 +150,9 @@ fn the_value_of_a_key_is_found_at_which_a_result_is_reached() {
     let never = options(&until(9.0));
     assert_eq!((never.status, never.table.unwrap().results.rows), (1, 0));
     assert!(never.warnings[0].message.contains("does not come to 9"));
+    // most designs are refused, and it says why
+    let over = "errors.rack_pitch=0..30";
+    let refused = ask("sweep", &["--over", over, "--until", &until(9.0)], "mesh-errors").unwrap();
+    let help = refused.warnings[0].help.clone().unwrap();
+    assert!(help.contains(" of 17 designs have no answer; the first: ") && help.contains(" um"), "{help}");
 }

@@ -144,7 +144,9 @@ pub enum RacksError {
     #[error("nothing scatters, so every rack is the same")]
     NothingScatters,
     /// No racks, or some with numbers that do not fit 64 bits.
-    #[error("{racks} racks from number {first_rack} on: ask for one at least, with numbers up to {}", u64::MAX - 1)]
+    #[error(
+        "the racks cannot be {racks} from number {first_rack} on: ask for one at least, and for numbers that do not end beyond 1.8e19"
+    )]
     Count {
         /// The first one.
         first_rack: u64,

@@ -407,7 +407,7 @@ impl Args {
             output.remark(&until.in_words(&axis, crossing));
         }
         if found.is_empty() {
-            output.diagnostic(&until.never_reached(&self.over[0], &tally.values, tally.why));
+            output.diagnostic(&until.never_reached(&self.over[0], &tally));
         }
         let status = if found.is_empty() { Status::Fail } else { Status::Pass };
         let at = found.iter().map(|crossing| axis.at(crossing.at).number.unwrap_or_default()).collect();

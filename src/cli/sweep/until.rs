@@ -1,5 +1,6 @@
 //! `--until NAME=VALUE`: where along the values of a key a result is reached.
 
+use super::Tally;
 use crate::design::Axis;
 use crate::diagnostic::{Code, Diagnostic};
 
@@ -32,14 +33,19 @@ impl Until {
         }
     }
 
-    /// The message that the result is not reached over these values of the key, with its values, or why there is none.
-    pub(super) fn never_reached(&self, over: &str, values: &[Option<f64>], why: Option<String>) -> Diagnostic {
+    /// The message that the result is not reached by these designs, with its values and why designs have none.
+    pub(super) fn never_reached(&self, over: &str, Tally { values, impossible, why, .. }: &Tally) -> Diagnostic {
         let message = format!("{} does not come to {} over {over}", self.name, self.value);
         let ends = values.iter().flatten().map(|value| (*value, *value));
-        let help = match ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) {
-            Some((low, high)) => format!("it is from {low} to {high} there"),
-            None => why.unwrap_or_else(|| "no design has that result".to_owned()),
+        let mut help = match ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) {
+            Some((low, high)) if low < high => format!("it is from {low} to {high} there"),
+            Some((value, _)) => format!("it is {value} there"),
+            None => "no design has that result".to_owned(),
         };
+        if let Some(why) = why {
+            let designs = if values.len() == 1 { "design has" } else { "designs have" };
+            help.push_str(&format!("; {impossible} of {} {designs} no answer; the first: {why}", values.len()));
+        }
         Diagnostic::warning(Code::NoResult, message).help(help)
     }
 }

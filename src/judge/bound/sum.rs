@@ -278,8 +278,12 @@ fn notes(errors: &[ExtendedError], knowledge: &Knowledge, needs_geometry: bool) 
             return notes;
         }
     }
-    if !errors.is_empty() {
-        notes.push(if needs_geometry { Note::GeometryNeeded } else { Note::GeometryNarrows });
+    // what moves all teeth alike has one ΔCD, whatever the pair
+    let is_placed = |error: &ExtendedError| !matches!(error.effect, ErrorEffect::Size) || error.extent != Extent::All;
+    if needs_geometry && !errors.is_empty() {
+        notes.push(Note::GeometryNeeded);
+    } else if errors.iter().any(is_placed) {
+        notes.push(Note::GeometryNarrows);
     }
     if matches!(knowledge.basis.geometry, GivenGeometry::Unknown)
         && !knowledge.rolls()

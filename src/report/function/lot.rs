@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::super::number::{grouped, unsigned};
+use super::super::number::{counted, grouped, unsigned};
 use super::super::{Block, Column, Table};
 use super::{BoundPart, FunctionPart, YokeSection, setting_json, settings_in_words, unsigned_play};
 use crate::batch::Part;
@@ -66,17 +66,13 @@ pub(in crate::report) fn lot_table(yoke: &Yoke, settings: &Settings) -> Option<B
 /// That position in a line.
 #[must_use]
 pub fn plug_in_words(yoke: &Yoke, settings: &Settings) -> Option<String> {
-    let of = grouped(settings.parts);
+    let of = counted(settings.parts, "part");
     (settings.parts > 0).then(|| match settings.shared() {
         Some(shared) => {
             let setting = settings_in_words(yoke, Some(shared.as_setting()), "");
-            format!(
-                "one plug, {setting}, suits {} of {of} parts, and none suits {}",
-                grouped(shared.parts),
-                settings.without
-            )
+            format!("one plug, {setting}, suits {} of {of}, and none suits {}", grouped(shared.parts), settings.without)
         }
-        None => format!("no plug suits any of {of} parts"),
+        None => format!("no plug suits any of {of}"),
     })
 }
 

@@ -170,8 +170,9 @@ impl RacksYokePart<'_> {
             let [share, from, to] = share_in_words(&inside);
             let (racks, limit) = (inside.racks, bounds.in_words(on.unit()));
             let text = format!(
-                "{}: {racks} of {all} racks keep the limit ({limit}): {share}, 95 % confidence {from} … {to}",
-                on.words()
+                "{}: {racks} of {all} {keep} the limit ({limit}): {share}, 95 % confidence {from} … {to}",
+                on.words(),
+                keep = if all == 1 { "rack keeps" } else { "racks keep" }
             );
             let is_kept = inside.racks == all && self.racks.missing.is_empty();
             let verdict = if inside.share < 1.0 { Some(Verdict::Fail) } else { is_kept.then_some(Verdict::Pass) };

@@ -207,6 +207,9 @@ fn what_would_narrow_a_range_is_said() {
     let notes = with_addendum.bound(&[error(&pair, 2, Extent::All, 0.001)]).notes;
     assert!(notes.contains(&Note::AssumedHeight(AssumedHeight { mm: 6.0, from: HeightFrom::Addendum })));
     assert_eq!(of(pair, &[error(&pair, 4, Extent::Each, 0.02)]).notes, [Note::WholeTeeth]);
+    // what moves all teeth alike has one ΔCD, and one that is on a few teeth a range
+    assert_eq!(unknown(&[error(&pair, 0, Extent::All, 0.02)]).notes, [Note::OwnCurveAt(0.0)]);
+    assert!(unknown(&[error(&pair, 0, Extent::One, 0.02)]).notes.contains(&Note::GeometryNarrows));
 }
 
 /// What a known pair does by itself is in the sum, and said.
