@@ -194,7 +194,7 @@ fn block_html(block: &Block) -> String {
 }
 
 /// Whether a table may stand beside others.
-fn is_small(block: &&Block) -> bool {
+fn is_small(block: &Block) -> bool {
     const MOST_ROWS: usize = 16;
     matches!(block, Block::Table(table) if table.rows.len() <= MOST_ROWS && !is_wide(table))
 }
@@ -208,7 +208,7 @@ fn is_wide(table: &Table) -> bool {
 /// Blocks one below the other, small tables side by side where there is room.
 fn blocks_html(blocks: &[Block]) -> String {
     let mut out = String::new();
-    for group in blocks.chunk_by(|one, next| is_small(&one) && is_small(&next)) {
+    for group in blocks.chunk_by(|one, next| is_small(one) && is_small(next)) {
         let html: String = group.iter().map(block_html).collect();
         out += &if group.len() > 1 { format!("<div class=\"tables\">\n{html}</div>\n") } else { html };
     }
