@@ -252,6 +252,7 @@ impl Problems {
     pub(super) fn note(&mut self, key: AnyKey, need: impl FnOnce() -> Need) {
         let (needed_by, place) = need();
         match self.missing.iter_mut().find(|missing| missing.key.path == key.path) {
+            Some(missing) if missing.needed_by.contains(&needed_by) => {}
             Some(missing) => missing.needed_by.push(needed_by),
             None => self.missing.push(MissingKey { key, needed_by: vec![needed_by], place }),
         }
