@@ -139,12 +139,18 @@ pub(super) struct Output {
     readings: Vec<Reading>,
     /// Whether a limit of the spec is open, whatever else is judged.
     is_open: bool,
-    /// Whether errors are workflow commands of GitHub Actions, too.
-    annotates: bool,
-    /// The errors so far, in words.
-    errors: Vec<String>,
+    kept: KeptErrors,
     /// The request of a program, in place of printing.
     held: Option<Held>,
+}
+
+/// Errors that pipelines show besides standard error.
+#[derive(Default)]
+struct KeptErrors {
+    /// The errors so far, in words.
+    texts: Vec<String>,
+    /// Whether they are workflow commands of GitHub Actions, too.
+    are_annotated: bool,
 }
 
 impl Output {
@@ -171,8 +177,7 @@ impl Output {
             stderr,
             readings: Vec::new(),
             is_open: false,
-            annotates: false,
-            errors: Vec::new(),
+            kept: KeptErrors::default(),
             held: None,
         }
     }
@@ -196,8 +201,7 @@ impl Output {
             is_quiet: true,
             readings: Vec::new(),
             is_open: false,
-            annotates: false,
-            errors: Vec::new(),
+            kept: KeptErrors::default(),
             held: Some(held),
         }
     }
@@ -342,19 +346,19 @@ impl Output {
 
     /// Sets whether errors are workflow commands of GitHub Actions, too.
     pub(super) fn annotate(&mut self, annotates: bool) {
-        self.annotates = annotates;
+        self.kept.are_annotated = annotates;
     }
 
     /// The errors so far, in words.
     pub(super) fn errors(&self) -> String {
-        self.errors.join("\n")
+        self.kept.texts.join("\n")
     }
 
     /// Keeps an error for reports, and annotates it.
     fn keep_error(&mut self, diagnostic: &Diagnostic) {
         if diagnostic.severity == Severity::Error {
-            self.errors.push(diagnostic.to_string());
-            if self.annotates {
+            self.kept.texts.push(diagnostic.to_string());
+            if self.kept.are_annotated {
                 self.message(&report::github_annotation(diagnostic));
             }
         }

@@ -100,7 +100,7 @@ fn as_option(mut problem: Diagnostic, over: &str) -> Diagnostic {
     }
     if problem.code == Code::Usage {
         let help = "write --over KEY=VALUES with a key that --set does not set; `rackmesh explain keys` lists all keys";
-        problem.help = Some(help.to_owned());
+        problem.help = Some(help.into());
     }
     problem
 }

@@ -71,7 +71,7 @@ pub struct Place {
     /// Bytes of it.
     pub span: Range<usize>,
     /// What stands there, in a few words; may be empty.
-    pub label: String,
+    pub label: Box<str>,
 }
 
 impl Place {
@@ -114,7 +114,7 @@ pub struct Diagnostic {
     /// The file that it is about, where no place in it is known.
     pub file: Option<Arc<str>>,
     /// What to do.
-    pub help: Option<String>,
+    pub help: Option<Box<str>>,
 }
 
 impl Diagnostic {
@@ -154,7 +154,12 @@ impl Diagnostic {
 
     /// Adds where the problem is, if that is known.
     #[must_use]
-    pub fn at(mut self, source: &Arc<Source>, span: impl Into<Option<Range<usize>>>, label: impl Into<String>) -> Self {
+    pub fn at(
+        mut self,
+        source: &Arc<Source>,
+        span: impl Into<Option<Range<usize>>>,
+        label: impl Into<Box<str>>,
+    ) -> Self {
         if let Some(span) = span.into() {
             let (source, span) = source.holding(span);
             self.place = Some(Place { source, span, label: label.into() });
@@ -186,7 +191,7 @@ impl Diagnostic {
 
     /// Adds what to do.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
+    pub fn help(mut self, help: impl Into<Box<str>>) -> Self {
         self.help = Some(help.into());
         self
     }

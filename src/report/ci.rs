@@ -237,11 +237,11 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     for part in outcome.failures.iter().take(ANNOTATIONS_SHOWN) {
         let level = if part.verdict == Some(Verdict::Indeterminate) { "warning" } else { "error" };
         let title = format!("part {}", part.id);
-        command(&mut text, level, of_row(&part.place), &title, &sentence(part));
+        command(&mut text, level, Some(of_row(&part.place)), &title, &sentence(part));
     }
     for problem in outcome.problems.iter().take(ANNOTATIONS_SHOWN) {
         let title = format!("record {} rejected", problem.place.record);
-        command(&mut text, "error", of_row(&problem.place), &title, &problem.what());
+        command(&mut text, "error", Some(of_row(&problem.place)), &title, &problem.what());
     }
     let counts = &outcome.counts;
     let left_out = |all: u64, what: &str| {
@@ -273,8 +273,8 @@ pub fn github_annotation(error: &Diagnostic) -> String {
     text.trim_end().to_owned()
 }
 
-fn of_row(place: &RowPlace) -> Option<(&str, Option<u64>)> {
-    Some((&place.file, Some(place.line)))
+fn of_row(place: &RowPlace) -> (&str, Option<u64>) {
+    (&place.file, Some(place.line))
 }
 
 /// Adds a workflow command about a file and a line of it, as far as they are known.
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(escaped("a<\"b\">&\u{1}\n"), "a&lt;&quot;b&quot;&gt;&amp;\\u0001&#10;");
         let mut text = String::new();
         let place = RowPlace { file: "a,b.csv".into(), line: 7, record: 1, in_words: None };
-        command(&mut text, "error", of_row(&place), "part 1:2", "50 %\nout: of");
+        command(&mut text, "error", Some(of_row(&place)), "part 1:2", "50 %\nout: of");
         assert_eq!(text, "::error file=a%2Cb.csv,line=7,title=part 1%3A2::50 %25%0Aout: of\n");
     }
 }

@@ -304,13 +304,12 @@ impl Report for MeshReport<'_> {
         let Some(summary) = self.summary() else { return blocks };
         blocks.push(summary_table(&summary));
         if let Some(width) = self.screen.drawing_width() {
-            let drawn = match &self.measured {
-                Some(measured) => sketch::sketch(&measured.curve(), "measured ΔCD [mm]", [width, 8]),
-                None => {
-                    let points = self.curve.points.iter();
-                    let points: Vec<_> = points.map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
-                    sketch::sketch(&points, "ΔCD [mm]", [width, 8])
-                }
+            let drawn = if let Some(measured) = &self.measured {
+                sketch::sketch(&measured.curve(), "measured ΔCD [mm]", [width, 8])
+            } else {
+                let points = self.curve.points.iter();
+                let points: Vec<_> = points.map(|point| (point.stroke_mm, tidy(point.delta_cd_mm))).collect();
+                sketch::sketch(&points, "ΔCD [mm]", [width, 8])
             };
             blocks.extend(drawn.map(Block::Drawing));
         }

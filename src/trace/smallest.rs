@@ -56,7 +56,7 @@ impl Search<'_> {
                 self.best(&others, (&means, &points), &screened, self.threshold).into_iter().take(TRIED)
             {
                 let mut fewer = self.clone();
-                fewer.errors = others.clone();
+                fewer.errors.clone_from(&others);
                 fewer.errors.push((error, explains.size_mm));
                 fewer.refit()?;
                 if fewer.cost() < cost {

@@ -55,7 +55,7 @@ pub(crate) fn columns(
 fn wrong(Diagnostics(problems): Diagnostics) -> Vec<Open> {
     let open = |problem: crate::diagnostic::Diagnostic| Open::Wrong {
         what: problem.message,
-        help: problem.help.unwrap_or_default(),
+        help: problem.help.unwrap_or_default().into(),
     };
     problems.into_iter().map(open).collect()
 }

@@ -129,18 +129,19 @@ fn peaks_beside_others_are_found() {
 /// before: a curve is then as smooth as the flanks are.
 #[test]
 fn peaks_at_the_other_end_of_the_generators_are_found() {
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
     let data = PairData {
         normal_module_mm: 3.0,
-        normal_pressure_angle_rad: 20_f64.to_radians(),
+        normal_pressure_angle_rad: 20.0 * DEGREE,
         rack: RackData {
-            helix_angle_rad: -10_f64.to_radians(),
+            helix_angle_rad: -10.0 * DEGREE,
             face_width_mm: 20.0,
             addendum_mm: 1.8,
             tooth_thickness_mm: None,
         },
         pinion: PinionData {
             teeth: 5,
-            helix_angle_rad: -10_f64.to_radians(),
+            helix_angle_rad: -10.0 * DEGREE,
             profile_shift: 0.5,
             tip_diameter_mm: 23.3314,
             root_form_diameter_mm: None,
