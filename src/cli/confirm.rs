@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::output::{Failure, Output};
 use super::read;
 use super::stream::{self, Stdin};
-use super::tables::{Opener, Reopened};
+use super::tables::{Opened, Opener, Reopened};
 use super::target::is_dash;
 use super::{target, terminal, written};
 use crate::deviation::DeviationKind;
@@ -17,7 +17,7 @@ use crate::quantity::shown;
 use crate::table::{Guesses, Table, decode, in_words, table_in_sentences};
 
 /// Parts whose values are shown at most.
-const PARTS_SHOWN: usize = 20;
+const PARTS_SHOWN: usize = 10;
 
 /// Whether a person can be asked.
 pub(super) fn can_ask() -> bool {
@@ -28,6 +28,7 @@ pub(super) fn can_ask() -> bool {
 pub(super) fn confirmed<'a>(
     opener: &Opener<'a>,
     (path, spec_path): (&Path, &Path),
+    partial: bool,
     stdin: &mut Option<Stdin>,
     output: &mut Output,
 ) -> Result<Option<Reopened<'a>>, Failure> {
@@ -50,20 +51,26 @@ pub(super) fn confirmed<'a>(
     let block = proposal.block(Guesses::Filled);
     let spec = Arc::new(opener.with_block(&block)?);
     let by_rules = Opener { spec: Arc::clone(&spec), ..opener.clone() };
-    read::show(&proposal, &block, output)?;
-    values(by_rules.open(&path)?.table, output)?;
+    // what may be an error that is missing is left out of this block, and in the spec is for a person to say
+    let written_block = proposal.block(Guesses::Shown);
+    read::show(&proposal, &written_block, output)?;
+    let opened = by_rules.open(&path)?;
+    let missing = missing(&opened, partial);
+    values(opened.table, output)?;
     let can_write = sentences.is_none() && !is_dash(spec_path);
-    let (question, answers): (_, &[&str]) = if can_write {
-        ("use these values, and leave out the rest? (w writes it to the spec as well)", &["y", "n", "w"])
-    } else {
-        ("use these values, and leave out the rest?", &["y", "n"])
-    };
-    let answer = terminal::ask(question, answers, stdin, output)?;
+    let (also, answers): (_, &[&str]) =
+        if can_write { (" (w writes it to the spec as well)", &["y", "n", "w"]) } else { ("", &["y", "n"]) };
+    let question = format!("{missing}use these values, and leave out the rest?{also}");
+    let answer = terminal::ask(&question, answers, stdin, output)?;
     match answer.as_deref() {
         Some("w") => {
             let old = read::text(spec_path)?;
-            let new = written::merged(&stream::name(spec_path), &old, &block, &written::stamp())?;
+            let name = stream::name(spec_path);
+            let new = written::merged(&name, &old, &written_block, &written::stamp())?;
             target::write(spec_path, &[] as &[&Path], new.as_bytes())?;
+            if written_block != block {
+                output.remark(&written::not_all(&name));
+            }
         }
         Some("y") => {}
         _ => return Ok(None),
@@ -73,6 +80,22 @@ pub(super) fn confirmed<'a>(
     let what = if sentences.is_some() { "these values of sentences, and nothing else" } else { "these rules" };
     opened.notes.push(format!("confirmed on a terminal, {what}: {}", rules.map(shown).collect::<Vec<_>>().join(" · ")));
     Ok(Some(Reopened { opened, opener: by_rules, path }))
+}
+
+/// What is said before the question of the errors that the spec asks for and the table lacks.
+fn missing(opened: &Opened, partial: bool) -> String {
+    let Opened { table, spec, .. } = opened;
+    let kinds = spec.lacking(&table.kinds().collect::<Vec<_>>());
+    if table.is_teeth || kinds.is_empty() {
+        return String::new();
+    }
+    let verb = if kinds.len() == 1 { "is" } else { "are" };
+    let end = match () {
+        () if partial => "y judges without",
+        () if spec.limits.is_empty() && spec.function_limits.is_empty() => "y shows the sum without",
+        () => "y ends without a verdict",
+    };
+    format!("{} {verb} missing, so {end}: ", DeviationKind::keys(kinds.iter().copied()))
 }
 
 /// Shows the values of parts as they would count.

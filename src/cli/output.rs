@@ -328,6 +328,14 @@ impl Output {
         self.say(&wrap(&harmless(text), width_of_stderr()));
     }
 
+    /// Writes lines that fit the screen, or are to be copied, to standard error as they are, also with `--quiet`.
+    pub(super) fn lines(&mut self, text: &str) {
+        if let Some(Held { answer, .. }) = &mut self.held {
+            return answer.remarks.push(text.to_owned());
+        }
+        self.say(&harmless_lines(text));
+    }
+
     /// Writes lines to standard error in which only the program's own colours control the terminal.
     fn say(&mut self, text: &str) {
         line::clear();

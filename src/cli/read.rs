@@ -75,7 +75,7 @@ impl Args {
         let interruption = signals::signals(output);
         let stdin = files.iter().any(is_dash).then(|| whole(interruption.stop())).transpose()?;
         let opener = Opener::new(&self.reading, &spec, Model::Exact, interruption.stop());
-        let opener = Opener { stdin, ..opener };
+        let opener = Opener { stdin, curves: true, ..opener };
         if self.check {
             return self.check(&opener, &files, output);
         }
@@ -95,7 +95,7 @@ impl Args {
                 .into());
         }
         let all = Proposal::joined(&proposals);
-        let guesses = if self.yes { Guesses::AsComments } else { Guesses::Filled };
+        let guesses = if self.yes { Guesses::AsComments } else { Guesses::Shown };
         let block = all.block(guesses);
         let shown = if all.count() > 0 { &*block } else { "" };
         let report = ReadReport { proposals: &proposals, block: shown };
@@ -155,8 +155,7 @@ impl Args {
         let status = is_closed(&new)?;
         target::write(path, files, new.as_bytes())?;
         if status != Status::Pass {
-            output
-                .remark(&format!("{name}: not all has an owner yet: what stands there as a comment is for you to say"));
+            output.remark(&written::not_all(&name));
         }
         Ok(status)
     }
@@ -212,9 +211,8 @@ pub(super) fn text(path: &Path) -> Result<String, Failure> {
 pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Result<(), Failure> {
     let proposals = std::slice::from_ref(proposal);
     let shown = ReadReport { proposals, block };
-    for line in report::write(&shown, Format::Table, output.screen_of_messages())?.lines() {
-        output.message(line);
-    }
+    let text = report::write(&shown, Format::Table, output.screen_of_messages())?;
+    output.lines(text.trim_end());
     Ok(())
 }
 

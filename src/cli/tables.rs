@@ -97,6 +97,8 @@ pub(super) struct Opener<'a> {
     pub(super) stdin: Option<Arc<[u8]>>,
     /// Whether rows are teeth or spaces, where it is known.
     pub(super) teeth: Option<bool>,
+    /// Whether a table with the headings of a measured curve is one.
+    pub(super) curves: bool,
 }
 
 /// The files of a run, all of them opened once.
@@ -156,13 +158,13 @@ impl<'a> Opener<'a> {
     /// Options for tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
         let spec = Arc::clone(spec);
-        Self { how, spec, model, stop, stdin: None, teeth: None }
+        Self { how, spec, model, stop, stdin: None, teeth: None, curves: false }
     }
 
     /// The layout of a table by the spec and the user.
     fn want(&self, spec: &Spec) -> Want {
-        let layout = Arc::new(self.how.added_to(&spec.table.layout));
-        Want { teeth: self.teeth, layout, ..spec.want() }
+        let layout = Layout { may_be_trace: self.curves, ..self.how.added_to(&spec.table.layout) };
+        Want { teeth: self.teeth, layout: layout.into(), ..spec.want() }
     }
 
     /// A file as a table.
@@ -205,7 +207,7 @@ impl<'a> Opener<'a> {
         for _ in 0..ROUNDS {
             let block = proposal.block(Guesses::Filled);
             // so many rules mean that it is another table
-            if proposal.is_closed() || block == before || proposal.count() > MOST_RULES {
+            if proposal.is_closed() || proposal.lacks_values() || block == before || proposal.count() > MOST_RULES {
                 break;
             }
             let Ok(next) = self.with_block(&block).and_then(|spec| self.proposed(path, &spec)) else { break };
@@ -239,7 +241,7 @@ impl<'a> Opener<'a> {
                 Err(_) => refused.extend(problems),
             }
         }
-        let block = Proposal::joined(&proposals).block(Guesses::Filled);
+        let block = Proposal::joined(&proposals).block(Guesses::Shown);
         let last = proposals.len().saturating_sub(1);
         let each = proposals.iter().enumerate();
         let refusal = |(at, proposal): (usize, &Proposal)| {
@@ -388,11 +390,11 @@ pub(super) fn files_read(path: &Path) -> Vec<PathBuf> {
 pub(super) fn say(readings: &[Reading], notes: &[String], output: &mut Output) {
     let told = say_readings(readings, output);
     let mut remarks = report::remarks(&told, notes);
-    let warnings: Vec<String> = readings.iter().flat_map(Reading::warnings).collect();
-    report::add_new(&mut remarks, warnings.iter().cloned());
+    report::add_new(&mut remarks, readings.iter().flat_map(Reading::warnings));
     for remark in remarks {
         let text = report::noted(&remark);
-        if warnings.contains(&remark) { output.message(&text) } else { output.remark(&text) }
+        let is_warning = readings.iter().any(|reading| reading.notes.contains(&remark));
+        if is_warning { output.message(&text) } else { output.remark(&text) }
     }
 }
 

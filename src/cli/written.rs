@@ -3,14 +3,22 @@
 
 use std::collections::HashSet;
 
-use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Item, Key, TableLike, Value};
 
 use crate::diagnostic::{Code, Diagnostic};
+
+/// What stands before a line that is a guess.
+const GUESS: &str = "# a guess: ";
 
 /// The date and the version that writes.
 pub(super) fn stamp() -> String {
     let today = chrono::Utc::now().date_naive();
     format!("# rackmesh {}, {today}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The remark that a contract which was written into a spec leaves something to a person.
+pub(super) fn not_all(name: &str) -> String {
+    format!("{name}: not all has an owner yet: what stands there as a comment is for you to say")
 }
 
 /// The text of a spec with the lines of a contract; the same text if it has them all.
@@ -42,10 +50,14 @@ pub(super) fn merged(name: &str, spec: &str, block: &str, stamp: &str) -> Result
     let Some(table) = table.as_table_like_mut() else { return Err(cannot("its `table` is no table")) };
     let mut is_changed = is_renamed;
     for (key, item) in new.get("table").and_then(Item::as_table_like).into_iter().flat_map(TableLike::iter) {
-        is_changed |= put(table, key, item);
+        is_changed |= put(table, (key, None), item);
     }
-    let is_new = |line: &&str| line.starts_with('#') && !plain.contains(*line);
-    let comments: Vec<&str> = block.lines().map(str::trim).filter(is_new).collect();
+    let lines: Vec<&str> = block.lines().map(str::trim).collect();
+    // what is said of a line that is no comment goes with that line
+    let is_alone = |at: usize| !lines.get(at + 1).is_some_and(|next| next.starts_with('#'));
+    let is_said = |at: usize| lines[at].starts_with(GUESS) && is_alone(at);
+    let is_new = |at: &usize| lines[*at].starts_with('#') && !is_said(*at) && !plain.contains(lines[*at]);
+    let comments: Vec<&str> = (0..lines.len()).filter(is_new).map(|at| lines[at]).collect();
     if let Some(Item::Table(table)) = document.get_mut("table").filter(|_| is_changed || !comments.is_empty()) {
         let before = table.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default();
         let lines: String = std::iter::once(stamp).chain(comments).flat_map(|line| [line, "\n"]).collect();
@@ -65,13 +77,20 @@ fn as_it_ends<'t>(text: &'t str, like: &str) -> &'t str {
 }
 
 /// Adds the missing entries of an item; returns whether there were any.
-fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
+///
+/// A new item keeps what is said of it as a guess, which stands before its key.
+fn put(table: &mut dyn TableLike, (key, written): (&str, Option<&Key>), item: &Item) -> bool {
     let Some(there) = table.get_mut(key) else {
         let mut item = item.clone();
         if let Item::Table(table) = &mut item {
             table.set_position(None);
         }
-        table.insert(key, item);
+        let said = written.and_then(|key| key.leaf_decor().prefix()?.as_str()?.lines().last());
+        let mut key = Key::new(key);
+        if let Some(said) = said.filter(|line| line.starts_with(GUESS)) {
+            key.leaf_decor_mut().set_prefix(format!("{said}\n"));
+        }
+        table.entry_format(&key).or_insert(item);
         return true;
     };
     if let (Some(there), Some(new)) = (there.as_array_mut(), item.as_array()) {
@@ -85,7 +104,7 @@ fn put(table: &mut dyn TableLike, key: &str, item: &Item) -> bool {
     let Some(entries) = there.as_table_like_mut() else { return false };
     let mut is_changed = false;
     for (key, item) in new.iter() {
-        is_changed |= put(entries, key, item);
+        is_changed |= put(entries, (key, new.key(key)), item);
     }
     if let Some(there) = there.as_inline_table_mut().filter(|_| is_changed) {
         there.fmt();
@@ -144,9 +163,9 @@ mod tests {
 
     use super::*;
 
-    const BLOCK: &str = "[table]\nignore = [\"Temp\"]\nignore_lines = [\n  \"Datum: 1\",\n  # \"Datum: #\",   # a guess: x\n]\n\
-                         [table.columns]\npart_id = \"Teil\"\nrack_pitch = { name = \"fp\", unit = \"um\" }\n\
-                         # status = { name = \"Bew\" }   # a guess: y\n";
+    const BLOCK: &str = "[table]\nignore = [\"Temp\"]\nignore_lines = [\n  \"Datum: 1\",\n  # a guess: x:\n  # \"Datum: #\",\n]\n\
+                         [table.columns]\npart_id = \"Teil\"\n# a guess: z:\nrack_pitch = { name = \"fp\", unit = \"um\" }\n\
+                         # a guess: y:\n# status = { name = \"Bew\" }\n";
 
     fn merge(spec: &str) -> String {
         merged("rack.toml", spec, BLOCK, "# stamp").unwrap()
@@ -179,8 +198,8 @@ mod tests {
                     rack_pitch = { unit = \"um\" }   # as drawn\n[limits]\n";
         assert_eq!(
             merge(spec),
-            "# mine\n# stamp\n# \"Datum: #\",   # a guess: x\n# status = { name = \"Bew\" }   # a guess: y\n[table] # here\n\
-             ignore = [\n  \"Kraft\", # N\n  \"Temp\",\n]\nignore_lines = [\n  \"Datum: 1\",\n  # \"Datum: #\",   # a guess: x\n]\n\n\
+            "# mine\n# stamp\n# a guess: x:\n# \"Datum: #\",\n# a guess: y:\n# status = { name = \"Bew\" }\n[table] # here\n\
+             ignore = [\n  \"Kraft\", # N\n  \"Temp\",\n]\nignore_lines = [\n  \"Datum: 1\",\n  # a guess: x:\n  # \"Datum: #\",\n]\n\n\
              [table.columns]\nrack_pitch = { unit = \"um\", name = \"fp\" }   # as drawn\npart_id = \"Teil\"\n[limits]\n"
         );
     }

@@ -26,10 +26,11 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
     // `error[code]: `
     let before = u16::try_from(diagnostic.code.name().len()).unwrap_or(0) + 11;
     let width_of_message = width.map(|width| width.saturating_sub(before));
-    let message = diagnostic.list.iter().fold(wrap(&message, width_of_message), |text, line| {
-        let shown = format!("  {}", harmless(&line.text));
-        text + "\n" + &if line.is_copied { shown } else { wrap(&shown, width_of_message) }
+    let listed = diagnostic.list.iter().filter(|line| !line.is_copied);
+    let message = listed.fold(wrap(&message, width_of_message), |text, line| {
+        text + "\n" + &wrap(&format!("  {}", harmless(&line.text)), width_of_message)
     });
+    let count = message.lines().count();
     let title = level.primary_title(message).id(diagnostic.code.name());
     let mut group = Group::with_title(title);
     let lines = diagnostic.place.as_ref().map(Lines::of);
@@ -58,10 +59,14 @@ pub fn render(diagnostic: &Diagnostic, color: bool, width: Option<u16>) -> Strin
     }
     // without a place, the bar above the help stands alone
     let is_bar = |line: &&str| line.chars().filter(|c| !"\u{1b}[0123456789;m ".contains(*c)).eq(['|']);
-    let mut all: Vec<&str> = text.lines().collect();
-    if let Some(bar) = all.iter().rposition(is_bar) {
+    let mut all: Vec<Cow<'_, str>> = text.lines().map(Cow::from).collect();
+    if let Some(bar) = all.iter().rposition(|line| is_bar(&&**line)) {
         all.remove(bar);
     }
+    // lines to be copied are neither broken nor moved to the right
+    let copied = diagnostic.list.iter().filter(|line| line.is_copied).map(|line| harmless(&line.text));
+    let at = count.min(all.len());
+    all.splice(at..at, copied);
     all.join("\n")
 }
 

@@ -126,9 +126,11 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
     let few = ["ignore", "ignore_lines", "comments"].map(|list| has_few(reader, list));
     let [ignore, lines, comments] = few;
     let mut layout = Layout {
+        is_written: true,
         parts: parts.flatten(),
         teeth,
         trace: false,
+        may_be_trace: false,
         encoding: parsed(reader, keys::TABLE_ENCODING, Encoding::named),
         sheet: reader.get(keys::TABLE_SHEET).map(|sheet| sheet.value),
         range: parsed(reader, keys::TABLE_RANGE, str::parse).unwrap_or_default(),

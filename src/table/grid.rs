@@ -46,6 +46,15 @@ impl Separator {
         }
     }
 
+    /// The word that declares it; `None` if no word does. A text without tabs has one value per line if tabs separate its cells.
+    pub(crate) fn word(self) -> Option<String> {
+        match self {
+            Self::Character(b'\t') | Self::Lines => Some("tab".to_owned()),
+            Self::Character(byte) => Some(char::from(byte).to_string()),
+            Self::AlignedBlanks => None,
+        }
+    }
+
     /// Its name in messages.
     #[must_use]
     pub fn name(self) -> String {

@@ -12,7 +12,6 @@ use super::grid::unit_of;
 use super::number::DecimalMark;
 use super::pattern::Pattern;
 use super::workbook::CellRange;
-use crate::deviation::DeviationKind;
 use crate::diagnostic::nearest_or;
 use crate::quantity::Unit;
 
@@ -116,12 +115,16 @@ pub struct StatusColumn {
 /// The contract of a table.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
+    /// Whether a spec or a layout file has a contract.
+    pub is_written: bool,
     /// Where the values of a part stand, if the contract says so.
     pub parts: Option<Parts>,
     /// Whether each row or column is known to be a space or tooth, and no part.
     pub teeth: bool,
     /// Whether each row is a point of a measured curve.
     pub trace: bool,
+    /// Whether each row is a point of a measured curve where only its headings are known.
+    pub may_be_trace: bool,
     /// The encoding of a text, if the contract says so.
     pub encoding: Option<Encoding>,
     /// The sheet of a workbook, if the contract says so.
@@ -172,8 +175,8 @@ pub(crate) const DETAILS: [&str; 4] = ["date", "inspector", "order", "drawing"];
 /// A column as `--column` names it: `rack_pitch=CHR_017[um]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnOption {
-    /// The error; `None` if the column names the parts.
-    pub kind: Option<DeviationKind>,
+    /// What the column holds.
+    pub field: Field,
     /// The heading, without its unit.
     pub name: String,
     /// The unit, if it is written.
@@ -185,21 +188,21 @@ impl FromStr for ColumnOption {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (key, heading) = text.split_once('=').ok_or("write KEY=HEADING, such as rack_pitch=CHR_017[um]")?;
-        let kind = match key.trim() {
-            "part_id" => None,
-            key => Some(DeviationKind::ALL.into_iter().find(|kind| kind.key() == key).ok_or_else(|| {
-                let keys = DeviationKind::ALL.map(DeviationKind::key);
-                let all = || format!("they are part_id, {}", keys.join(", "));
-                format!("`{key}` is no column's key: {}", nearest_or(key, ["part_id"].iter().chain(&keys), all))
-            })?),
-        };
+        let key = key.trim();
+        let field: Field = key.parse().map_err(|_| {
+            let keys = Field::ALL.map(Field::key);
+            format!(
+                "`{key}` is no column's key: {}",
+                nearest_or(key, &keys, || format!("they are {}", keys.join(", ")))
+            )
+        })?;
         let heading = Heading::of(heading);
         if heading.name.is_empty() {
             return Err("the heading is missing".to_owned());
         }
-        let is_angle = kind == Some(DeviationKind::RackLead);
-        let unit = heading.unit.map(|symbol| unit_of(&symbol, is_angle).ok_or(format!("`{symbol}` is no unit here")));
-        Ok(Self { kind, name: heading.name, unit: unit.transpose()? })
+        let unit =
+            heading.unit.map(|symbol| unit_of(&symbol, field.is_angle()).ok_or(format!("`{symbol}` is no unit here")));
+        Ok(Self { field, name: heading.name, unit: unit.transpose()? })
     }
 }
 
@@ -278,16 +281,20 @@ impl Layout {
 
     /// Adds what an option says of a column. It replaces what the contract says of it.
     pub fn declare(&mut self, option: &ColumnOption) {
-        let Some(kind) = option.kind else {
+        let field = option.field;
+        if field == Field::PartId {
             self.part_id = Some(PartNames::Column(option.name.clone()));
             return;
-        };
-        match self.columns.iter_mut().find(|column| column.field == kind.into()) {
+        }
+        if field.is_index() {
+            return self.call(field.key(), option.name.clone());
+        }
+        match self.columns.iter_mut().find(|column| column.field == field) {
             Some(column) => {
                 column.name = Some(option.name.clone());
                 column.unit = option.unit.or(column.unit);
             }
-            None => self.columns.push(DeclaredColumn::new(kind, Some(option.name.clone()), option.unit, Vec::new())),
+            None => self.columns.push(DeclaredColumn::new(field, Some(option.name.clone()), option.unit, Vec::new())),
         }
     }
 

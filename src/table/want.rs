@@ -56,6 +56,12 @@ impl Want {
         Arc::clone(&self.layout)
     }
 
+    /// The unit in which an error is usually measured: its size in mm, or its deviation in µm.
+    pub(crate) fn usual_unit(&self, kind: DeviationKind) -> &'static str {
+        let is_size = self.given(kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
+        if is_size { "mm" } else { "um" }
+    }
+
     /// What the spec says of the column of an error.
     pub(crate) fn given(&self, kind: DeviationKind) -> Option<&GivenColumn> {
         self.given.iter().find(|given| given.kind == kind)

@@ -80,7 +80,15 @@ pub(in crate::cli) fn unjudged(plan: &Plan, output: &mut Output) {
             LimitTarget::Error(kind) if plan.errors().all(|error| error != *kind) => {
                 format!("there is a limit on ΔCD of the {target}, but the table has no such column")
             }
-            _ => format!("the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing"),
+            _ if plan.lacking.is_empty() => {
+                format!("the limit on ΔCD of the {target} is not judged: something that the spec asks for is missing")
+            }
+            _ => {
+                let keys = DeviationKind::keys(plan.lacking.iter().copied());
+                format!(
+                    "the limit on ΔCD of the {target} is not judged: the table lacks {keys}, which the spec asks for"
+                )
+            }
         };
         output.diagnostic(&Diagnostic::warning(Code::UnjudgedLimit, message));
     }

@@ -5,19 +5,20 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use crate::deviation::DeviationKind;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::quantity::shown;
 use crate::table::Table;
 use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
-use crate::table::contract::{Matched, Open, Owner, key};
+use crate::table::contract::{Matched, Open, Owner, key, no_headings};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::{Layout, LineRule};
 use crate::table::pattern::escaped_heading;
-use crate::table::propose::Guesses;
 use crate::table::propose::guess::{self, Guess, guesses, undecided};
 use crate::table::propose::lines::Shapes;
-use crate::table::propose::rules::{self, Found, Rule, Rules};
+use crate::table::propose::rules::{self, Certainty, Found, Rule, Rules, Suggestion};
+use crate::table::propose::{Guesses, table_in_sentences};
 use crate::table::reading::Reading;
 use crate::table::rows::Wanted;
 use crate::table::want::Want;
@@ -134,8 +135,6 @@ impl Proposal {
         let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
-        let is_unknown = proposal.open.iter().any(|open| matches!(open, Open::NoValues { .. }));
-        proposal.rules.list.extend((is_unknown && !has_values).then(|| rules::no_values(want)));
         // with a row per characteristic, the other columns are known once the column of names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
         let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| escaped_heading(&guess.title) == *title));
@@ -158,6 +157,17 @@ impl Proposal {
         if layout.details.iter().all(|(key, _)| *key != "date") {
             let date = guess::date(&matched, &proposal.open, rows, &proposal.rules.list);
             proposal.rules.list.extend(date);
+        }
+        if !has_values && proposal.leaves_nothing() {
+            if owners.iter().any(|owner| matches!(owner, Some(Owner::Role(_)))) {
+                proposal.rules.list.push(rules::no_values(want));
+            } else {
+                proposal
+                    .rules
+                    .list
+                    .retain(|known| !matches!(known.rule, Rule::Entry("ignore", _) | Rule::Lines { .. }));
+                proposal.open.push(no_headings("without these nothing is left", rows, (layout, want)));
+            }
         }
         proposal.rules.list.extend(rules::pinned(&found, layout));
         proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
@@ -229,6 +239,34 @@ impl Proposal {
         self.rejected.extend(faults.map(|fault| format!("line {}: {}", block.lines[fault.row], fault.message)));
     }
 
+    /// Whether no column is known as that of values, or may be one.
+    fn leaves_nothing(&self) -> bool {
+        self.open.iter().any(|open| matches!(open, Open::NoValues { .. }))
+            && !self.rules.list.iter().any(|known| matches!(known.rule, Rule::Column { .. }))
+    }
+
+    /// Whether no column is known or guessed as that of values: without one, nothing more can be found.
+    #[must_use]
+    pub fn lacks_values(&self) -> bool {
+        let is_value = |known: &Suggestion| {
+            matches!(&known.rule, Rule::Column { key, .. } if DeviationKind::ALL.iter().any(|kind| kind.key() == key))
+                && matches!(known.certainty, Certainty::Exact | Certainty::Guess(_))
+        };
+        self.open.iter().any(|open| matches!(open, Open::NoValues { .. })) && !self.rules.list.iter().any(is_value)
+    }
+
+    /// The same for a text. Where it is no table, but has values behind their names, the remedy is the table of these values.
+    pub(crate) fn of_text(self, text: &str) -> Self {
+        let Some(table) = Some(text).filter(|_| self.leaves_nothing()).and_then(table_in_sentences) else {
+            return self;
+        };
+        let lines: Vec<_> = table.lines().map(|line| format!("`{line}`")).collect();
+        let what = "values stand behind their names, and not below headings".to_owned();
+        let open = Open::Wrong { what, help: format!("give them as a table: {}", lines.join(", and below it ")) };
+        let rules = Rules { list: Vec::new(), ..self.rules };
+        Self { open: vec![open], lines: Vec::new(), more: 0, rules, ..self }
+    }
+
     /// Whether everything has an owner.
     #[must_use]
     pub fn is_closed(&self) -> bool {
@@ -252,7 +290,13 @@ impl Proposal {
         self.closes = next.is_closed();
         let known: HashSet<LineAccount> = self.lines.iter().cloned().collect();
         self.lines.extend(next.lines.into_iter().filter(|line| !known.contains(line)));
-        (self.parts, self.rejected, self.reading) = (next.parts, next.rejected, next.reading);
+        (self.parts, self.rejected) = (next.parts, next.rejected);
+        // what only the proposal would leave out has no owner yet
+        let own: Vec<String> = self.rules.layout.rules().into_iter().map(|known| known.rule).collect();
+        self.reading = next.reading.map(|mut reading| {
+            reading.left_out.retain(|rule| own.contains(&rule.rule));
+            reading
+        });
         self.rules.list.extend(next.rules.list);
         rules::settle(&mut self.rules.list);
         // what both have is listed once

@@ -5,14 +5,13 @@ use crate::diagnostic::{Code, Diagnostic, ListLine};
 use crate::quantity::shown;
 use crate::table::block::Odd;
 use crate::table::contract::Open;
-use crate::table::layout::Layout;
 use crate::table::propose::Guesses;
 
 impl Proposal {
     /// The refusal: what has no owner, how the file differs from its contract, and the `[table]` that closes it.
     #[must_use]
     pub fn refusal(&self) -> Diagnostic {
-        self.refused(Some(&self.block(Guesses::Filled)))
+        self.refused(Some(&self.block(Guesses::Shown)))
     }
 
     /// The same with the `[table]` that closes several tables, or with none.
@@ -38,7 +37,8 @@ impl Proposal {
         if let more @ 1.. = (different().count() + self.more).saturating_sub(SHOWN) {
             difference.push(format!("and {more} more"));
         }
-        let message = if difference.is_empty() || *self.rules.layout == Layout::default() {
+        let layout = &self.rules.layout;
+        let message = if difference.is_empty() || !layout.is_written {
             let things = if count == 1 { "a cell or line has" } else { "cells or lines have" };
             format!("{}: {things} no owner, so nothing is judged:", self.file)
         } else {
@@ -48,8 +48,17 @@ impl Proposal {
             Open::Wrong { help, .. } if !help.is_empty() => Some(help.as_str()),
             _ => None,
         });
-        let how = "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec";
-        let help = std::iter::once(how).chain(others).collect::<Vec<_>>().join("; ");
+        let how = match block {
+            None if others.clone().next().is_some() => None,
+            _ if layout.trace => Some("write these lines into the spec, or say it with --column 'delta_cd=NAME[um]'"),
+            _ if layout.is_written => Some(
+                "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec",
+            ),
+            _ => Some(
+                "no contract says yet what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes one into the spec",
+            ),
+        };
+        let help = how.into_iter().chain(others).collect::<Vec<_>>().join("; ");
         Diagnostic { list: list.into(), ..Diagnostic::error(Code::NotUnderstood, message) }.help(help)
     }
 

@@ -154,10 +154,10 @@ fn beside(
     beside.collect()
 }
 
-/// The units in which the numbers of a column without an owner would be values of an error.
+/// The units in which the numbers of a column without an owner would be values of an error; of the unit `own`, if the column has one.
 pub(crate) fn plausible_units(
     kind: DeviationKind,
-    title: &str,
+    (title, own): (&str, Option<&str>),
     place: usize,
     rows: &[Record],
     want: &Want,
@@ -169,33 +169,37 @@ pub(crate) fn plausible_units(
         let (title, beside, unit_from) = (title.to_owned(), Vec::new(), UnitFrom::Spec);
         Declared { field, is_of_part: true, title, place, unit, unit_from, is_deviation, mark: None, beside }
     };
-    plausible(&with, field.is_angle(), rows, want)
+    let Some(own) = own else { return plausible(&with, field.is_angle(), rows, want) };
+    let own = unit_of(own, field.is_angle()).filter(|unit| is_usual(&|| with(*unit), rows, want));
+    own.map(Unit::symbol).into_iter().collect()
 }
 
-/// The units in which every number of a column is of a usual size, and at least one is large enough to be measured.
+/// The units in which every number of a column is of a usual size.
 fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], want: &Want) -> Vec<&'static str> {
+    let symbols = if is_angle { ["deg", "arcmin", "um"] } else { ["mm", "um", "in"] };
+    let is_read =
+        |symbol: &&'static str| unit_of(symbol, is_angle).is_some_and(|unit| is_usual(&|| with(unit), rows, want));
+    symbols.into_iter().filter(is_read).collect()
+}
+
+/// Whether every number of a column is of a usual size, and at least one is large enough to be measured.
+fn is_usual(declared: &dyn Fn() -> Declared, rows: &[Record], want: &Want) -> bool {
     /// The smallest length that is measured: 0.1 µm.
     const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
-    let symbols = if is_angle { ["deg", "arcmin", "um"] } else { ["mm", "um", "in"] };
     let usual = Reach::usual(want.module);
     let is_seen = |value: DeviationValue| match value {
         DeviationValue::Length(length) => length.abs() >= LEAST_MEASURED,
         _ => !value.is_zero(),
     };
-    let is_read = |symbol: &&'static str| {
-        let Some(unit) = unit_of(symbol, is_angle) else { return false };
-        DecimalMark::ALL.into_iter().any(|mark| {
-            let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..with(unit) }, want) else { return false };
-            let numbers = rows.iter().filter(|row| row.cell(column.place).is_number());
-            let values: Vec<_> =
-                numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
-            let is_usual = |value: &Result<Option<DeviationValue>, _>| {
-                value.as_ref().is_ok_and(|value| value.is_none_or(|value| !usual.is_reached_by(value)))
-            };
-            values.iter().all(is_usual) && values.into_iter().flatten().flatten().any(is_seen)
-        })
-    };
-    symbols.into_iter().filter(is_read).collect()
+    DecimalMark::ALL.into_iter().any(|mark| {
+        let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..declared() }, want) else { return false };
+        let numbers = rows.iter().filter(|row| row.cell(column.place).is_number());
+        let values: Vec<_> = numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
+        let is_usual = |value: &Result<Option<DeviationValue>, _>| {
+            value.as_ref().is_ok_and(|value| value.is_none_or(|value| !usual.is_reached_by(value)))
+        };
+        values.iter().all(is_usual) && values.into_iter().flatten().flatten().any(is_seen)
+    })
 }
 
 /// The decimal mark by which every number can be read, or else by which more of them can; `None` if no number has a point or a comma.

@@ -20,6 +20,7 @@ pub(crate) use heading::{Matched, key, owner};
 pub(crate) use open::{Open, may_decide};
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
+pub(crate) use unowned::no_headings;
 pub(crate) use whole::with_headings;
 
 use std::sync::Arc;

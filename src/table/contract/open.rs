@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use crate::quantity::shown;
 use crate::table::block::Odd;
 use crate::table::cell::{Cell, Record};
+use crate::table::grid::Separator;
 use crate::table::number::is_missing;
 
 /// Something that needs an owner, or a choice, before the table is read.
@@ -37,8 +38,8 @@ pub(crate) enum Open {
     Mark { example: String },
     /// The encodings under which more headings are known.
     Encoding { names: Vec<&'static str> },
-    /// Nothing tells what separates the cells.
-    Separator { names: Vec<String> },
+    /// Nothing tells which of these separates the cells.
+    Separator { able: Vec<Separator> },
     /// Something else that is wrong, with what to do.
     Wrong { what: String, help: String },
 }
@@ -82,7 +83,10 @@ impl Open {
                 let or = names.join(" or ");
                 format!("it is no text in UTF-8, and in {or} more of its headings are known: --encoding {or}")
             }
-            Self::Separator { names } => format!("cells may be separated by {}", names.join(" or by ")),
+            Self::Separator { able } => {
+                let names: Vec<String> = able.iter().map(|separator| separator.name()).collect();
+                format!("cells may be separated by {}", names.join(" or by "))
+            }
             Self::Wrong { what, .. } => what.clone(),
         }
     }

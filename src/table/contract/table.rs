@@ -94,16 +94,16 @@ pub(crate) fn score(records: &[Record], layout: &Layout) -> usize {
 /// Where parts stand, the form of the table, and how many roles its headings have. `None` if no heading is known.
 fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usize)> {
     let forms = [
-        (Parts::Rows, Form::Trace),
         (Parts::Rows, Form::Teeth),
         (Parts::Rows, Form::Parts),
         (Parts::Characteristics, Form::Characteristics),
         (Parts::Columns, Form::Teeth),
         (Parts::Columns, Form::Parts),
+        (Parts::Rows, Form::Trace),
     ];
     let is_possible = |(parts, form): &(Parts, Form)| {
         if layout.trace || *form == Form::Trace {
-            return layout.trace && *form == Form::Trace;
+            return *form == Form::Trace && (layout.trace || layout.may_be_trace);
         }
         layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
     };
@@ -189,7 +189,14 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     if !is_known {
         let is_bare = is_bare(rows, layout);
         matched.open.retain(|open| !(is_bare && matches!(open, Open::Column { .. })));
-        matched.open.insert(0, if is_bare { no_headings(want) } else { no_values(&matched) });
+        matched.open.insert(
+            0,
+            if is_bare {
+                no_headings("values stand there without headings", rows, (layout, want))
+            } else {
+                no_values(&matched)
+            },
+        );
     }
     matched.open.splice(0..0, open);
     let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);

@@ -8,7 +8,7 @@ use super::owner::{Owner, line_of};
 use crate::deviation::DeviationKind;
 use crate::quantity::shown;
 use crate::table::block::Odd;
-use crate::table::cell::Record;
+use crate::table::cell::{Cell, Record};
 use crate::table::column::{Column, Nominal};
 use crate::table::companions::Companions;
 use crate::table::dictionary::{Form, Role};
@@ -27,20 +27,40 @@ pub(super) fn likely_heading(records: &[Record], layout: &Layout) -> usize {
 
 /// Whether every line that could be a line of headings has numbers.
 pub(super) fn is_bare(records: &[Record], layout: &Layout) -> bool {
-    let uncovered = records.iter().filter(|record| layout.covering(record).is_none() && record.filled().len() > 1);
-    layout.headings.is_empty() && uncovered.clone().next().is_some() && uncovered.clone().all(|row| row.numbers() > 0)
+    let uncovered = || records.iter().filter(|row| !row.filled().is_empty() && layout.covering(row).is_none());
+    let has_rows = uncovered().any(|row| row.filled().len() > 1);
+    let mut rows = uncovered().filter(|row| !has_rows || row.filled().len() > 1).peekable();
+    let has_numbers = |row: &Record| row.numbers() > 0 || numbers_between_blanks(row).is_some();
+    layout.headings.is_empty() && rows.peek().is_some() && rows.all(has_numbers)
 }
 
-/// The problem that values stand there without headings, with the option that gives them.
-pub(super) fn no_headings(want: &Want) -> Open {
-    let unit = |kind: &DeviationKind| {
-        let is_size = want.given(*kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
-        format!("{}[{}]", kind.key(), if is_size { "mm" } else { "um" })
+/// How many numbers stand in the only cell of a row; `None` if anything else stands there, or one number.
+fn numbers_between_blanks(row: &Record) -> Option<usize> {
+    let [cell] = row.filled() else { return None };
+    let text = cell.text();
+    let count = text.split_whitespace().filter(|word| Cell::of_text(*word, 0..0).is_number()).count();
+    (count > 1 && count == text.split_whitespace().count()).then_some(count)
+}
+
+/// The problem that values stand there without headings, with the options that give them.
+pub(crate) fn no_headings(what: &str, rows: &[Record], (layout, want): (&Layout, &Want)) -> Open {
+    let values: Vec<String> = if layout.trace {
+        vec!["stroke[mm]".to_owned(), "delta_cd[um]".to_owned()]
+    } else {
+        let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
+        kinds.iter().map(|kind| format!("{}[{}]", kind.key(), want.usual_unit(*kind))).collect()
     };
-    let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
-    let headings = std::iter::once("part_id".to_owned()).chain(kinds.iter().map(unit)).collect::<Vec<_>>();
-    let what = "values stand there without headings".to_owned();
-    Open::Wrong { what, help: format!("give a heading to each column, such as --as '{}'", headings.join(",")) }
+    let numbered = || rows.iter().filter(|row| layout.covering(row).is_none() && row.numbers() > 0);
+    let widest = numbered().max_by_key(|row| row.filled().len());
+    let between_blanks = rows.iter().filter_map(numbers_between_blanks).max().filter(|_| widest.is_none());
+    let width = between_blanks.or(widest.map(|row| row.filled().len()));
+    let is_named = |width: usize| width > values.len() || widest.is_some_and(|row| !row.cell(0).is_number());
+    let name = width.is_none_or(is_named).then(|| "part_id".to_owned()).filter(|_| !layout.trace);
+    let mut headings: Vec<String> = name.into_iter().chain(values).collect();
+    headings.resize(width.unwrap_or(headings.len()), String::new());
+    let separator = if between_blanks.is_some() { "--separator ' ' " } else { "" };
+    let help = format!("give a heading to each column, such as {separator}--as '{}'", headings.join(","));
+    Open::Wrong { what: what.to_owned(), help }
 }
 
 /// The problem that no heading is of values.

@@ -8,30 +8,41 @@ use crate::table::want::quoted;
 /// How guesses are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guesses {
-    /// As entries that are marked as guesses.
+    /// As entries, what may be values that the table lacks left out: nothing is left to choose from.
     Filled,
+    /// As entries, but for what may be values that the table lacks: a comment, as every choice.
+    Shown,
     /// As comments, which a person uncomments.
     AsComments,
+}
+
+/// A line of a contract, and why a person looks at it.
+struct Line {
+    text: String,
+    why: Option<String>,
+    /// Whether a person uncomments it, if it is right.
+    is_comment: bool,
 }
 
 /// The number of new columns to leave out from which a rule for all others is offered.
 const MANY: usize = 12;
 
 impl Rules {
-    /// The `[table]` that closes the table. Its lists are complete: the entries of the present contract come first.
+    /// The `[table]` that closes the table. Its lists are complete: the entries of the present contract come first. What is said of a
+    /// line stands in a line before it.
     pub(crate) fn block(&self, guesses: Guesses) -> String {
         let mut text = "[table]\n".to_owned();
         let own = own::keys(&self.layout).into_iter().flat_map(|line| [line, "\n".to_owned()]);
         text.extend(own);
-        for (rule, certainty) in self.each() {
-            if let Rule::Key(key, value) = rule {
-                text += &entry(&format!("{key} = {value}"), certainty, guesses);
-            }
-        }
+        let keys = self.each().filter_map(|(rule, certainty)| match rule {
+            Rule::Key(key, value) => Some(Line::of(format!("{key} = {value}"), certainty, guesses)),
+            _ => None,
+        });
+        text += &written(keys, "");
         let quote_all = |patterns: &[Pattern]| patterns.iter().map(|rule| quoted(rule.text())).collect();
         let texts = |list: &'static str| {
-            move |rule: &Rule, guesses| match rule {
-                Rule::Entry(own, text) if *own == list && guesses == Guesses::Filled => vec![quoted(text)],
+            move |rule: &Rule, _| match rule {
+                Rule::Entry(own, text) if *own == list => vec![quoted(text)],
                 _ => Vec::new(),
             }
         };
@@ -39,74 +50,97 @@ impl Rules {
         let is_detail =
             |rule: &&Pattern| self.layout.details.iter().any(|(_, name)| Pattern::of_heading(name) == **rule);
         let ignored: Vec<_> = self.layout.ignore.iter().filter(|rule| !is_detail(rule)).cloned().collect();
-        text += &self.list("ignore", quote_all(&ignored), guesses, &texts("ignore"));
+        text += &list("ignore", quote_all(&ignored), self, guesses, &texts("ignore"));
         let count = self.each().filter(|(rule, _)| matches!(rule, Rule::Entry("ignore", _))).count();
         if count >= MANY {
-            text += &format!(
-                "# others = \"ignore\"   # in place of the {count} new columns in that list: leaves out these and any further one\n"
-            );
+            let why = format!("in place of the {count} new columns in that list, leaves out any further one too");
+            let others = Line { text: "others = \"ignore\"".to_owned(), why: Some(why), is_comment: true };
+            text += &written([others], "");
         }
         let known = self.layout.ignore_lines.iter().map(|rule| line_rule(rule.pattern.text(), rule.at_most)).collect();
-        text += &self.list("ignore_lines", known, guesses, &lines);
-        text += &self.list("comments", quote_all(&self.layout.comments), guesses, &texts("comments"));
-        let columns = self.each().filter_map(|(rule, certainty)| match rule {
-            Rule::Column { key, entry: value } => {
-                Some((key != "part_id", entry(&format!("{key} = {value}"), certainty, guesses)))
-            }
+        text += &list("ignore_lines", known, self, guesses, &lines);
+        text += &list("comments", quote_all(&self.layout.comments), self, guesses, &texts("comments"));
+        let columns = self.columns(guesses);
+        if columns.is_empty() { text } else { format!("{text}[table.columns]\n{columns}") }
+    }
+
+    /// The entries of `[table.columns]`, that of the part's name first.
+    fn columns(&self, guesses: Guesses) -> String {
+        let new = self.each().filter_map(|(rule, certainty)| match rule {
+            Rule::Column { key, entry } => Some((key, Line::of(format!("{key} = {entry}"), certainty, guesses))),
             _ => None,
         });
-        let mut columns: Vec<_> = columns.collect();
-        let is_new =
-            |key: &str| self.each().any(|(rule, _)| matches!(rule, Rule::Column { key: new, .. } if new == key));
-        let own = own::columns(&self.layout).into_iter().filter(|(key, _)| !is_new(key));
-        columns.splice(0..0, own.map(|(key, line)| (key != "part_id", format!("{line}\n"))));
-        columns.sort_by_key(|(is_value, _)| *is_value);
-        let columns: String = columns.into_iter().map(|(_, line)| line).collect();
-        if columns.is_empty() { text } else { format!("{text}[table.columns]\n{columns}") }
+        let new: Vec<_> = new.collect();
+        let own = own::columns(&self.layout).into_iter().filter(|(key, _)| !new.iter().any(|(other, _)| *other == key));
+        let own = own.map(|(key, line)| (key != "part_id", Line::plain(line))).collect::<Vec<_>>();
+        let mut all: Vec<_> =
+            own.into_iter().chain(new.into_iter().map(|(key, line)| (key != "part_id", line))).collect();
+        all.sort_by_key(|(is_value, _)| *is_value);
+        written(all.into_iter().map(|(_, line)| line), "")
     }
 
     fn each(&self) -> impl Iterator<Item = (&Rule, &Certainty)> {
         self.list.iter().map(|Suggestion { rule, certainty }| (rule, certainty))
     }
+}
 
-    /// A list in one line, or in a line for each entry where one of them is a guess.
-    fn list(
-        &self,
-        name: &str,
-        known: Vec<String>,
-        guesses: Guesses,
-        of: &dyn Fn(&Rule, Guesses) -> Vec<String>,
-    ) -> String {
-        let mut entries: Vec<(String, Option<String>)> = known.into_iter().map(|text| (text, None)).collect();
-        for (rule, certainty) in self.each() {
-            let filled = || of(rule, Guesses::Filled).into_iter();
-            let commented =
-                |why: &String| filled().map(|text| (format!("# {text}"), Some(why.clone()))).collect::<Vec<_>>();
-            match (certainty, guesses) {
-                (Certainty::Exact, _) => entries.extend(filled().map(|text| (text, None))),
-                (Certainty::Guess(why), Guesses::Filled) => {
-                    entries.extend(filled().map(|text| (text, Some(format!("a guess: {why}")))));
-                }
-                (Certainty::Guess(why), Guesses::AsComments) => {
-                    entries.extend(of(rule, guesses).into_iter().map(|text| (text, None)));
-                    entries.extend(commented(&format!("a guess: {why}")));
-                }
-                (Certainty::Choice(why) | Certainty::OneOf(why), _) => entries.extend(commented(why)),
-            }
+/// A list in one line, or in a line for each entry where something is said of one. `texts` are the entries of a rule as a guess is
+/// written.
+fn list(
+    name: &str,
+    known: Vec<String>,
+    rules: &Rules,
+    guesses: Guesses,
+    texts: &dyn Fn(&Rule, Guesses) -> Vec<String>,
+) -> String {
+    let mut entries: Vec<Line> = known.into_iter().map(Line::plain).collect();
+    for (rule, certainty) in rules.each() {
+        let filled = texts(rule, Guesses::Filled);
+        if let (Certainty::Guess(_), Guesses::AsComments, Rule::Lines { .. }) = (certainty, guesses, rule) {
+            entries.extend(texts(rule, guesses).into_iter().map(Line::plain));
         }
-        if entries.is_empty() {
-            return String::new();
-        }
-        if entries.iter().all(|(text, why)| why.is_none() && !text.starts_with('#')) {
-            let texts: Vec<_> = entries.into_iter().map(|(text, _)| text).collect();
-            return format!("{name} = [{}]\n", texts.join(", "));
-        }
-        let line = |(text, why): (String, Option<String>)| {
-            let why = why.map_or_else(String::new, |why| format!("   # {why}"));
-            format!("  {text},{why}\n")
-        };
-        format!("{name} = [\n{}]\n", entries.into_iter().map(line).collect::<String>())
+        entries.extend(filled.into_iter().map(|text| Line::of(text, certainty, guesses)));
     }
+    if entries.is_empty() {
+        return String::new();
+    }
+    if entries.iter().all(|line| line.why.is_none()) {
+        let texts: Vec<_> = entries.into_iter().map(|line| line.text).collect();
+        return format!("{name} = [{}]\n", texts.join(", "));
+    }
+    let entries = entries.into_iter().map(|line| Line { text: line.text + ",", ..line });
+    format!("{name} = [\n{}]\n", written(entries, "  "))
+}
+
+impl Line {
+    fn plain(text: String) -> Self {
+        Self { text, why: None, is_comment: false }
+    }
+
+    fn of(text: String, certainty: &Certainty, guesses: Guesses) -> Self {
+        let guess = |why: &str| Some(format!("a guess: {why}"));
+        let (why, is_comment) = match certainty {
+            Certainty::Exact => (None, false),
+            Certainty::Guess(why) => (guess(why), guesses == Guesses::AsComments),
+            Certainty::Doubt(why) if guesses == Guesses::Filled => (guess(why), false),
+            Certainty::Doubt(why) | Certainty::Choice(why) | Certainty::OneOf(why) => (Some(why.clone()), true),
+        };
+        Self { text, why, is_comment }
+    }
+}
+
+/// Lines, each below what is said of it. What is said of comments that follow each other stands there once.
+fn written(lines: impl IntoIterator<Item = Line>, indent: &str) -> String {
+    let (mut text, mut said) = (String::new(), None);
+    for Line { text: line, why, is_comment } in lines {
+        if let Some(why) = why.as_ref().filter(|why| said.as_ref() != Some(*why)) {
+            text += &format!("{indent}# {why}:\n");
+        }
+        let mark = if is_comment { "# " } else { "" };
+        text += &format!("{indent}{mark}{line}\n");
+        said = why.filter(|_| is_comment);
+    }
+    text
 }
 
 /// The entries of `ignore_lines` for a rule: its pattern, or each line as it stands in the table.
@@ -123,15 +157,5 @@ fn line_rule(text: &str, at_most: u64) -> String {
     match at_most {
         0 => quoted(text),
         most => format!("{{ like = {}, at_most = {most} }}", quoted(text)),
-    }
-}
-
-/// A line of the spec: as it is, marked as a guess, or as a comment.
-fn entry(text: &str, certainty: &Certainty, guesses: Guesses) -> String {
-    match (certainty, guesses) {
-        (Certainty::Exact, _) => format!("{text}\n"),
-        (Certainty::Guess(why), Guesses::Filled) => format!("{text}   # a guess: {why}\n"),
-        (Certainty::Guess(why), Guesses::AsComments) => format!("# {text}   # a guess: {why}\n"),
-        (Certainty::Choice(why) | Certainty::OneOf(why), _) => format!("# {text}   # {why}\n"),
     }
 }

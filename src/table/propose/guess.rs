@@ -46,23 +46,37 @@ struct Candidate<'c> {
     /// The unit in its heading, or in the line of units.
     unit: Option<String>,
     cells: Vec<&'c Cell>,
+    /// What its numbers may be, each with the units in which they may be it.
+    able: Vec<(Field, Vec<&'static str>)>,
 }
 
 impl Candidate<'_> {
-    /// The units in which its numbers may be values of an error; none if its own unit is of another quantity.
-    fn units(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> Vec<&'static str> {
-        let is_other = |unit: &String| unit_of(unit, Field::Error(kind).is_angle()).is_none();
-        let found = plausible_units(kind, self.title, self.place, rows, want);
-        if self.unit.as_ref().is_some_and(is_other) { Vec::new() } else { found }
+    /// Finds what its numbers may be. The points of a measured curve may have any size.
+    fn measure(mut self, form: Form, rows: &[Record], want: &Want) -> Self {
+        if !self.is_numeric() {
+            return self;
+        }
+        let own = self.unit.as_deref();
+        let of_error = |kind| (Field::Error(kind), plausible_units(kind, (self.title, own), self.place, rows, want));
+        self.able = match form {
+            Form::Trace if own.is_none_or(|unit| unit_of(unit, false).is_some()) => {
+                [Field::Stroke, Field::DeltaCd].map(|field| (field, vec!["mm", "um"])).into()
+            }
+            Form::Trace => Vec::new(),
+            _ => DeviationKind::ALL.into_iter().map(of_error).filter(|(_, units)| !units.is_empty()).collect(),
+        };
+        self
     }
 
-    /// The entry of a contract that makes it the column of an error.
-    fn entry(&self, kind: DeviationKind, rows: &[Record], want: &Want) -> String {
-        let unit = self.unit.clone().or_else(|| match self.units(kind, rows, want)[..] {
-            [unit] => Some(unit.to_owned()),
-            _ => None,
-        });
-        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(&unit)));
+    fn may_be(&self, field: Field) -> bool {
+        self.able.iter().any(|(able, _)| *able == field)
+    }
+
+    /// The entry of a contract that gives it a role.
+    fn entry(&self, field: Field) -> String {
+        let units = self.able.iter().find(|(able, _)| *able == field).map_or(&[][..], |(_, units)| units);
+        let unit = self.unit.as_deref().or(if let [unit] = units { Some(*unit) } else { None });
+        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
         format!("{{ name = {}{unit} }}", quoted(&self.name))
     }
 
@@ -85,13 +99,16 @@ impl Candidate<'_> {
 
 /// The guesses for the columns of a table, at most one for each.
 pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
-    let mut left: Vec<Candidate<'_>> = candidates(matched, &matched.open, rows).take(MOST).collect();
+    let left = candidates(matched, &matched.open, rows).take(MOST);
+    let mut left: Vec<Candidate<'_>> = left.map(|column| column.measure(matched.form, rows, want)).collect();
     let has = |role: Role| matched.owners.contains(&Some(Owner::Role(role)));
     let mut guesses = characteristics(&left);
     if !guesses.is_empty() {
         return guesses;
     }
-    guesses.extend(values(&mut left, rows, want, &|kind| has(Role::Value(Field::Error(kind)))));
+    guesses.extend(values(&mut left, matched, want));
+    // a name or a decision has no unit
+    left.retain(|column| column.unit.is_none() && matched.form != Form::Trace);
     let has_values = matched.owners.iter().any(|owner| matches!(owner, Some(Owner::Role(Role::Value(_)))));
     let status = left.iter().filter(|_| !has(Role::Status)).find_map(status);
     left.retain(|column| status.as_ref().is_none_or(|status| status.place != column.place));
@@ -138,15 +155,25 @@ fn candidates<'c>(
         Open::Column { place, title, .. } if !title.is_empty() && matched.titles.get(*place) == Some(title) => {
             let cells = rows.iter().map(|row| row.cell(*place)).filter(|cell| !cell.is_missing()).collect();
             let Heading { name, unit } = matched.headings[*place].clone();
-            Some(Candidate { place: *place, title, name, unit, cells })
+            Some(Candidate { place: *place, title, name, unit, cells, able: Vec::new() })
         }
         _ => None,
     })
 }
 
-/// Where no column is known or guessed to hold an error that the spec asks for, adds a choice for each column that may hold it. The
-/// rule that leaves out such a column becomes a guess; so does the rule for a column whose heading is near one of an error that the
-/// table lacks.
+/// The values that a table must have and lacks: the errors of the spec, or what the points of a measured curve have. Of a table of
+/// teeth no more is known.
+fn lacking(matched: &Matched, want: &Want) -> Vec<Field> {
+    let all: Vec<Field> = match matched.form {
+        Form::Parts => want.expected.iter().copied().map(Field::Error).collect(),
+        Form::Trace => vec![Field::Stroke, Field::DeltaCd],
+        Form::Teeth | Form::Characteristics => Vec::new(),
+    };
+    all.into_iter().filter(|field| !matched.owners.contains(&Some(Owner::Role(Role::Value(*field))))).collect()
+}
+
+/// Where no column is known or guessed to hold values that the table lacks, adds a choice for each column that may hold them, and leaves
+/// it to a person to leave out such a column. The rule that leaves out a column whose heading is near one of an error becomes a guess.
 pub(crate) fn undecided(
     matched: &Matched,
     (open, rows): (&[Open], &[Record]),
@@ -154,44 +181,42 @@ pub(crate) fn undecided(
     guesses: &[Guess],
     rules: &mut Vec<Suggestion>,
 ) {
-    let is_found = |kind: &DeviationKind| {
-        matched.owners.contains(&Some(Owner::Role(Role::Value(Field::Error(*kind)))))
-            || guesses.iter().any(|guess| guess.key == kind.key())
+    let is_guessed = |field: &Field| guesses.iter().any(|guess| guess.key == field.key());
+    let missing: Vec<Field> = lacking(matched, want).into_iter().filter(|field| !is_guessed(field)).collect();
+    let (mut doubtful, mut choices): (Vec<(String, Certainty)>, Vec<Suggestion>) = (Vec::new(), Vec::new());
+    let choice = |field: &Field, entry: String| {
+        Rule::Column { key: field.key().to_owned(), entry }
+            .one_of("values that the table lacks: say which column has them")
     };
-    if !matches!(matched.form, Form::Parts) {
-        return;
-    }
-    let missing: Vec<DeviationKind> = want.expected.iter().copied().filter(|kind| !is_found(kind)).collect();
-    let (mut doubtful, mut choices): (Vec<(String, &str)>, Vec<Suggestion>) = (Vec::new(), Vec::new());
-    let choice = |kind: &DeviationKind, entry: String| {
-        Rule::Column { key: kind.key().to_owned(), entry }.one_of("or another column, or none: say which")
-    };
+    let doubt = || Certainty::Doubt("perhaps values that the table lacks: say whether it is not used".to_owned());
     for (at, column) in candidates(matched, open, rows).enumerate() {
         if guesses.iter().any(|guess| guess.place == column.place) {
             continue;
         }
-        let able = missing.iter().filter(|kind| at < MOST && !column.units(**kind, rows, want).is_empty());
-        let able: Vec<&DeviationKind> = able.filter(|_| column.is_numeric()).collect();
-        let is_near = |kind: &DeviationKind| {
-            !is_found(kind) && column.nearness(Role::Value(Field::Error(*kind))) >= NEAR && column.is_numeric()
+        let column = if at < MOST { column.measure(matched.form, rows, want) } else { column };
+        let able: Vec<&Field> = missing.iter().filter(|field| column.may_be(**field)).collect();
+        let is_near = |kind: DeviationKind| {
+            let role = Role::Value(Field::Error(kind));
+            let is_found = matched.owners.contains(&Some(Owner::Role(role))) || is_guessed(&Field::Error(kind));
+            !is_found && column.nearness(role) >= NEAR && column.is_numeric()
         };
         if !able.is_empty() || at >= MOST && !missing.is_empty() {
-            doubtful.push((escaped_heading(column.title), "it may be an error that the spec asks for"));
-        } else if at < MOST && DeviationKind::ALL.iter().any(is_near) {
-            doubtful.push((escaped_heading(column.title), IS_NEAR));
+            doubtful.push((escaped_heading(column.title), doubt()));
+        } else if at < MOST && matched.form == Form::Parts && DeviationKind::ALL.into_iter().any(is_near) {
+            doubtful.push((escaped_heading(column.title), Certainty::Guess(IS_NEAR.to_owned())));
         }
-        choices.extend(able.into_iter().map(|kind| choice(kind, column.entry(*kind, rows, want))));
+        choices.extend(able.into_iter().map(|field| choice(field, column.entry(*field))));
     }
     for open in open.iter().filter(|_| !missing.is_empty()) {
         let Open::Characteristic { title, .. } = open else { continue };
-        doubtful.push((escaped_heading(title), "it may be an error that the spec asks for"));
-        choices.extend(missing.iter().map(|kind| choice(kind, format!("{{ name = {} }}", quoted(title)))));
+        doubtful.push((escaped_heading(title), doubt()));
+        choices.extend(missing.iter().map(|field| choice(field, format!("{{ name = {} }}", quoted(title)))));
     }
     choices.truncate(MOST);
     for Suggestion { rule, certainty } in rules.iter_mut().filter(|known| known.certainty == Certainty::Exact) {
         let Rule::Entry("ignore", text) = rule else { continue };
-        if let Some((_, why)) = doubtful.iter().find(|(title, _)| title == text) {
-            *certainty = Certainty::Guess((*why).to_owned());
+        if let Some((_, doubt)) = doubtful.iter().find(|(title, _)| title == text) {
+            *certainty = doubt.clone();
         }
     }
     rules.extend(choices);
@@ -210,7 +235,8 @@ fn characteristics(columns: &[Candidate<'_>]) -> Vec<Guess> {
     });
     let values = columns.iter().find(|column| column.is_numeric());
     let Some((names, values)) = names.zip(values) else { return Vec::new() };
-    let part = columns.iter().find(|column| column.place != names.place && !column.is_numeric());
+    let part =
+        columns.iter().find(|column| column.place != names.place && column.unit.is_none() && !column.is_numeric());
     let guess = |column: &Candidate<'_>, key: &str, why| column.guess(key, quoted(column.title), why);
     let mut guesses = vec![
         guess(names, "name", "its texts are headings of errors"),
@@ -236,38 +262,39 @@ fn name_of_part(columns: &[Candidate<'_>]) -> Option<Guess> {
     Some(column.guess("part_id", quoted(column.title), why))
 }
 
-/// The columns that may have the values of errors that the spec asks for; of any error if it asks for none.
-fn values(
-    left: &mut Vec<Candidate<'_>>,
-    rows: &[Record],
-    want: &Want,
-    is_found: &dyn Fn(DeviationKind) -> bool,
-) -> Vec<Guess> {
-    let asked = if want.expected.is_empty() { DeviationKind::ALL.to_vec() } else { want.expected.clone() };
-    let mut missing: Vec<DeviationKind> = asked.into_iter().filter(|kind| !is_found(*kind)).collect();
-    let (mut guesses, mut taken) = (Vec::new(), Vec::new());
-    let units = |column: &Candidate<'_>, kind: DeviationKind| column.units(kind, rows, want);
+/// The columns that have values which the table lacks, by their headings or because nothing else can be it; those of any error if the
+/// spec asks for none.
+fn values(left: &mut Vec<Candidate<'_>>, matched: &Matched, want: &Want) -> Vec<Guess> {
+    let asked = lacking(matched, want);
+    let mut all = asked.clone();
+    if matched.form != Form::Trace {
+        let is_new =
+            |field: &Field| !asked.contains(field) && !matched.owners.contains(&Some(Owner::Role(Role::Value(*field))));
+        all.extend(DeviationKind::ALL.into_iter().map(Field::Error).filter(is_new));
+    }
+    let least = |field: Field| if want.expected.is_empty() || asked.contains(&field) { NEAR } else { VERY_NEAR };
+    let mut guesses: Vec<Guess> = Vec::new();
     loop {
-        let is_left = |kind: &DeviationKind| !is_found(*kind) && !taken.contains(kind);
-        let kinds: Vec<DeviationKind> = DeviationKind::ALL.into_iter().filter(is_left).collect();
-        let pairs = left.iter().enumerate().filter(|(_, column)| column.is_numeric()).flat_map(|(at, column)| {
-            kinds.iter().map(move |kind| (at, *kind, column.nearness(Role::Value(Field::Error(*kind)))))
+        let is_left = |field: &&Field| !guesses.iter().any(|guess| guess.key == field.key());
+        let pairs = left.iter().enumerate().flat_map(|(at, column)| {
+            all.iter().filter(is_left).filter(|field| column.may_be(**field)).map(move |field| (at, *field))
         });
-        let least = |kind: &DeviationKind| if missing.contains(kind) { NEAR } else { VERY_NEAR };
-        let near = pairs.filter(|(at, kind, near)| *near >= least(kind) && !units(&left[*at], *kind).is_empty());
-        let near = near.max_by(|one, other| one.2.total_cmp(&other.2));
-        let found = near.map(|(at, kind, _)| (at, kind, IS_NEAR)).or_else(|| {
-            let [kind] = missing[..] else { return None };
-            let mut able =
-                left.iter().enumerate().filter(|(_, column)| column.is_numeric() && !units(column, kind).is_empty());
-            let (at, _) = able.next().filter(|_| !want.expected.is_empty())?;
-            able.next().is_none().then_some((at, kind, "the only column of numbers that can be it"))
-        });
-        let Some((at, kind, why)) = found else { return guesses };
+        let pairs: Vec<(usize, Field)> = pairs.collect();
+        let near = pairs.iter().map(|(at, field)| (*at, *field, left[*at].nearness(Role::Value(*field))));
+        let near = near.filter(|(_, field, near)| *near >= least(*field));
+        let near = near.max_by(|one, other| one.2.total_cmp(&other.2)).map(|(at, field, _)| (at, field, IS_NEAR));
+        let asked: Vec<_> = pairs.iter().filter(|(_, field)| asked.contains(field)).collect();
+        let is_only =
+            |(at, field): &(usize, Field)| asked.iter().filter(|(other, of)| other == at || of == field).count() == 1;
+        let only = || {
+            asked
+                .iter()
+                .find(|pair| is_only(pair))
+                .map(|(at, field)| (*at, *field, "the only column of numbers that can be it"))
+        };
+        let Some((at, field, why)) = near.or_else(only) else { return guesses };
         let column = left.remove(at);
-        missing.retain(|other| *other != kind);
-        taken.push(kind);
-        guesses.push(column.guess(kind.key(), column.entry(kind, rows, want), why));
+        guesses.push(column.guess(field.key(), column.entry(field), why));
     }
 }
 

@@ -1,6 +1,7 @@
 //! The present contract as lines of a spec.
 
 use crate::table::field::Beside;
+use crate::table::grid::Separator;
 use crate::table::layout::{DeclaredColumn, Layout, PartNames, Parts, Repeats, StatusColumn};
 use crate::table::want::quoted;
 
@@ -8,10 +9,8 @@ use crate::table::want::quoted;
 pub(super) fn keys(layout: &Layout) -> Vec<String> {
     let parts = layout.parts.map(Parts::word).or(layout.teeth.then_some("teeth"));
     let parts = parts.map(|word| format!("parts = \"{word}\""));
-    let separator = layout.separator.map(|byte| match byte {
-        b'\t' => "separator = \"tab\"".to_owned(),
-        byte => format!("separator = {}", quoted(&char::from(byte).to_string())),
-    });
+    let separator = layout.separator.and_then(|byte| Separator::Character(byte).word());
+    let separator = separator.map(|word| format!("separator = {}", quoted(&word)));
     let encoding = layout.encoding.map(|encoding| format!("encoding = {}", quoted(encoding.name())));
     let sheet = layout.sheet.as_deref().map(|sheet| format!("sheet = {}", quoted(sheet)));
     let range = Some(layout.range.to_string()).filter(|range| !range.is_empty());

@@ -25,6 +25,8 @@ pub(crate) enum Certainty {
     Exact,
     /// A guess, for this reason.
     Guess(String),
+    /// To leave out what may be values that the table lacks, for this reason: left to a person.
+    Doubt(String),
     /// A choice for a person, who may have to change the value.
     Choice(String),
     /// One of several values, each complete, of which a person chooses.
@@ -118,8 +120,9 @@ pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
             _ => each("encoding", names.iter().copied()),
         },
         Open::Sheets { names } => each("sheet", names.iter().map(String::as_str)),
-        Open::Separator { names } => {
-            vec![Rule::Key("separator", "\";\"".to_owned()).choice(format!("say which: {}", names.join(" or ")))]
+        Open::Separator { able } => {
+            let words: Vec<String> = able.iter().filter_map(|separator| separator.word()).collect();
+            each("separator", words.iter().map(String::as_str))
         }
         Open::Twice { titles: [one, other], .. } if one != other => {
             [one, other].map(|title| ignore(title).one_of("say which of them is not used")).to_vec()
@@ -153,7 +156,7 @@ fn line(text: &str, at_most: u64) -> Suggestion {
 /// The choice of the column of values, where nothing tells it.
 pub(crate) fn no_values(want: &Want) -> Suggestion {
     let kind = want.expected.first().copied().unwrap_or(DeviationKind::RackPitch);
-    let entry = "{ name = \"…\", unit = \"um\" }".to_owned();
+    let entry = format!("{{ name = \"…\", unit = \"{}\" }}", want.usual_unit(kind));
     Rule::Column { key: kind.key().to_owned(), entry }.choice("say which column it is")
 }
 

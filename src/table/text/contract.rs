@@ -11,6 +11,7 @@ use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, sc
 use crate::table::encoding::text;
 use crate::table::grid::{Separator, aligned_records, separated};
 use crate::table::layout::Layout;
+use crate::table::number::DecimalMark;
 use crate::table::want::Want;
 
 /// The first records of a text as a separator cuts it, and where each ends.
@@ -27,6 +28,15 @@ impl Head {
     fn settled(&self) -> Option<u8> {
         let is_cut = matches!(self.separator, Separator::Character(_));
         (is_cut && self.roles > 1).then(|| self.separator.byte())
+    }
+
+    /// How many records have as many cells, and more than one, as the record before them; how many of a hundred cells are numbers; and
+    /// the most cells of a record.
+    fn evenness(&self) -> (usize, usize, usize) {
+        let widths: Vec<usize> = self.records.iter().map(|record| record.filled().len()).collect();
+        let even = widths.windows(2).filter(|pair| pair[0] > 1 && pair[0] == pair[1]).count();
+        let numbers: usize = self.records.iter().map(Record::numbers).sum();
+        (even, 100 * numbers / widths.iter().sum::<usize>().max(1), widths.into_iter().max().unwrap_or(0))
     }
 
     /// The same records below a heading that the user gives.
@@ -67,7 +77,11 @@ impl Text {
         let byte = head.separator.byte();
         let separator = is_streamed.then_some(byte);
         let file = File { separator, ..File::new(&self.name, "text") };
-        let Found { mut table, above, heading, turned } = found(&file, &head.records, layout, want)?;
+        let found = found(&file, &head.records, layout, want).map_err(|unclosed| match unclosed {
+            Unclosed::Open(proposal) => Unclosed::Open(Box::new(proposal.of_text(&text(&bytes)))),
+            wrong @ Unclosed::Wrong(_) => wrong,
+        })?;
+        let Found { mut table, above, heading, turned } = found;
         table.encoding = self.encoding;
         table.reading.encoding = Some(self.encoding.name().to_owned()).filter(|name| name != "UTF-8");
         table.reading.separator = Some(head.separator.name());
@@ -104,7 +118,9 @@ impl Text {
         if !layout.starts.is_empty() {
             return Ok(self.at_starts(bytes, layout));
         }
-        let candidates = [b'\t', b';', b'|', b','].into_iter().filter(|byte| bytes.contains(byte));
+        // the decimal mark separates cells only where numbers stand in quotes
+        let is_mark = |byte: u8| byte == b',' && layout.decimal == Some(DecimalMark::Comma) && !bytes.contains(&b'"');
+        let candidates = [b'\t', b';', b'|', b','].into_iter().filter(|byte| bytes.contains(byte) && !is_mark(*byte));
         let mut tried: Vec<Separator> = candidates.map(Separator::Character).collect();
         let written = text(bytes);
         if written.lines().any(|line| line.trim().contains("  ")) {
@@ -118,9 +134,9 @@ impl Text {
         let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator).below(with_headings(layout)));
         let mut heads: Vec<Head> = heads.map(|head| Head { roles: score(&head.records, layout), ..head }).collect();
         let most = heads.iter().map(|head| head.roles).max().unwrap_or(0);
-        // no heading is known: the separator that makes most cells shows what has no owner
+        // no heading is known: what has no owner is shown by the separator that makes most rows as wide as the row before them
         if most == 0 {
-            heads.sort_by_key(|head| std::cmp::Reverse(head.records.iter().map(|record| record.filled().len()).max()));
+            heads.sort_by_cached_key(|head| std::cmp::Reverse(head.evenness()));
             heads.truncate(1);
         }
         heads.retain(|head| head.roles == most);
@@ -144,8 +160,8 @@ impl Text {
             heads.retain(|head| Some(plain_cells(head)) == most);
         }
         if heads.len() > 1 {
-            let names = heads.iter().map(|head| head.separator.name()).collect();
-            return Err(Unclosed::of(&self.name, layout, Open::Separator { names }));
+            let able = heads.iter().map(|head| head.separator).collect();
+            return Err(Unclosed::of(&self.name, layout, Open::Separator { able }));
         }
         Ok(heads.swap_remove(0))
     }
