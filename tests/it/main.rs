@@ -13,6 +13,7 @@ mod compare;
 mod decimal_exactness;
 mod dependencies;
 mod domains;
+mod followed;
 mod formula_accuracy;
 mod function;
 mod function_parts;

@@ -31,12 +31,12 @@ impl Head {
     }
 
     /// How many records have as many cells, and more than one, as the record before them; how many of a hundred cells are numbers; and
-    /// the most cells of a record.
-    fn evenness(&self) -> (usize, usize, usize) {
+    /// whether a record has more than one cell.
+    fn evenness(&self) -> (usize, usize, bool) {
         let widths: Vec<usize> = self.records.iter().map(|record| record.filled().len()).collect();
         let even = widths.windows(2).filter(|pair| pair[0] > 1 && pair[0] == pair[1]).count();
         let numbers: usize = self.records.iter().map(Record::numbers).sum();
-        (even, 100 * numbers / widths.iter().sum::<usize>().max(1), widths.into_iter().max().unwrap_or(0))
+        (even, 100 * numbers / widths.iter().sum::<usize>().max(1), widths.iter().any(|width| *width > 1))
     }
 
     /// The same records below a heading that the user gives.
