@@ -159,7 +159,8 @@ impl Proposal {
             proposal.rules.list.extend(date);
         }
         if !has_values && proposal.leaves_nothing() {
-            if owners.iter().any(|owner| matches!(owner, Some(Owner::Role(_)))) {
+            let is_of_values = proposal.open.iter().any(|open| matches!(open, Open::Characteristic { .. }));
+            if is_of_values || owners.iter().any(|owner| matches!(owner, Some(Owner::Role(_)))) {
                 proposal.rules.list.push(rules::no_values(want));
             } else {
                 proposal

@@ -68,6 +68,12 @@ impl Candidate<'_> {
         self
     }
 
+    /// Whether a heading near that of a value can tell that the column has it: where it has a unit of its own, its size need not fit.
+    fn may_be_called(&self, field: Field) -> bool {
+        let own = self.unit.as_deref().filter(|_| self.is_numeric());
+        own.map_or_else(|| self.may_be(field), |unit| unit_of(unit, field.is_angle()).is_some())
+    }
+
     fn may_be(&self, field: Field) -> bool {
         self.able.iter().any(|(able, _)| *able == field)
     }
@@ -276,14 +282,18 @@ fn values(left: &mut Vec<Candidate<'_>>, matched: &Matched, want: &Want) -> Vec<
     let mut guesses: Vec<Guess> = Vec::new();
     loop {
         let is_left = |field: &&Field| !guesses.iter().any(|guess| guess.key == field.key());
-        let pairs = left.iter().enumerate().flat_map(|(at, column)| {
-            all.iter().filter(is_left).filter(|field| column.may_be(**field)).map(move |field| (at, *field))
-        });
-        let pairs: Vec<(usize, Field)> = pairs.collect();
-        let near = pairs.iter().map(|(at, field)| (*at, *field, left[*at].nearness(Role::Value(*field))));
+        let pairs = |is_able: &dyn Fn(&Candidate<'_>, Field) -> bool| -> Vec<(usize, Field)> {
+            let each = left.iter().enumerate().flat_map(|(at, column)| {
+                let able = all.iter().filter(is_left).filter(|field| is_able(column, **field));
+                able.map(move |field| (at, *field)).collect::<Vec<_>>()
+            });
+            each.collect()
+        };
+        let near = pairs(&|column, field| column.may_be_called(field)).into_iter();
+        let near = near.map(|(at, field)| (at, field, left[at].nearness(Role::Value(field))));
         let near = near.filter(|(_, field, near)| *near >= least(*field));
         let near = near.max_by(|one, other| one.2.total_cmp(&other.2)).map(|(at, field, _)| (at, field, IS_NEAR));
-        let asked: Vec<_> = pairs.iter().filter(|(_, field)| asked.contains(field)).collect();
+        let asked = pairs(&|column, field| asked.contains(&field) && column.may_be(field));
         let is_only =
             |(at, field): &(usize, Field)| asked.iter().filter(|(other, of)| other == at || of == field).count() == 1;
         let only = || {
