@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Carrier, FlankSide, Mesh, MeshError, MeshPoint, Sampler, Support};
+use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
 /// Where the carrying flank pair of one side, or the place on it, changes.
@@ -270,9 +270,6 @@ impl Refiner<'_> {
             return Ok(());
         }
         self.curve.solved += 1;
-        // of teeth that ask for the same the one that carried before counts
-        self.sampler.carries(FlankSide::Right, a.right.rack_tooth);
-        self.sampler.carries(FlankSide::Left, a.left.rack_tooth);
         let m = self.sampler.at(middle)?;
         // where the residual of a solve is larger than the tolerance, halving resolves nothing
         if m.residual_mm.abs() > self.tolerance {

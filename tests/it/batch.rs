@@ -275,7 +275,7 @@ fn several_tables_and_what_pipelines_show() {
     assert!(messages.contains("::error title=rackmesh batch::a table was not read to its end"), "{messages}");
     assert!(messages.contains("::notice title=rackmesh batch::5 rows: 2 pass, 2 fail"), "{messages}");
     let junit = std::fs::read_to_string(&junit).unwrap();
-    assert!(junit.contains("tests=\"6\" failures=\"2\" errors=\"2\" time=\""), "{junit}");
+    assert!(junit.contains("tests=\"7\" failures=\"2\" errors=\"3\" time=\""), "{junit}");
     assert!(junit.contains("name=\"Q2 &lt;&amp;&gt;\""), "{junit}");
     // the attributes that every pipeline's schema has
     let case = junit.lines().filter(|line| line.starts_with("<testcase"));

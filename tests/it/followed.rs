@@ -23,7 +23,7 @@ fn followed(block: &str) -> Vec<String> {
     choices.into_iter().map(|choice| block.replacen(choice, &choice[2..], 1)).collect()
 }
 
-/// Follows every proposal for a file to its end: a verdict, or fewer things without an owner each time.
+/// Follows every proposal for a file to its end: a verdict, or fewer things without an owner or others each time.
 fn follow(folder: &Folder, (spec, text): (&str, &str), command: &[&str], options: &[String], depth: usize) {
     const DEEPEST: usize = 6;
     let (_, said) = status(&[command, &options.iter().map(String::as_str).collect::<Vec<_>>()].concat());
@@ -31,7 +31,7 @@ fn follow(folder: &Folder, (spec, text): (&str, &str), command: &[&str], options
     assert!(depth < DEEPEST, "{said}");
     let smaller = |options: &[String]| {
         let (_, next) = status(&[command, &options.iter().map(String::as_str).collect::<Vec<_>>()].concat());
-        let is_smaller = refused(&next).is_none_or(|(left, ..)| left < count);
+        let is_smaller = refused(&next).is_none_or(|(left, other, _)| left < count || other != block);
         assert!(is_smaller, "{command:?} {options:?}\n{said}\nthen\n{next}");
     };
     if let Some((before, headings)) = help.split_once("--as '").filter(|_| options.is_empty()) {

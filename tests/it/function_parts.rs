@@ -138,7 +138,7 @@ fn what_is_not_known_of_a_part_leaves_its_yoke_open() {
     };
     let spec = format!("{PAIR}{LIMITS}");
     let judged = batch(&folder, &spec, &table, &["--teeth"]);
-    assert!(judged.code == Some(0) && judged.stderr.contains("suits 1 of 1 parts"), "{}", judged.stderr);
+    assert!(judged.code == Some(0) && judged.stderr.contains("suits 1 of 1 part,"), "{}", judged.stderr);
     open(&spec.replace("to = 60", "to = 200"), &[], "were not measured");
     open(&spec.replace("set_at = 30", "set_at = 300"), &[], "were not measured");
     open(&spec.replace("travel = { from = 20, to = 60 }\n", ""), &[], "rack.travel");

@@ -116,13 +116,18 @@ fn one(
         return None;
     };
     if said.iter().any(|(other, _)| *other != unit) {
-        let words: Vec<_> = said.iter().map(|(unit, _)| unit.symbol()).collect();
-        let what = format!("the unit of `{title}` ({}) is {}", key(Role::Value(field)), words.join(" and "));
-        matched.open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
+        matched.open.push(two_units(&title, field, &said));
         return None;
     }
     matched.units.push((place, unit));
     Some(with(unit, from))
+}
+
+/// A column for which two places give different units.
+fn two_units(title: &str, field: Field, said: &[(Unit, UnitFrom)]) -> Open {
+    let words: Vec<_> = said.iter().map(|(unit, _)| unit.symbol()).collect();
+    let what = format!("the unit of `{title}` ({}) is {}", key(Role::Value(field)), words.join(" and "));
+    Open::Wrong { what, help: "correct the one that is wrong".to_owned() }
 }
 
 /// The unit behind the first number in some cells, if each number has one.

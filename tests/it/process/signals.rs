@@ -182,7 +182,7 @@ fn racks_in_ranges_are_one_run() {
     refused(&["--merge", &seed], "damaged");
     std::fs::write(&seed, text.replacen(",\"inside\":17", "", 1)).expect("it can be written");
     refused(&["--merge", &seed], "damaged");
-    refused(&["--first-rack", "18446744073709551615", "--racks", "2"], "with numbers up to");
+    refused(&["--first-rack", "18446744073709551615", "--racks", "2"], "for numbers that do not end beyond");
 }
 
 /// A rack that cannot be solved ends the run with its error; those before it are shown and kept.

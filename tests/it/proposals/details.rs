@@ -12,7 +12,12 @@ fn columns_that_a_page_shows_are_proposed_as_such() {
     let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
     let written = || std::fs::read_to_string(&spec).unwrap();
     let block = block(&[&file], &spec);
-    for line in ["\ndrawing = \"Drawing\"\n", "ignore = [\"Datum\"]", "\n# date = \"Datum\"   # in place of"] {
+    for line in [
+        "\ndrawing = \"Drawing\"\n",
+        "ignore = [\"Datum\"]",
+        "in place of the column in `ignore`",
+        "\n# date = \"Datum\"\n",
+    ] {
         assert!(block.contains(line), "{line}: {block}");
     }
     let (code, said) = status(&["read", &file, &spec, "--write", "--yes", "--accept", "date=Datum"]);
