@@ -85,9 +85,8 @@ fn one(
         said.push((unit, UnitFrom::Table));
     }
     let own = layout.columns.iter().find(|column| column.field == field);
-    let declared = own.and_then(|column| column.unit);
     let kind = if let (Field::Error(kind), Form::Parts) = (field, matched.form) { Some(kind) } else { None };
-    let given = declared.or_else(|| want.given(kind?)?.unit);
+    let given = own.and_then(|column| column.unit).or_else(|| want.given(kind?)?.unit);
     said.extend(given.map(|unit| (unit, UnitFrom::Spec)));
     let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
     if let Some((_, at, _)) = unit_column {
