@@ -136,7 +136,7 @@ mod tests {
     fn units_stand_in_brackets_and_numbers_are_rounded() {
         for (name, heading, number, text) in [
             ("lift_off_force_n", "lift off force\n[N]", 812.345_678, "812.3457"),
-            ("torque_rising_mean_n_m", "torque rising mean\n[N m]", 1.234_56e-5, "0.0000123456"),
+            ("torque_rising_mean_n_m", "torque rising mean\n[N m]", 1.234_56e-5, "0.0000123"),
             ("delta_cd_rack_pitch_mm", "ΔCD of rack pitch\n[mm]", 0.0123_456, "+0.0123"),
             ("F_beta_um", "F_beta\n[µm]", 7.5, "7.5"),
             ("mesh_largest_rate", "mesh largest rate\n[µm/mm]", 0.103_388, "103.39"),
