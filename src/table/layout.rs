@@ -113,6 +113,7 @@ pub struct StatusColumn {
 }
 
 /// The contract of a table.
+#[expect(clippy::struct_excessive_bools, reason = "each answers a question of its own")]
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Whether a spec or a layout file has a contract.
@@ -191,10 +192,7 @@ impl FromStr for ColumnOption {
         let key = key.trim();
         let field: Field = key.parse().map_err(|_| {
             let keys = Field::ALL.map(Field::key);
-            format!(
-                "`{key}` is no column's key: {}",
-                nearest_or(key, &keys, || format!("they are {}", keys.join(", ")))
-            )
+            format!("`{key}` is no column's key: {}", nearest_or(key, keys, || format!("they are {}", keys.join(", "))))
         })?;
         let heading = Heading::of(heading);
         if heading.name.is_empty() {

@@ -38,7 +38,7 @@ pub(super) fn is_bare(records: &[Record], layout: &Layout) -> bool {
 fn numbers_between_blanks(row: &Record) -> Option<usize> {
     let [cell] = row.filled() else { return None };
     let text = cell.text();
-    let count = text.split_whitespace().filter(|word| Cell::of_text(*word, 0..0).is_number()).count();
+    let count = text.split_whitespace().filter(|word| Cell::of_text(word, 0..0).is_number()).count();
     (count > 1 && count == text.split_whitespace().count()).then_some(count)
 }
 
