@@ -81,8 +81,10 @@ pub struct Diagnosis {
 const INTERVAL: f64 = 3.84;
 /// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
-/// The errors that a search may find more than an answer that explains all has; afterwards several may become one.
-const SPARE: usize = 3;
+/// The errors up to which a search goes on at every stroke shift at which it begins.
+const FEW_ERRORS: usize = 4;
+/// The stroke shifts at which it goes on if these do not explain the curve.
+const MOST_LONG: usize = 2;
 
 impl Diagnosis {
     /// Finds the smallest set of single-tooth errors that explains the differences of an overlay.
@@ -97,14 +99,19 @@ impl Diagnosis {
     ) -> Result<Self, TraceError> {
         // an error distorts the shift that is fitted without it
         let search = Search::new(mesh, overlay, request);
-        let (mut answers, mut most) = (Vec::new(), MOST_ERRORS);
+        let mut answers = Vec::new();
         for shift_mm in search.starts(watch)? {
             let mut search = search.moved_to(shift_mm);
-            let unseen = search.add_all(most, watch)?;
-            if !search.leaves_more() {
-                most = most.min(search.errors.len() + SPARE);
-            }
+            let unseen = search.add_all(FEW_ERRORS, watch)?;
             answers.push((search.cost(), search, unseen));
+        }
+        answers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // many errors take long, and a wrong shift needs many
+        let is_explained =
+            answers.first().is_some_and(|(_, best, _)| best.errors.len() < FEW_ERRORS && !best.leaves_more());
+        for (cost, search, unseen) in answers.iter_mut().take(if is_explained { 0 } else { MOST_LONG }) {
+            *unseen = search.add_all(MOST_ERRORS, watch)?;
+            *cost = search.cost();
         }
         answers.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut answers = answers.into_iter();
@@ -175,7 +182,10 @@ impl Search<'_> {
             }
             if self.cost() >= before.cost() {
                 *self = before.clone();
-                self.simplify(watch)?;
+                // what does not explain the curve need not be the smallest
+                if errors.len() <= FEW_ERRORS || !self.leaves_more() {
+                    self.simplify(watch)?;
+                }
                 if self.cost() >= before.cost() {
                     return Ok(self.unseen(&means, &screened));
                 }
