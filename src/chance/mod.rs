@@ -11,6 +11,7 @@ mod random;
 mod run;
 mod sobol;
 
+#[cfg(feature = "cli")]
 pub(crate) use part::simulate_part_watched;
 pub use part::{PartSimulation, simulate_part};
 pub(crate) use random::{Random, Ziggurat};
