@@ -16,8 +16,8 @@ use crate::formula::Model;
 use crate::report;
 use crate::spec::{self, Spec, TableSection};
 use crate::table::{
-    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, Layout, LineRule, MOST_RULES, PartNames, Parts,
-    Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
+    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, IsCurve, Layout, LineRule, MOST_RULES,
+    PartNames, Parts, Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -163,7 +163,10 @@ impl<'a> Opener<'a> {
 
     /// The layout of a table by the spec and the user.
     fn want(&self, spec: &Spec) -> Want {
-        let layout = Layout { may_be_trace: self.curves, ..self.how.added_to(&spec.table.layout) };
+        let mut layout = self.how.added_to(&spec.table.layout);
+        if self.curves {
+            layout.curve = IsCurve::ByHeadings;
+        }
         Want { teeth: self.teeth, layout: layout.into(), ..spec.want() }
     }
 

@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 use crate::quantity::Length;
 use crate::report::TracePart;
 use crate::spec::{MeshInput, Spec, keys};
-use crate::table::{Layout, Trace};
+use crate::table::{IsCurve, Layout, Trace};
 use crate::trace::{Diagnosis, DiagnosisRequest, Overlay, TraceError};
 
 #[derive(Debug, Default, clap::Args)]
@@ -44,7 +44,7 @@ impl TraceArgs {
         let spec_path = PathBuf::from(&spec.source.name);
         refuse_shared_input(&spec_path, std::slice::from_ref(path))?;
         let mut spec = how.laid_out(spec.clone())?;
-        spec.table.layout = Arc::new(Layout { trace: true, ..Layout::clone(&spec.table.layout) });
+        spec.table.layout = Arc::new(Layout { curve: IsCurve::Yes, ..Layout::clone(&spec.table.layout) });
         let stop = Arc::default();
         let opened = Opener::new(how, &Arc::new(spec), Model::Exact, &stop).open(path)?;
         let trace = Trace::of_table(opened.table)?;

@@ -17,8 +17,8 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics, Source};
 use crate::quantity::{Unit, shown};
 use crate::table::DETAILS;
 use crate::table::{
-    DecimalMark, DeclaredColumn, Encoding, Field, Layout, LineRule, MOST_RULES, PartNames, Parts, Pattern, Repeats,
-    Separator, StatusColumn,
+    DecimalMark, DeclaredColumn, Encoding, Field, IsCurve, Layout, LineRule, MOST_RULES, PartNames, Parts, Pattern,
+    Repeats, Separator, StatusColumn,
 };
 
 /// Renames `[batch]`, the old name, to `[table]`; returns whether the spec has the old name.
@@ -129,8 +129,7 @@ fn section(reader: &mut SectionReader<'_>) -> TableSection {
         is_written: true,
         parts: parts.flatten(),
         teeth,
-        trace: false,
-        may_be_trace: false,
+        curve: IsCurve::No,
         encoding: parsed(reader, keys::TABLE_ENCODING, Encoding::named),
         sheet: reader.get(keys::TABLE_SHEET).map(|sheet| sheet.value),
         range: parsed(reader, keys::TABLE_RANGE, str::parse).unwrap_or_default(),

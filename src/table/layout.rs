@@ -112,8 +112,19 @@ pub struct StatusColumn {
     pub reject: Vec<String>,
 }
 
+/// Whether a table is a measured curve.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum IsCurve {
+    /// It is none.
+    #[default]
+    No,
+    /// It is one if its headings are those of a curve.
+    ByHeadings,
+    /// It is one.
+    Yes,
+}
+
 /// The contract of a table.
-#[expect(clippy::struct_excessive_bools, reason = "each answers a question of its own")]
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Whether a spec or a layout file has a contract.
@@ -123,9 +134,7 @@ pub struct Layout {
     /// Whether each row or column is known to be a space or tooth, and no part.
     pub teeth: bool,
     /// Whether each row is a point of a measured curve.
-    pub trace: bool,
-    /// Whether each row is a point of a measured curve where only its headings are known.
-    pub may_be_trace: bool,
+    pub curve: IsCurve,
     /// The encoding of a text, if the contract says so.
     pub encoding: Option<Encoding>,
     /// The sheet of a workbook, if the contract says so.
@@ -222,10 +231,10 @@ impl DeclaredColumn {
 impl Layout {
     /// The form of table that is supposed where no heading is known.
     pub(crate) const fn form(&self) -> Form {
-        match (self.trace, self.teeth) {
-            (true, _) => Form::Trace,
-            (false, true) => Form::Teeth,
-            (false, false) => Form::Parts,
+        match (self.curve, self.teeth) {
+            (IsCurve::Yes, _) => Form::Trace,
+            (_, true) => Form::Teeth,
+            (_, false) => Form::Parts,
         }
     }
 

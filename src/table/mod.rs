@@ -81,7 +81,7 @@ pub use encoding::{Encoding, decode};
 pub use field::{Field, UnknownField, ValueKind};
 pub use grid::Separator;
 pub(crate) use layout::DETAILS;
-pub use layout::{ColumnOption, DeclaredColumn, Layout, LineRule, PartNames, Parts, Repeats, StatusColumn};
+pub use layout::{ColumnOption, DeclaredColumn, IsCurve, Layout, LineRule, PartNames, Parts, Repeats, StatusColumn};
 pub use ledger::{LeftOut, Tally};
 pub use number::DecimalMark;
 pub use pattern::Pattern;

@@ -5,6 +5,7 @@ use crate::diagnostic::{Code, Diagnostic, ListLine};
 use crate::quantity::shown;
 use crate::table::block::Odd;
 use crate::table::contract::Open;
+use crate::table::layout::IsCurve;
 use crate::table::propose::Guesses;
 
 impl Proposal {
@@ -50,7 +51,9 @@ impl Proposal {
         });
         let how = match block {
             None if others.clone().next().is_some() => None,
-            _ if layout.trace => Some("write these lines into the spec, or say it with --column 'delta_cd=NAME[um]'"),
+            _ if layout.curve == IsCurve::Yes => {
+                Some("write these lines into the spec, or say it with --column 'delta_cd=NAME[um]'")
+            }
             _ if layout.is_written => Some(
                 "say what each is, or that it is not used: `rackmesh read FILE SPEC --write` writes it into the spec",
             ),

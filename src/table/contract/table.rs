@@ -21,7 +21,7 @@ use crate::table::column::{Column, UnitFrom, is_rack};
 use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
 use crate::table::field::Beside;
-use crate::table::layout::{Layout, OwnRule, Parts, Repeats};
+use crate::table::layout::{IsCurve, Layout, OwnRule, Parts, Repeats};
 use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
 use crate::table::pieces::{Pieces, Place};
@@ -102,8 +102,14 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
         (Parts::Rows, Form::Trace),
     ];
     let is_possible = |(parts, form): &(Parts, Form)| {
-        if layout.trace || *form == Form::Trace {
-            return *form == Form::Trace && (layout.trace || layout.may_be_trace);
+        let is_curve = *form == Form::Trace;
+        let is_allowed = match layout.curve {
+            IsCurve::No => !is_curve,
+            IsCurve::ByHeadings => true,
+            IsCurve::Yes => is_curve,
+        };
+        if is_curve || !is_allowed {
+            return is_allowed;
         }
         layout.parts.is_none_or(|declared| declared == *parts) && (!layout.teeth || *form == Form::Teeth)
     };

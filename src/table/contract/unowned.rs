@@ -14,7 +14,7 @@ use crate::table::companions::Companions;
 use crate::table::dictionary::{Form, Role};
 use crate::table::field::Field;
 use crate::table::grid::unit_of;
-use crate::table::layout::{Layout, OwnRule};
+use crate::table::layout::{IsCurve, Layout, OwnRule};
 use crate::table::want::Want;
 
 /// The line that is shown as the headings where no heading is known.
@@ -44,7 +44,7 @@ fn numbers_between_blanks(row: &Record) -> Option<usize> {
 
 /// The problem that values stand there without headings, with the options that give them.
 pub(crate) fn no_headings(what: &str, rows: &[Record], (layout, want): (&Layout, &Want)) -> Open {
-    let values: Vec<String> = if layout.trace {
+    let values: Vec<String> = if layout.curve == IsCurve::Yes {
         vec!["stroke[mm]".to_owned(), "delta_cd[um]".to_owned()]
     } else {
         let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
@@ -55,7 +55,7 @@ pub(crate) fn no_headings(what: &str, rows: &[Record], (layout, want): (&Layout,
     let between_blanks = rows.iter().filter_map(numbers_between_blanks).max().filter(|_| widest.is_none());
     let width = between_blanks.or(widest.map(|row| row.filled().len()));
     let is_named = |width: usize| width > values.len() || widest.is_some_and(|row| !row.cell(0).is_number());
-    let name = width.is_none_or(is_named).then(|| "part_id".to_owned()).filter(|_| !layout.trace);
+    let name = width.is_none_or(is_named).then(|| "part_id".to_owned()).filter(|_| layout.curve != IsCurve::Yes);
     let mut headings: Vec<String> = name.into_iter().chain(values).collect();
     headings.resize(width.unwrap_or(headings.len()), String::new());
     let separator = if between_blanks.is_some() { "--separator ' ' " } else { "" };
