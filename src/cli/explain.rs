@@ -57,7 +57,7 @@ const METHODS: &[Page] = &[
 impl Args {
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let text = match &self.topic {
-            None => list(output.screen().width.or(Some(FILE_WIDTH))),
+            None => list(output.screen().width),
             Some(topic) => for_screen(
                 &page_of(topic).or_else(|| keys(topic)).ok_or_else(|| unknown(topic))?,
                 output.screen().width,
