@@ -23,6 +23,6 @@ pub(crate) fn diagnostic<'py>(py: Python<'py>, diagnostic: &Diagnostic) -> PyRes
         let (line, column) = place.line_and_column();
         types.getattr("Place")?.call1((&place.source.name, line, column))
     });
-    let (code, message, help) = (diagnostic.code.name(), diagnostic.message_with_list(), &diagnostic.help);
+    let (code, message, help) = (diagnostic.code.name(), diagnostic.message_with_list(), diagnostic.help.as_deref());
     types.getattr("Diagnostic")?.call1((code, message, place.transpose()?, help))
 }
