@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use clap::parser::ValueSource;
 use clap::{ArgMatches, ValueEnum as _};
 
 use super::held::{Answer, Facts};
@@ -53,9 +54,11 @@ impl Question {
         let matches = command().try_get_matches_from(words).map_err(Failure::Usage)?;
         let own = matches.subcommand().map(|(_, own)| own);
         let is_given = |id: &str| {
-            own.is_some_and(|own| own.try_contains_id(id).unwrap_or(false) && own.value_source(id).is_some())
+            own.is_some_and(|own| {
+                own.try_contains_id(id).unwrap_or(false) && own.value_source(id) == Some(ValueSource::CommandLine)
+            })
         };
-        if let Some(id) = ["plot", "set"].into_iter().find(|id| is_given(id)) {
+        if let Some(id) = ["plot", "set", "format"].into_iter().find(|id| is_given(id)) {
             let message = format!("--{id} behind `--` is that of each design");
             return Err(Diagnostic::usage(message).help(format!("write --{id} before the `--`")).into());
         }
@@ -99,8 +102,11 @@ fn as_option(mut problem: Diagnostic, over: &str) -> Diagnostic {
         place.source = Arc::new(Source::new(place.source.name.clone(), format!("{OVER}{}", over.trim_start())));
     }
     if problem.code == Code::Usage {
+        let is_no_table = problem.message.contains("has no keys to set");
+        let as_table = "write it in the spec as a table, such as rack_pitch = { value = \"12um\", extent = \"each\" }; --over sets \
+                        its keys then";
         let help = "write --over KEY=VALUES with a key that --set does not set; `rackmesh explain keys` lists all keys";
-        problem.help = Some(help.into());
+        problem.help = Some(if is_no_table { as_table } else { help }.into());
     }
     problem
 }

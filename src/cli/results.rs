@@ -148,6 +148,13 @@ pub(super) fn named(of: Of, name: &str, answer: &Value) -> Result<Column, Diagno
     }
 }
 
+/// The column of a result by its name, or its place, where no answer can tell whether there is one.
+pub(super) fn unchecked(of: Of, name: &str) -> Column {
+    let known = all(of, &Value::Null).into_iter().find(|column| column.name == name);
+    let (name, place) = (name.to_owned(), name.to_owned());
+    known.unwrap_or(Column { kind: kind(&name, None), name, place, is_elsewhere: true })
+}
+
 /// The columns that are written: those asked for, those of a table for people, or all.
 pub(super) fn written(
     of: Of,

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, Layer, Shape};
-use super::number::{ends, tidy};
+use super::number::{ends, millimetres, tidy};
 use super::rows::{self, number_text};
 use super::{Block, Report, Table, fact};
 use crate::judge::Verdict;
@@ -111,15 +111,28 @@ impl<'a> CompareReport<'a> {
     /// The curves of the meshes, and all limits.
     #[must_use]
     pub fn chart(&self) -> Chart {
-        let mut limits: Vec<f64> = self.0.iter().flat_map(|spec| &spec.limits).copied().collect();
-        limits.sort_by(f64::total_cmp);
-        limits.dedup();
+        // limits that all specs share have no name of a spec
+        let mut limits: Vec<(String, &Vec<f64>)> = Vec::new();
+        for spec in self.0.iter().filter(|spec| !spec.limits.is_empty()) {
+            match limits.iter_mut().find(|(_, known)| **known == spec.limits) {
+                Some((names, _)) => names.push_str(&format!(", {}", self.short_name(spec))),
+                None => limits.push((self.short_name(spec).to_owned(), &spec.limits)),
+            }
+        }
+        let is_one = limits.len() == 1 && self.0.iter().all(|spec| !spec.limits.is_empty());
+        let name = |names: &str, ends: &[f64]| {
+            let ends: Vec<_> = ends.iter().map(|mm| millimetres(tidy(*mm))).collect();
+            format!("limits of {names}: {} mm", ends.join(", "))
+        };
+        let limits = limits.iter().map(|(names, ends)| {
+            let label = if is_one { "limits".to_owned() } else { name(names, ends) };
+            Layer::new(&label, Shape::Limits((*ends).clone()))
+        });
         let curves = self.0.iter().filter(|spec| !spec.curve.is_empty());
         let curves = curves.map(|spec| Layer::new(self.short_name(spec), Shape::Line(spec.curve.clone())));
         let names: Vec<_> = self.0.iter().map(|spec| self.short_name(spec)).collect();
         let title = format!("ΔCD along the stroke: {}", names.join(", "));
-        let layers = [Layer::new("limits", Shape::Limits(limits))].into_iter().chain(curves);
-        Chart::along_the_stroke(&title, layers.collect())
+        Chart::along_the_stroke(&title, limits.chain(curves).collect())
     }
 
     /// The outcome of a spec, in a sentence.

@@ -150,6 +150,8 @@ struct Sweep {
     designs: Designs,
     columns: Vec<Column>,
     drawn: Option<Column>,
+    /// With `--until`: the designs that were tried on the way, and the result of each.
+    on_the_way: Option<(Designs, Vec<Option<f64>>)>,
     /// The parts of an answer that are needed.
     facts: Facts,
     threads: usize,
@@ -241,6 +243,9 @@ impl Args {
         for (over, setting) in self.over.iter().zip(designs.settings(&designs.values(0))) {
             question.refuse_unknown_key(over, &[setting])?;
         }
+        if self.plot.path().is_some() && designs.count() < 2 {
+            return Err(undrawn().into());
+        }
         let begun = self.begin(&spec, output)?;
         let ended = || interruption.status().unwrap_or(Status::Undecided);
         let Some(mut sweep) = self.sweep(question, designs, begun.format)? else { return Ok(ended()) };
@@ -307,8 +312,12 @@ impl Args {
     /// Draws the chosen result of the designs.
     fn draw(&self, sweep: &Sweep, begun: Begun, tally: &Tally, output: &mut Output) -> Result<(), Failure> {
         let column = sweep.drawn.as_ref();
-        let (designs, values) = (&sweep.designs, &tally.values);
-        let swept = column.map(|column| SweptResult { designs, name: &column.name, values });
+        let (designs, values) = match &sweep.on_the_way {
+            Some((designs, values)) => (designs, values),
+            None => (&sweep.designs, &tally.values),
+        };
+        let is_enough = values.iter().flatten().nth(1).is_some();
+        let swept = column.filter(|_| is_enough).map(|column| SweptResult { designs, name: &column.name, values });
         match (begun.picture, swept.as_ref().and_then(|swept| swept.chart(&begun.title))) {
             (Some(picture), None) if !tally.is_complete => picture.discard(output),
             (Some(_), None) => return Err(undrawn().into()),
@@ -368,8 +377,10 @@ impl Args {
         }
         let asked = self.columns.as_deref();
         // names can be checked only against an answer
-        let known = asked.filter(|_| !first.is_null());
-        let columns = results::written(self.of, known, format.is_for_people(), &first)?;
+        let columns = match asked {
+            Some(asked) if first.is_null() => asked.iter().map(|name| results::unchecked(self.of, name)).collect(),
+            _ => results::written(self.of, asked, format.is_for_people(), &first)?,
+        };
         let drawn = match &self.until {
             Some(until) if !first.is_null() => Some(results::named(self.of, &until.name, &first)?),
             _ => results::drawn(self.of, asked, &columns).cloned(),
@@ -378,7 +389,7 @@ impl Args {
         let chunk = (AT_ONCE / seconds.max(1e-9)).clamp(1.0, MOST_AT_ONCE) as usize;
         let is_brief = columns.iter().chain(&drawn).all(|column| !column.is_elsewhere);
         let facts = if is_brief { Facts::Brief } else { Facts::All };
-        Ok(Some(Sweep { question, designs, columns, drawn, facts, threads, chunk }))
+        Ok(Some(Sweep { question, designs, columns, drawn, on_the_way: None, facts, threads, chunk }))
     }
 
     /// Finds where a result is reached, and keeps only these designs; `None` once the run is to stop.
@@ -411,7 +422,8 @@ impl Args {
         }
         let status = if found.is_empty() { Status::Fail } else { Status::Pass };
         let at = found.iter().map(|crossing| axis.at(crossing.at).number.unwrap_or_default()).collect();
-        sweep.designs = Designs::of_numbers(axis, at);
+        let tried = std::mem::replace(&mut sweep.designs, Designs::of_numbers(axis, at));
+        sweep.on_the_way = Some((tried, tally.values));
         Ok(Some(status))
     }
 }
@@ -422,6 +434,6 @@ fn is_whole(key: &str) -> bool {
 }
 
 fn undrawn() -> Diagnostic {
-    let message = "there is nothing to draw: a picture shows a result with numbers over one or two keys with numbers";
+    let message = "there is nothing to draw: a picture shows a result with numbers, of two designs or more, over one or two keys with numbers";
     Diagnostic::usage(message).help("name the result with --columns, or leave --plot out")
 }
