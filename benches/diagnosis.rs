@@ -1,6 +1,6 @@
 //! How often the error of a tooth is found in a measured curve: `cargo bench --bench diagnosis`. Synthetic traces of two turns
 //! of the pinion at 0.1 mm with 1 µm of noise, of several pairs: with an error of a random tooth whose curve has an rms of
-//! 1 µm at least, and without one.
+//! 1 µm at least, and without one. The strokes of every trace are shifted at random.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -24,6 +24,8 @@ const PAIRS: [&str; 4] = [
 const SPACING_MM: f64 = 0.1;
 const NOISE_MM: f64 = 1e-3;
 const LEAST_RMS_MM: f64 = 1e-3;
+/// The largest stroke shift, as a share of the pitch.
+const LARGEST_SHIFT: f64 = 0.45;
 
 /// Numbers between 0 and 1, the same ones every time.
 struct Random(u64);
@@ -77,9 +79,10 @@ fn trace(base: &Mesh, mesh: &Mesh, random: &mut Random) -> (Vec<TracePoint>, f64
     let mean = effect.iter().sum::<f64>() / effect.len() as f64;
     let rms = (effect.iter().map(|mm| (mm - mean) * (mm - mean)).sum::<f64>() / effect.len() as f64).sqrt();
     let offset = 0.01 * (random.unit() - 0.5);
+    let shift_mm = LARGEST_SHIFT * base.pair().rack().pitch_mm * (2.0 * random.unit() - 1.0);
     let points = strokes.iter().zip(&wrong);
     let points = points.map(|(stroke_mm, mm)| TracePoint {
-        stroke_mm: *stroke_mm,
+        stroke_mm: stroke_mm + shift_mm,
         delta_cd_mm: mm + offset + NOISE_MM * random.normal(),
     });
     (points.collect(), rms)
