@@ -79,6 +79,18 @@ fn results_are_those_of_the_commands_and_the_worst_status_counts() {
 }
 
 #[test]
+fn limits_that_differ_are_drawn_with_their_spec() {
+    let drawn =
+        |limits: &str| compared(&[("mesh-errors", &[]), ("mesh", &[limits])], &["--from=0", "--to=8"]).svg.unwrap();
+    let same = drawn("limits.center_distance=±0.08");
+    assert!(same.contains(">limits<") && !same.contains("limits of"), "{same}");
+    let differing = drawn("limits.center_distance=±0.05");
+    for label in ["limits of mesh-errors.toml: -0.0800, +0.0800 mm", "limits of mesh.toml: -0.0500, +0.0500 mm"] {
+        assert!(differing.contains(label), "{label}: {differing}");
+    }
+}
+
+#[test]
 fn every_key_of_a_spec_is_compared() {
     let text = std::fs::read_to_string("examples/everything.toml").unwrap();
     let spec = Spec::parse("examples/everything.toml", &text).unwrap();

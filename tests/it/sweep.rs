@@ -6,7 +6,7 @@ use rackmesh::batch::{ResultColumn, ResultValues};
 use rackmesh::cli::{Answer, ColumnTable, HeldSpec, answer};
 use serde_json::Value;
 
-use crate::process::run;
+use crate::process::{Folder, run};
 
 fn ask(command: &str, options: &[&str], example: &str) -> Result<Answer, String> {
     let name = format!("examples/{example}.toml");
@@ -35,7 +35,19 @@ type Case = (&'static str, &'static str, &'static [&'static str], &'static [(&'s
 
 #[test]
 fn a_row_is_what_the_command_says_of_the_design() {
-    const CASES: [Case; 4] = [
+    const CASES: [Case; 5] = [
+        // without a verdict
+        (
+            "mesh",
+            "mesh",
+            &["pair.normal_pressure_angle=19.9..20.3:0.2"],
+            &[
+                ("peak_to_peak_mm", "/summary/peak_to_peak_mm"),
+                ("max_mm", "/summary/max_mm"),
+                ("largest_rate", "/summary/largest_rate"),
+                ("contact_ratio", "/geometry/contact_ratio"),
+            ],
+        ),
         (
             "eval",
             "mesh-errors",
@@ -120,19 +132,31 @@ fn what_is_impossible_is_a_row_with_its_reason_and_no_value() {
         &["--over", "pair.normal_pressure_angle=18..20"],
         &["--over", "rack.face_width=18,20", "--columns", "no_such_mm"],
         &["--over", "rack.face_width=18,20", "--", "--set", "rack.face_width=3"],
+        &["--over", "rack.face_width=18,20", "--", "--format", "json"],
         &["--over", "rack.face_width=18,20", "--over", "rack.face_width=18,20"],
         &["--over", "rack.face_width=18,20", "--until", "range_upper_mm=0.05"],
     ] {
         assert!(ask("sweep", options, "paper").is_err(), "{options:?}");
     }
-    for (options, shown) in [
+    for (example, options, shown) in [
         (
+            "paper",
             &["--over", "errors.nonsense=1,2"][..],
             "1 | --over errors.nonsense=1,2\n  |               ^^^^^^^^ unknown key",
         ),
-        (&["--set", "rack.face_width=3", "--over", "rack.face_width=18,20"], "1 | --over rack.face_width=18,20\n"),
+        (
+            "paper",
+            &["--set", "rack.face_width=3", "--over", "rack.face_width=18,20"],
+            "1 | --over rack.face_width=18,20\n",
+        ),
+        (
+            "mesh-errors",
+            &["--over", "errors.rack_pitch.value=10,20um"],
+            "write it in the spec as a table, such as rack_pitch = {",
+        ),
     ] {
-        let said = run(&[&["sweep", "examples/paper.toml"], options].concat(), "");
+        let spec = format!("examples/{example}.toml");
+        let said = run(&[&["sweep", &spec], options].concat(), "");
         assert!(said.stderr.contains(shown) && !said.stderr.contains("--set KEY"), "{}", said.stderr);
     }
 }
@@ -158,4 +182,22 @@ fn the_value_of_a_key_is_found_at_which_a_result_is_reached() {
         help.contains(" of 17 designs have no answer; the first: ") && help.contains("is too large for a deviation"),
         "{help}"
     );
+}
+
+#[test]
+fn a_picture_of_until_has_every_design_that_was_tried() {
+    let folder = Folder::new("sweep-until");
+    let path = folder.path("until.svg");
+    let sweep =
+        |options: &[&str]| run(&[&["sweep", "examples/mesh-errors.toml", "--plot", &path], options].concat(), "");
+    let ended = sweep(&["--over", "errors.rack_pitch=1..60um", "--until", "range_upper_mm=0.08"]);
+    assert_eq!((ended.code, ended.stdout.lines().count()), (Some(0), 2), "{}", ended.stderr);
+    let drawn = std::fs::read_to_string(&path).unwrap();
+    let lines = drawn.split("<path d=\"M").map(|line| line.split('"').next().unwrap().matches('L').count());
+    assert_eq!(lines.max(), Some(16), "{drawn}");
+    // a design alone is refused before it is solved, and the picture stays
+    let ended = sweep(&["--over", "errors.rack_pitch=20um"]);
+    assert_eq!((ended.code, &*ended.stdout), (Some(2), ""));
+    assert!(ended.stderr.contains("of two designs or more"), "{}", ended.stderr);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), drawn);
 }
