@@ -10,7 +10,7 @@ use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
-use super::target::{Target, is_dash};
+use super::target::{Target, is_dash, refuse_same};
 use super::teeth::{WorstTeeth, mesh_of};
 use super::{mesh, spec_files, stream};
 use crate::chance::DEFAULT_SEED;
@@ -89,6 +89,7 @@ impl Args {
         let (scatter, classes) = spec.scatter()?;
         let mut files = spec_files::files_read(&spec, &self.spec);
         files.extend(self.merge.iter().cloned());
+        refuse_same(&[self.study.as_deref(), self.plot.path()].into_iter().flatten().collect::<Vec<_>>())?;
         let kept = self.kept(&files)?;
         let picture = self.plot.picture(&files)?;
         let (input, middles) = base(&spec, &self.spec, output)?;

@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 
 use rust_xlsxwriter::utility::{cell_autofit_width, column_number_to_name};
 use rust_xlsxwriter::{Format, Workbook, XlsxError};
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
@@ -42,6 +43,8 @@ struct BookColumn {
     width: u32,
     /// The format of numbers: results in mm are shown to 0.1 µm.
     style: String,
+    /// Whether its cells are names of parts.
+    is_name: bool,
 }
 
 impl Book {
@@ -79,12 +82,12 @@ impl Book {
     fn cells(&mut self, row: &[&str]) -> io::Result<()> {
         let place = self.rows;
         write!(self.below, "<row r=\"{place}\">")?;
-        for (cell, BookColumn { name, width, style }) in row.iter().zip(&mut self.columns) {
+        for (cell, BookColumn { name, width, style, is_name }) in row.iter().zip(&mut self.columns) {
             if cell.is_empty() {
                 continue;
             }
             *width = cell_autofit_width(cell).max(*width);
-            match number(cell) {
+            match number(cell, *is_name) {
                 Some(number) => write!(self.below, "<c r=\"{name}{place}\"{style}><v>{number:?}</v></c>")?,
                 None => write!(
                     self.below,
@@ -111,7 +114,8 @@ impl Book {
                 .and_then(|page| page.write_number_with_format(1, place, 1.0, format))
                 .map_err(io::Error::other)?;
             let width = text.lines().map(cell_autofit_width).max().unwrap_or(0) + BUTTON;
-            self.columns.push(BookColumn { name: column_number_to_name(place), width, style: String::new() });
+            let (is_name, style) = (*name == "part_id", String::new());
+            self.columns.push(BookColumn { name: column_number_to_name(place), width, style, is_name });
         }
         let mut sheet = String::new();
         let mut made = ZipArchive::new(Cursor::new(self.workbook.save_to_buffer().map_err(io::Error::other)?))?;
@@ -141,7 +145,7 @@ impl Book {
             let name = part.name()?.into_owned();
             let mut text = String::new();
             part.read_to_string(&mut text)?;
-            book.start_file(&*name, options)?;
+            book.start_file(&*name, options).map_err(plain)?;
             match text.split_once(SECOND_ROW).zip(self.columns.last()).filter(|_| name == SHEET) {
                 Some(((before, sample), BookColumn { name: last, .. })) => {
                     let extent = |row: u32| format!("<dimension ref=\"A1:{last}{row}\"/>");
@@ -153,7 +157,7 @@ impl Book {
                 None => book.write_all(text.as_bytes())?,
             }
         }
-        book.finish()?;
+        book.finish().map_err(plain)?;
         Ok(())
     }
 
@@ -178,10 +182,22 @@ impl Book {
     }
 }
 
-/// The number of a cell; names such as `007` and `+1` are not numbers.
-fn number(cell: &str) -> Option<f64> {
-    let is_name = cell.starts_with('+') || has_leading_zero(cell);
-    cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_name)
+/// The error of the file itself, which names it.
+fn plain(error: ZipError) -> io::Error {
+    match error {
+        ZipError::Io(error) => error,
+        error => io::Error::other(error),
+    }
+}
+
+/// The number of a cell. Text stays: what begins with `+` or a zero (`007`), a whole number beyond the 15 digits that a workbook
+/// keeps, and a part's name that would be shown otherwise (`1.50`, `1e5`).
+fn number(cell: &str, is_name: bool) -> Option<f64> {
+    const MOST_DIGITS: usize = 15;
+    let is_long = cell.len() > MOST_DIGITS && cell.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+    let is_text = cell.starts_with('+') || has_leading_zero(cell) || is_long;
+    let number = cell.parse::<f64>().ok().filter(|number| number.is_finite() && !is_text)?;
+    (!is_name || number.to_string() == cell).then_some(number)
 }
 
 fn has_leading_zero(cell: &str) -> bool {

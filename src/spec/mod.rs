@@ -310,7 +310,7 @@ pub fn refuse_size(name: &str, text: &[u8]) -> Result<(), Diagnostic> {
     };
     let problem = match text.len() > LARGEST_SPEC {
         true => "it is larger than 4 MiB",
-        false if memory() > MOST => "it has more keys and values than are read",
+        false if memory() > MOST => "its keys and values would take more than 110 MB of memory",
         false => return Ok(()),
     };
     Err(Diagnostic::unreadable(name, &problem).help("values of many teeth stand in a table: `measured = \"FILE\"`"))

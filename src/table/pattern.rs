@@ -1,7 +1,12 @@
 //! Patterns of a contract: which headings and lines a rule leaves out. Knows no tables.
 
+use std::str::Chars;
+
+use crate::diagnostic::is_steering;
+
 /// A text in which `*` stands for any characters and, in a rule for lines, `#` for a number, a date or a time of day. `\*`, `\#`
-/// and `\\` are these characters. Case counts; blanks around the text do not.
+/// and `\\` are these characters, and `\u001b` is a character that steers a terminal, as messages show it. Case counts; blanks
+/// around the text do not.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     text: String,
@@ -32,15 +37,14 @@ impl Pattern {
     fn new(text: &str, counts: bool) -> Self {
         let text = text.trim();
         let mut pieces = vec![Vec::new()];
-        let mut characters = text.chars().peekable();
+        let mut characters = text.chars();
         while let Some(c) = characters.next() {
             let piece = pieces.last_mut().expect("there is a first one");
             match c {
                 '*' => pieces.push(Vec::new()),
                 '#' if counts => piece.push(Token::Number),
                 c => {
-                    let escaped = characters.next_if(|next| c == '\\' && SPECIAL.contains(next));
-                    let c = escaped.unwrap_or(c);
+                    let c = if c == '\\' { plain(&mut characters) } else { c };
                     match piece.last_mut() {
                         Some(Token::Text(text)) => text.push(c),
                         _ => piece.push(Token::Text(c.to_string())),
@@ -111,6 +115,19 @@ impl Token {
 /// The characters that a backslash makes plain.
 const SPECIAL: [char; 3] = ['*', '#', '\\'];
 
+/// The character that a backslash and what is behind it stand for.
+fn plain(behind: &mut Chars<'_>) -> char {
+    let rest = behind.as_str();
+    let code = rest.strip_prefix('u').and_then(|code| u32::from_str_radix(code.get(..4)?, 16).ok());
+    let (c, taken) = match (rest.chars().next(), code.and_then(char::from_u32)) {
+        (Some(next), _) if SPECIAL.contains(&next) => (next, 1),
+        (_, Some(steering)) if is_steering(steering) => (steering, 5),
+        _ => ('\\', 0),
+    };
+    behind.by_ref().take(taken).for_each(drop);
+    c
+}
+
 /// The pattern for lines that fits this text only.
 #[must_use]
 pub(crate) fn escaped(text: &str) -> String {
@@ -130,7 +147,7 @@ fn escaped_but(text: &str, is_heading: bool) -> String {
         let is_special = match c {
             '*' => true,
             '#' => !is_heading,
-            '\\' => characters.peek().is_some_and(|next| SPECIAL.contains(next)),
+            '\\' => characters.peek().is_some_and(|next| SPECIAL.contains(next) || *next == 'u'),
             _ => false,
         };
         escaped.extend(is_special.then_some('\\').into_iter().chain([c]));
@@ -177,6 +194,8 @@ mod tests {
             ("Bemerkung", " Bemerkung ", true),
             ("Charge #", "Charge 7", false),
             ("Charge #", "Charge #", true),
+            (r"U\u0007*", "U\u{7} 2", true),
+            (r"C:\users\u00e4", r"C:\users\u00e4", true),
         ] {
             assert_eq!(Pattern::of_heading(pattern).fits(text), fits, "{pattern} {text}");
         }
@@ -193,7 +212,7 @@ mod tests {
         ] {
             assert_eq!(Pattern::of_line(pattern).fits(text), fits, "{pattern} {text}");
         }
-        for text in ["Bem*", "#17", r"C:\T\*", "***", r"\#", r"a\\*#", "25.012"] {
+        for text in ["Bem*", "#17", r"C:\T\*", "***", r"\#", r"a\\*#", r"U\u0007", "25.012"] {
             let (heading, line) = (Pattern::of_heading(&escaped_heading(text)), Pattern::of_line(&escaped(text)));
             assert!(heading.is_exact() && line.is_exact() && heading.fits(text) && line.fits(text), "{text}");
         }

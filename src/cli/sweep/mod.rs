@@ -412,6 +412,7 @@ impl Args {
         let off_at = |at: f64| Some(sweep.tried(&[axis.at(at)])?.drawn? - until.value);
         let found = until::crossings(&off, (!is_whole(&axis.key)).then_some(&off_at));
         if !is_complete || interruption.came() {
+            output.message(signals::NOTHING_YET);
             return Ok(None);
         }
         for crossing in &found {

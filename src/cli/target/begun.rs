@@ -254,11 +254,12 @@ impl Begun {
         match self.unless_complete {
             UnlessComplete::Partial => {
                 let has_bytes = self.temporary.as_file().metadata().is_ok_and(|metadata| metadata.len() > 0);
-                let kept = has_bytes.then(|| partial_place(&self.place, &self.inputs));
-                let kept = kept.filter(|partial| self.temporary.persist(partial).is_ok());
-                let partial = shown(kept?);
-                let path = shown(&self.path);
-                Some(format!("{path} is not written, because the run is incomplete: {partial} shows what was computed"))
+                let partial = has_bytes.then(|| partial_place(&self.place, &self.inputs))?;
+                let kept = match self.temporary.persist(&partial) {
+                    Ok(_) => format!("{} shows what was computed", shown(&partial)),
+                    Err(error) => format!("what was computed is not kept: {}: {}", shown(&partial), error.error),
+                };
+                Some(format!("{} is not written, because the run is incomplete: {kept}", shown(&self.path)))
             }
             UnlessComplete::Report(report) => {
                 let place = self.place.clone();

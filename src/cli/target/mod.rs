@@ -82,7 +82,7 @@ impl Target {
             output.message(line);
         }
         if let Some(path) = nothing.filter(|_| said.is_empty()) {
-            output.message(&format!("{path} is not written, because the run is incomplete: there is nothing yet"));
+            output.message(&format!("{path} is not written, because the run is incomplete: nothing of it is kept"));
         }
         Ok(())
     }
@@ -91,7 +91,7 @@ impl Target {
     pub(super) fn discard(self, output: &mut Output) {
         self.begun.into_iter().for_each(begun::discard);
         let path = shown(&self.path);
-        output.message(&format!("{path} is not written, because the run is incomplete: there is nothing yet"));
+        output.message(&format!("{path} is not written, because the run is incomplete: nothing of it is kept"));
     }
 
     /// Puts this text in the file and the file in its place.

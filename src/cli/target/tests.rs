@@ -144,6 +144,13 @@ fn what_was_computed_is_kept_under_a_name_of_its_own() {
     partial(&[&kept], b"other");
     assert_eq!(text(&kept), "more");
     assert_eq!(folder.names(), ["results.csv", "results.csv.partial", "results.csv.partial-2"]);
+    // a place that cannot be written is told
+    let path = folder.with("rows.csv");
+    std::fs::create_dir(folder.path("rows.csv.partial")).unwrap();
+    let mut target = Target::create(&path, &NONE).unwrap();
+    target.write_all(b"half").unwrap();
+    drop(target);
+    assert!(said().iter().any(|line| line.contains("rows.csv.partial: ")), "what is lost is told");
 }
 
 #[test]

@@ -110,7 +110,11 @@ fn parquet_holds_what_csv_holds() {
 fn a_workbook_has_the_columns_of_the_table() {
     use calamine::{Reader as _, Xlsx, open_workbook};
     let (table, file) = (path("remarks.csv"), path("remarks.xlsx"));
-    std::fs::write(&table, "Remark,part_id,over_roller,dp [µm]\nfine,P1,25.0131,10\n=1+1,P2,25.0601,-5\n").unwrap();
+    std::fs::write(
+        &table,
+        "Remark,part_id,over_roller,dp [µm]\nfine,1.50,25.0131,10\n=1+1,12345678901234567,25.0601,-5\n",
+    )
+    .unwrap();
     let ended = batch(&[SPEC, &table, "--ignore", "Remark", "-o", &file], b"");
     assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
     let mut book: Xlsx<_> = open_workbook(&file).expect("a workbook");
@@ -121,7 +125,8 @@ fn a_workbook_has_the_columns_of_the_table() {
     };
     let rows = cells(&mut book, "rackmesh");
     assert_eq!(rows[0][..5], ["part", "Remark", "over_roller", "dp [µm]", "ΔCD of rack over-roller\n[mm]"]);
-    assert_eq!(rows[2][..5], ["P2", "=1+1", "25.0601", "-5", "0.0601"]);
+    assert_eq!(rows[1][0], "1.50");
+    assert_eq!(rows[2][..5], ["12345678901234567", "=1+1", "25.0601", "-5", "0.0601"]);
     let verdict = rows[0].iter().position(|heading| heading == "verdict").expect("it has one");
     assert_eq!((rows[1][verdict].as_str(), rows[2][verdict].as_str()), ("pass", "fail"));
     let notes = cells(&mut book, "notes").concat().join("\n");

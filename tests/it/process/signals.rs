@@ -175,6 +175,7 @@ fn racks_in_ranges_are_one_run() {
     refused(&["--merge", &a.0, "--study", &a.0], "written over");
     refused(&["--merge", spec], "cannot read the study");
     let seed = folder.path("seed.json");
+    refused(&["--racks", "1", "--study", &seed, "--plot", &seed], "are the same file");
     assert_eq!(racks(&["--first-rack", "90", "--racks", "1", "--seed", "9", "--study", &seed]).code, Some(0));
     refused(&["--merge", &a.0, &seed], "the seed is");
     let text = std::fs::read_to_string(&a.0).expect("the study is there");
