@@ -183,9 +183,14 @@ pub struct Evaluation {
     pub rule: Rule,
     /// One per limit.
     pub limits: Vec<LimitCheck>,
+    /// Whether the status of the part rejects it, so that it fails whatever its values are.
+    pub is_rejected: bool,
     /// Fail if a limit fails; else `None` if there is no limit or one is open; else indeterminate if one is; else pass.
     pub verdict: Option<Verdict>,
 }
+
+/// Why a part fails that its status rejects, where no limit is broken.
+pub const REJECTED: &str = "the table says that the part is rejected";
 
 impl Evaluation {
     /// The limits that are open because their error is not given.
@@ -232,8 +237,27 @@ impl Evaluation {
     /// The verdict together with those on a yoke; `None` without any limit, or if one is open.
     #[must_use]
     pub fn verdict_with(&self, checks: &[Check]) -> Option<Verdict> {
-        let of_errors = (!self.limits.is_empty()).then_some(self.verdict);
+        let of_errors = (self.is_rejected || !self.limits.is_empty()).then_some(self.verdict);
         of_errors.into_iter().chain(checks.iter().map(|check| check.verdict)).reduce(worse).flatten()
+    }
+
+    /// Fails the part if its status rejects it.
+    pub fn reject_if(&mut self, is_rejected: bool) {
+        self.is_rejected |= is_rejected;
+        self.verdict = if self.is_rejected { Some(Verdict::Fail) } else { self.verdict };
+    }
+
+    /// Why the part fails, if its status rejects it and no limit is broken.
+    #[must_use]
+    pub fn rejection(&self) -> Option<String> {
+        let is_broken = self.limits.iter().any(|check| check.verdict == Some(Verdict::Fail));
+        (self.is_rejected && !is_broken).then(|| REJECTED.to_owned())
+    }
+
+    /// Why the verdict together with those on a yoke is open, or that the status rejects the part.
+    #[must_use]
+    pub fn reason_with(&self, checks: &[Check]) -> Option<String> {
+        self.open_with(checks).or_else(|| self.rejection())
     }
 
     /// Width U − L of the worst case, mm: ΔCD varies by no more; `None` without a bound.
@@ -336,7 +360,7 @@ pub fn evaluate(
     let judged_by = JudgedBy::of(stack, errors.len(), basis);
     let nothing_scatters = (stack != asked).then_some(Note::NothingScatters);
     let notes = bound.notes.into_iter().chain(nothing_scatters).collect();
-    let (unstated, unsolved, reached, rule) = (Vec::new(), None, None, Rule::Simple);
+    let (unstated, unsolved, reached, rule, is_rejected) = (Vec::new(), None, None, Rule::Simple, false);
     Ok(Evaluation {
         model,
         stack,
@@ -350,6 +374,7 @@ pub fn evaluate(
         reached,
         rule,
         limits,
+        is_rejected,
         verdict,
     })
 }

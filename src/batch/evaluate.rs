@@ -177,6 +177,7 @@ impl<'a> Evaluator<'a> {
         let verdict = results.verdicts[row.index];
         self.tally.counts.rows += 1;
         self.tally.counts.judge(verdict);
+        self.tally.counts.fail_by_status += u64::from(results.fails_by_status(row.index));
         self.tally.counts.meshed += u64::from(matches!(results.meshed(row.index), Some(Ok(_))));
         if let Some(settings) = results.yoke(row.index).and_then(|yoke| yoke.settings_known()) {
             self.tally.settings.add(settings);
@@ -293,5 +294,6 @@ fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Mar
         errors: Vec::new(),
         yoke: results.yoke(row.index).cloned(),
         judged_by: results.judged_by(row.index),
+        is_rejected: row.block.failed.binary_search(&row.index).is_ok(),
     }
 }

@@ -26,8 +26,10 @@ pub struct Counts {
     pub rows: u64,
     /// Parts within every limit.
     pub pass: u64,
-    /// Parts outside a limit.
+    /// Parts outside a limit, or rejected by their status.
     pub fail: u64,
+    /// Of those, parts inside their limits that their status rejects.
+    pub fail_by_status: u64,
     /// Parts too near a limit for the decision rule.
     pub indeterminate: u64,
     /// Parts without a verdict: there is no limit, or one could not be judged.
@@ -58,6 +60,7 @@ impl Counts {
         self.rows += other.rows;
         self.pass += other.pass;
         self.fail += other.fail;
+        self.fail_by_status += other.fail_by_status;
         self.indeterminate += other.indeterminate;
         self.unjudged += other.unjudged;
         self.rejected += other.rejected;
@@ -161,6 +164,8 @@ pub struct Part {
     pub errors: Vec<PartError>,
     /// What a yoke does on it, if the spec has one.
     pub yoke: Option<Arc<JudgedYoke>>,
+    /// Whether its status rejects it.
+    pub is_rejected: bool,
 }
 
 /// An error of a part.

@@ -51,6 +51,8 @@ pub(super) struct Results<'a> {
     meshed: BTreeMap<usize, MeshAnswer>,
     /// The yoke's figures of each part, if they are asked for.
     yokes: Vec<Option<Arc<JudgedYoke>>>,
+    /// The rows of parts that their status rejects and that break no limit.
+    by_status: Vec<usize>,
     /// The verdict on the errors of each part, where there are limits on a yoke, too.
     of_errors: Vec<Option<Verdict>>,
     /// The verdict on each part; `None` if a limit could not be judged.
@@ -110,6 +112,7 @@ impl<'a> Results<'a> {
             uncertainties: Vec::new(),
             meshed: BTreeMap::new(),
             yokes: Vec::new(),
+            by_status: Vec::new(),
             of_errors: Vec::new(),
             verdicts: Vec::new(),
         };
@@ -128,8 +131,9 @@ impl<'a> Results<'a> {
         }
         results.judge(|results, verdicts, limit| results.judge_by_mesh(verdicts, limit, deviations, meshes));
         for row in block.failed.iter().filter(|row| !results.refusals.contains_key(row)) {
-            if let Some(verdict) = results.verdicts.get_mut(*row) {
-                *verdict = Some(Verdict::Fail);
+            let Some(verdict) = results.verdicts.get_mut(*row) else { continue };
+            if verdict.replace(Verdict::Fail) != Some(Verdict::Fail) {
+                results.by_status.push(*row);
             }
         }
         if let Some(yoke) = &plan.yoke {

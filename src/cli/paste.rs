@@ -23,7 +23,7 @@ use crate::evaluation::Unjudged;
 use crate::mesh::TOLERANCE_MM;
 use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading, YokeSection};
 use crate::spec::{Spec, WrittenError};
-use crate::table::{Gatherer, Reading, Table, Teeth, gather};
+use crate::table::{Gatherer, Reading, Table, ToothedPart, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
@@ -299,6 +299,7 @@ impl Args {
         if !plan.is_yoke_limited() {
             evaluation.verdict = part.verdict;
         }
+        evaluation.reject_if(part.is_rejected);
         let mut report = EvaluationReport::new(Some(title), evaluation, &spec.missing_geometry());
         report.uncertainty = uncertainty;
         report.yoke =
@@ -333,33 +334,34 @@ impl Args {
             read.notes.push("the table takes the place of the deviations in the spec".to_owned());
         }
         tables::say(&read.readings, &read.notes, output);
-        self.spaces(read, part.teeth, output)
+        self.spaces(read, part, output)
     }
 
-    fn spaces(&self, mut read: ReadBlock, teeth: Teeth, output: &mut Output) -> Result<Status, Failure> {
-        let spec = &Arc::clone(&read.spec);
+    fn spaces(&self, mut read: ReadBlock, part: ToothedPart, output: &mut Output) -> Result<Status, Failure> {
+        let (spec, teeth, is_rejected) = (&Arc::clone(&read.spec), part.teeth, part.rejected_on.is_some());
         let measured = spec.measured(&teeth, self.judge.model)?;
         let title = self.block_name();
-        let mut report = SpacesReport { title: Some(&title), measured: &measured, mesh: None };
+        let mut report = SpacesReport { title: Some(&title), measured: &measured, mesh: None, is_rejected };
         let missing = spec.missing_geometry();
         let rows = report.rows();
         let asks = !(spec.limits.is_empty() && spec.function_limits.is_empty());
         if !asks && !self.mesh {
             self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
-            return Ok(Status::Pass);
+            return Ok(if is_rejected { Status::Fail } else { Status::Pass });
         }
         if !missing.is_empty() && !self.mesh {
             let unjudged = unjudged_teeth(&missing);
             read.notes.push(format!("no limit is judged: {}", unjudged.message));
             self.report(&Shown { title: &title, report: &report, rows }, &read, output)?;
             output.diagnostic(&unjudged);
-            return Ok(Status::Undecided);
+            return Ok(if is_rejected { Status::Fail } else { Status::Undecided });
         }
         let judge = TeethJudge::new(spec, measured.part, self.judge.rule(spec), self.partial)?;
         let only = judge.measured_only();
         let all = spec_files::measured_tables(only, &self.spec, output)?.with(teeth);
         let input = only.mesh(&all)?;
-        let judged = judge.judge(&input, &all)?;
+        let mut judged = judge.judge(&input, &all)?;
+        judged.evaluation.reject_if(is_rejected);
         let covered = judged.strokes.clone();
         let yoke = spec.yoke_judge(None, &self.judge.rule(spec))?;
         // the curve of a yoke is that of its strokes

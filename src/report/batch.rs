@@ -257,8 +257,18 @@ impl<'a> BatchReport<'a> {
         let unjudged = self.basis.unjudged_sentence(counts);
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
         let is_open = counts.unjudged > 0 || counts.rejected > 0 || unjudged.is_some();
+        let by_status = |count: u64| {
+            let are = if count == 1 { "is rejected by its" } else { "are rejected by their" };
+            format!("{} of {} {are} status", grouped(count), counted(parts, "part"))
+        };
         let (verdict, sentence) = if counts.fail > 0 {
-            (Some(Verdict::Fail), unfit(counts.fail, "outside"))
+            let outside = counts.fail - counts.fail_by_status;
+            let said = match (outside, counts.fail_by_status) {
+                (outside, 0) => unfit(outside, "outside"),
+                (0, rejected_parts) => format!("{}{rejected}", by_status(rejected_parts)),
+                (outside, rejected_parts) => format!("{}; {}", by_status(rejected_parts), unfit(outside, "outside")),
+            };
+            (Some(Verdict::Fail), said)
         } else if counts.indeterminate > 0 {
             (Some(Verdict::Indeterminate), unfit(counts.indeterminate, "too near"))
         } else if is_open || is_incomplete || parts == 0 {

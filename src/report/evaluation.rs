@@ -84,10 +84,10 @@ impl<'a> EvaluationReport<'a> {
         self.evaluation.verdict_with(self.checks()).map(Verdict::name)
     }
 
-    /// Why the verdict is open, or that the errors do not reach the limit.
+    /// Why the verdict is open, that the part is rejected, or that the errors do not reach the limit.
     fn reason(&self) -> Option<String> {
         let beyond = || self.evaluation.limits.iter().find_map(|check| beyond_reach(check, &self.evaluation));
-        self.evaluation.open_with(self.checks()).or_else(beyond)
+        self.evaluation.reason_with(self.checks()).or_else(beyond)
     }
 
     fn class(&self, kind: DeviationKind) -> Option<&ErrorClass> {
@@ -109,8 +109,7 @@ impl<'a> EvaluationReport<'a> {
     fn contributions(&self) -> impl Iterator<Item = Value> + '_ {
         let model = self.evaluation.model;
         self.evaluation.contributions.iter().map(move |c| {
-            let is_length = matches!(c.value, DeviationValue::Length(_));
-            let deviation = if is_length { "deviation_mm" } else { "deviation_deg" };
+            let deviation = if let DeviationValue::Length(_) = c.value { "deviation_mm" } else { "deviation_deg" };
             let mut fact = json!({
                 "error": c.kind.key(),
                 deviation: c.value.base(),
@@ -260,7 +259,7 @@ impl<'a> EvaluationReport<'a> {
         let without = judged_without(&self.without);
         let failed = evaluation.limits.iter().filter(|check| check.verdict == Some(Verdict::Fail));
         let said = |check| [Some(failure_sentence(check, evaluation.stack)), beyond_reach(check, evaluation)];
-        let failed: Vec<_> = failed.flat_map(said).flatten().collect();
+        let failed: Vec<_> = failed.flat_map(said).flatten().chain(evaluation.rejection()).collect();
         if !failed.is_empty() {
             return Some(Block::Verdict(Some(Verdict::Fail), format!("{}{without}", failed.join("; "))));
         }
@@ -415,10 +414,11 @@ impl Report for EvaluationReport<'_> {
             row[WITHOUT] = keys_of(&self.without).into();
             row
         }));
+        let why = json!({ "limit": { "verdict": Verdict::Fail.name(), "reason": evaluation.rejection() } });
+        records.extend(evaluation.is_rejected.then(|| record("status", "part", why)));
         let of_yoke = self.checks().iter().map(|check| json!({ "limit": function::check_json(check) }));
         records.extend(of_yoke.map(|row| record("limit", row["limit"]["on"].clone(), row)));
-        let assumed = assumptions_of(evaluation).into_iter();
-        records.extend(assumed.map(|assumed| record("assumes", json!(assumed), json!({}))));
+        records.extend(assumptions_of(evaluation).iter().map(|of| record("assumes", json!(of), json!({}))));
         let mut names = COLUMNS.to_owned();
         if !self.without.is_empty() {
             names = format!("{names} {WITHOUT}");

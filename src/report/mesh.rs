@@ -163,7 +163,8 @@ pub fn extreme_in_words(ends: [CurveEnd; 2], teeth: u32) -> Option<Layer> {
 pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
     let Evaluation { stack, rule, judged_by, .. } = evaluation;
     let assumed = assumed(&assumptions_of(evaluation));
-    evaluation.limits.iter().map(move |check| {
+    let rejected = evaluation.rejection().map(|why| Block::Verdict(Some(Verdict::Fail), why));
+    let of_limits = evaluation.limits.iter().map(move |check| {
         let by = match check.on {
             LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
             LimitTarget::Error(_) => format!("what it does alone{}", rule_words(rule)),
@@ -184,7 +185,8 @@ pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
             }
         };
         Block::Verdict(check.verdict, sentence)
-    })
+    });
+    of_limits.chain(rejected)
 }
 
 fn millimetres(mm: f64) -> String {
@@ -251,7 +253,7 @@ impl MeshReport<'_> {
             "judged_mm": self.evaluation.judged.ok(),
             "judged_by": self.evaluation.judged_by.name(),
             "verdict": self.evaluation.verdict_with(self.checks()).map(Verdict::name),
-            "reason": self.evaluation.open_with(self.checks()),
+            "reason": self.evaluation.reason_with(self.checks()),
             "assumes": assumptions_of(&self.evaluation),
             "kinks": self.curve.kinks.iter().map(|kink| json!({
                 "stroke_mm": kink.stroke_mm,

@@ -139,7 +139,19 @@ mod tests {
         let place = RowPlace { file: "lot.csv".into(), line: 2, record: 1, in_words: None };
         let (verdict, judged_by) = (Some(Verdict::Pass), JudgedBy::Bound);
         let (id, on, reason, yoke) = (id.to_owned(), Some(on), None, None);
-        Part { id, place, verdict, margin_mm: 0.01, on, result_mm: (0.0, 0.01), reason, judged_by, errors, yoke }
+        Part {
+            id,
+            place,
+            verdict,
+            margin_mm: 0.01,
+            on,
+            result_mm: (0.0, 0.01),
+            reason,
+            judged_by,
+            errors,
+            yoke,
+            is_rejected: false,
+        }
     }
 
     fn shown(parts: &[Part]) -> (Vec<String>, Vec<String>) {

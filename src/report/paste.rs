@@ -6,6 +6,7 @@ use super::number::{deviation_number, millimetres};
 use super::{Basis, BatchReport, Block, MeshReport, Report, RowsReport, Table, YokeSection, fact, titled, yokes_block};
 use crate::batch::{Outcome, Part as BatchPart, Problem};
 use crate::deviation::{DeviationKind, Part};
+use crate::evaluation::REJECTED;
 use crate::formula::law::equation;
 use crate::function::FIGURES;
 use crate::judge::{MeasuredPart, Verdict};
@@ -132,6 +133,8 @@ pub struct SpacesReport<'a> {
     pub measured: &'a MeasuredPart,
     /// The exact mesh, if it is solved.
     pub mesh: Option<MeshReport<'a>>,
+    /// Whether the status of the part rejects it.
+    pub is_rejected: bool,
 }
 
 impl SpacesReport<'_> {
@@ -158,13 +161,17 @@ impl Report for SpacesReport<'_> {
             })
             .collect();
         let (low, high) = measured.range();
-        let formula = json!({
+        let mut formula = json!({
             "title": self.title,
             "part": measured.part.name(),
             "model": measured.model.name(),
             "rows": rows,
             "formula_range_mm": { "lower": low.mm(), "upper": high.mm() },
         });
+        if self.is_rejected {
+            formula["verdict"] = Verdict::Fail.name().into();
+            formula["reason"] = REJECTED.into();
+        }
         match &self.mesh {
             Some(mesh) => json!({ "formula": formula, "mesh": mesh.json() }),
             None => formula,
@@ -212,6 +219,9 @@ impl Report for SpacesReport<'_> {
             .text(format!("formula ({})", measured.model), |(.., equation)| *equation);
         blocks.push(by_formula.block());
         blocks.extend(self.mesh.iter().flat_map(MeshReport::blocks));
+        // the mesh says its own verdict
+        let is_told = self.mesh.is_some() || !self.is_rejected;
+        blocks.extend((!is_told).then(|| Block::Verdict(Some(Verdict::Fail), REJECTED.to_owned())));
         blocks
     }
 }

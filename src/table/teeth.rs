@@ -177,6 +177,8 @@ pub(crate) struct ToothedPart {
     pub(crate) raw: Vec<u8>,
     /// What is wrong with a row, and on which line.
     pub(crate) fault: Option<LineFault>,
+    /// The first line whose status rejects the part.
+    pub(crate) rejected_on: Option<u64>,
     /// The numbers of its spaces or teeth so far.
     numbers: BTreeSet<i64>,
 }

@@ -3,6 +3,7 @@
 use super::{Column, Field, Reading, Table};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::evaluation::REJECTED;
 use crate::trace::TracePoint;
 
 /// A measured curve.
@@ -48,6 +49,9 @@ impl Trace {
                 let column = fault.column.map(|column| format!(", column `{}`", titles[column])).unwrap_or_default();
                 let message = format!("{name}, line {}{column}: {}", block.lines[fault.row], fault.message);
                 return Err(bad(message).into());
+            }
+            if let Some(row) = block.failed.first() {
+                return Err(bad(format!("{name}, line {}: {REJECTED}", block.lines[*row])).into());
             }
             block.tell(&mut trace.reading);
             let missing = block.rejected_rows();

@@ -3,6 +3,7 @@
 mod batches;
 mod budgets;
 mod said;
+mod status;
 mod uncertain;
 
 use serde_json::Value;

@@ -10,7 +10,7 @@ use crate::batch::request::Request;
 use crate::batch::source::index_of;
 use crate::batch::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
-use crate::evaluation::{JudgedBy, subject, too_near, worse};
+use crate::evaluation::{JudgedBy, REJECTED, subject, too_near, worse};
 use crate::function::{Check, Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::GivenGeometry;
 use crate::judge::rule::{self, Conformance, Ends};
@@ -96,6 +96,11 @@ impl Results<'_> {
         }
     }
 
+    /// Whether the status of a part rejects it, and no limit on ΔCD is broken.
+    pub(in crate::batch) fn fails_by_status(&self, row: usize) -> bool {
+        self.by_status.binary_search(&row).is_ok()
+    }
+
     /// Whether a limit on the yoke is broken, and none on ΔCD.
     pub(in crate::batch) fn fails_by_yoke(&self, row: usize) -> bool {
         self.verdicts[row] == Some(Verdict::Fail)
@@ -163,7 +168,7 @@ impl Results<'_> {
             _ => Some(too_near(*on, *stack, rule)),
         });
         let why = why.collect::<Vec<_>>().join("; ");
-        if why.is_empty() { "the table says that the part is rejected".to_owned() } else { why }
+        if why.is_empty() { REJECTED.to_owned() } else { why }
     }
 
     /// The verdict on the limit with that index; `None` without a result.

@@ -91,7 +91,7 @@ impl Solved {
         let evaluation = &self.judged.evaluation;
         let of_limit = || Some(format!("ΔCD {}", self.nearest()?));
         let fails = evaluation.verdict == Some(Verdict::Fail);
-        let of_errors = if fails { of_limit() } else { evaluation.open_because() };
+        let of_errors = if fails { evaluation.rejection().or_else(of_limit) } else { evaluation.open_because() };
         let all: Vec<_> = of_errors.into_iter().chain(self.checks().iter().filter_map(Check::reason)).collect();
         (!all.is_empty()).then(|| all.join("; "))
     }
@@ -117,6 +117,7 @@ pub(super) fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Par
         errors: Vec::new(),
         yoke: solved.yoke.clone(),
         judged_by: evaluation.judged_by,
+        is_rejected: evaluation.is_rejected,
     }
 }
 
@@ -143,7 +144,8 @@ impl Lot {
             bad(problems.0.first().map_or_else(|| problems.to_string(), |problem| problem.message.clone()))
         };
         let input = self.judge.measured_only().mesh(&tables).map_err(first)?;
-        let judged = self.judge.judge(&input, &tables).map_err(first)?;
+        let mut judged = self.judge.judge(&input, &tables).map_err(first)?;
+        judged.evaluation.reject_if(part.rejected_on.is_some());
         // every tooth of a pinion is measured; for a rack take the strokes at which measured spaces carry
         let covered = match part.teeth.part() {
             deviation::Part::Rack => judged.strokes.clone(),

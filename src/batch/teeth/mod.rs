@@ -227,6 +227,7 @@ impl<'a> Teeth<'a> {
         let verdict = solved.verdict();
         self.note(std::mem::take(&mut solved.judged.notes));
         self.ledger.outcome.counts.judge(verdict);
+        self.ledger.outcome.counts.fail_by_status += u64::from(solved.judged.evaluation.rejection().is_some());
         if solved.is_cut {
             self.cut += 1;
         }

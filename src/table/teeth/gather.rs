@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{LineFault, Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth, ToothedPart};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::evaluation::REJECTED;
 use crate::quantity::Angle;
 use crate::table::block::{Block, Fault};
 use crate::table::column::{Column, Nominal, is_rack};
@@ -79,6 +80,9 @@ impl Gatherer {
                     _ => self.refuse(number, line, fault),
                 }
             }
+            if block.failed.binary_search(&row).is_ok() {
+                self.parts[number].rejected_on.get_or_insert(line);
+            }
             let value = |column: usize| block.values[column].get(row).filter(|_| present[column]);
             let index = block.index.get(row).copied().flatten();
             self.row(number, line, index, &value);
@@ -101,7 +105,8 @@ impl Gatherer {
             };
             let (name, raw, numbers) = (name.to_owned(), Vec::new(), BTreeSet::new());
             self.known.insert(name.clone(), self.parts.len());
-            self.parts.push(ToothedPart { name, line, record, teeth, raw, fault: None, numbers });
+            let part = ToothedPart { name, line, record, teeth, raw, fault: None, rejected_on: None, numbers };
+            self.parts.push(part);
             self.parts.len() - 1
         });
         self.named_once = Some(part).filter(|_| known.is_none() && !name.is_empty());
@@ -296,8 +301,12 @@ pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<TeethTable
     if parts.next().is_some() {
         return Err(bad(format!("{name} has rows of several parts")).help("give a table of one part").into());
     }
-    match part.fault {
-        Some(LineFault { line, message }) => Err(bad(format!("{name}, line {line}: {message}")).into()),
-        None => Ok(TeethTable { teeth: part.teeth, reading }),
+    match (part.fault, part.rejected_on) {
+        (Some(LineFault { line, message }), _) => Err(bad(format!("{name}, line {line}: {message}")).into()),
+        (None, Some(line)) => {
+            let help = "give a table of a part that its status accepts";
+            Err(bad(format!("{name}, line {line}: {REJECTED}")).help(help).into())
+        }
+        (None, None) => Ok(TeethTable { teeth: part.teeth, reading }),
     }
 }
