@@ -1,12 +1,22 @@
 //! Work on all cores of the machine. Called by the mesh for many strokes, and for batches and repeated simulations. Results
 //! come in the order of the work.
 
-use std::sync::Mutex;
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 
-/// The cores of this machine that the process may use.
+thread_local! {
+    /// Whether this thread works beside others.
+    static IS_BESIDE_OTHERS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The cores of this machine that the process may use; one for work within work that has several threads.
 pub(crate) fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    static CORES: OnceLock<usize> = OnceLock::new();
+    if IS_BESIDE_OTHERS.get() {
+        return 1;
+    }
+    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
 }
 
 /// Calls `make` for each number below `count`, on at most `threads` threads. `start` makes the state that a thread keeps
@@ -85,6 +95,12 @@ pub(crate) fn in_order<T: Send, E>(
 
 /// Runs `worker` on `threads` threads at once, the caller's among them. A panic on any of them becomes the caller's.
 fn on_threads<T: Send>(threads: usize, worker: impl Fn() -> T + Sync) -> Vec<T> {
+    let worker = || {
+        let before = IS_BESIDE_OTHERS.replace(threads > 1 || IS_BESIDE_OTHERS.get());
+        let made = worker();
+        IS_BESIDE_OTHERS.set(before);
+        made
+    };
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(&worker)).collect();
         let mut parts = vec![worker()];
@@ -117,6 +133,19 @@ mod tests {
                 assert!(kept.len() <= threads.max(1));
             }
         }
+    }
+
+    #[test]
+    fn work_within_work_has_one_thread() {
+        let all = cores();
+        for threads in [1, 2] {
+            let seen = map(threads, 8, || (), |(), _| cores()).0;
+            assert_eq!(seen, [if threads == 1 { all } else { 1 }; 8]);
+            let mut taken = Vec::new();
+            let ended: Result<(), ()> = in_order(threads, 8, |_| cores(), |cores| Ok(taken.push(cores)));
+            assert_eq!((ended, taken), (Ok(()), seen));
+        }
+        assert_eq!(cores(), all);
     }
 
     #[test]

@@ -57,6 +57,8 @@ pub(super) enum Facts {
     All,
     /// The facts that are compared from design to design.
     Brief,
+    /// Those that no limit judges.
+    Unjudged,
 }
 
 /// The request to a command, and its messages so far.

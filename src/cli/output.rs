@@ -211,6 +211,11 @@ impl Output {
         self.held.unwrap_or_default().answer
     }
 
+    /// Whether the result is wanted with what limits say of it.
+    pub(super) fn needs_verdict(&self) -> bool {
+        self.held.as_ref().is_none_or(|held| held.facts != Facts::Unjudged)
+    }
+
     /// The flag that ends a long run from outside, where a program holds the answer.
     pub(super) fn stop(&self) -> Option<&Arc<AtomicBool>> {
         Some(&self.held.as_ref()?.stop)
@@ -275,7 +280,7 @@ impl Output {
         let is_whole = !readings.is_empty() && (format == Format::Json || self.held.is_some());
         let report: &dyn Report = if is_whole { &whole } else { report };
         if let Some(Held { answer, facts, .. }) = &mut self.held {
-            let is_brief = *facts == Facts::Brief;
+            let is_brief = matches!(facts, Facts::Brief | Facts::Unjudged);
             answer.json = report::document(if is_brief { report.brief() } else { report.json() });
             if *facts == Facts::WithText {
                 answer.markdown = report::write(report, Format::Markdown, self.screen)?;

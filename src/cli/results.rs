@@ -190,6 +190,12 @@ pub(super) fn drawn<'c>(of: Of, asked: Option<&[String]>, columns: &'c [Column])
 }
 
 impl Column {
+    /// Whether it is a result of the mesh that stands without a verdict.
+    pub(super) fn needs_no_verdict(&self) -> bool {
+        let of_mesh = ["summary/", "geometry/", "nominal_center_distance_mm"];
+        !self.is_elsewhere && of_mesh.iter().any(|place| self.place.starts_with(place))
+    }
+
     /// The value in an answer, if there is one.
     pub(super) fn value<'v>(&self, answer: &'v Value) -> Option<&'v Value> {
         at(answer, &self.place)

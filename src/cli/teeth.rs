@@ -8,12 +8,12 @@ use super::decision::JudgeArgs;
 use super::output::{Failure, Output};
 use super::spec_files::measured_tables;
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::Evaluation;
-use crate::formula::PartDeviation;
+use crate::evaluation::{Evaluation, evaluate};
+use crate::formula::{Model, PartDeviation};
 use crate::gear::Pair;
 use crate::judge::bound::{Basis, ExtendedError, GivenGeometry, Range};
 use crate::judge::reached::{self, Placement, Reached};
-use crate::judge::{Interval, Limit, LimitTarget, PlacedError};
+use crate::judge::{Interval, Limit, LimitTarget, PlacedError, Stack};
 use crate::mesh::{Mesh, MeshError, Support};
 use crate::spec::{MeasuredTables, MeshInput, Origin, Spec};
 
@@ -37,6 +37,13 @@ pub(super) fn mesh_of(spec: &Spec, tables: &MeasuredTables) -> Result<MeshInput,
 /// The spec with the effect of its teeth, and its mesh with the errors of `[errors]` on the teeth where they are judged: on all, or
 /// on the worst teeth that a search finds.
 pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Spec, MeshInput), Failure> {
+    if spec.has_deviations() && !is_judged(&spec, output) {
+        // the same specs are refused
+        spec.refuse_both_ways(&spec.kinds())?;
+        spec.pair_basis()?;
+        let input = mesh_of(&spec, &measured_tables(&spec, path, output)?)?;
+        return Ok((spec, input));
+    }
     let spec = with_known_teeth(spec, path, output)?;
     let mut input = mesh_of(&spec, &measured_tables(&spec, path, output)?)?;
     if let Some(worst) = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)? {
@@ -45,8 +52,17 @@ pub(super) fn placed(spec: Spec, path: &Path, output: &mut Output) -> Result<(Sp
     Ok((spec, input))
 }
 
-/// The errors of a spec whose known teeth are solved, judged by its limits.
+/// Whether a verdict is wanted, or what a yoke does with it.
+fn is_judged(spec: &Spec, output: &Output) -> bool {
+    output.needs_verdict() || spec.has_yoke()
+}
+
+/// The errors of a spec whose known teeth are solved, judged by its limits; an evaluation of nothing where no verdict is wanted.
 pub(super) fn judged(spec: &Spec, judge: &JudgeArgs, output: &Output) -> Result<Evaluation, Failure> {
+    if !is_judged(spec, output) {
+        let nothing = evaluate(&[], &Vec::new(), Model::Exact, Stack::Range, &Basis::default());
+        return Ok(nothing.map_err(|failure| spec.explain_failure(&failure))?);
+    }
     let (mut evaluation, _) =
         judge.judged(spec, &spec.part_errors_or_none()?, &spec.basis()?, &SharedBar::new(output))?;
     judge.leave_open_without_uncertainty(spec, &mut evaluation);

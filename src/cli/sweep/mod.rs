@@ -387,8 +387,14 @@ impl Args {
         };
         let threads = self.threads.map_or_else(parallel::cores, usize::from);
         let chunk = (AT_ONCE / seconds.max(1e-9)).clamp(1.0, MOST_AT_ONCE) as usize;
-        let is_brief = columns.iter().chain(&drawn).all(|column| !column.is_elsewhere);
-        let facts = if is_brief { Facts::Brief } else { Facts::All };
+        let are_all = |is: fn(&Column) -> bool| columns.iter().chain(&drawn).all(is);
+        let facts = if are_all(Column::needs_no_verdict) {
+            Facts::Unjudged
+        } else if are_all(|column| !column.is_elsewhere) {
+            Facts::Brief
+        } else {
+            Facts::All
+        };
         Ok(Some(Sweep { question, designs, columns, drawn, on_the_way: None, facts, threads, chunk }))
     }
 

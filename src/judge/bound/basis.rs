@@ -116,6 +116,9 @@ impl Basis {
     /// The bound of some errors: on whatever teeth their extents allow, the exact mesh stays inside it.
     #[must_use]
     pub fn bound(&self, errors: &[ExtendedError]) -> Bound {
+        if let ([], Some(teeth)) = (errors, self.known_teeth) {
+            return Bound::of_known(teeth);
+        }
         let bound = match self.knowledge(errors) {
             Ok(knowledge) => bound(errors, &knowledge),
             Err(open) => Bound::open(errors.len(), open),

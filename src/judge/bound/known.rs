@@ -87,6 +87,16 @@ pub struct KnownTeeth {
     pub solved: bool,
 }
 
+impl KnownTeeth {
+    /// The range of ΔCD without other errors.
+    ///
+    /// # Errors
+    /// [`NoBound::NotSolved`] if the mesh has no solution at a stroke.
+    pub(super) const fn alone(self) -> Result<Range, NoBound> {
+        if self.solved { Ok(self.range) } else { Err(NoBound::NotSolved) }
+    }
+}
+
 /// How far all errors together may move ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {

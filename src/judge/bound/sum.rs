@@ -180,8 +180,7 @@ pub(super) fn together(errors: &[ExtendedError], knowledge: &Knowledge) -> Combi
     let sum = Sum::of(errors, knowledge);
     let own = sum.and_then(|sum| own(&sum, knowledge));
     let range = match knowledge.basis.known_teeth {
-        Some(teeth) if !teeth.solved => Err(NoBound::NotSolved),
-        Some(teeth) if errors.is_empty() => Ok(teeth.range),
+        Some(teeth) if !teeth.solved || errors.is_empty() => teeth.alone(),
         _ => sum.and_then(|sum| Ok(sum.around(own?, knowledge))),
     };
     let rss = if errors.iter().any(ExtendedError::scatters) {
@@ -236,6 +235,12 @@ pub(super) fn reached_at_least(errors: &[ExtendedError]) -> f64 {
 }
 
 impl Bound {
+    /// The range of known teeth without errors: the exact mesh itself, so nothing else of the pair need be known.
+    pub(super) fn of_known(teeth: KnownTeeth) -> Self {
+        let combined = Combined { range: teeth.alone(), rss: Err(NoBound::NothingScatters) };
+        Self { errors: Vec::new(), combined, notes: Vec::new() }
+    }
+
     /// The combination of errors without a bound.
     pub(super) fn open(errors: usize, open: NoBound) -> Self {
         let combined = Combined { range: Err(open), rss: Err(open) };
