@@ -179,6 +179,9 @@ impl Search<'_> {
                 self.errors.push((error, explains.size_mm));
                 self.refit()?;
                 self.remove_needless()?;
+                if (2..FEW_ERRORS).contains(&self.errors.len()) && self.leaves_more() {
+                    self.exchange(watch)?;
+                }
             }
             if self.cost() >= before.cost() {
                 *self = before.clone();

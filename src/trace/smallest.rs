@@ -1,7 +1,7 @@
 //! The smallest set: errors without which the others do as well go, and several errors of neighbouring teeth become one.
 
 use super::TraceError;
-use super::search::{Search, Watch};
+use super::search::{SAME_CURVE, Search, Watch};
 use super::tooth_error::ToothError;
 use crate::deviation::Part;
 
@@ -42,26 +42,55 @@ impl Search<'_> {
 
     /// The search with one error instead of two or three, if that has the lower cost.
     fn merged(&self, watch: &mut Watch<'_>) -> Result<Option<Self>, TraceError> {
-        /// The errors that are tried for a group.
-        const TRIED: usize = 2;
-        let cost = self.cost();
         for group in self.groups() {
-            let others: Vec<_> = self.errors.iter().filter(|(error, _)| !group.contains(error)).copied().collect();
             let is_of_group =
                 |one: &ToothError| group.iter().any(|error| (one.part, one.tooth) == (error.part, error.tooth));
-            let means = self.sight(&others, &self.means, false)?;
-            let points = self.sight(&others, &self.points, false)?;
-            let screened = self.screened(&others, &means, is_of_group, watch)?;
-            for (error, explains) in
-                self.best(&others, (&means, &points), &screened, self.threshold).into_iter().take(TRIED)
-            {
-                let mut fewer = self.clone();
-                fewer.errors.clone_from(&others);
-                fewer.errors.push((error, explains.size_mm));
-                fewer.refit()?;
-                if fewer.cost() < cost {
-                    return Ok(Some(fewer));
+            let merged = self.replaced(&group, is_of_group, self.cost(), watch)?;
+            if merged.is_some() {
+                return Ok(merged);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Exchanges an error for any other one as long as that lowers the cost: an error found first may explain a part of several.
+    pub(super) fn exchange(&mut self, watch: &mut Watch<'_>) -> Result<(), TraceError> {
+        let mut at = 0;
+        while let Some((error, _)) = self.errors.get(at) {
+            match self.replaced(&[*error], |_| true, self.cost() - SAME_CURVE, watch)? {
+                Some(other) => {
+                    *self = other;
+                    self.remove_needless()?;
+                    at = 0;
                 }
+                None => at += 1,
+            }
+        }
+        Ok(())
+    }
+
+    /// The search with one error instead of some, if its cost is below a given one.
+    fn replaced(
+        &self,
+        some: &[ToothError],
+        is_tried: impl Fn(&ToothError) -> bool,
+        below: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Self>, TraceError> {
+        /// The errors that are tried.
+        const TRIED: usize = 2;
+        let others: Vec<_> = self.errors.iter().filter(|(error, _)| !some.contains(error)).copied().collect();
+        let means = self.sight(&others, &self.means, false)?;
+        let points = self.sight(&others, &self.points, false)?;
+        let screened = self.screened(&others, &means, is_tried, watch)?;
+        let best = self.best(&others, (&means, &points), &screened, self.threshold);
+        for (error, explains) in best.into_iter().take(TRIED) {
+            let mut replaced = self.clone();
+            replaced.errors.clone_from(&others);
+            replaced.errors.push((error, explains.size_mm));
+            replaced.refit()?;
+            if replaced.cost() < below {
+                return Ok(Some(replaced));
             }
         }
         Ok(None)
