@@ -209,16 +209,19 @@ fn a_stroke_shift_does_not_change_the_teeth() {
     }
 }
 
-/// Errors that are together what one is are that one.
+/// Errors that are together what one is are that one, and an error that explains a part of two gives way to them.
 #[test]
 fn the_set_is_the_smallest() {
     let folder = tempfile::tempdir().unwrap();
-    let errors = "[[rack.deviation]]\nteeth = 4\nthickness = \"19 um\"\n[[rack.deviation]]\nteeth = 13\nthickness = \"23.5 um\"\n";
-    let path = table(&folder, &noisy(errors, 6, TWO_TURNS));
-    let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
-    let teeth: Vec<_> =
-        answer["diagnosis"].as_array().unwrap().iter().map(|one| one["tooth"].as_i64().unwrap()).collect();
-    assert_eq!(teeth, [13, 4], "{}", answer["diagnosis"]);
+    for ([first, second], seed) in [([(13, "23.5"), (4, "19")], 6), ([(3, "11.8"), (12, "10.3")], 10)] {
+        let thick =
+            |(tooth, um): (i64, &str)| format!("[[rack.deviation]]\nteeth = {tooth}\nthickness = \"{um} um\"\n");
+        let path = table(&folder, &noisy(&(thick(first) + &thick(second)), seed, TWO_TURNS));
+        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+        let teeth: Vec<_> =
+            answer["diagnosis"].as_array().unwrap().iter().map(|one| one["tooth"].as_i64().unwrap()).collect();
+        assert_eq!(teeth, [first.0, second.0], "{}", answer["diagnosis"]);
+    }
 }
 
 /// A measured stretch does not shrink the travel over which a yoke is judged.
