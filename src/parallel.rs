@@ -142,7 +142,15 @@ mod tests {
             let seen = map(threads, 8, || (), |(), _| cores()).0;
             assert_eq!(seen, [if threads == 1 { all } else { 1 }; 8]);
             let mut taken = Vec::new();
-            let ended: Result<(), ()> = in_order(threads, 8, |_| cores(), |cores| Ok(taken.push(cores)));
+            let ended: Result<(), ()> = in_order(
+                threads,
+                8,
+                |_| cores(),
+                |cores| {
+                    taken.push(cores);
+                    Ok(())
+                },
+            );
             assert_eq!((ended, taken), (Ok(()), seen));
         }
         assert_eq!(cores(), all);
