@@ -67,12 +67,20 @@ impl Contribution {
 pub enum Unjudged {
     /// The limited error is not given.
     NotGiven,
-    /// Errors that the spec asks for are missing.
-    Lacking,
+    /// Errors that the spec asks for are missing: of each of [`DeviationKind::ALL`], whether it is.
+    Lacking([bool; DeviationKind::ALL.len()]),
     /// The rule needs an uncertainty of every value; a value has none.
     NoUncertainty,
     /// The range is not finite.
     NoBound(NoBound),
+}
+
+impl Unjudged {
+    /// Without these errors.
+    #[must_use]
+    pub fn lacking(kinds: &[DeviationKind]) -> Self {
+        Self::Lacking(DeviationKind::ALL.map(|kind| kinds.contains(&kind)))
+    }
 }
 
 /// One limit, the interval of ΔCD that it judges, and the verdict.
@@ -96,7 +104,11 @@ impl LimitCheck {
     pub fn open_because(&self, stack: Stack, rule: &Rule) -> Option<String> {
         match (self.result, self.verdict) {
             (Err(Unjudged::NotGiven), _) => Some(format!("there is no value for {}", self.on)),
-            (Err(Unjudged::Lacking), _) => Some("the sum lacks errors that the spec asks for".to_owned()),
+            (Err(Unjudged::Lacking(lacks)), _) => {
+                let lacking = DeviationKind::ALL.into_iter().zip(lacks).filter(|(_, lacks)| *lacks);
+                let keys = DeviationKind::keys(lacking.map(|(kind, _)| kind));
+                Some(format!("the sum lacks {keys}, which the spec asks for"))
+            }
             (Err(Unjudged::NoUncertainty), _) => Some(format!("the rule {rule} needs an uncertainty of every value")),
             (Err(Unjudged::NoBound(open)), _) => Some(open.to_string()),
             (Ok(_), Some(Verdict::Indeterminate)) => Some(too_near(self.on, stack, rule)),

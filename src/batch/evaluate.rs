@@ -272,6 +272,7 @@ fn errors(
             kind,
             deviation: values.at(row),
             tolerance: source.tolerance,
+            of_every_part: source.of_every_part.is_some(),
             nominal: *nominal,
             delta_cd: results.of(&Output::Error(kind), row).unwrap_or_default(),
             margin: results.margin_of(kind, row),

@@ -177,6 +177,8 @@ pub struct PartError {
     pub deviation: DeviationValue,
     /// The tolerance that every part keeps, where none was measured.
     pub tolerance: Option<ToleranceEnds>,
+    /// Whether the spec gives it for every part, in place of a measurement.
+    pub of_every_part: bool,
     /// The nominal value that it is the distance to; `None` where deviations were measured.
     pub nominal: Option<DeviationValue>,
     /// Its ΔCD.

@@ -211,6 +211,7 @@ struct SharedRun<'a, 'b> {
     ended: AtomicBool,
     /// Whether the names of parts are still checked.
     keeps_names: AtomicBool,
+    /// Up to the end of the pieces that are done.
     bytes: AtomicU64,
 }
 
@@ -223,7 +224,7 @@ impl SharedRun<'_, '_> {
     /// Takes pieces until there are no more.
     fn work(&self, evaluator: &mut Evaluator<'_>) {
         let mut piece = Piece::default();
-        while let Some(number) = self.take(&mut piece) {
+        while let Some((number, bytes)) = self.take(&mut piece) {
             piece.read(self.rows);
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
             let rows = self.rows_packing.pack(&evaluator.written.out);
@@ -234,6 +235,7 @@ impl SharedRun<'_, '_> {
                 order = self.turn.wait(order).unwrap_or_else(PoisonError::into_inner);
             }
             order.next += 1;
+            self.bytes.store(bytes, Ordering::Relaxed);
             let is_counted = !self.ended.load(Ordering::Relaxed);
             if is_counted {
                 let order = &mut *order;
@@ -267,8 +269,8 @@ impl SharedRun<'_, '_> {
         order.failure = failure;
     }
 
-    /// The next piece, and its number.
-    fn take(&self, piece: &mut Piece) -> Option<u64> {
+    /// The next piece: its number, and how many bytes were read up to its end.
+    fn take(&self, piece: &mut Piece) -> Option<(u64, u64)> {
         let mut waiting = lock(&self.queue);
         if waiting.ended || self.stop.load(Ordering::Relaxed) || self.ended.load(Ordering::Relaxed) {
             return None;
@@ -280,10 +282,9 @@ impl SharedRun<'_, '_> {
             waiting.error = next.err();
             return None;
         }
-        self.bytes.store(waiting.queue.bytes_read(), Ordering::Relaxed);
         let number = waiting.next;
         waiting.next += 1;
-        Some(number)
+        Some((number, waiting.queue.bytes_read()))
     }
 
     /// Tells how far the run is until the workers, who have the other end of `done`, are through.

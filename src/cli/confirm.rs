@@ -76,7 +76,12 @@ pub(super) fn confirmed<'a>(
         _ => return Ok(None),
     }
     let mut opened = by_rules.open(&path)?;
-    let rules = sentences.as_ref().unwrap_or(&block).lines().map(str::trim).filter(|line| !line.is_empty());
+    let rules = sentences
+        .as_ref()
+        .unwrap_or(&block)
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with('#'));
     let what = if sentences.is_some() { "these values of sentences, and nothing else" } else { "these rules" };
     opened.notes.push(format!("confirmed on a terminal, {what}: {}", rules.map(shown).collect::<Vec<_>>().join(" · ")));
     Ok(Some(Reopened { opened, opener: by_rules, path }))
@@ -105,7 +110,7 @@ fn values(table: Table, output: &mut Output) -> Result<(), Failure> {
     let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
     let mut count = 0;
     for block in &blocks {
-        let rejected = block.rejected_rows();
+        let fault = |row| block.faults().iter().find(|fault| fault.row == row);
         for row in 0..block.rows() {
             count += 1;
             if count > PARTS_SHOWN {
@@ -114,8 +119,10 @@ fn values(table: Table, output: &mut Output) -> Result<(), Failure> {
             let part = block.name(row).map_or_else(|| format!("part {count}"), |name| shown(&name));
             let each =
                 titles.iter().enumerate().map(|(at, key)| format!("{key} {}", in_words(block.values(at).at(row))));
-            let said =
-                if rejected.contains(&row) { "rejected".to_owned() } else { each.collect::<Vec<_>>().join(", ") };
+            let said = match fault(row) {
+                Some(fault) => format!("rejected: {}", fault.message),
+                None => each.collect::<Vec<_>>().join(", "),
+            };
             output.message(&format!("{part}: {said}"));
         }
     }

@@ -74,7 +74,7 @@ impl Args {
                     let space = std::f64::consts::PI * pair.normal_module_mm() - pair.rack().tooth_thickness_mm;
                     space / crate::trig::cos(pair.normal_pressure_angle_rad())
                 };
-                if matches!(input.origin, Origin::WorstTeeth(_))
+                if matches!(input.origin, Origin::WorstTeeth { .. })
                     && (self.first < *TEETH.start() || self.last >= *TEETH.end())
                 {
                     let (first, last) = (TEETH.start(), TEETH.end() - 1);

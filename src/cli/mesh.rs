@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use list::{Listed, Strokes, list, list_csv, listed_in_table};
 
+use super::bar::Bar;
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::picture::{PlotArgs, draw};
@@ -127,7 +128,7 @@ pub(super) struct Range {
 /// The deviations of a mesh by the formulas.
 fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
     let pair = input.mesh.pair();
-    if let Origin::WorstTeeth(errors) = &input.origin {
+    if let Origin::WorstTeeth { errors, .. } = &input.origin {
         let prediction = Prediction::placed(pair, errors);
         return prediction.map_err(|error| Diagnostic::error(Code::NoResult, error.to_string()).into());
     }
@@ -141,9 +142,13 @@ fn prediction(input: &MeshInput) -> Result<Prediction, Failure> {
 /// A remark on which teeth, if any, the values of `[errors]` are, if the spec has no deviations per tooth.
 pub(super) fn placement(input: &MeshInput) -> Option<String> {
     let on = match &input.origin {
-        Origin::WorstTeeth(errors) => {
+        Origin::WorstTeeth { errors, is_upper } => {
             let errors: Vec<_> = errors.iter().map(|error| error.in_words(input.mesh.pair())).collect();
-            format!("the worst teeth that a search finds, as their extents allow: {}", errors.join("; "))
+            let [end, other] = if *is_upper { ["largest", "smallest"] } else { ["smallest", "largest"] };
+            format!(
+                "the teeth on which a search finds the {end} ΔCD, as their extents allow (the {other} is reached on other teeth): {}",
+                errors.join("; ")
+            )
         }
         Origin::Errors { elsewhere } => {
             let lead = if input.pinion_lead_mm.is_some() { ", its lead on all" } else { "" };
@@ -356,16 +361,19 @@ impl Args {
     fn curve_csv(&self, ends: (f64, f64), mesh: &Mesh, output: &mut Output) -> Result<Option<Status>, Failure> {
         let interruption = signals::interrupted(output);
         let mut before = mesh_points::csv_header(false);
-        let (from, to) = ends;
+        let ((from, to), mut bar) = (ends, Bar::new(output));
         let written = mesh.curve_pieces(from, to, self.range.tolerance.mm(), |piece| {
             for points in piece.points.chunks(1 << 10) {
                 let points: Vec<ListedPoint> = points.iter().map(|point| (point.stroke_mm, Ok(*point))).collect();
                 output.piece(&(std::mem::take(&mut before) + &mesh_points::csv_lines(&points, None)))?;
             }
-            let is_last = piece.points.last().is_some_and(|point| point.stroke_mm >= to);
+            let end = piece.points.last().map_or(from, |point| point.stroke_mm);
+            let is_last = end >= to;
+            bar.show(Some((end - from) / (to - from)), || format!("stroke {end:.1} mm"));
             let is_stopped = !is_last && interruption.came();
             if is_stopped { Err(Ended::Early) } else { Ok(()) }
         });
+        bar.finish();
         match written {
             Err(Ended::Failed(failure)) => Err(failure),
             Err(Ended::Early) => Ok(interruption.status()),

@@ -3,11 +3,11 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::output::{Failure, Status};
+use super::output::Failure;
 use super::target::{is_dash, shown};
 use crate::diagnostic::Diagnostic;
-use crate::report::html::{Headline, InputFile, Page, Section};
-use crate::report::{Block, Report, reading_blocks};
+use crate::report::html::{InputFile, Page, Section};
+use crate::report::{Report, reading_blocks};
 use crate::spec::Spec;
 use crate::table::Reading;
 
@@ -24,10 +24,10 @@ pub(super) fn of_report(
     for input in inputs.iter().filter(|input| !is_dash(input)) {
         page.inputs.push(hashed(input)?);
     }
-    let blocks = verdict_to_top(report.blocks(), &mut page, "the measured values: ");
-    page.sections.push(Section::new("Result", blocks));
+    page.sections.push(Section::new("Result", report.blocks()));
     page.sections.push(reading_section(readings, notes));
     page.sections.extend(spec_sections(spec));
+    page.lift_verdicts();
     Ok(page.html())
 }
 
@@ -43,20 +43,6 @@ pub(super) fn spec_sections(spec: &Spec) -> impl Iterator<Item = Section> {
     file.into_iter()
         .chain(set)
         .map(|(heading, source)| Section { source: Some(source.text.clone()), ..Section::new(heading, Vec::new()) })
-}
-
-/// The blocks without the worst verdict, which goes to the top of the page; `of` stands before its sentence.
-pub(super) fn verdict_to_top(mut blocks: Vec<Block>, page: &mut Page, of: &str) -> Vec<Block> {
-    let status = |block: &Block| match block {
-        Block::Verdict(verdict, _) => Some(verdict.map_or(Status::Undecided, Status::from)),
-        _ => None,
-    };
-    let worst = blocks.iter().filter_map(status).max();
-    let place = worst.and_then(|worst| blocks.iter().position(|block| status(block) == Some(worst)));
-    if let Some(Block::Verdict(verdict, sentence)) = place.map(|place| blocks.remove(place)) {
-        page.verdict = Some(Headline { verdict, sentence: format!("{of}{sentence}") });
-    }
-    blocks
 }
 
 pub(super) fn hashed(path: &Path) -> Result<InputFile, Failure> {

@@ -294,7 +294,8 @@ impl Args {
         let of_part = spec.with_errors(&all);
         let (deviations, bar) = (of_part.part_deviations()?, SharedBar::new(output));
         let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &deviations, &spec.basis()?, &bar)?;
-        let why = if plan.lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::Lacking };
+        let lacking = &plan.lacking;
+        let why = if lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::lacking(lacking) };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
         if !plan.is_yoke_limited() {
             evaluation.verdict = part.verdict;

@@ -13,7 +13,7 @@ use super::target::{self, is_dash};
 use super::{signals, stream, terminal, written};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
-use crate::report::{self, Block, Format, Report, Table, reading_form, remarks};
+use crate::report::{self, Block, Column, Format, Report, Table, reading_form, remarks};
 use crate::spec::LARGEST_SPEC;
 use crate::table::{ColumnAccount, ColumnReading, Guesses, Proposal, Reading};
 
@@ -294,7 +294,7 @@ impl Report for ReadReport<'_> {
                 .text("unit", |(_, [unit, ..])| unit.clone())
                 .text("holds", |(_, [_, holds, _])| holds.clone())
                 .text("nominal", |(_, [.., nominal])| nominal.clone())
-                .text("says who", |(column, _)| column.why.clone())
+                .column_if(true, Column::text("says who").unless_narrow(), |(column, _)| column.why.clone())
                 .text("first", |(column, _)| column.first.join(", "));
             blocks.extend(columns.block_if_any());
             let lines = Table::of(&proposal.lines)

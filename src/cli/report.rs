@@ -13,7 +13,7 @@ use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
 use super::output::{Failure, Output, Status};
-use super::page::{hashed, reading_section, spec_sections, verdict_to_top};
+use super::page::{hashed, reading_section, spec_sections};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
 use super::stream::{self, Stdin};
@@ -28,7 +28,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::{Evaluation, Unjudged};
 use crate::judge::{LimitTarget, Stack};
 use crate::mesh::TOLERANCE_MM;
-use crate::report::html::{InputFile, Page, Section};
+use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{
     Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection,
     contributions, grouped, parts_blocks, yokes_block,
@@ -125,6 +125,7 @@ impl Args {
         }
         page.sections.push(self.assumptions());
         page.sections.extend(spec_sections(&spec));
+        page.lift_verdicts();
         let html = page.html();
         let Some(mut target) = target else {
             output.text(&html)?;
@@ -133,7 +134,7 @@ impl Args {
         let is_complete = !matches!(status, Status::Interrupted(_));
         target.write_all(html.as_bytes())?;
         target.end(is_complete, output)?;
-        if let Some(headline) = page.verdict {
+        if let Some(headline) = page.verdicts.first() {
             output.text(&format!("{headline}\n"))?;
         }
         Ok(status)
@@ -144,14 +145,18 @@ impl Args {
         page.title = spec.title.clone().unwrap_or_else(|| shown(&self.spec));
         page.facts = details(spec, &[], false);
         if self.contributions && spec.errors.is_empty() && !spec.has_deviations() {
-            // only `monte-carlo` judges limits for random racks
-            return Ok(if spec.limits.is_empty() { Status::Pass } else { Status::Undecided });
+            if spec.limits.is_empty() && spec.function_limits.is_empty() {
+                return Ok(Status::Pass);
+            }
+            let why = "no limit is judged here: `rackmesh monte-carlo` counts the random racks inside the limits";
+            page.verdicts.push(Headline { verdict: None, sentence: why.to_owned() });
+            return Ok(Status::Undecided);
         }
         let known = with_known_teeth(spec.clone(), &self.spec, output)?;
         let worst = WorstTeeth::of(known.part_errors_or_none()?, &known.basis()?)?;
         let report = EvaluationReport { title: None, ..evaluated(&known, &self.judge, worst.as_ref(), output)? };
         let status = Status::of(report.evaluation.verdict, &report.evaluation.limits);
-        let mut blocks = verdict_to_top(report.blocks(), page, "");
+        let mut blocks = report.blocks();
         if worst.is_some() && spec.has_yoke() {
             // the mesh below shows one placement
             let tables = spec_files::measured_tables(&known, &self.spec, output)?;
@@ -182,13 +187,13 @@ impl Args {
     fn part(&self, spec: &Spec, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
         let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, written(error))).collect();
         let kinds: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
-        let is_open = !self.partial && !spec.lacking(&kinds).is_empty();
+        let lacking = spec.lacking(&kinds);
         let spec = spec.with_errors(&errors);
         let basis = spec.basis()?;
         let (mut evaluation, uncertainty) =
             self.judge.judged(&spec, &spec.part_deviations()?, &basis, &SharedBar::new(output))?;
-        if is_open {
-            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::Lacking);
+        if !self.partial && !lacking.is_empty() {
+            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::lacking(&lacking));
         }
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
@@ -212,7 +217,11 @@ impl Args {
     ) -> Result<(Section, Status), Failure> {
         const HEADING: &str = "Exact mesh along the stroke";
         let of_yoke = if spec.function_limits.is_empty() { Status::Pass } else { Status::Undecided };
-        let unsolved = |why: String| Ok((Section::new(HEADING, vec![Block::Note(why)]), of_yoke));
+        let unsolved = |why: String| {
+            let open = (of_yoke == Status::Undecided)
+                .then(|| Block::Verdict(None, format!("the limits on the yoke are not judged: {why}")));
+            Ok((Section::new(HEADING, [Block::Note(why)].into_iter().chain(open).collect()), of_yoke))
+        };
         let tables = spec_files::measured_tables(spec, &self.spec, output)?;
         let mut input = match mesh_of(spec, &tables) {
             Ok(input) => input,
@@ -235,6 +244,8 @@ impl Args {
         };
         let function = function::part(spec, &input, &curve, self.stroke.travel(spec)?, &judged)?;
         let yoke = function.map(|part| YokeSection::Known(Box::new(part)));
+        // its verdicts are the page's already
+        let judged = Evaluation { limits: Vec::new(), ..judged };
         let report = MeshReport { yoke, ..mesh::solved(spec, &input, curve, judged)? };
         let section = Section::new(HEADING, report.blocks());
         let section = match report.level() {
@@ -275,15 +286,17 @@ impl Args {
         tables::say(&outcome.readings, &outcome.notes, output);
         let names = self.files.iter().map(|path| stream::name(path)).collect::<Vec<_>>().join(", ");
         let report = BatchReport::new(None, &basis, &outcome);
-        verdict_to_top(vec![report.verdict()], page, "");
+        let path = shown(&self.spec);
+        let titled = spec.title.as_ref().map_or_else(|| path.clone(), |title| format!("{title} ({path})"));
         page.facts = facts;
-        page.facts.extend([("table".to_owned(), names.clone()), ("spec".to_owned(), shown(&self.spec))]);
+        page.facts.extend([("table".to_owned(), names.clone()), ("spec".to_owned(), titled)]);
         let unread = outcome.problems.iter().map(|problem| Block::Note(format!("not read: {}", problem_text(problem))));
         let detailed = outcome.worst.first().filter(|part| !part.errors.is_empty() && !interruption.came());
         if let ([part], 1) = (outcome.worst.as_slice(), outcome.counts.rows) {
             let named = page.facts.iter().find(|(key, _)| key == keys::REPORT_PART.any.name());
             page.title = format!("Part {}", named.map_or(&part.id, |(_, part)| part));
-            page.sections.push(Section::new("Measured values", measured_blocks(part)));
+            let blocks = measured_blocks(part).into_iter().chain([report.verdict()]).collect();
+            page.sections.push(Section::new("Measured values", blocks));
         } else {
             let plural = if outcome.counts.rows == 1 { "" } else { "s" };
             page.title = format!("{} part{plural}: {names}", grouped(outcome.counts.rows));
@@ -293,7 +306,7 @@ impl Args {
                 (_, worst) => (format!("The worst {worst} parts"), &outcome.worst),
             };
             let blocks = parts_blocks(listed, "part").into_iter().chain(yokes_block(listed, "yoke of part"));
-            let blocks = blocks.chain([report.counts_table()]).chain(unread);
+            let blocks = blocks.chain([report.counts_table(), report.verdict()]).chain(unread);
             page.sections.push(Section::new(heading, blocks.collect()));
             let level = level.into_iter().map(Block::Note);
             let blocks = level.chain(report.spread()).collect();
@@ -321,7 +334,7 @@ impl Args {
             model: self.judge.model,
             stack: self.judge.stack,
             monte_carlo: self.judge.settings()?,
-            rows: Rows::All,
+            rows: Rows::Every,
             format: RowFormat::Columns,
             copied: first.spec.table.layout.details.iter().map(|(_, heading)| heading.clone()).collect(),
             ..self.request(&first.spec)

@@ -117,12 +117,13 @@ impl WorstTeeth {
         let reached = &self.reached;
         let below = limit.and_then(|limit| limit.lower).map_or(f64::INFINITY, |lower| reached.lower_mm - lower.mm());
         let above = limit.and_then(|limit| limit.upper).map_or(f64::INFINITY, |upper| upper.mm() - reached.upper_mm);
-        let Placement { rack, pinion, errors, .. } = if below < above { &reached.lower } else { &reached.upper };
+        let is_upper = below >= above;
+        let Placement { rack, pinion, errors, .. } = if is_upper { &reached.upper } else { &reached.lower };
         // only racks that do not roll have worst placements
         input.mesh = Mesh::new(*input.mesh.pair(), rack.clone(), pinion.clone(), Support::Fixed)?;
         let placed =
             self.errors.iter().zip(errors).map(|(error, runs)| PlacedError { error: *error, runs: runs.clone() });
-        input.origin = Origin::WorstTeeth(placed.collect());
+        input.origin = Origin::WorstTeeth { errors: placed.collect(), is_upper };
         Ok(())
     }
 }

@@ -41,6 +41,10 @@ pub(super) fn read_block(output: &mut Output, largest: u64, rest: &mut Option<St
     let typed = Typed::read(stdin, largest, || once_more(output));
     drop(marked);
     let typed = typed.map_err(unread)?;
+    if typed.bytes.ends_with(PASTE_ENDS) {
+        // the terminal shows the mark, and goes on behind it
+        output.remark("");
+    }
     if interruption.came() { Ok(typed.bytes) } else { typed.checked(largest) }
 }
 

@@ -23,7 +23,9 @@ pub struct Basis {
     pub limits: Limits,
     /// The limits that cannot be judged.
     pub unjudged: Vec<LimitTarget>,
-    /// Errors that the spec asks for and the parts were judged without.
+    /// Errors that the spec asks for and the tables lack.
+    pub lacking: Vec<DeviationKind>,
+    /// Those of them without which the parts were judged.
     pub without: Vec<DeviationKind>,
     /// Whether every error is on all teeth, so that the exact mesh judges parts that the worst case does not pass.
     pub is_all_placed: bool,
@@ -43,6 +45,7 @@ impl Basis {
             rule: plan.request.rule.clone(),
             limits: plan.limits.clone(),
             unjudged: plan.unjudged.clone(),
+            lacking: plan.lacking.clone(),
             without: if plan.is_partial() { plan.lacking.clone() } else { Vec::new() },
             is_all_placed: plan.is_all_placed,
             yoke: plan.yoke.clone(),
@@ -74,8 +77,11 @@ impl Basis {
     pub(crate) fn unjudged_sentence(&self, counts: &Counts) -> Option<String> {
         let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
         if !names.is_empty() {
-            let names = names.join(", ");
-            return Some(format!("the limit on {names} is not judged: something that the spec asks for is missing"));
+            let missing = match DeviationKind::keys(self.lacking.iter().copied()) {
+                keys if keys.is_empty() => "something that the spec asks for is missing".to_owned(),
+                keys => format!("the table lacks {keys}, which the spec asks for"),
+            };
+            return Some(format!("the limit on {} is not judged: {missing}", names.join(", ")));
         }
         let has_open = counts.unjudged > 0 && self.has_limits();
         has_open.then(|| {

@@ -92,7 +92,7 @@ fn histogram(Quantity { name, on, limits, statistics, .. }: &Quantity, level: &m
 pub struct RunChart {
     /// The columns of the lower and the upper end.
     ends: Option<[usize; 2]>,
-    /// Parts per group.
+    /// Rows per group.
     size: u64,
     /// In the last group.
     held: u64,
@@ -112,9 +112,7 @@ impl ColumnSink for RunChart {
             _ => Vec::new(),
         };
         for (low, high) in values(lower).into_iter().zip(values(upper)) {
-            if let (Some(low), Some(high)) = (low, high) {
-                self.add(low, high);
-            }
+            self.add(low.zip(high));
         }
         Ok(())
     }
@@ -127,36 +125,38 @@ impl RunChart {
         Self { ends: plan.range_columns(), ..Self::default() }
     }
 
-    fn add(&mut self, low: f64, high: f64) {
+    /// Adds a row: its ends, or `None` if it is no part.
+    fn add(&mut self, ends: Option<(f64, f64)>) {
         self.size = self.size.max(1);
         if self.groups.is_empty() || self.held == self.size {
             if self.groups.len() == MOST_GROUPS {
                 self.groups = self.groups.chunks(2).map(|pair| pair.iter().copied().fold(pair[0], joined)).collect();
                 self.size *= 2;
             }
-            self.groups.push((low, high));
-            self.held = 1;
-        } else if let Some(last) = self.groups.last_mut() {
-            *last = joined(*last, (low, high));
-            self.held += 1;
+            self.groups.push((f64::INFINITY, f64::NEG_INFINITY));
+            self.held = 0;
+        }
+        self.held += 1;
+        if let (Some(last), Some(ends)) = (self.groups.last_mut(), ends) {
+            *last = joined(*last, ends);
         }
     }
 
     /// The picture, with the limits on ΔCD; `None` for a single part.
     #[must_use]
     pub fn chart(&self, limits: &Limits) -> Option<Chart> {
-        if self.groups.len() < 2 {
+        let at = |index: usize| (index as u64 * self.size + 1) as f64;
+        let groups = self.groups.iter().enumerate().filter(|(_, (low, high))| low <= high);
+        let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();
+        if spans.len() < 2 {
             return None;
         }
         let limit = limits.iter().find(|(target, _)| *target == LimitTarget::CenterDistance);
         let limits = limit.into_iter().flat_map(|(_, limit)| limit.ends()).map(Length::mm);
-        let at = |index: usize| (index as u64 * self.size + 1) as f64;
-        let groups = self.groups.iter().enumerate();
-        let spans: Vec<_> = groups.map(|(index, (low, high))| Span { x: at(index), low: *low, high: *high }).collect();
-        let grouped = if self.size > 1 { format!("; each point holds {} parts", self.size) } else { String::new() };
+        let grouped = if self.size > 1 { format!("; each point holds {} rows", self.size) } else { String::new() };
         Some(Chart {
             title: format!("Run chart: ΔCD in the order of the rows{grouped}"),
-            x: Axis { label: "part".to_owned(), scale: Scale::Whole },
+            x: Axis { label: "row".to_owned(), scale: Scale::Whole },
             y: Axis { label: "ΔCD [mm]".to_owned(), scale: Scale::Airy },
             layers: vec![
                 Layer::new("lowest to highest", Shape::Band(spans.clone())),
@@ -180,12 +180,23 @@ mod tests {
     fn a_run_chart_keeps_every_extreme_in_little_memory() {
         let mut run = RunChart::default();
         for part in 0..50_000 {
-            run.add(-0.1, if part == 31_415 { 0.9 } else { 0.1 });
+            run.add(Some((-0.1, if part == 31_415 { 0.9 } else { 0.1 })));
         }
         assert!(run.groups.len() <= MOST_GROUPS);
         assert_eq!(run.size, 64);
         let group = 31_415 / 64;
         assert_eq!(run.groups[group], (-0.1, 0.9));
         assert_eq!(run.groups.iter().filter(|group| group.1 > 0.5).count(), 1);
+    }
+
+    #[test]
+    fn a_run_chart_counts_rows_that_are_no_part() {
+        let mut run = RunChart::default();
+        [Some((0.0, 0.1)), None, Some((0.0, 0.2))].map(|row| run.add(row));
+        let Some(Layer { shape: Shape::Band(spans), .. }) = run.chart(&Vec::new()).map(|chart| chart.layers[0].clone())
+        else {
+            panic!("no picture")
+        };
+        assert_eq!(spans.iter().map(|span| span.x).collect::<Vec<_>>(), [1.0, 3.0]);
     }
 }

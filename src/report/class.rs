@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::number::{interval_text, plain, tidy, unsigned};
 use super::{Block, Column, Report, Table, fact, titled};
 use crate::deviation::DeviationKind;
+use crate::evaluation::JudgedBy;
 use crate::judge::class::{
     DiameterSource, ErrorClass, NO_OVER_ROLLER_CLASS, NoEffect, SizedPart, deviation_of, effect,
 };
@@ -407,10 +408,12 @@ impl Report for GradeSearchReport {
         blocks.push(grades.block());
         let grade = |grade: Option<u8>| grade.map_or_else(|| "none".to_owned(), |grade| format!("grade {grade}"));
         blocks.push(Block::Note(format!(
-            "The coarsest grade within {} mm: {} by worst case, {} by RSS",
+            "The coarsest grade within {} mm: {} judged by {}, {} by {}",
             plain(limit.mm()),
             grade(self.search.coarsest(Stack::Range)),
-            grade(self.search.coarsest(Stack::Rss))
+            JudgedBy::Bound,
+            grade(self.search.coarsest(Stack::Rss)),
+            JudgedBy::Statistical
         )));
         blocks.extend(self.terms().into_iter().map(|term| Block::Note(format!("combined: {term}"))));
         blocks.extend(self.left_out().into_iter().map(|reason| Block::Note(format!("left out: {reason}"))));

@@ -147,10 +147,10 @@ pub fn extreme_in_words(ends: [CurveEnd; 2], teeth: u32) -> Option<Layer> {
     let end = ends.into_iter().max_by(farther)?;
     let carriers = [FlankSide::Right, FlankSide::Left].into_iter().zip(end.rack_teeth);
     let carriers = carriers
-        .filter_map(|(side, tooth)| Some(format!("{side} {} on {}", tooth?, side.pinion_tooth(tooth?, teeth))))
+        .filter_map(|(side, tooth)| Some(format!("{side} {}/{}", tooth?, side.pinion_tooth(tooth?, teeth))))
         .collect::<Vec<_>>();
     let text = format!(
-        "extreme {} mm at stroke {:.2} mm; rack tooth on pinion tooth: {}",
+        "extreme {} mm at stroke {:.2} mm; teeth rack/pinion: {}",
         millimetres(end.delta_cd_mm),
         end.stroke_mm,
         carriers.join(", ")

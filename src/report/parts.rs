@@ -41,12 +41,18 @@ fn unit(value: DeviationValue) -> &'static str {
 #[must_use]
 pub fn part_block(part: &Part) -> Option<Block> {
     let has_nominal = part.errors.iter().any(|error| error.nominal.is_some());
+    let in_unit = |size: String| if size.ends_with('°') { size } else { format!("{size} mm") };
+    let measured = |error: &PartError| match measured(error) {
+        _ if error.of_every_part => "not, from the spec".to_owned(),
+        Some(size) => in_unit(size),
+        None => deviation(error),
+    };
     let has_margin = part.errors.iter().any(|error| has_margin_of_its_own(part, error));
     Table::of(&part.errors)
         .text("error", |error| error.kind.to_string())
-        .column_if(has_nominal, Column::number("measured\n[mm]"), |error| measured(error))
-        .column_if(has_nominal, Column::number("nominal\n[mm]"), |error| {
-            error.nominal.map(|nominal| size(nominal.base(), nominal))
+        .number("measured", |error| measured(error))
+        .column_if(has_nominal, Column::number("nominal"), |error| {
+            error.nominal.map(|nominal| in_unit(size(nominal.base(), nominal)))
         })
         .number("deviation", |error| deviation(error))
         .number("ΔCD\n[mm]", |error| millimetres(error.delta_cd.mm()))
@@ -132,7 +138,15 @@ mod tests {
     fn error(kind: DeviationKind, um: f64, margin_mm: Option<f64>) -> PartError {
         let nominal = margin_mm.map(|_| length(25.0).into());
         let (deviation, delta_cd) = (length(0.001 * um).into(), length(0.001 * um));
-        PartError { kind, deviation, tolerance: None, nominal, delta_cd, margin: margin_mm.map(length) }
+        PartError {
+            kind,
+            deviation,
+            tolerance: None,
+            of_every_part: false,
+            nominal,
+            delta_cd,
+            margin: margin_mm.map(length),
+        }
     }
 
     fn part(id: &str, on: LimitTarget, errors: Vec<PartError>) -> Part {

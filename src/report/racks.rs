@@ -61,7 +61,10 @@ impl RacksReport<'_> {
                 }
             };
             match drawn.distribution {
-                Distribution::Normal => format!("normal, σ = {}", amount(drawn.standard)),
+                Distribution::Normal => {
+                    let each = if *of == "pinion_runout" { " in each of two directions" } else { "" };
+                    format!("normal, σ = {}{each}", amount(drawn.standard))
+                }
                 other if is_difference(of) => {
                     let half = drawn.standard * other.half_width();
                     format!("places {}, ± {}: no pitch beyond ± {}", other.name(), amount(0.5 * half), amount(half))

@@ -40,7 +40,12 @@ pub enum Origin {
     /// One value per error, each on every tooth alike: nothing is left to place.
     AllTeeth,
     /// One value per error, on the worst teeth that a search finds.
-    WorstTeeth(Vec<PlacedError>),
+    WorstTeeth {
+        /// The errors with their teeth.
+        errors: Vec<PlacedError>,
+        /// Whether they are the worst for the largest ΔCD, and not for the smallest.
+        is_upper: bool,
+    },
 }
 
 /// A mesh and what its user should know.

@@ -31,6 +31,7 @@ mod multibody_friction;
 mod multibody_sweep;
 mod one_answer;
 mod outputs;
+mod pages;
 mod plausible;
 mod process;
 mod proposals;

@@ -116,7 +116,7 @@ impl TeethJudge {
         let why = if lacks.is_empty() {
             (lacks_uncertainty && !self.is_partial).then_some(Unjudged::NoUncertainty)
         } else {
-            Some(Unjudged::Lacking)
+            Some(Unjudged::lacking(&lacks))
         };
         if let Some(why) = why {
             evaluation.leave_open(LimitTarget::CenterDistance, why);

@@ -1,12 +1,13 @@
 //! Lists of strokes: solved on all cores, written in order as they are solved.
 
+use crate::cli::bar::Bar;
 use crate::cli::output::{Failure, Output, Status};
 use crate::cli::signals;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::{Mesh, MeshError};
 use crate::report::function::at_listed;
 use crate::report::mesh_points::{self, AtListed, ListedPoint, Trust};
-use crate::report::{FunctionPart, MeshReport, noted};
+use crate::report::{FunctionPart, MeshReport, grouped, noted};
 
 /// The strokes of a table with their solutions.
 pub(super) fn listed_in_table(strokes: &Strokes, mesh: &Mesh, output: &mut Output) -> Vec<ListedPoint> {
@@ -75,7 +76,7 @@ pub(super) fn list(
     // from the first byte on, a signal must leave complete JSON
     let interruption = signals::interrupted(output);
     output.piece(before)?;
-    let mut trust = Trust::default();
+    let (mut trust, mut bar) = (Trust::default(), Bar::new(output));
     let mut written = 0;
     let listed = |points: &[ListedPoint]| {
         let yoke = of.part.map(|part| at_listed(&part.function, of.mesh, points));
@@ -91,9 +92,11 @@ pub(super) fn list(
             output.piece(if written == 0 { text.trim_start_matches(',') } else { &text }).map_err(Some)?;
             written += points;
             let is_last = written == strokes.count;
+            bar.show(Some(written as f64 / strokes.count as f64), || format!("{} strokes", grouped(written)));
             if !is_last && interruption.came() { Err(None) } else { Ok(()) }
         },
     );
+    bar.finish();
     match solved {
         Err(Some(failure)) => return Err(failure),
         Err(None) => trust.interrupted = true,

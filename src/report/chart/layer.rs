@@ -59,7 +59,7 @@ pub struct Bar {
     pub low: f64,
     /// Its highest y.
     pub high: f64,
-    /// At its right.
+    /// At the right of the axes, or in the middle of a cell of a map.
     pub text: String,
 }
 
@@ -87,6 +87,9 @@ impl Layer {
     }
 }
 
+/// Between the axes and the texts at their right.
+pub(super) const BESIDE: f64 = 6.0;
+
 /// Points of a line at most: more than the picture has pixels.
 const MOST_POINTS: usize = 2000;
 
@@ -104,6 +107,12 @@ impl Shape {
             Self::LimitsOnX(limits) => limits.iter().map(|limit| (*limit, f64::NAN)).collect(),
             Self::Marks(marks) => marks.iter().map(|mark| (mark.x, mark.y)).collect(),
         }
+    }
+
+    /// The texts at the right of the axes.
+    pub(super) fn texts(&self) -> impl Iterator<Item = &str> {
+        let bars: &[Bar] = if let Self::Bars(bars) = self { bars } else { &[] };
+        bars.iter().map(|bar| bar.text.as_str())
     }
 
     /// Whether it has a colour of its own among the curves.
@@ -173,7 +182,7 @@ impl Plane<'_> {
         let [left, right] = [self.x.at(bar.left)?, self.x.at(bar.right)?];
         let [low, high] = [self.y.at(bar.low)?, self.y.at(bar.high)?];
         let [top, bottom] = [low.min(high), low.max(high)];
-        let words = text(right + 6.0, 0.5 * (top + bottom) + 5.0, "start", &bar.text);
+        let words = text(self.x.to + BESIDE, 0.5 * (top + bottom) + 5.0, "start", &bar.text);
         let words = if bar.text.is_empty() { String::new() } else { SOFT.fill("", &words) };
         // neighbours have a line of paper between them
         Some(rectangle([left + 0.5, top], [(right - 0.5).max(left + 1.0), bottom]) + &words)

@@ -15,6 +15,7 @@ pub(super) use paint::dark_style;
 
 use super::escape;
 use axis::{Ruler, Tick};
+use layer::BESIDE;
 use paint::{GRID, INK, PAPER, Paint, SERIES, SOFT, text};
 
 /// A picture over two axes.
@@ -52,6 +53,8 @@ const BOTTOM: f64 = 50.0;
 /// Between numbers, at least.
 const X_APART: f64 = 64.0;
 const Y_APART: f64 = 36.0;
+/// The size of the title.
+const HEADING: f64 = 17.0;
 /// A line of text.
 const LINE: f64 = 22.0;
 
@@ -106,31 +109,25 @@ impl Chart {
         let corners: Vec<_> = self.layers.iter().flat_map(|layer| layer.shape.corners()).collect();
         let y = Ruler::new(&self.y, corners.iter().map(|corner| corner.1), height - BOTTOM, top)?;
         let widest = y.ticks(Y_APART).iter().map(|tick| paint::width(&tick.text)).fold(0.0, f64::max);
-        let x = Ruler::new(&self.x, corners.iter().map(|corner| corner.0), MARGIN + widest + 8.0, width - RIGHT)?;
+        let texts = self.layers.iter().flat_map(|layer| layer.shape.texts()).map(paint::width).fold(0.0, f64::max);
+        let right = if texts > 0.0 { f64::max(RIGHT, MARGIN + BESIDE + texts) } else { RIGHT };
+        let x = Ruler::new(&self.x, corners.iter().map(|corner| corner.0), MARGIN + widest + 8.0, width - right)?;
         let plane = Plane { x, y };
+        let title = paint::fitted(&self.title, (width - 2.0 * MARGIN) * paint::TEXT / HEADING);
         let layers: String = self.painted().map(|(layer, paint)| layer.shape.drawn(paint, &plane)).collect();
         Some(format!(
             "<svg {namespace}class=\"chart\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\" \
-             font-size=\"{size}\"><title>{title}</title><desc>{desc}</desc>\n\
+             font-size=\"{size}\"><title>{whole}</title><desc>{desc}</desc>\n\
              {style}{paper}{heading}{legend}{axes}{layers}</svg>\n",
             size = paint::TEXT,
-            title = escape(&self.title),
+            whole = escape(&self.title),
             desc = escape(&self.description()),
             paper = PAPER.fill("", &format!("<rect width=\"{width}\" height=\"{height}\"/>")),
-            heading = INK.fill("font-size=\"17\"", &text(MARGIN, MARGIN + 15.0, "start", &self.heading())),
+            heading = INK.fill(&format!("font-size=\"{HEADING}\""), &text(MARGIN, MARGIN + 15.0, "start", &title)),
             legend = legend.svg,
             axes = self.axes(&plane),
         ))
-    }
-
-    /// As much of the title as there is room for.
-    fn heading(&self) -> String {
-        let room = ((self.width - 2.0 * MARGIN) / 9.5) as usize;
-        if self.title.chars().count() <= room {
-            return self.title.clone();
-        }
-        self.title.chars().take(room.saturating_sub(1)).chain(['…']).collect()
     }
 
     /// The picture in words, for screen readers.
@@ -158,12 +155,13 @@ impl Chart {
         const SAMPLE: f64 = 30.0;
         let (mut x, mut y, mut svg) = (MARGIN, MARGIN + LINE, String::new());
         for (layer, paint) in self.painted().filter(|(layer, _)| layer.is_named()) {
-            let width = SAMPLE + paint::width(&layer.label);
+            let label = paint::fitted(&layer.label, self.width - 2.0 * MARGIN - SAMPLE);
+            let width = SAMPLE + paint::width(&label);
             if x > MARGIN && x + width > self.width - MARGIN {
                 (x, y) = (MARGIN, y + LINE);
             }
             svg += &layer.shape.sample(paint, x, y + 0.5 * LINE);
-            svg += &INK.fill("", &text(x + SAMPLE, y + 16.0, "start", &layer.label));
+            svg += &INK.fill("", &text(x + SAMPLE, y + 16.0, "start", &label));
             x += width + 20.0;
         }
         let height = if svg.is_empty() { 0.0 } else { y - MARGIN };

@@ -67,6 +67,15 @@ pub(super) fn text(x: f64, y: f64, anchor: &str, text: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>", escape(text))
 }
 
+/// As much of a text as there is room for, px.
+pub(super) fn fitted(text: &str, room: f64) -> String {
+    if width(text) <= room {
+        return text.to_owned();
+    }
+    let kept = (room / width("…")) as usize;
+    text.chars().take(kept.saturating_sub(1)).chain(['…']).collect()
+}
+
 /// About how wide a text is in the wider of the usual fonts, px.
 pub(super) fn width(text: &str) -> f64 {
     0.62 * TEXT * text.chars().count() as f64

@@ -10,6 +10,7 @@ use sha2::{Digest as _, Sha256};
 use super::chart::{self, Chart};
 use super::table::verdict_word;
 use super::{Align, Block, Column, Table, escape, noted};
+use crate::evaluation::worse;
 use crate::judge::Verdict;
 
 /// A part of a page.
@@ -68,7 +69,7 @@ impl InputFile {
     }
 }
 
-/// A verdict above everything else.
+/// A verdict at the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Headline {
     /// The verdict; `None` if it is open.
@@ -90,8 +91,8 @@ pub struct Page {
     pub title: String,
     /// The facts above the verdict: part, date, inspector.
     pub facts: Vec<(String, String)>,
-    /// The verdict that counts.
-    pub verdict: Option<Headline>,
+    /// The verdict that counts, and below it each that it does not name.
+    pub verdicts: Vec<Headline>,
     /// Its parts.
     pub sections: Vec<Section>,
     /// Its inputs.
@@ -99,6 +100,30 @@ pub struct Page {
 }
 
 impl Page {
+    /// Moves the verdicts of all sections to the top: the worst ones as one, then the others. Several passes are one; where there is
+    /// no verdict that is said.
+    pub fn lift_verdicts(&mut self) {
+        let mut all = std::mem::take(&mut self.verdicts);
+        for section in &mut self.sections {
+            section.blocks.retain(|block| {
+                let Block::Verdict(verdict, sentence) = block else { return true };
+                all.push(Headline { verdict: *verdict, sentence: sentence.clone() });
+                false
+            });
+        }
+        all.dedup();
+        let worst = all.iter().map(|one| one.verdict).reduce(worse).flatten();
+        let (said, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.verdict == worst);
+        let sentences: Vec<_> = said.iter().map(|one| one.sentence.as_str()).collect();
+        self.verdicts = match sentences[..] {
+            [] => vec![Headline { verdict: None, sentence: "there is no limit".to_owned() }],
+            [_, _, ..] if worst == Some(Verdict::Pass) => {
+                [vec![Headline { verdict: worst, sentence: "all limits are met".to_owned() }], said].concat()
+            }
+            _ => [vec![Headline { verdict: worst, sentence: sentences.join("; ") }], others].concat(),
+        };
+    }
+
     /// The page.
     #[must_use]
     pub fn html(&self) -> String {
@@ -115,10 +140,10 @@ impl Page {
             dark = chart::dark_style(),
         );
         out += &self.facts_html();
-        if let Some(Headline { verdict, sentence }) = &self.verdict {
-            out += &verdict_html(*verdict, sentence);
+        out.extend(self.verdicts.iter().map(|Headline { verdict, sentence }| verdict_html(*verdict, sentence)));
+        if self.verdicts.first().is_some_and(|headline| headline.verdict.is_some()) {
+            out += "<p class=\"sign\"><span>Date</span><span>Name</span><span>Signature</span></p>\n";
         }
-        out += "<p class=\"sign\"><span>Date</span><span>Name</span><span>Signature</span></p>\n";
         for (index, section) in self.sections.iter().enumerate() {
             out += &format!(
                 "<section aria-labelledby=\"s{index}\">\n<h2 id=\"s{index}\">{}</h2>\n",
@@ -286,7 +311,7 @@ mod tests {
         let page = Page {
             title: evil.to_owned(),
             facts: vec![(evil.to_owned(), evil.to_owned())],
-            verdict: Some(Headline { verdict: Some(Verdict::Fail), sentence: evil.to_owned() }),
+            verdicts: vec![Headline { verdict: Some(Verdict::Fail), sentence: evil.to_owned() }],
             sections: vec![Section {
                 heading: evil.to_owned(),
                 charts: vec![Chart {

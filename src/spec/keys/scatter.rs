@@ -21,6 +21,7 @@ section! {
         "pinion_lead", lengths(Some(DeviationKind::PinionLead)),
             "Helix slope deviation f_Hβ of each pinion tooth over its face width, along the transverse base tangent.";
         "pinion_runout", lengths(Some(DeviationKind::PinionRadial)),
-            "Runout of the pinion, twice its eccentricity, in a random direction.";
+            "Runout of the pinion, twice its eccentricity, in a random direction. A standard deviation is that of each of two directions at \
+             right angles: the mean runout is 1.25 times as much.";
     }
 }

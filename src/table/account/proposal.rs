@@ -220,6 +220,10 @@ impl Proposal {
             proposal.rules.list.extend(rules::repeats());
             proposal.rules.list.extend(shapes.words.iter().map(|(name, count)| rules::named(name, *count)));
         }
+        if proposal.parts == Some(0) {
+            // without the name of a part none is unlike those
+            odd.retain(|odd| odd.is_no_name);
+        }
         for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
             proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });
         }

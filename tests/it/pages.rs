@@ -1,0 +1,97 @@
+//! Pages and pictures as a reader sees them: the verdict first, and every text whole.
+
+use crate::process::{Folder, run};
+
+/// Every page has its verdict at the top, that of its exit status; one that decides nothing is not signed.
+#[test]
+fn every_page_begins_with_its_verdict() {
+    let failing = "FAIL</b>free pinion torque: 0.4301 … 1.2867 N m leaves the limit (0.6 … 1.3 N m; over the travel -10 … 60 mm); \
+                   fluctuation of the pinion torque";
+    for (line, code, begins) in [
+        ("examples/function.toml", 1, failing),
+        ("examples/everything.toml", 1, "FAIL</b>ΔCD (worst case): "),
+        ("examples/mesh-errors.toml", 0, "PASS</b>the limit is met"),
+        ("examples/yoke.toml", 0, "NO VERDICT</b>there is no limit"),
+        (
+            "examples/scatter.toml --contributions --to 5",
+            2,
+            "NO VERDICT</b>no limit is judged here: `rackmesh monte-carlo` ",
+        ),
+        ("examples/batch.toml examples/parts.csv", 2, "FAIL</b>2 of 23 parts are outside a limit"),
+    ] {
+        let page = run(&["report"].into_iter().chain(line.split(' ')).collect::<Vec<_>>(), "");
+        assert_eq!(page.code, Some(code), "{line}: {}", page.stderr);
+        let (top, below) = page.stdout.split_once("<section").expect("a section");
+        let verdicts: Vec<_> = top.split("<p class=\"verdict ").skip(1).collect();
+        assert!(verdicts.first().is_some_and(|first| first.contains(begins)), "{line}: {verdicts:?}");
+        assert!(!below.contains("class=\"verdict"), "{line}");
+        assert_eq!(top.contains("class=\"sign\""), !begins.starts_with("NO VERDICT"), "{line}");
+    }
+    let lot = run(&["report", "examples/batch.toml", "examples/parts.csv"], "").stdout;
+    let title = std::fs::read_to_string("examples/batch.toml").unwrap();
+    let title = title.lines().find_map(|line| line.strip_prefix("title = \"")?.strip_suffix('"')).unwrap();
+    assert!(lot.contains(&format!("<dt>spec</dt><dd>{title} (examples/batch.toml)</dd>")), "{title}");
+}
+
+/// The value of an attribute.
+fn attribute<'t>(tag: &'t str, name: &str) -> Option<&'t str> {
+    tag.split_once(&format!(" {name}=\""))?.1.split('"').next()
+}
+
+/// The texts of pictures that leave them sideways, by 0.62 of their size for each character.
+fn leaving(pictures: &str) -> Vec<String> {
+    let (mut width, mut sizes, mut found) = (0.0, vec![14.0], Vec::new());
+    let number = |tag: &str, name: &str| attribute(tag, name).and_then(|text| text.parse::<f64>().ok());
+    for tag in pictures.split('<') {
+        let (tag, text) = tag.split_once('>').unwrap_or((tag, ""));
+        match tag.split(' ').next() {
+            Some("svg") => width = number(tag, "width").unwrap_or(width),
+            Some("g") => sizes.push(number(tag, "font-size").unwrap_or(14.0)),
+            Some("/g") => _ = sizes.pop(),
+            Some("text") => {
+                let text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+                let length = 0.62 * sizes.last().unwrap_or(&14.0) * text.chars().count() as f64;
+                let share =
+                    ["start", "middle", "end"].iter().position(|anchor| attribute(tag, "text-anchor") == Some(anchor));
+                let left = number(tag, "x").unwrap() - 0.5 * share.unwrap() as f64 * length;
+                if left < 0.0 || left + length > width {
+                    found.push(format!("{text}: {left:.0} … {:.0} of {width}", left + length));
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn no_text_leaves_a_picture() {
+    let folder = Folder::new("whole-texts");
+    let drawn = folder.path("drawn.svg");
+    for line in [
+        "eval examples/steering.toml --plot",
+        "eval examples/mesh-errors.toml --plot",
+        "eval examples/everything.toml --plot",
+        "eval examples/minimal.toml --plot",
+        "mesh examples/mesh-errors.toml --to 20 --plot",
+        "mesh examples/function.toml --plot-of torque --plot",
+        "budget examples/budget.toml --plot",
+        "monte-carlo examples/scatter.toml --racks 20 --to 5 --plot",
+        "monte-carlo examples/scatter.toml --racks 20 --to 5 --contributions --plot",
+        "sweep examples/mesh-errors.toml --over errors.rack_pitch=1..3:1um --over errors.rack_lead=1..3:1arcmin --plot",
+        "compare examples/steering.toml examples/mesh-errors.toml --plot",
+    ] {
+        let words: Vec<_> = line.split(' ').chain([drawn.as_str()]).collect();
+        let ended = run(&words, "");
+        let picture = std::fs::read_to_string(&drawn).unwrap_or_else(|_| panic!("{line}: {}", ended.stderr));
+        assert!(picture.contains("<text "), "{line}");
+        assert_eq!(leaving(&picture), Vec::<String>::new(), "{line}");
+        std::fs::remove_file(&drawn).unwrap();
+    }
+    for line in ["report examples/function.toml", "report examples/batch.toml examples/parts.csv"] {
+        let page = run(&line.split(' ').collect::<Vec<_>>(), "");
+        assert_eq!(leaving(&page.stdout), Vec::<String>::new(), "{line}");
+    }
+    // the check sees what is cut
+    assert_eq!(leaving("<svg width=\"100\"><text x=\"90\" text-anchor=\"start\">cut</text>").len(), 1);
+}
