@@ -16,6 +16,7 @@ use super::{
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
 use crate::function::Check;
+use crate::judge::bound::Note;
 use crate::judge::{Limit, LimitTarget, Prediction, Verdict};
 use crate::mesh::{Curve, FlankSide, Mesh, PinionReading, RackReading, Summary};
 use crate::quantity::{Length, Rounded};
@@ -213,10 +214,15 @@ fn summary_table(summary: &Summary) -> Block {
         .block()
 }
 
-/// The range of the formulas, with that of the mesh.
-fn comparison_table(summary: &Summary, prediction: &Prediction) -> Block {
+/// The range of the formulas, what they leave out, and the range of the mesh.
+fn comparison_table(summary: &Summary, prediction: &Prediction, notes: &[Note]) -> Block {
     let (lower, upper) = prediction.range_mm();
-    let together = [("formulas, together", lower, upper), ("exact mesh", summary.min_mm, summary.max_mm)];
+    let left_out = notes.iter().filter_map(|note| match note {
+        Note::OwnRange(own) => Some(("not in them: the pair without errors", own.lower, own.upper)),
+        _ => None,
+    });
+    let together = std::iter::once(("formulas, together", lower, upper)).chain(left_out);
+    let together = together.chain([("exact mesh", summary.min_mm, summary.max_mm)]);
     let terms = prediction.terms.iter().map(|term| (term.what.as_str(), term.lower_mm, term.upper_mm));
     Table::of(terms.chain(together))
         .text("by formula", |(what, ..)| *what)
@@ -315,7 +321,7 @@ impl Report for MeshReport<'_> {
             };
             blocks.extend(drawn.map(Block::Drawing));
         }
-        blocks.push(comparison_table(&summary, &self.prediction));
+        blocks.push(comparison_table(&summary, &self.prediction, &self.evaluation.notes));
         blocks.extend(self.measured.iter().flat_map(TracePart::blocks));
         blocks.extend(mesh_points::table(&self.listed));
         blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));

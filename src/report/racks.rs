@@ -117,10 +117,11 @@ impl RacksReport<'_> {
         [("mean", &self.summary.mean), ("peak to peak", &self.summary.peak_to_peak)]
             .map(|(name, of)| {
                 let most = of.histogram.iter().map(|bin| bin.racks).max().unwrap_or(1).max(1);
+                let length = if name == "mean" { millimetres } else { unsigned };
                 let mut text = format!("{name} of ΔCD [mm], racks\n");
                 for Bin { from_mm, racks, .. } in &of.histogram {
                     let bar = "█".repeat((u128::from(*racks) * WIDTH).div_ceil(most.into()) as usize);
-                    text.push_str(&format!("{} {bar} {racks}\n", millimetres(*from_mm)));
+                    text.push_str(&format!("{} {bar} {racks}\n", length(*from_mm)));
                 }
                 Block::Drawing(text.trim_end().to_owned())
             })

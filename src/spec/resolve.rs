@@ -35,7 +35,8 @@ impl Spec {
                 "the spec gives no error, so there is nothing to evaluate",
             )
             .at(&self.source, place, "");
-            let help = "add an entry such as `rack_over_roller = \"+13 um\"` below [errors]";
+            let scattered = if self.scatter.is_empty() { "" } else { "; `rackmesh monte-carlo` draws from [scatter]" };
+            let help = format!("add an entry such as `rack_over_roller = \"+13 um\"` below [errors]{scattered}");
             return Err(diagnostic.help(help).into());
         }
         let mut problems = Problems::default();

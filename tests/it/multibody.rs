@@ -431,7 +431,7 @@ fn errors_are_placed_and_judged_as_mesh_does() {
                 let notes = json["notes"].as_array().unwrap();
                 notes
                     .iter()
-                    .find(|note| note.as_str().unwrap().contains("the worst teeth that a search finds"))
+                    .find(|note| note.as_str().unwrap().contains("the teeth on which a search finds the"))
                     .cloned()
             };
             assert_eq!(place(&by_mesh), place(&simulated), "{spec}");

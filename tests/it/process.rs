@@ -281,7 +281,7 @@ fn a_page_is_about_the_measured_parts() {
         "<dt>inspector</dt><dd>Frey</dd>",
         "<dt>order</dt><dd>4711</dd>",
         "<span>Signature</span>",
-        "<td class=\"n\">25.0800</td><td class=\"n\">25.0000</td><td class=\"n\">+80.0 µm</td><td class=\"n\">+0.0800</td>",
+        "<td class=\"n\">25.0800 mm</td><td class=\"n\">25.0000 mm</td><td class=\"n\">+80.0 µm</td><td class=\"n\">+0.0800</td>",
         "ΔCD (worst case) is 0.0369 mm above the limit 0.05 mm",
     ];
     for shown in shown {

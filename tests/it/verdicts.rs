@@ -342,7 +342,7 @@ fn errors_that_are_measured_virtually_are_on_the_worst_teeth() {
         let measured = run(&["measure", &path, "--format", "csv"], "");
         assert_eq!(measured.code, Some(0), "{}", measured.stderr);
         assert!(
-            measured.stderr.starts_with("note: ") && measured.stderr.contains("worst teeth"),
+            measured.stderr.starts_with("note: ") && measured.stderr.contains("teeth on which a search finds the largest"),
             "{}",
             measured.stderr
         );

@@ -225,6 +225,7 @@ impl FunctionPart {
         let set = match (self.yoke.play_mm, self.is_known) {
             (Some(_), _) => "play that is set",
             (None, false) if self.window.is_some() => "the middle of these",
+            (None, _) if function.play_mm.is_none() => "play",
             (None, _) => "recommended play",
         };
         let rows = [
