@@ -146,7 +146,7 @@ pub(super) fn placement(input: &MeshInput) -> Option<String> {
             let errors: Vec<_> = errors.iter().map(|error| error.in_words(input.mesh.pair())).collect();
             let [end, other] = if *is_upper { ["largest", "smallest"] } else { ["smallest", "largest"] };
             format!(
-                "the teeth on which a search finds the {end} ΔCD, as their extents allow (the {other} is reached on other teeth): {}",
+                "the teeth on which a search finds the {end} ΔCD, as their extents allow (for the {other} they may be others): {}",
                 errors.join("; ")
             )
         }

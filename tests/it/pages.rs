@@ -33,6 +33,20 @@ fn every_page_begins_with_its_verdict() {
     assert!(lot.contains(&format!("<dt>spec</dt><dd>{title} (examples/batch.toml)</dd>")), "{title}");
 }
 
+/// Each error stands with what was measured of it, or as the spec's.
+#[test]
+fn a_page_of_a_part_says_what_was_measured() {
+    let line = "report examples/steering.toml examples/cmm-report.txt --layout examples/cmm-layout.toml";
+    let page = run(&line.split(' ').collect::<Vec<_>>(), "").stdout;
+    for (error, measured) in [
+        ("<span class=\"w\">over-roller</span>", "25.0110 mm"),
+        ("rack pitch", "+14.5 µm"),
+        ("pinion radial", "not, from the spec"),
+    ] {
+        assert!(page.contains(&format!("{error}</th><td class=\"n\">{measured}</td>")), "{error}: {page}");
+    }
+}
+
 /// The value of an attribute.
 fn attribute<'t>(tag: &'t str, name: &str) -> Option<&'t str> {
     tag.split_once(&format!(" {name}=\""))?.1.split('"').next()

@@ -141,3 +141,12 @@ fn a_budget_says_first_what_it_leaves_out() {
     let mut first = text.lines().filter(|line| line.starts_with("note: ")).take(2);
     assert!(first.any(|note| note.contains("no part of the budget: the values of [errors]")), "{text}");
 }
+
+/// Deviations below the heading of a measured value: each row says why it is no part, and no rule would leave it out.
+#[test]
+fn rows_far_from_the_nominal_value_are_told_and_not_left_out() {
+    let table = "part_id,rack_over_roller [mm],pinion_radial [mm],Remark\nA-0418,25.011,-0.004,ok\nA-0419,25.006,0.002,rechecked\n";
+    let (_, text) = said(&["read", "-", "examples/steering.toml"], table);
+    assert!(text.contains("line 2: -0.004 mm is far from the nominal value 8.5 mm"), "{text}");
+    assert!(!text.contains("ignore_lines"), "{text}");
+}
