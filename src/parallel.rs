@@ -102,7 +102,7 @@ fn on_threads<T: Send>(threads: usize, worker: impl Fn() -> T + Sync) -> Vec<T> 
         made
     };
     std::thread::scope(|scope| {
-        let others: Vec<_> = (1..threads).map(|_| scope.spawn(&worker)).collect();
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(worker)).collect();
         let mut parts = vec![worker()];
         for other in others {
             parts.push(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
