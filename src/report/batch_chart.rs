@@ -192,7 +192,9 @@ mod tests {
     #[test]
     fn a_run_chart_counts_rows_that_are_no_part() {
         let mut run = RunChart::default();
-        [Some((0.0, 0.1)), None, Some((0.0, 0.2))].map(|row| run.add(row));
+        for row in [Some((0.0, 0.1)), None, Some((0.0, 0.2))] {
+            run.add(row);
+        }
         let Some(Layer { shape: Shape::Band(spans), .. }) = run.chart(&Vec::new()).map(|chart| chart.layers[0].clone())
         else {
             panic!("no picture")
