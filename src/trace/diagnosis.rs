@@ -102,16 +102,22 @@ impl Diagnosis {
         let mut answers = Vec::new();
         for shift_mm in search.starts(watch)? {
             let mut search = search.moved_to(shift_mm);
-            let unseen = search.add_all(FEW_ERRORS, watch)?;
+            let unseen = search.add_all(FEW_ERRORS, false, watch)?;
             answers.push((search.cost(), search, unseen));
         }
         answers.sort_by(|a, b| a.0.total_cmp(&b.0));
         // many errors take long, and a wrong shift needs many
         let is_explained =
             answers.first().is_some_and(|(_, best, _)| best.errors.len() < FEW_ERRORS && !best.leaves_more());
-        for (cost, search, unseen) in answers.iter_mut().take(if is_explained { 0 } else { MOST_LONG }) {
-            *unseen = search.add_all(MOST_ERRORS, watch)?;
-            *cost = search.cost();
+        for (cost, found, unseen) in answers.iter_mut().take(if is_explained { 0 } else { MOST_LONG }) {
+            let mut anew = search.moved_to(found.shift_mm);
+            let unseen_anew = anew.add_all(MOST_ERRORS, true, watch)?;
+            if anew.cost() < *cost {
+                (*found, *unseen) = (anew, unseen_anew);
+            } else {
+                *unseen = found.add_all(MOST_ERRORS, false, watch)?;
+            }
+            *cost = found.cost();
         }
         answers.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut answers = answers.into_iter();
@@ -163,7 +169,8 @@ fn add_elsewhere(found: &mut [FoundError], elsewhere: Vec<FoundError>, shift_mm:
 
 impl Search<'_> {
     /// Adds errors as long as one stands out of the noise, then finds the errors that do not show in the curve.
-    fn add_all(&mut self, most: usize, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
+    /// With `exchanges` the first ones may give way to others.
+    fn add_all(&mut self, most: usize, exchanges: bool, watch: &mut Watch<'_>) -> Result<Vec<Unseen>, TraceError> {
         /// The share of the threshold that an error must explain at the first look.
         const LEAST: f64 = 0.5;
         loop {
@@ -179,7 +186,7 @@ impl Search<'_> {
                 self.errors.push((error, explains.size_mm));
                 self.refit()?;
                 self.remove_needless()?;
-                if (2..FEW_ERRORS).contains(&self.errors.len()) && self.leaves_more() {
+                if exchanges && (2..FEW_ERRORS).contains(&self.errors.len()) && self.leaves_more() {
                     self.exchange(watch)?;
                 }
             }

@@ -55,13 +55,15 @@ impl Search<'_> {
 
     /// Exchanges an error for any other one as long as that lowers the cost: an error found first may explain a part of several.
     pub(super) fn exchange(&mut self, watch: &mut Watch<'_>) -> Result<(), TraceError> {
-        let mut at = 0;
-        while let Some((error, _)) = self.errors.get(at) {
+        /// The most exchanges in a row.
+        const MOST: usize = 4;
+        let (mut at, mut exchanged) = (0, 0);
+        while let Some((error, _)) = self.errors.get(at).filter(|_| exchanged < MOST) {
             match self.replaced(&[*error], |_| true, self.cost() - SAME_CURVE, watch)? {
                 Some(other) => {
                     *self = other;
                     self.remove_needless()?;
-                    at = 0;
+                    (at, exchanged) = (0, exchanged + 1);
                 }
                 None => at += 1,
             }
