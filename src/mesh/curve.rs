@@ -1,5 +1,7 @@
 //! The centre distance over a range of strokes, with every kink. [`Mesh::curve`] makes it, reports and plots read it.
 
+use std::collections::HashMap;
+
 use super::{Carrier, Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
@@ -25,22 +27,23 @@ pub struct Curve {
     pub kinks: Vec<Kink>,
     /// The promised tolerance, mm.
     pub tolerance_mm: f64,
-    /// How many strokes were solved to find the kinks.
+    /// How many strokes were solved to find the kinks, those counted too whose solution repeats another one.
     pub solved: usize,
     /// Whether the tolerance holds everywhere; `false` if refining ended at [`Mesh::curve`]'s limit of work, or at a stroke
     /// whose residual is larger than the tolerance.
     pub resolved: bool,
 }
 
-/// First steps per pitch. Every flank pair carries for a large part of a pitch or not at all between such steps.
+/// First steps per pitch, a whole number: the curve then repeats where its teeth do. Every flank pair carries for a large
+/// part of a pitch or not at all between such steps.
 const STEPS_PER_PITCH: f64 = 32.0;
 /// Kinks are located to this share of a pitch; the error in ΔCD is less by the jump in slope.
 const KINK_WIDTH: f64 = 1e-10;
 /// Points nearer than this share of a pitch to a kink are not worth keeping.
 const CROWDED: f64 = 1e-6;
 /// First steps that are refined together, on one core: the curve does not depend on how many cores there are. A rack
-/// that may roll is solved at many rolls for each stroke.
-const BLOCK: usize = 64;
+/// that may roll is solved at many rolls for each stroke. A pitch is whole blocks.
+const BLOCK: usize = 32;
 const ROLLING_BLOCK: usize = 8;
 /// First steps that are solved and refined at a time: whole blocks, also of those that are solved together.
 const PIECE: usize = 1 << 12;
@@ -54,6 +57,8 @@ const FINE: f64 = 1e-6;
 const MOST_POINTS: f64 = 10.0;
 /// First steps at most; longer ranges start coarser.
 const MAX_STEPS: f64 = 4e6;
+/// A last step may be longer by this share.
+const LONGER: f64 = 1e-6;
 /// Halvings of a first step at most: 2⁻³⁵ of 1/32 pitch is below the width of a kink.
 const MAX_DEPTH: u32 = 36;
 
@@ -104,19 +109,14 @@ impl Mesh {
         if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
             return Err(MeshError::NotPositive { what: "tolerance", value_mm: tolerance_mm }.into());
         }
-        let steps = ((to_mm - from_mm) / self.pair().rack().pitch_mm * STEPS_PER_PITCH).ceil().clamp(2.0, MAX_STEPS);
-        let at = |step: f64| if step >= steps { to_mm } else { from_mm + (to_mm - from_mm) * (step / steps) };
-        let count = steps as usize + 1;
-        let sample = |from: usize| -> Result<Vec<MeshPoint>, MeshError> {
-            let strokes: Vec<f64> = (from..count.min(from + PIECE)).map(|step| at(step as f64)).collect();
-            self.sample(&strokes).into_iter().collect()
-        };
+        let steps = Steps::new(from_mm, to_mm, self.pair().rack().pitch_mm);
+        let count = steps.count;
         let budget = searches(self.steps_to_a_block(), count.div_ceil(self.steps_to_a_block()), tolerance_mm);
-        let mut first = sample(0)?;
+        let mut first = self.solved(&steps, 0)?;
         for from in (0..count).step_by(PIECE) {
-            let next = sample(from + PIECE)?;
+            let next = self.solved(&steps, from + PIECE)?;
             first.extend(next.first());
-            let mut piece = self.refined(&first, tolerance_mm, budget)?;
+            let mut piece = self.refined(&steps, &first, tolerance_mm, budget)?;
             if from > 0 {
                 piece.points.remove(0);
                 piece.solved -= 1;
@@ -127,6 +127,31 @@ impl Mesh {
         Ok(())
     }
 
+    /// A piece of first steps.
+    fn solved(&self, steps: &Steps, from: usize) -> Result<Vec<Solved>, MeshError> {
+        let in_piece = steps.count.saturating_sub(from).min(PIECE);
+        let is_last = |step: usize| from + step + 1 == steps.count;
+        let alike = match steps.in_pitch {
+            Some(in_pitch) => self.repeats(steps.at(from), in_piece.div_ceil(in_pitch)),
+            None => Vec::new(),
+        };
+        let source = |step: usize| match steps.in_pitch {
+            Some(in_pitch) if !is_last(step) => alike[step / in_pitch] * in_pitch + step % in_pitch,
+            _ => step,
+        };
+        let own: Vec<usize> = (0..in_piece).filter(|&step| source(step) == step).collect();
+        let strokes: Vec<f64> = own.iter().map(|&step| steps.at(from + step)).collect();
+        let points: Vec<MeshPoint> = self.sample(&strokes).into_iter().collect::<Result<_, _>>()?;
+        let solved = |step: usize| {
+            let source = source(step);
+            // every source is its own one
+            let point = points[own.partition_point(|&own| own < source)];
+            let moved = self.moved(&point, steps.pitches(source, step));
+            Solved { point: MeshPoint { stroke_mm: steps.at(from + step), ..moved }, source: from + source }
+        };
+        Ok((0..in_piece).map(solved).collect())
+    }
+
     fn steps_to_a_block(&self) -> usize {
         match self.support() {
             Support::Fixed => BLOCK,
@@ -134,28 +159,84 @@ impl Mesh {
         }
     }
 
-    /// The curve through solved strokes that follow each other.
-    fn refined(&self, first: &[MeshPoint], tolerance_mm: f64, budget: f64) -> Result<Curve, MeshError> {
+    /// The curve through first steps that follow each other. Of blocks that repeat each other one is refined.
+    fn refined(&self, steps: &Steps, first: &[Solved], tolerance_mm: f64, budget: f64) -> Result<Curve, MeshError> {
         let block = self.steps_to_a_block();
         let pitch = self.pair().rack().pitch_mm;
-        let refined = |(): &mut (), index: usize| {
-            let ends = &first[index * block..first.len().min((index + 1) * block + 1)];
-            let curve =
-                Curve { points: vec![ends[0]], kinks: Vec::new(), tolerance_mm, solved: ends.len(), resolved: true };
-            let mut refiner = Refiner { sampler: Sampler::new(self), tolerance: tolerance_mm, pitch, curve, budget };
-            ends.windows(2).try_for_each(|ends| refiner.refine(&ends[0], &ends[1], 0)).map(|()| refiner.curve)
+        let ends = |index: usize| &first[index * block..first.len().min((index + 1) * block + 1)];
+        let mut own: Vec<usize> = Vec::new();
+        let mut known: HashMap<Vec<usize>, usize> = HashMap::new();
+        let mut of_kind = |index: usize| {
+            let sources = ends(index).iter().map(|step| step.source).collect();
+            *known.entry(sources).or_insert_with(|| {
+                own.push(index);
+                own.len() - 1
+            })
         };
-        let mut curve = Curve { points: vec![first[0]], kinks: Vec::new(), tolerance_mm, solved: 1, resolved: true };
-        for block in parallel::map(parallel::cores(), first.len().div_ceil(block), || (), refined).0 {
-            let block = block?;
+        let kinds: Vec<usize> = (0..first.len().div_ceil(block)).map(&mut of_kind).collect();
+        let refined = |(): &mut (), kind: usize| {
+            let ends = ends(own[kind]);
+            let points = vec![ends[0].point];
+            let curve = Curve { points, kinks: Vec::new(), tolerance_mm, solved: ends.len(), resolved: true };
+            let mut refiner =
+                Refiner { sampler: Sampler::impartial(self), tolerance: tolerance_mm, pitch, curve, budget };
+            let mut refine = |ends: &[Solved]| refiner.refine(&ends[0].point, &ends[1].point, 0);
+            ends.windows(2).try_for_each(&mut refine).map(|()| refiner.curve)
+        };
+        let blocks = parallel::map(parallel::cores(), own.len(), || (), refined).0;
+        let blocks: Vec<Curve> = blocks.into_iter().collect::<Result<_, _>>()?;
+        let points = vec![first[0].point];
+        let mut curve = Curve { points, kinks: Vec::new(), tolerance_mm, solved: 1, resolved: true };
+        for (index, kind) in kinds.into_iter().enumerate() {
+            let pitches = steps.pitches(own[kind] * block, index * block);
+            let block = &blocks[kind];
             // the first point of a piece is the last point of the one before
-            curve.points.extend(&block.points[1..]);
-            curve.kinks.extend(block.kinks);
+            curve.points.extend(block.points[1..].iter().map(|point| self.moved(point, pitches)));
+            curve.kinks.extend(block.kinks.iter().map(|kink| self.moved_kink(kink, pitches)));
             curve.solved += block.solved - 1;
             curve.resolved &= block.resolved;
         }
         Ok(curve)
     }
+}
+
+/// The strokes with which a curve begins.
+struct Steps {
+    from_mm: f64,
+    to_mm: f64,
+    step_mm: f64,
+    count: usize,
+    /// Steps in a pitch, if that is a whole number.
+    in_pitch: Option<usize>,
+}
+
+impl Steps {
+    fn new(from_mm: f64, to_mm: f64, pitch_mm: f64) -> Self {
+        let length = to_mm - from_mm;
+        let steps = length / pitch_mm * STEPS_PER_PITCH;
+        let is_even = (2.0..=MAX_STEPS).contains(&steps);
+        // a last step that is longer by rounding is no step more
+        let whole = if is_even { (steps - LONGER).ceil() } else { steps.clamp(2.0, MAX_STEPS) };
+        let step_mm = if is_even { pitch_mm / STEPS_PER_PITCH } else { length / whole };
+        let in_pitch = is_even.then_some(STEPS_PER_PITCH as usize);
+        Self { from_mm, to_mm, step_mm, count: whole as usize + 1, in_pitch }
+    }
+
+    fn at(&self, step: usize) -> f64 {
+        if step + 1 >= self.count { self.to_mm } else { self.from_mm + step as f64 * self.step_mm }
+    }
+
+    /// How many pitches one step is behind another one that it repeats.
+    fn pitches(&self, source: usize, step: usize) -> i64 {
+        self.in_pitch.map_or(0, |in_pitch| ((step - source) / in_pitch) as i64)
+    }
+}
+
+/// A solved first step, and the number of the one whose solution it repeats, or its own.
+#[derive(Clone, Copy)]
+struct Solved {
+    point: MeshPoint,
+    source: usize,
 }
 
 /// How many flank pairs may be searched in refining a block: many times what realistic pairs take. The work for a kink does

@@ -24,8 +24,8 @@
 //! 4. `solve`: the rotation at which both sides ask for the same, by Newton's method in a bracket.
 //! 5. `roll`: for a rack that may roll, the roll with the smallest such centre distance, by bounds from known slopes
 //!    (`contact/roll_rate`).
-//! 6. `sample`: one stroke after the other, or many on all cores; `curve`: a range of strokes with its kinks, `summary`:
-//!    its figures; `rates`: how fast it moves, and what slides; `coverage`, `measure`: which strokes teeth carry at, and what a ball between them reads.
+//! 6. `sample`: one stroke after the other, or many on all cores; `curve`: a range of strokes with its kinks, solved once
+//!    where it repeats (`repeats`), `summary`: its figures; `rates`: how fast it moves, and what slides; `coverage`, `measure`: which strokes teeth carry at, and what a ball between them reads.
 //!
 //! Steps 2 to 5 end at rounding; only a curve has a tolerance. The closed forms and bounds change no result; each says how
 //! much slower the mesh is without it.
@@ -47,6 +47,7 @@ mod outcome;
 mod prepare;
 mod rates;
 pub mod relations;
+mod repeats;
 mod roll;
 mod sample;
 mod sampler;

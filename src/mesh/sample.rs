@@ -70,7 +70,7 @@ impl Mesh {
             Support::FreeRoll { .. } => ROLLING_BLOCK,
         };
         let make_block = |index: u64| {
-            let mut sampler = Sampler::new(self);
+            let mut sampler = Sampler::impartial(self);
             let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);
             let points: Vec<_> = strokes.map(|stroke| (stroke, sampler.at(stroke))).collect();
             make(&points)

@@ -30,6 +30,8 @@ pub struct Sampler<'a> {
     pub(super) work: Work,
 }
 
+/// Stands for no tooth.
+const NO_TOOTH: i64 = i64::MIN;
 /// The teeth of one side that carried last; only so many are kept.
 pub(super) const KNOWN: usize = 8;
 
@@ -161,12 +163,18 @@ impl<'a> Sampler<'a> {
             roll: Roll::NONE,
             assumed: mesh.pair().nominal_center_distance_mm(),
             last: None,
-            carried: [std::array::from_fn(|i| if i == 0 { 0 } else { i64::MIN }); 2],
+            carried: [std::array::from_fn(|i| if i == 0 { 0 } else { NO_TOOTH }); 2],
             rolling: Rolling::default(),
             course: Course::default(),
             looks: Looks::Everywhere,
             work: Work::default(),
         }
+    }
+
+    /// A sampler that expects no tooth: of teeth that ask for the same it names the first one wherever it begins, so that names
+    /// repeat with the pitch.
+    pub(super) fn impartial(mesh: &'a Mesh) -> Self {
+        Self { carried: [[NO_TOOTH; KNOWN]; 2], ..Self::new(mesh) }
     }
 
     /// The work done so far.

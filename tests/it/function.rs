@@ -193,15 +193,32 @@ fn each_stroke_is_what_its_neighbours_say() {
             assert!((forces.yoke_n - force).abs() < 1e-9);
             assert!((forces.lift_off_n - force / trig::tan(slope + held)).abs() < 1e-8, "{forces:?}");
             assert!((frictionless.lift_off_n - force / trig::tan(slope)).abs() < 1e-8, "{frictionless:?}");
-            let [before, after] = [-STEP, STEP].map(|step| mesh.at(point.stroke_mm + step).expect("solved"));
+            let near = [-1.0, -0.5, 0.5, 1.0].map(|step| mesh.at(point.stroke_mm + step * STEP).expect("solved"));
+            let [before, little_before, little_after, after] = &near;
             let alike = |other: &MeshPoint| (other.right, other.left) == (point.right, point.left);
-            if alike(&before) && alike(&after) {
-                let angle = after.pinion_angle_rad - before.pinion_angle_rad;
-                let expected = force * (after.delta_cd_mm - before.delta_cd_mm) / angle / 1000.0;
-                assert!((frictionless.rising_n_m - expected).abs() < 1e-6, "{} {expected}", frictionless.rising_n_m);
+            if alike(before) && alike(after) {
+                // two places of one edge have the same names: where one takes over from the other each side has its own rates
+                let central = |of: fn(&MeshPoint) -> f64| (of(after) - of(before)) / (2.0 * STEP);
+                let one_sided = |half: &MeshPoint, whole: &MeshPoint, of: fn(&MeshPoint) -> f64| {
+                    (4.0 * of(half) - of(whole) - 3.0 * of(point)) / (whole.stroke_mm - point.stroke_mm)
+                };
+                let rates = |rate: &dyn Fn(fn(&MeshPoint) -> f64) -> f64| {
+                    let per_angle = force / rate(|at| at.pinion_angle_rad) / 1000.0;
+                    (per_angle * rate(|at| at.delta_cd_mm), 0.1 * per_angle)
+                };
+                let sides = [
+                    rates(&central),
+                    rates(&|of| one_sided(little_before, before, of)),
+                    rates(&|of| one_sided(little_after, after, of)),
+                ];
+                let torque = frictionless.rising_n_m;
+                let is_near = |&(expected, yoke): &(f64, f64)| {
+                    (torque - expected).abs() < 1e-6 && (forces.yoke_friction_n_m - yoke).abs() < 1e-6
+                };
+                let Some((expected, _)) = sides.into_iter().find(is_near) else {
+                    panic!("{torque} {forces:?} {sides:?}")
+                };
                 assert!((frictionless.falling_n_m + expected).abs() < 1e-6);
-                let yoke = 0.1 * force * 2.0 * STEP / angle / 1000.0;
-                assert!((forces.yoke_friction_n_m - yoke).abs() < 1e-6, "{forces:?} {yoke}");
                 let resting = forces.yoke_friction_n_m + forces.tooth_friction_n_m + 0.1;
                 assert!((forces.rising_n_m - resting - forces.lifting_n_m).abs() < 1e-12);
                 assert!((forces.falling_n_m - resting + forces.lifting_n_m).abs() < 1e-12);
