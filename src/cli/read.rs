@@ -216,6 +216,9 @@ pub(super) fn show(proposal: &Proposal, block: &str, output: &mut Output) -> Res
     Ok(())
 }
 
+/// Lines that are shown of a table.
+const SHOWN: usize = 100;
+
 /// What tables hold.
 struct ReadReport<'a> {
     proposals: &'a [Proposal],
@@ -297,11 +300,13 @@ impl Report for ReadReport<'_> {
                 .column_if(true, Column::text("says who").unless_narrow(), |(column, _)| column.why.clone())
                 .text("first", |(column, _)| column.first.join(", "));
             blocks.extend(columns.block_if_any());
-            let lines = Table::of(&proposal.lines)
+            let lines = Table::of(proposal.lines.iter().take(SHOWN))
                 .text("line", |line| line.place.clone())
                 .text("text", |line| line.text.clone())
                 .text("is", |line| line.is.to_owned());
             blocks.extend(lines.block_if_any());
+            let more = proposal.lines.len().saturating_sub(SHOWN) + proposal.more;
+            blocks.extend((more > 0).then(|| Block::Remark(format!("and {more} more like these"))));
             let rejected = proposal.rejected.iter().map(|problem| format!("rejected: {problem}"));
             blocks.extend(rejected.map(Block::Remark));
         }

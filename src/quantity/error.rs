@@ -70,3 +70,12 @@ pub(crate) fn shown(text: &str) -> String {
     let more = text.chars().nth(LONGEST).map(|_| '…');
     harmless(&text.chars().take(LONGEST).chain(more).collect::<String>()).into_owned()
 }
+
+/// Texts as a message lists them: the first twenty, and how many more there are.
+#[cfg(feature = "table")]
+pub(crate) fn listed(texts: &[impl AsRef<str>]) -> String {
+    const MOST: usize = 20;
+    let more = texts.len().checked_sub(MOST + 1).map(|more| format!("and {} more", more + 1));
+    let first = texts.iter().take(MOST).map(|text| format!("`{}`", shown(text.as_ref())));
+    first.chain(more).collect::<Vec<_>>().join(", ")
+}

@@ -50,7 +50,7 @@ pub(crate) struct Meaning {
 }
 
 /// A heading and the unit that is split off it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Heading {
     /// The name, as the table writes it.
     pub(crate) name: String,
@@ -144,6 +144,11 @@ pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
     of(form).or_else(|| of_parts().filter(|_| form != Form::Trace))
 }
 
+/// Whether a heading is known in tables of any form.
+pub(crate) fn is_known(name: &str) -> bool {
+    [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].into_iter().any(|form| lookup(form, name).is_some())
+}
+
 /// The known headings of a role, in the form in which headings are compared.
 pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
     let has = move |meanings: &[Option<Meaning>; 4]| meanings.iter().flatten().any(|meaning| meaning.role == role);
@@ -192,10 +197,16 @@ pub(crate) fn normal(name: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches([':', ' ']).to_owned()
 }
 
+/// Bytes of the longest heading that is read: longer ones are refused.
+pub(crate) const LONGEST_HEADING: usize = 1000;
+
 impl Heading {
     /// Splits the unit off a heading. What stands in square brackets at its end is the unit, known or not. What stands in round
     /// brackets, or behind a blank, a slash, a comma or an underscore, is the unit if it is known.
     pub(crate) fn of(title: &str) -> Self {
+        if title.len() > LONGEST_HEADING {
+            return Self::default();
+        }
         let text = plain_widths(title);
         let text = text.trim().trim_end_matches(':').trim_end();
         let within = |open: char, close: char| text.strip_suffix(close)?.rsplit_once(open);

@@ -8,7 +8,7 @@ use crate::table::cell::{Cell, Content, Record};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::OwnRule;
 use crate::table::ledger::Tally;
-use crate::table::parquet::{ParquetTable, ROWS_TOGETHER, StoredRows, Unread};
+use crate::table::parquet::{ParquetTable, ROWS_TOGETHER, StoredColumn, StoredRows, Unread};
 use crate::table::pieces::Place;
 use crate::table::rows::stored_record;
 use crate::table::stored::Stored;
@@ -54,10 +54,24 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
     Ok(table)
 }
 
+/// Refuses a file without a column that can be read, if one is packed in a way that is not read.
+fn refuse_packed(name: &str, file: &ParquetTable) -> Result<(), Diagnostic> {
+    let why = |column: &StoredColumn| match &column.leaf {
+        Err(Unread::Packing(why)) => Some(why.clone()),
+        _ => None,
+    };
+    let packing = file.columns.iter().find_map(why).filter(|_| file.columns.iter().all(|column| !column.is_read()));
+    packing.map_or(Ok(()), |why| {
+        let help = "write it with snappy, gzip or no compression, and without DELTA encodings";
+        Err(Diagnostic::unreadable(name, &format!("it is {why}")).help(help))
+    })
+}
+
 /// The table of a Parquet file. Columns that a rule leaves out are not unpacked: the digest is of their stored bytes.
 pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> Result<Table, Unclosed> {
     let layout = &want.contract();
     file.check()?;
+    refuse_packed(name, &file)?;
     let mut of = File::new(name, "Parquet");
     let mut unread = Vec::new();
     for (place, column) in file.columns.iter().enumerate() {

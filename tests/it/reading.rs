@@ -259,3 +259,67 @@ fn a_table_that_the_spec_names_is_read_aloud() {
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains("How the tables were read"));
 }
+
+/// Names with escape sequences, in a file of a few lines, are names.
+#[test]
+fn control_characters_of_names_are_read() {
+    let folder = Folder::new("control");
+    let spec = folder
+        .file("s.toml", b"[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"+-0.1\"\n");
+    let table =
+        "part,Rack over roller [mm]\nR\u{1b}[31m1\u{1b}[0m,25.01\nR\u{12}2,25.01\n\"Teil \"\"x\"\"\nzwei\",25.01\n";
+    let file = folder.file("ids.csv", table.as_bytes());
+    let junit = said(&run(&["batch", &spec, &file, "--junit", "-", "-q", "-o", &folder.path("o.csv")], b""));
+    assert!(junit.contains("tests=\"3\"") && !junit.contains(['\u{1b}', '\u{12}']), "{junit}");
+    let nul = folder.file("nul.csv", table.replace('\u{12}', "\0").as_bytes());
+    let refused = run(&["batch", &spec, &nul], b"");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said(&refused).contains("it holds bytes that no table has"), "{}", said(&refused));
+}
+
+/// What a pattern or the rule for all others must not leave out.
+#[test]
+fn a_rule_for_many_columns_takes_no_known_heading() {
+    let folder = Folder::new("known");
+    let with = |name: &str, rule: &str| {
+        let text = format!(
+            "[errors]\nrack_over_roller = {{ nominal = 25.0 }}\n[limits]\ncenter_distance = \"±0.1\"\n[table]\n{rule}\n"
+        );
+        folder.file(name, text.as_bytes())
+    };
+    let file = folder.file("a.csv", "Teil;Rollenmaß [mm];Lage\nA;25,01;1\n".as_bytes());
+    for (rule, code, expected) in [
+        ("ignore = [\"Roll*\", \"Lage\"]", 2, "`Roll*` would leave out `Rollenmaß [mm]`"),
+        ("others = \"ignore\"", 2, "column `Lage`"),
+        ("others = \"ignore\"\nignore = [\"Lage\"]", 0, "pass"),
+        ("ignore = [\"La*\"]", 0, "pass"),
+    ] {
+        let ended = run(&["batch", &with("s.toml", rule), &file], b"");
+        assert_eq!(ended.status.code(), Some(code), "{rule}: {}", said(&ended));
+        assert!(said(&ended).contains(expected), "{rule}: {}", said(&ended));
+    }
+}
+
+/// A refusal is short, whatever is refused.
+#[test]
+fn a_refusal_shows_the_first_of_many_and_no_long_text() {
+    let folder = Folder::new("short");
+    let spec = folder.file("s.toml", b"[errors]\nrack_over_roller = { nominal = 25.0 }\n");
+    let long = "x".repeat(200_000);
+    let (heading, unit) =
+        (format!("Teil;Rollenmaß [mm];{long}\nA;25,01;1\n"), format!("Teil;Rollenmaß [{long}]\nA;25,01\n"));
+    let many: String = (0..3000).map(|n| format!("P{n};x\n")).collect();
+    for (name, text, most) in [
+        ("heading.csv", heading, 2_000),
+        ("unit.csv", unit, 2_000),
+        ("rows.csv", format!("Teil;Rollenmaß [mm]\n{many}"), 100_000),
+    ] {
+        let file = folder.file(name, text.as_bytes());
+        let command = if name == "rows.csv" { "read" } else { "batch" };
+        let (files, before) = ([&spec, &file], command == "read");
+        let ended = run(&[command, files[usize::from(before)], files[usize::from(!before)]], b"");
+        assert_eq!(ended.status.code(), Some(2), "{name}");
+        assert!(said(&ended).len() < most, "{name}: {} bytes", said(&ended).len());
+        assert!(!before || said(&ended).contains("and 2900 more like these"), "{name}");
+    }
+}

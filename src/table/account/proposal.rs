@@ -13,7 +13,7 @@ use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key, no_headings};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
-use crate::table::layout::{Layout, LineRule};
+use crate::table::layout::{Layout, LineRule, MOST_RULES};
 use crate::table::pattern::escaped_heading;
 use crate::table::propose::guess::{self, Guess, guesses, undecided};
 use crate::table::propose::lines::Shapes;
@@ -72,8 +72,8 @@ pub struct Proposal {
     /// How the table is read, once it is closed.
     pub reading: Option<Reading>,
     pub(super) open: Vec<Open>,
-    /// How many more things have no owner than those in `open`.
-    pub(super) more: usize,
+    /// How many more things have no owner, or are no parts, than those that are listed.
+    pub more: usize,
     pub(super) rules: Rules,
 }
 
@@ -114,11 +114,12 @@ impl From<Unclosed> for Diagnostics {
     }
 }
 
+/// How many things without an owner are listed. The others are listed once these have owners.
+const MOST: usize = 10_000;
+
 impl Proposal {
     /// The proposal for a file in which these have no owner.
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
-        /// How many are listed. The others are listed once these have owners.
-        const MOST: usize = 10_000;
         let more = open.len().saturating_sub(MOST);
         open.truncate(MOST);
         let rules = Rules { layout: Arc::clone(layout), list: Vec::new() };
@@ -212,7 +213,10 @@ impl Proposal {
                 let what = format!("line {line}: {message}");
                 proposal.open.push(Open::Wrong { what, help: help.to_owned() });
             }
-            odd.extend(block.odd);
+            // a contract has no more rules than these
+            let room = MOST_RULES - odd.len();
+            proposal.more += block.odd.len().saturating_sub(room);
+            odd.extend(block.odd.into_iter().take(room));
         }
         if let Some(twice) = shapes.twice.take().filter(|_| refuses_repeats) {
             let what = format!("the part `{}` is there more than once", shown(&twice));

@@ -5,7 +5,7 @@ use super::open::Open;
 use super::owner::{Owner, line_of};
 use crate::quantity::{Unit, shown};
 use crate::table::cell::{Cell, Record};
-use crate::table::dictionary::{Form, Heading, Meaning, Role, lookup};
+use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Meaning, Role, is_known, lookup};
 use crate::table::field::Beside;
 use crate::table::layout::{Layout, OwnRule};
 
@@ -105,6 +105,15 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
     let mut roles: Vec<(Role, String)> = Vec::new();
     for place in 0..width {
         let title = titles.get(place).cloned().unwrap_or_default();
+        if title.len() > LONGEST_HEADING {
+            let (shown, length) = (shown(&title), title.len());
+            let what = format!("the heading `{shown}` of column {} has {length} bytes", place + 1);
+            found.open.push(Open::Wrong { what, help: format!("write one of {LONGEST_HEADING} bytes at most") });
+            found.owners.push(None);
+            found.headings.push(Heading::default());
+            titles[place] = shown;
+            continue;
+        }
         let named = Heading::of(&title);
         let owner = owner(&title, &named.name, place, layout, form);
         let owner = beside_absolute(owner, &named.name, &roles, form);
@@ -173,16 +182,16 @@ pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form
         return Ok(Some(layout.ignores(title, name, place, false).map_or(Owner::Nameless, Owner::Rule)));
     }
     let known = lookup(form, name).map(|meaning| meaning.role);
-    if let Some(role) = known.filter(|role| !layout.names(*role)) {
-        return Ok(Some(Owner::Role(role)));
-    }
     match layout.ignores(title, name, place, false) {
         Some(rule) if known.is_some() => {
             Err(Open::Pattern { pattern: layout.ignore[rule].text().to_owned(), title: title.to_owned() })
         }
         Some(rule) => Ok(Some(Owner::Rule(rule))),
-        None => Ok((layout.ignores_others && lookup(form, name).is_none())
-            .then(|| Owner::Rule(layout.own_rule(OwnRule::Others)))),
+        None if known.is_some_and(|role| !layout.names(role)) => Ok(known.map(Owner::Role)),
+        None => {
+            let takes = layout.ignores_others && !is_known(name);
+            Ok(takes.then(|| Owner::Rule(layout.own_rule(OwnRule::Others))))
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use crate::quantity::shown;
+use crate::quantity::{listed, shown};
 use crate::table::block::Odd;
 use crate::table::cell::{Cell, Record};
 use crate::table::grid::Separator;
@@ -54,14 +54,13 @@ impl Open {
 
     /// What has no owner, in one line.
     pub(crate) fn in_words(&self) -> String {
-        let listed =
-            |texts: &[String]| texts.iter().map(|text| format!("`{}`", shown(text))).collect::<Vec<_>>().join(", ");
+        let first_of = |first: &[String]| first.iter().map(|text| shown(text)).collect::<Vec<_>>().join(", ");
         match self {
             Self::Column { place, title, first, .. } if title.is_empty() => {
-                format!("column {} has no heading: {}", place + 1, first.join(", "))
+                format!("column {} has no heading: {}", place + 1, first_of(first))
             }
-            Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first.join(", ")),
-            Self::Characteristic { title, first } => format!("characteristic `{}`: {}", shown(title), first.join(", ")),
+            Self::Column { title, first, .. } => format!("column `{}`: {}", shown(title), first_of(first)),
+            Self::Characteristic { title, first } => format!("characteristic `{}`: {}", shown(title), first_of(first)),
             Self::Line { line, text, .. } => format!("line {line}: {}", shown(text)),
             Self::Row(Odd { line, text, .. }) => format!("line {line} is no part: {}", shown(text)),
             Self::Comment { place, text } => format!("{place}: {}", shown(text)),
@@ -92,14 +91,16 @@ impl Open {
     }
 }
 
-/// Whether some texts may be decisions: few of them differ, and none is a number or a date. Their words do not matter.
+/// Whether some texts may be decisions: few of them differ, and none is long, a number or a date. Their words do not matter.
 pub(crate) fn may_decide<'t>(texts: impl Iterator<Item = Cow<'t, str>>) -> bool {
     const MOST: usize = 4;
+    const LONGEST: usize = 60;
     let mut found = BTreeSet::new();
     for text in texts.filter(|text| !is_missing(text)) {
         let is_number = text.chars().all(|c| c.is_ascii_digit() || c.is_whitespace() || ".,:/+-".contains(c));
+        let is_long = text.len() > LONGEST;
         found.insert(text);
-        if is_number || found.len() > MOST {
+        if is_number || is_long || found.len() > MOST {
             return false;
         }
     }

@@ -6,7 +6,7 @@ use super::heading::{Matched, is_one};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use crate::deviation::DeviationKind;
-use crate::quantity::shown;
+use crate::quantity::listed;
 use crate::table::block::Odd;
 use crate::table::cell::{Cell, Record};
 use crate::table::column::{Column, Nominal};
@@ -68,13 +68,13 @@ pub(super) fn no_values(matched: &Matched) -> Open {
     if matches!(matched.form, Form::Parts | Form::Characteristics) {
         return Open::NoValues { titles: matched.titles.clone() };
     }
-    let titles: Vec<_> = matched.titles.iter().map(|title| format!("`{}`", shown(title))).collect();
+    let titles = listed(&matched.titles);
     if matched.form == Form::Trace {
-        let what = format!("no column is known as the stroke or ΔCD of a measured curve: {}", titles.join(", "));
+        let what = format!("no column is known as the stroke or ΔCD of a measured curve: {titles}");
         let help = "call them stroke and delta_cd, or say which they are: [table.columns] stroke = { name = \"…\", unit = \"mm\" }";
         return Open::Wrong { what, help: help.to_owned() };
     }
-    let what = format!("no column is known to hold a rack's spaces or a pinion's teeth: {}", titles.join(", "));
+    let what = format!("no column is known to hold a rack's spaces or a pinion's teeth: {titles}");
     let help = "a rack has space, over_pin or over_pin_deviation, position or position_deviation, lead_deviation; a pinion \
                 tooth, radial_deviation, left_pitch_deviation, right_pitch_deviation, lead_deviation";
     Open::Wrong { what, help: help.to_owned() }

@@ -9,7 +9,7 @@ mod column;
 mod header;
 mod pages;
 
-pub(crate) use column::Unread;
+pub(crate) use column::{StoredColumn, Unread};
 
 use ::parquet::basic::{Compression, Encoding};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
@@ -26,7 +26,7 @@ use super::ledger::digest;
 use super::stored::{Stored, number};
 use crate::diagnostic::Diagnostic;
 use crate::quantity::Decimal;
-use column::{Leaf, StoredColumn, Values};
+use column::{Leaf, Values};
 use pages::{CheckedPages, Texts};
 
 /// Rows that are read together: few enough for the processor's cache.

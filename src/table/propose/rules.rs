@@ -119,7 +119,7 @@ pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
             [name] => vec![Rule::Key("encoding", quoted(name)).guess("more of its headings are known")],
             _ => each("encoding", names.iter().copied()),
         },
-        Open::Sheets { names } => each("sheet", names.iter().map(String::as_str)),
+        Open::Sheets { names } => each("sheet", names.iter().take(20).map(String::as_str)),
         Open::Separator { able } => {
             let words: Vec<String> = able.iter().filter_map(|separator| separator.word()).collect();
             each("separator", words.iter().map(String::as_str))

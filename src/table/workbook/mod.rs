@@ -24,6 +24,7 @@ use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
 use super::cell::{Cell, Content, Record};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::listed;
 use comments::{Run, comments, conditional, odd_runs, odd_styles};
 use format::{Style, raised, struck};
 use merged::MergedCells;
@@ -153,11 +154,6 @@ impl Workbook {
 
 fn named(file: &str, sheet: &str) -> String {
     format!("{file}, sheet `{sheet}`")
-}
-
-/// The names of sheets as a message lists them.
-pub(super) fn listed(sheets: &[String]) -> String {
-    sheets.iter().map(|sheet| format!("`{sheet}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// Calls `take` with each row that is not empty, until it returns false.
