@@ -120,7 +120,7 @@ impl CheckedPages {
 
 /// A packing of texts that is not read, in words.
 pub(super) fn packed_by_differences(encoding: Encoding) -> String {
-    format!("packed by differences ({encoding}), which is not read")
+    format!("packed by {encoding}, which is not read")
 }
 
 fn broken(problem: &str) -> ParquetError {

@@ -328,7 +328,7 @@ fn how_a_column_is_packed_matters_unless_a_rule_leaves_it_out() {
         let (bytes, want) = (writer.into_inner().unwrap(), Want::default());
         let container = Container::open("lot.parquet", Source::bytes(bytes), &want).unwrap();
         let problems = container.table("lot.parquet", &want).err().unwrap();
-        let expected = format!("column `operator`: it is packed by differences ({encoding}), which is not read");
+        let expected = format!("column `operator`: it is packed by {encoding}, which is not read");
         assert!(problems.0[0].list.iter().any(|line| line.text == expected), "{problems}");
     }
 }
