@@ -36,7 +36,7 @@ pub(super) struct Args {
     /// The gear spec (TOML); `-` reads standard input.
     #[arg(long, value_name = "SPEC")]
     spec: Option<PathBuf>,
-    /// Write the contract that closes the tables into the spec, once a question is answered.
+    /// Write the contract that closes the tables into the spec or the layout, once a question is answered.
     #[arg(long, conflicts_with = "check")]
     write: bool,
     /// Ask nothing, and write what is exact; guesses stand there as comments.
@@ -104,19 +104,20 @@ impl Args {
             return Err(Diagnostics(failed).into());
         }
         if self.write {
-            let Some(path) = named else {
-                return Err(Diagnostic::usage("--write writes into a spec, and none is given").into());
+            let Some(path) = self.reading.layout_file().or(named) else {
+                return Err(Diagnostic::usage("--write writes into a spec or a layout, and none is given").into());
             };
             return self.write(path, &block, (&opener, &files), output);
         }
         let is_closed = proposals.iter().all(Proposal::is_closed);
         if !is_closed && all.count() > 0 {
-            output.remark("note: `--write` writes this [table] into the spec");
+            let file = if self.reading.layout_file().is_some() { "layout" } else { "spec" };
+            output.remark(&format!("note: `--write` writes this [table] into the {file}"));
         }
         Ok(if is_closed { Status::Pass } else { Status::Undecided })
     }
 
-    /// Writes the contract into the spec, if that is wanted; returns whether the tables are then closed.
+    /// Writes the contract into the spec or the layout, if that is wanted; returns whether the tables are then closed.
     fn write(
         &self,
         path: &Path,
@@ -126,12 +127,13 @@ impl Args {
     ) -> Result<Status, Failure> {
         let name = stream::name(path);
         if is_dash(path) {
-            return Err(Diagnostic::usage("--write writes into a file, and the spec is standard input").into());
+            return Err(Diagnostic::usage("--write writes into a file, and this is standard input").into());
         }
         let is_closed = |text: &str| -> Result<Status, Failure> {
+            let spec = opener.spec.with_contract(text)?;
             let mut closed = true;
             for file in files {
-                closed &= opener.closes(file, text)?;
+                closed &= opener.proposed(file, &spec)?.is_closed();
             }
             Ok(if closed { Status::Pass } else { Status::Undecided })
         };
@@ -244,13 +246,17 @@ impl Report for ReadReport<'_> {
             let columns = proposal.columns.iter().filter(|column| column.is == "not owned").map(|column| {
                 serde_json::json!({
                     "file": proposal.file, "title": column.title,
-                    "place": format!("column {}", column.place), "values": column.first,
+                    "place": column.place.map_or_else(|| "characteristic".to_owned(), |place| format!("column {place}")),
+                    "values": column.first,
                 })
             });
             let lines = proposal.lines.iter().map(
                 |line| serde_json::json!({ "file": proposal.file, "title": line.text, "place": line.place, "values": [] }),
             );
-            columns.chain(lines)
+            let obstacles = proposal.obstacles().map(
+                |what| serde_json::json!({ "file": proposal.file, "title": what, "place": "", "values": [] }),
+            );
+            columns.chain(lines).chain(obstacles)
         });
         let account = self.proposals.iter().map(|proposal| {
             serde_json::json!({
@@ -308,7 +314,7 @@ impl Report for ReadReport<'_> {
             let more = proposal.lines.len().saturating_sub(SHOWN) + proposal.more;
             blocks.extend((more > 0).then(|| Block::Remark(format!("and {more} more like these"))));
             let rejected = proposal.rejected.iter().map(|problem| format!("rejected: {problem}"));
-            blocks.extend(rejected.map(Block::Remark));
+            blocks.extend(proposal.obstacles().chain(rejected).map(Block::Remark));
         }
         blocks.extend(remarks(&self.readings(), &[]).into_iter().map(Block::Remark));
         if !self.block.is_empty() {
@@ -324,7 +330,7 @@ impl Report for ReadReport<'_> {
 /// The unit of a column, what it holds, and its nominal value.
 fn cells(proposal: &Proposal, column: &ColumnAccount) -> [String; 3] {
     let read = read_as(proposal, column);
-    let unit = read.and_then(|read| read.unit.clone()).or_else(|| column.unit.map(str::to_owned));
+    let unit = read.and_then(|read| read.unit.clone()).or_else(|| column.unit.clone());
     let holds = read.and_then(|read| read.holds).map(str::to_owned);
     [unit, holds, read.and_then(|read| read.nominal.clone())].map(Option::unwrap_or_default)
 }

@@ -191,7 +191,7 @@ impl<'a> Opener<'a> {
     }
 
     /// The rules that would close the table of a file, beside those of a spec.
-    fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
+    pub(super) fn proposed(&self, path: &Path, spec: &Spec) -> Result<Proposal, Failure> {
         let opener = Self { spec: Arc::new(spec.clone()), ..self.clone() };
         let container = opener.container(path)?;
         let (spec, _) = opener.completed(&container)?;
@@ -223,15 +223,13 @@ impl<'a> Opener<'a> {
 
     /// The spec with the lines of a contract.
     pub(super) fn with_block(&self, block: &str) -> Result<Spec, Failure> {
-        let source = &self.spec.source;
-        let merged = written::merged(&source.name, &source.text, block, "")?;
-        Ok(Spec { table: Spec::parse(&source.name, &merged)?.table, ..(*self.spec).clone() })
+        let source = self.spec.source_of_columns();
+        Ok(self.spec.with_contract(&written::merged(&source.name, &source.text, block, "")?)?)
     }
 
-    /// Whether a file is closed by another text of the spec.
-    pub(super) fn closes(&self, path: &Path, text: &str) -> Result<bool, Failure> {
-        let table = Spec::parse(&self.spec.source.name, text)?.table;
-        Ok(self.proposed(path, &Spec { table, ..(*self.spec).clone() })?.is_closed())
+    /// The file of the contract: that of the layout, or else the spec.
+    pub(super) fn contract_file<'p>(&'p self, spec: &'p Path) -> &'p Path {
+        self.how.layout_file().map_or(spec, PathBuf::as_path)
     }
 
     /// The refusals of files that are not closed, with all that they lack at once; the last one has the `[table]` that closes all of

@@ -133,8 +133,21 @@ impl Spec {
         Ok(spec)
     }
 
+    /// The spec by another text of the file that has its `[table]`.
+    ///
+    /// # Errors
+    /// Every problem in that text.
+    pub fn with_contract(&self, text: &str) -> Result<Self, Diagnostics> {
+        let table = match &self.table.source {
+            Some(source) => super::table::file(&source.name, text)?,
+            None => Self::parse_with(&self.source.name, text, &self.settings)?.table,
+        };
+        Ok(Self { table, ..self.clone() })
+    }
+
     /// The file that says what columns are.
-    pub(crate) fn source_of_columns(&self) -> &Arc<Source> {
+    #[must_use]
+    pub fn source_of_columns(&self) -> &Arc<Source> {
         self.table.source.as_ref().unwrap_or(&self.source)
     }
 

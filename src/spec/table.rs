@@ -18,7 +18,7 @@ use crate::quantity::{Unit, shown};
 use crate::table::DETAILS;
 use crate::table::{
     DecimalMark, DeclaredColumn, Encoding, Field, IsCurve, Layout, LineRule, MOST_RULES, PartNames, Parts, Pattern,
-    Repeats, Separator, StatusColumn,
+    Repeats, Separator, StatusColumn, quoted,
 };
 
 /// Renames `[batch]`, the old name, to `[table]`; returns whether the spec has the old name.
@@ -196,7 +196,7 @@ fn tooth_column(reader: &mut SectionReader<'_>, field: Field) -> DeclaredColumn 
     let name = reader.get(keys::COLUMN_NAME).map(|name| name.value);
     let is_deviation = reader.get(keys::COLUMN_KIND).is_some_and(|kind| kind.value == "deviation");
     let unit = reader.column_unit("unit", !field.is_of_trace()).map(|unit| unit.value);
-    DeclaredColumn { is_deviation, ..DeclaredColumn::new(field, name, unit, Vec::new()) }
+    DeclaredColumn { is_deviation, others: others(reader, false), ..DeclaredColumn::new(field, name, unit, Vec::new()) }
 }
 
 /// The column of a measuring program's decision.
@@ -305,7 +305,8 @@ fn column(
             let message = format!("`length` is of f_Hβ, a length, and the unit of the column is {}", unit.symbol());
             reader.report(Diagnostic::error(Code::BadErrorEntry, message), length.span.clone());
         }
-        declared.push(DeclaredColumn::new(kind, name.clone(), unit_value, beside));
+        let others = others(reader, nominal_heading.is_some());
+        declared.push(DeclaredColumn { others, ..DeclaredColumn::new(kind, name.clone(), unit_value, beside) });
         BatchColumn {
             name,
             unit,
@@ -318,6 +319,34 @@ fn column(
     })
 }
 
+/// The keys of a column that do not name headings or its unit, with their values as TOML.
+fn others(reader: &SectionReader<'_>, is_nominal_heading: bool) -> Vec<(String, String)> {
+    let is_other = |key: &str| {
+        !(matches!(key, "name" | "unit") || BESIDE.contains(&key) || is_nominal_heading && key == "nominal")
+    };
+    let each = reader.table.iter().filter(|(key, _)| is_other(key.get_ref()));
+    each.map(|(key, value)| (key.get_ref().to_string(), in_toml(value.get_ref()))).collect()
+}
+
+/// A value as TOML, in one line.
+fn in_toml(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => quoted(text),
+        DeValue::Integer(number) => number.as_str().to_owned(),
+        DeValue::Float(number) => number.as_str().to_owned(),
+        DeValue::Boolean(is) => is.to_string(),
+        DeValue::Datetime(date) => date.to_string(),
+        DeValue::Array(list) => {
+            format!("[{}]", list.iter().map(|entry| in_toml(entry.get_ref())).collect::<Vec<_>>().join(", "))
+        }
+        DeValue::Table(table) => {
+            let keys =
+                table.iter().map(|(key, value)| format!("{} = {}", quoted(key.get_ref()), in_toml(value.get_ref())));
+            format!("{{ {} }}", keys.collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
 /// The section of a column, as `[table.columns]` has it.
 fn section_of(kind: DeviationKind) -> Option<&'static Section> {
     let key = keys::TABLE_COLUMNS.keys.iter().find(|key| key.name() == kind.key())?;
@@ -328,4 +357,79 @@ fn section_of(kind: DeviationKind) -> Option<&'static Section> {
 fn heading_of_nominal(reader: &SectionReader<'_>) -> Option<String> {
     let DeValue::String(text) = reader.table.get("nominal")?.get_ref() else { return None };
     (!text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))).then(|| text.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::table::{Guesses, Proposal};
+
+    /// What a key may hold, as TOML.
+    fn samples(key: &keys::AnyKey) -> Vec<String> {
+        let texts: &[&str] = match (key.path, key.kind) {
+            ("table.encoding", _) => &["\"windows-1252\""],
+            ("table.separator", _) => &["\"tab\"", "\"|\""],
+            ("table.range", _) => &["\"B4:F200\""],
+            ("table.units", _) => &["\"line 8\""],
+            (_, keys::Kind::Text) => &["\"Maß [x]\"", "\"a \\\"b\\\"\""],
+            (_, keys::Kind::Texts) => &["[\"Temp*\", \"F\"]"],
+            (_, keys::Kind::LineRules) => &["[\"Datum: #\", { like = \"Max;*\", at_most = 2 }]"],
+            (_, keys::Kind::PartId) => &["\"Teil\"", "{ line = \"Teil: *\" }"],
+            (_, keys::Kind::Starts) => &["[0, 12, 24]"],
+            (_, keys::Kind::NominalOrHeading { .. }) => &["25.0", "3", "\"Soll\""],
+            (_, keys::Kind::ColumnUnit { .. }) => &["\"mm\"", "\"µm\""],
+            (_, keys::Kind::Extent(_)) => &["\"one\"", "\"all\""],
+            (_, keys::Kind::Length(_)) => &["18", "\"0.5 in\""],
+            // "spaces" is written as "teeth"
+            (_, keys::Kind::Word(words)) => {
+                return words.iter().filter(|word| **word != "spaces").map(|word| quoted(word)).collect();
+            }
+            (path, kind) => panic!("{path}: {kind:?}"),
+        };
+        texts.iter().map(|text| (*text).to_owned()).collect()
+    }
+
+    /// A table with some keys of a section.
+    fn table(section: &Section, random: &mut impl Iterator<Item = usize>) -> String {
+        let mut entries = Vec::new();
+        for key in section.keys {
+            let value = match key.kind {
+                keys::Kind::Table(inner) => table(inner, random),
+                _ => {
+                    let samples = samples(key);
+                    samples[random.next().unwrap() % samples.len()].clone()
+                }
+            };
+            // a status has a name, and a table has spaces or teeth
+            let is_there = random.next().unwrap().is_multiple_of(2) || section.name.ends_with("status");
+            if is_there && !(key.name() == "tooth" && entries.iter().any(|entry: &String| entry.starts_with("space"))) {
+                entries.push(format!("{} = {value}", key.name()));
+            }
+        }
+        format!("{{ {} }}", entries.join(", "))
+    }
+
+    proptest! {
+        #[test]
+        fn the_block_of_a_contract_says_all_that_the_contract_says(
+            random in proptest::collection::vec(any::<usize>(), 1000),
+        ) {
+            let text = format!("table = {}\n", table(&keys::TABLE, &mut random.into_iter()));
+            let layout = |text: &str| match file("layout.toml", text) {
+                Ok(section) => section.layout,
+                Err(problems) => panic!("{problems} in {text}"),
+            };
+            let own = layout(&text);
+            let block = Proposal::of("lot.csv", &own, Vec::new()).block(Guesses::Filled);
+            prop_assert_eq!(&layout(&block), &own);
+            let keys = |text: &str| -> toml::Table { toml::from_str(text).unwrap() };
+            // a table without keys says nothing, but for a column, which a table must have
+            let mut written = keys(&text);
+            let table = written["table"].as_table_mut().unwrap();
+            table.retain(|key, value| key != "columns" || !value.as_table().unwrap().is_empty());
+            prop_assert_eq!(keys(&block), written);
+        }
+    }
 }

@@ -99,6 +99,8 @@ pub struct DeclaredColumn {
     pub(crate) beside: Vec<(Beside, String)>,
     /// Whether its values are deviations, whatever the heading says.
     pub is_deviation: bool,
+    /// Everything else that the contract says of it: keys with their values as TOML.
+    pub others: Vec<(String, String)>,
 }
 
 /// The column of a measuring program's decision.
@@ -224,7 +226,7 @@ impl DeclaredColumn {
     ) -> Self {
         let role = |key| if key == "units" { Beside::Unit } else { Beside::of_key(key).unwrap_or(Beside::Unit) };
         let beside = beside.into_iter().map(|(key, name)| (role(key), name)).collect();
-        Self { field: field.into(), name, unit, beside, is_deviation: false }
+        Self { field: field.into(), name, unit, beside, is_deviation: false, others: Vec::new() }
     }
 }
 

@@ -105,6 +105,7 @@ pub(crate) use rows::{Doubtful, Rows, Wanted};
 pub(crate) use teeth::gather::{Gatherer, gather};
 pub(crate) use teeth::{LineFault, ToothedPart};
 pub(crate) use typed::stored_table;
+pub(crate) use want::quoted;
 
 use std::sync::Arc;
 

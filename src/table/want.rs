@@ -56,8 +56,11 @@ impl Want {
         Arc::clone(&self.layout)
     }
 
-    /// The unit in which an error is usually measured: its size in mm, or its deviation in µm.
+    /// The unit of an error's numbers: that of the spec, or else in which it is usually measured, its size in mm, or its deviation in µm.
     pub(crate) fn usual_unit(&self, kind: DeviationKind) -> &'static str {
+        if let Some(unit) = self.given(kind).and_then(|given| given.unit) {
+            return unit.symbol();
+        }
         let is_size = self.given(kind).is_some_and(|given| matches!(given.nominal, Some(Ok(_))));
         if is_size { "mm" } else { "um" }
     }

@@ -13,8 +13,8 @@ use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
 use crate::table::contract::{Matched, Open, Owner, key, no_headings};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
-use crate::table::layout::{Layout, LineRule, MOST_RULES};
-use crate::table::pattern::escaped_heading;
+use crate::table::layout::{Layout, LineRule, MOST_RULES, Repeats};
+use crate::table::pattern::{Pattern, escaped_heading};
 use crate::table::propose::guess::{self, Guess, guesses, undecided};
 use crate::table::propose::lines::Shapes;
 use crate::table::propose::rules::{self, Certainty, Found, Rule, Rules, Suggestion};
@@ -28,12 +28,12 @@ use crate::table::want::Want;
 pub struct ColumnAccount {
     /// As the table calls it.
     pub title: String,
-    /// Its place, from 1.
-    pub place: usize,
+    /// Its place, from 1; `None` of a characteristic.
+    pub place: Option<usize>,
     /// `rack_pitch`, `left out`, `not owned`.
     pub is: String,
     /// The unit of its numbers.
-    pub unit: Option<&'static str>,
+    pub unit: Option<String>,
     /// What says so.
     pub why: String,
     /// Its first texts.
@@ -53,6 +53,8 @@ pub struct LineAccount {
 
 /// What the account says of a rejected row that is perhaps no part.
 pub(super) const REJECTED: &str = "rejected as a part";
+
+const NOT_OWNED: &str = "not owned";
 
 /// What would close a table.
 #[derive(Debug, Clone, Default)]
@@ -122,7 +124,14 @@ impl Proposal {
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
         let more = open.len().saturating_sub(MOST);
         open.truncate(MOST);
-        let rules = Rules { layout: Arc::clone(layout), list: Vec::new() };
+        // a rule that cannot stand closes nothing
+        let cannot_stand = |rule: &Pattern| {
+            let is_it = |open: &Open| matches!(open, Open::IgnoredNames { rule: own, .. } | Open::Pattern { pattern: own, .. } if own == rule.text());
+            open.iter().any(is_it)
+        };
+        let mut able = Layout::clone(layout);
+        able.ignore.retain(|rule| !cannot_stand(rule));
+        let rules = Rules { layout: able.into(), list: Vec::new() };
         let mut proposal = Self { file: file.to_owned(), rules, open, more, ..Self::default() };
         for open in &proposal.open {
             proposal.rules.list.extend(rules::of_open(open, layout));
@@ -148,12 +157,13 @@ impl Proposal {
         let found = Found { owners, titles, units, of };
         proposal.columns = columns(&found, layout);
         for column in &mut proposal.columns {
-            column.first = first(column.place - 1);
-            if let Some(guess) = guesses.iter().find(|guess| guess.place + 1 == column.place) {
+            column.first = column.place.map_or_else(Vec::new, |place| first(place - 1));
+            if let Some(guess) = guesses.iter().find(|guess| Some(guess.place + 1) == column.place) {
                 column.why = format!("nobody; {}, a guess: {}", guess.key, guess.why);
             }
         }
         proposal.columns.retain(|column| !(column.title.is_empty() && column.first.is_empty()));
+        proposal.add_unowned();
         undecided(&matched, (&proposal.open, rows), want, &guesses, &mut proposal.rules.list);
         if layout.details.iter().all(|(key, _)| *key != "date") {
             let date = guess::date(&matched, &proposal.open, rows, &proposal.rules.list);
@@ -176,6 +186,13 @@ impl Proposal {
         if !owners.contains(&Some(Owner::Role(Role::PartId))) && layout.part_id.is_none() {
             rules::name_by_line(&mut proposal.rules.list);
         }
+        let id = owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
+        if let Some(id) = id.filter(|_| matched.form == Form::Parts && layout.repeats == Repeats::Refused) {
+            let is_part = |row: &&Record| row.numbers() > usize::from(row.cell(id).is_number());
+            let mut shapes = Shapes::default();
+            rows.iter().filter(is_part).for_each(|row| shapes.add_name(&row.cell(id).text()));
+            proposal.tell_repeats(&shapes);
+        }
         rules::settle(&mut proposal.rules.list);
         proposal
     }
@@ -189,7 +206,8 @@ impl Proposal {
         let unreadable = |error: std::io::Error| Diagnostic::unreadable(&name, &error);
         let contract = table.pieces.contract();
         let layout = Arc::clone(&contract.layout);
-        let units: Vec<_> = table.columns.iter().map(|column| (column.place, column.unit)).collect();
+        let units: Vec<_> =
+            table.columns.iter().map(|column| (column.place, column.unit_said(&contract.titles))).collect();
         let owners: Vec<Option<Owner>> = contract.owners.iter().copied().map(Some).collect();
         let rules = Rules { layout: Arc::clone(&want.layout), list: Vec::new() };
         let mut proposal = Self { file: name.to_string(), rules, parts: Some(0), ..Self::default() };
@@ -218,11 +236,14 @@ impl Proposal {
             proposal.more += block.odd.len().saturating_sub(room);
             odd.extend(block.odd.into_iter().take(room));
         }
-        if let Some(twice) = shapes.twice.take().filter(|_| refuses_repeats) {
-            let what = format!("the part `{}` is there more than once", shown(&twice));
-            proposal.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
-            proposal.rules.list.extend(rules::repeats());
-            proposal.rules.list.extend(shapes.words.iter().map(|(name, count)| rules::named(name, *count)));
+        if refuses_repeats {
+            proposal.tell_repeats(&shapes);
+        }
+        if proposal.parts == Some(0) {
+            // rules for lines would leave nothing
+            let what = proposal.rejected.first().map_or_else(String::new, |first| format!(": {first}"));
+            proposal.open.push(Open::Wrong { what: format!("no row is a part{what}"), help: String::new() });
+            odd.clear();
         }
         if proposal.parts == Some(0) {
             // without the name of a part none is unlike those
@@ -238,6 +259,15 @@ impl Proposal {
         Ok(proposal)
     }
 
+    /// Tells that a part is there more than once, with the choices.
+    fn tell_repeats(&mut self, shapes: &Shapes) {
+        let Some(twice) = &shapes.twice else { return };
+        let what = format!("the part `{}` is there more than once", shown(twice));
+        self.open.push(Open::Wrong { what, help: "say whether each is judged, or the last".to_owned() });
+        self.rules.list.extend(rules::repeats());
+        self.rules.list.extend(shapes.words.iter().map(|(name, count)| rules::named(name, *count)));
+    }
+
     fn count_rows(&mut self, block: &Block, shapes: &mut Shapes) {
         const SHOWN: usize = 5;
         let rejected = block.rejected_rows();
@@ -246,6 +276,36 @@ impl Proposal {
         let room = SHOWN.saturating_sub(self.rejected.len());
         let faults = block.faults().iter().take(room);
         self.rejected.extend(faults.map(|fault| format!("line {}: {}", block.lines[fault.row], fault.message)));
+    }
+
+    /// Adds characteristics without an owner, and such columns of their table.
+    fn add_unowned(&mut self) {
+        for open in &self.open {
+            let (place, title, first) = match open {
+                Open::Column { place, title, first, .. } => (Some(place + 1), title, first),
+                Open::Characteristic { title, first } => (None, title, first),
+                _ => continue,
+            };
+            if place.is_none() || !self.columns.iter().any(|known| known.place == place && known.title == *title) {
+                let (title, is, why) = (title.clone(), NOT_OWNED.to_owned(), "nobody".to_owned());
+                self.columns.push(ColumnAccount { title, place, is, unit: None, why, first: first.clone() });
+            }
+        }
+    }
+
+    /// What else stands in the way, a sentence each.
+    pub fn obstacles(&self) -> impl Iterator<Item = String> {
+        let is_listed = |open: &&Open| {
+            matches!(
+                open,
+                Open::Column { .. }
+                    | Open::Characteristic { .. }
+                    | Open::Line { .. }
+                    | Open::Row(_)
+                    | Open::Comment { .. }
+            )
+        };
+        self.open.iter().filter(move |open| !is_listed(open)).map(Open::in_words)
     }
 
     /// Whether no column is known as that of values, or may be one.
@@ -297,6 +357,9 @@ impl Proposal {
     /// Adds what is found once the contract says what this proposes.
     pub fn join_next(&mut self, next: Self) {
         self.closes = next.is_closed();
+        if self.columns.is_empty() {
+            self.columns = next.columns;
+        }
         let known: HashSet<LineAccount> = self.lines.iter().cloned().collect();
         self.lines.extend(next.lines.into_iter().filter(|line| !known.contains(line)));
         (self.parts, self.rejected) = (next.parts, next.rejected);
@@ -339,28 +402,42 @@ fn line_account(open: &Open) -> Option<LineAccount> {
         Open::Comment { place, text } => (place.clone(), text),
         _ => return None,
     };
-    Some(LineAccount { place, text: text.clone(), is: "not owned" })
+    Some(LineAccount { place, text: text.clone(), is: NOT_OWNED })
 }
 
 /// What each column is taken as.
-fn columns(Found { owners, titles, units, .. }: &Found<'_>, layout: &Layout) -> Vec<ColumnAccount> {
+fn columns(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<ColumnAccount> {
     let rules = layout.rules();
+    let why = |title: &str, name: &str, form: Form| {
+        let is_key = || lookup(Form::Parts, name).is_some_and(|meaning| meaning.is_key);
+        let why = match () {
+            () if layout.declared(title, name, form).is_some() => "the spec names it",
+            () if is_key() => "it is the key",
+            () => "its whole heading is known",
+        };
+        why.to_owned()
+    };
+    let of = of.iter().map(|(place, title, role)| {
+        let why = why(title, &Heading::of(title).name, Form::Characteristics);
+        ColumnAccount {
+            title: title.clone(),
+            place: Some(place + 1),
+            is: key(*role),
+            unit: None,
+            why,
+            first: Vec::new(),
+        }
+    });
     let column = |(at, (owner, title)): (usize, (&Option<Owner>, &String))| {
         let name = Heading::of(title).name;
         let (is, why) = match owner {
-            None => ("not owned".to_owned(), "nobody".to_owned()),
+            None => (NOT_OWNED.to_owned(), "nobody".to_owned()),
             Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
             Some(Owner::Rule(rule)) => ("left out".to_owned(), rules[*rule].rule.clone()),
-            Some(Owner::Role(role)) if layout.declared(title, &name, Form::Teeth).is_some() => {
-                (key(*role), "the spec names it".to_owned())
-            }
-            Some(Owner::Role(role)) => {
-                let is_key = lookup(Form::Parts, &name).is_some_and(|meaning| meaning.is_key);
-                (key(*role), if is_key { "it is the key" } else { "its whole heading is known" }.to_owned())
-            }
+            Some(Owner::Role(role)) => (key(*role), why(title, &name, Form::Teeth)),
         };
-        let unit = units.iter().find(|(place, _)| *place == at).map(|(_, unit)| unit.symbol());
-        ColumnAccount { title: title.clone(), place: at + 1, is, unit, why, first: Vec::new() }
+        let unit = units.iter().find(|(place, _)| *place == at).map(|(_, unit)| unit.to_string());
+        ColumnAccount { title: title.clone(), place: Some(at + 1), is, unit, why, first: Vec::new() }
     };
-    owners.iter().zip(*titles).enumerate().map(column).collect()
+    of.chain(owners.iter().zip(*titles).enumerate().map(column)).collect()
 }

@@ -21,6 +21,8 @@ impl Proposal {
         const SHOWN: usize = 40;
         // a block of one line is `[table]` alone, which closes nothing
         let block = block.filter(|block| block.lines().count() > 1);
+        // no block takes the place of a column that is gone
+        let block = block.filter(|_| !self.open.iter().any(|open| matches!(open, Open::Missing { .. })));
         let lines = self.rejected_lines().map(|line| format!("{}: {}: {}", line.place, line.is, shown(&line.text)));
         let count = self.open.len() + self.more + self.rejected_lines().count();
         let mut list: Vec<String> = self.open.iter().map(Open::in_words).chain(lines).take(SHOWN).collect();

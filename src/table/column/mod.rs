@@ -6,7 +6,7 @@ mod nominal;
 mod unit;
 
 pub(crate) use declared::Declared;
-pub(crate) use unit::UnitFrom;
+pub(crate) use unit::{UnitFrom, UnitSaid};
 
 use super::cell::{Cell, Content};
 use super::companions::Companions;

@@ -1,5 +1,6 @@
 //! The unit of a column's numbers, and what gives it.
 
+use std::fmt;
 use std::mem::discriminant;
 
 use super::{Column, Problem};
@@ -23,23 +24,57 @@ pub(crate) enum UnitFrom {
     Key,
 }
 
+/// The unit of a column's numbers, as an account says it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum UnitSaid {
+    /// All have this one.
+    Same(Unit),
+    /// Each row has its own, in the column of this heading.
+    PerRow(String),
+}
+
+impl UnitSaid {
+    /// The symbol of the unit that all numbers have.
+    pub(crate) fn symbol(&self) -> Option<&'static str> {
+        if let Self::Same(unit) = self { Some(unit.symbol()) } else { None }
+    }
+}
+
+impl fmt::Display for UnitSaid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Same(unit) => f.write_str(unit.symbol()),
+            Self::PerRow(heading) => write!(f, "unit by column `{}`", shown(heading)),
+        }
+    }
+}
+
 impl Column {
+    /// The unit of its numbers in a table with these headings.
+    pub(crate) fn unit_said(&self, titles: &[String]) -> UnitSaid {
+        let units = self.beside.get(Role::Unit).filter(|_| self.has_unit_per_row());
+        units.map_or(UnitSaid::Same(self.unit), |units| UnitSaid::PerRow(titles[units.place].clone()))
+    }
+
+    /// Whether each row has its own unit: only a column of units gives it, and a value has no other companion.
+    fn has_unit_per_row(&self) -> bool {
+        self.unit_from == UnitFrom::Beside && self.beside.iter().count() == 1
+    }
+
     /// Whether a text names the unit of its numbers.
     pub(crate) fn has_unit(&self, text: &str) -> bool {
         unit_of(text, self.field.is_angle()) == Some(self.unit)
     }
 
-    /// The unit of a row's value. It is the column's, or that of the row's cell where only a column of units gives it and the value
-    /// has no other companion.
+    /// The unit of a row's value. It is the column's, or that of the row's cell where each row has its own.
     pub(crate) fn unit_of_row(&self, cell: Option<&Cell>) -> Result<Unit, Problem> {
         let Some(cell) = cell else { return Ok(self.unit) };
         let text = cell.text();
         if self.has_unit(&text) || cell.is_missing() && self.unit_from != UnitFrom::Beside {
             return Ok(self.unit);
         }
-        let is_own = self.unit_from == UnitFrom::Beside && self.beside.iter().count() == 1;
         let own = unit_of(&text, self.field.is_angle()).filter(|unit| discriminant(unit) == discriminant(&self.unit));
-        own.filter(|_| is_own).ok_or_else(|| {
+        own.filter(|_| self.has_unit_per_row()).ok_or_else(|| {
             Problem::new(format!(
                 "the unit beside it is `{}`, and the column's is {}",
                 shown(&text),

@@ -328,8 +328,8 @@ impl<'r> Reader<'r, '_> {
         let rows = self.parts.iter().map(row).collect();
         matched.open = self.open;
         let owned = self.columns.owners.iter().zip(&self.columns.titles);
-        let of = owned.filter_map(|(owner, title)| match owner {
-            Some(Owner::Role(role @ Role::Of(_))) => Some((title.clone(), *role)),
+        let of = owned.enumerate().filter_map(|(place, (owner, title))| match owner {
+            Some(Owner::Role(role @ Role::Of(_))) => Some((place, title.clone(), *role)),
             _ => None,
         });
         matched.of = of.collect();

@@ -11,7 +11,7 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::Diagnostics;
 use crate::quantity::{Angle, AngleUnit, Length, LengthUnit, Unit};
 use crate::table::cell::{Cell, Content, Record};
-use crate::table::column::{Column, Declared, UnitFrom};
+use crate::table::column::{Column, Declared, Problem, UnitFrom, UnitSaid};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::field::{Beside, Field};
 use crate::table::grid::{unit_in, unit_of};
@@ -118,7 +118,11 @@ fn one(
         matched.open.push(two_units(&title, field, &said));
         return None;
     }
-    matched.units.push((place, unit));
+    let of_row = match beside[..] {
+        [(Beside::Unit, at, _)] if from == UnitFrom::Beside => UnitSaid::PerRow(matched.titles[at].clone()),
+        _ => UnitSaid::Same(unit),
+    };
+    matched.units.push((place, of_row));
     Some(with(unit, from))
 }
 
@@ -186,7 +190,8 @@ fn plausible(with: &dyn Fn(Unit) -> Declared, is_angle: bool, rows: &[Record], w
     symbols.into_iter().filter(is_read).collect()
 }
 
-/// Whether every number of a column is of a usual size, and at least one is large enough to be measured.
+/// Whether every number of a column that can be read is of a usual size, and at least one is large enough to be measured. Most can be
+/// read.
 fn is_usual(declared: &dyn Fn() -> Declared, rows: &[Record], want: &Want) -> bool {
     /// The smallest length that is measured: 0.1 µm.
     const LEAST_MEASURED: Length = Length::from_fm(100_000_000);
@@ -195,15 +200,23 @@ fn is_usual(declared: &dyn Fn() -> Declared, rows: &[Record], want: &Want) -> bo
         DeviationValue::Length(length) => length.abs() >= LEAST_MEASURED,
         _ => !value.is_zero(),
     };
-    DecimalMark::ALL.into_iter().any(|mark| {
-        let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..declared() }, want) else { return false };
+    let by_mark = |mark| {
+        let Ok(column) = Column::declared(&Declared { mark: Some(mark), ..declared() }, want) else {
+            return (0, false);
+        };
         let numbers = rows.iter().filter(|row| row.cell(column.place).is_number());
         let values: Vec<_> = numbers.map(|row| column.value(row.cell(column.place), column.beside_in(row))).collect();
-        let is_usual = |value: &Result<Option<DeviationValue>, _>| {
-            value.as_ref().is_ok_and(|value| value.is_none_or(|value| !usual.is_reached_by(value)))
+        let is_usual = |value: &Result<Option<DeviationValue>, Problem>| match value {
+            Ok(value) => value.is_none_or(|value| !usual.is_reached_by(value)),
+            Err(problem) => !problem.is_too_large,
         };
-        values.iter().all(is_usual) && values.into_iter().flatten().flatten().any(is_seen)
-    })
+        let (count, are_usual) = (values.len(), values.iter().all(is_usual));
+        let read: Vec<_> = values.into_iter().flatten().flatten().collect();
+        (read.len(), are_usual && read.len() * 2 > count && read.into_iter().any(is_seen))
+    };
+    let by_marks = DecimalMark::ALL.map(by_mark);
+    let most = by_marks.iter().map(|(read, _)| *read).max();
+    by_marks.iter().any(|(read, is_usual)| Some(*read) == most && *is_usual)
 }
 
 /// The decimal mark by which every number can be read, or else by which more of them can; `None` if no number has a point or a comma.

@@ -3,8 +3,9 @@
 
 use super::open::Open;
 use super::owner::{Owner, line_of};
-use crate::quantity::{Unit, shown};
+use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
+use crate::table::column::UnitSaid;
 use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Meaning, Role, is_known, lookup};
 use crate::table::field::Beside;
 use crate::table::layout::{Layout, OwnRule};
@@ -17,7 +18,7 @@ pub(crate) struct Matched {
     pub(crate) headings: Vec<Heading>,
     pub(crate) titles: Vec<String>,
     /// Place and unit of each column of values whose unit is known.
-    pub(crate) units: Vec<(usize, Unit)>,
+    pub(crate) units: Vec<(usize, UnitSaid)>,
     /// The heading, as a line.
     pub(crate) heading: String,
     /// The line of units below it.
@@ -29,8 +30,8 @@ pub(crate) struct Matched {
     pub(crate) form: Form,
     /// Whether all values are deviations, whatever their headings say.
     pub(crate) are_deviations: bool,
-    /// The headings with a role, in a table with a row per characteristic.
-    pub(crate) of: Vec<(String, Role)>,
+    /// The headings with a role and their places, in a table with a row per characteristic.
+    pub(crate) of: Vec<(usize, String, Role)>,
 }
 
 impl Matched {
@@ -158,10 +159,9 @@ fn ignored_names(owners: &[Option<Owner>], titles: &[String], layout: &Layout, f
     let is_named = owners.contains(&Some(Owner::Role(Role::PartId))) || layout.part_id.is_some();
     let mut columns = owners.iter().zip(titles).filter(|_| !is_named);
     let (_, title) = columns.find(|(owner, title)| matches!(owner, Some(Owner::Rule(_))) && is_name(title))?;
-    let what = format!("`{}` names the parts, and a rule leaves it out", shown(title));
-    Some(Open::Wrong {
-        what, help: "take it out of `ignore`, or say what names the parts: part_id = \"…\"".to_owned()
-    })
+    let rule =
+        layout.ignore.iter().find(|rule| rule.fits(title)).map_or_else(String::new, |rule| rule.text().to_owned());
+    Some(Open::IgnoredNames { rule, title: title.clone() })
 }
 
 /// The owner of a column; `None` if it has neither a role nor a rule.

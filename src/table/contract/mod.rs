@@ -40,7 +40,7 @@ pub(crate) struct Contract {
     /// The headings.
     pub(crate) titles: Vec<String>,
     /// The headings with a role, in a table with a row per characteristic.
-    pub(crate) of: Vec<(String, Role)>,
+    pub(crate) of: Vec<(usize, String, Role)>,
     /// The heading, as a line.
     heading: String,
     /// The line of units below it; empty if there is none.

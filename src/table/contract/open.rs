@@ -30,6 +30,8 @@ pub(crate) enum Open {
     Twice { key: String, titles: [String; 2] },
     /// A pattern that would leave out a heading of the dictionary.
     Pattern { pattern: String, title: String },
+    /// A rule that leaves out the only column with the names of parts.
+    IgnoredNames { rule: String, title: String },
     /// A heading that the contract names and the table lacks.
     Missing { key: String, name: String },
     /// No heading has the role of an error.
@@ -70,6 +72,13 @@ impl Open {
             Self::Pattern { pattern, title } => {
                 format!(
                     "`{pattern}` would leave out `{}`, whose meaning is known: leave it out by its whole name",
+                    shown(title)
+                )
+            }
+            Self::IgnoredNames { rule, title } => {
+                format!(
+                    "`{}` names the parts, and `{rule}` leaves it out: take that out of `ignore`, or say what names them: \
+                     part_id = \"…\"",
                     shown(title)
                 )
             }

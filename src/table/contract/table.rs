@@ -11,7 +11,7 @@ use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
 use super::units::{line_of_units, own_units};
-use super::unowned::{is_bare, likely_heading, no_headings, no_parts, no_values, open_to_others, unowned};
+use super::unowned::{is_bare, likely_heading, no_headings, no_parts, no_values, not_cut, open_to_others, unowned};
 use super::whole::{last_of_each, named, own_headings};
 use crate::quantity::Unit;
 use crate::table::Table;
@@ -192,8 +192,8 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     let below: Vec<Record> = rows.iter().skip(first).filter(|row| layout.covering(row).is_none()).cloned().collect();
     let mut matched = matched(&rows.get(heading).cloned().unwrap_or_default(), &below, layout, form);
     let want = &*of_pinion(&matched, want);
+    let is_bare = !is_known && is_bare(rows, layout);
     if !is_known {
-        let is_bare = is_bare(rows, layout);
         matched.open.retain(|open| !(is_bare && matches!(open, Open::Column { .. })));
         matched.open.insert(
             0,
@@ -205,6 +205,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         );
     }
     matched.open.splice(0..0, open);
+    matched.open.extend(not_cut(&below, layout));
     let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);
     for column in &mut columns {
         file.tell_tolerance(column);
@@ -214,7 +215,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         matched.units_line = line_of(units);
     }
     open_to_others(&mut matched, &columns, &below, (layout, want));
-    if !matched.open.is_empty() {
+    if !matched.open.is_empty() && !is_bare {
         let no_parts = no_parts(&matched, &below, layout);
         matched.open.extend(no_parts);
     }
@@ -296,7 +297,7 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
         Owner::Role(Role::Value(_)) => {
             let column = columns.iter().find(|column| column.place == place)?;
             let by_key = column.unit_from == UnitFrom::Key;
-            let unit = format!("{}{}", column.unit.symbol(), if by_key { ", by its key" } else { "" });
+            let unit = format!("{}{}", column.unit_said(titles), if by_key { ", by its key" } else { "" });
             Some(ColumnReading { unit: Some(unit), ..column_reading_of(column) })
         }
         Owner::Role(Role::Beside(kind, beside @ (Beside::Upper | Beside::Lower | Beside::Uncertainty))) => {
@@ -305,7 +306,7 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
         Owner::Role(role) => Some(named_only(title, &key(*role))),
         Owner::Rule(_) | Owner::Nameless => None,
     });
-    let of = contract.of.iter().map(|(title, role)| named_only(title, &key(*role)));
+    let of = contract.of.iter().map(|(_, title, role)| named_only(title, &key(*role)));
     of.chain(read).collect()
 }
 

@@ -42,12 +42,21 @@ fn numbers_between_blanks(row: &Record) -> Option<usize> {
     (count > 1 && count == text.split_whitespace().count()).then_some(count)
 }
 
+/// The problem that several numbers stand in the only cell of a row, where headings are given for more.
+pub(super) fn not_cut(rows: &[Record], layout: &Layout) -> Option<Open> {
+    let count = rows.iter().find_map(numbers_between_blanks).filter(|_| layout.headings.len() > 1)?;
+    let what = format!("{count} numbers stand in one cell, with blanks between them");
+    Some(Open::Wrong { what, help: "--separator ' ' cuts them".to_owned() })
+}
+
 /// The problem that values stand there without headings, with the options that give them.
 pub(crate) fn no_headings(what: &str, rows: &[Record], (layout, want): (&Layout, &Want)) -> Open {
     let values: Vec<String> = if layout.curve == IsCurve::Yes {
         vec!["stroke[mm]".to_owned(), "delta_cd[um]".to_owned()]
     } else {
         let kinds = if want.expected.is_empty() { &DeviationKind::ALL[..] } else { &want.expected };
+        let mut kinds = kinds.to_vec();
+        kinds.sort_unstable();
         kinds.iter().map(|kind| format!("{}[{}]", kind.key(), want.usual_unit(*kind))).collect()
     };
     let numbered = || rows.iter().filter(|row| layout.covering(row).is_none() && row.numbers() > 0);

@@ -64,19 +64,30 @@ impl Rules {
         if columns.is_empty() { text } else { format!("{text}[table.columns]\n{columns}") }
     }
 
-    /// The entries of `[table.columns]`, that of the part's name first.
+    /// The entries of `[table.columns]`, that of the part's name first. What the contract says of a column stands as it is: a rule adds
+    /// the keys that the entry lacks.
     fn columns(&self, guesses: Guesses) -> String {
-        let new = self.each().filter_map(|(rule, certainty)| match rule {
-            Rule::Column { key, entry } => Some((key, Line::of(format!("{key} = {entry}"), certainty, guesses))),
-            _ => None,
-        });
-        let new: Vec<_> = new.collect();
-        let own = own::columns(&self.layout).into_iter().filter(|(key, _)| !new.iter().any(|(other, _)| *other == key));
-        let own = own.map(|(key, line)| (key != "part_id", Line::plain(line))).collect::<Vec<_>>();
-        let mut all: Vec<_> =
-            own.into_iter().chain(new.into_iter().map(|(key, line)| (key != "part_id", line))).collect();
-        all.sort_by_key(|(is_value, _)| *is_value);
-        written(all.into_iter().map(|(_, line)| line), "")
+        let new = || {
+            self.each().filter_map(|(rule, certainty)| match rule {
+                Rule::Column { key, entry } => Some((&**key, entry, certainty)),
+                _ => None,
+            })
+        };
+        let mut lines: Vec<(&str, Line)> = Vec::new();
+        let own = own::columns(&self.layout);
+        for (key, entry) in &own {
+            let added = new().filter(|(other, ..)| other == key).map(|(_, new, certainty)| (entry.and(new), certainty));
+            let added = added.filter(|(all, _)| all != entry);
+            let added: Vec<_> = added.map(|(all, how)| Line::of(format!("{key} = {all}"), how, guesses)).collect();
+            let is_replaced = added.iter().any(|line| !line.is_comment);
+            lines.extend((!is_replaced).then(|| (*key, Line::plain(format!("{key} = {entry}")))));
+            lines.extend(added.into_iter().map(|line| (*key, line)));
+        }
+        let is_new = |key: &str| own.iter().all(|(known, _)| *known != key);
+        let new = new().filter(|(key, ..)| is_new(key));
+        lines.extend(new.map(|(key, entry, how)| (key, Line::of(format!("{key} = {entry}"), how, guesses))));
+        lines.sort_by_key(|(key, _)| *key != "part_id");
+        written(lines.into_iter().map(|(_, line)| line), "")
     }
 
     fn each(&self) -> impl Iterator<Item = (&Rule, &Certainty)> {

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use super::entry::Entry;
 use super::rules::{Certainty, Rule, Suggestion, ignore, may_be_detail};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
@@ -29,7 +30,7 @@ pub(crate) struct Guess {
     pub(crate) title: String,
     pub(crate) key: String,
     pub(crate) why: &'static str,
-    entry: String,
+    entry: Entry,
 }
 
 impl Guess {
@@ -79,17 +80,16 @@ impl Candidate<'_> {
     }
 
     /// The entry of a contract that gives it a role.
-    fn entry(&self, field: Field) -> String {
+    fn entry(&self, field: Field) -> Entry {
         let units = self.able.iter().find(|(able, _)| *able == field).map_or(&[][..], |(_, units)| units);
         let unit = self.unit.as_deref().or(if let [unit] = units { Some(*unit) } else { None });
-        let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
-        format!("{{ name = {}{unit} }}", quoted(&self.name))
+        Entry::named(&self.name, unit)
     }
 
-    /// Whether at least nine of ten of its cells are numbers.
+    /// Whether most of its cells are numbers.
     fn is_numeric(&self) -> bool {
         let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
-        numbers > 0 && numbers * 10 >= self.cells.len() * 9
+        numbers * 2 > self.cells.len()
     }
 
     /// How similar its name is to the most similar heading of a role, from 0 to 1.
@@ -98,7 +98,7 @@ impl Candidate<'_> {
         headings_of(role).map(|heading| strsim::sorensen_dice(&name, heading)).fold(0.0, f64::max)
     }
 
-    fn guess(&self, key: &str, entry: String, why: &'static str) -> Guess {
+    fn guess(&self, key: &str, entry: Entry, why: &'static str) -> Guess {
         Guess { place: self.place, title: self.title.to_owned(), key: key.to_owned(), why, entry }
     }
 }
@@ -136,7 +136,7 @@ pub(crate) fn date(matched: &Matched, open: &[Open], rows: &[Record], rules: &[S
             && column.cells.iter().all(|cell| is_date(&cell.text()))
     };
     let column = candidates(matched, open, rows).take(MOST).find(is_dated)?;
-    let rule = Rule::Column { key: "date".to_owned(), entry: quoted(column.title) };
+    let rule = Rule::Column { key: "date".to_owned(), entry: Entry::heading(column.title) };
     (!rules.iter().any(is_date_known))
         .then(|| rule.one_of("in place of the column in `ignore`: its texts are dates, which a page can show"))
 }
@@ -190,7 +190,7 @@ pub(crate) fn undecided(
     let is_guessed = |field: &Field| guesses.iter().any(|guess| guess.key == field.key());
     let missing: Vec<Field> = lacking(matched, want).into_iter().filter(|field| !is_guessed(field)).collect();
     let (mut doubtful, mut choices): (Vec<(String, Certainty)>, Vec<Suggestion>) = (Vec::new(), Vec::new());
-    let choice = |field: &Field, entry: String| {
+    let choice = |field: &Field, entry: Entry| {
         Rule::Column { key: field.key().to_owned(), entry }
             .one_of("values that the table lacks: say which column has them")
     };
@@ -216,7 +216,7 @@ pub(crate) fn undecided(
     for open in open.iter().filter(|_| !missing.is_empty()) {
         let Open::Characteristic { title, .. } = open else { continue };
         doubtful.push((escaped_heading(title), doubt()));
-        choices.extend(missing.iter().map(|field| choice(field, format!("{{ name = {} }}", quoted(title)))));
+        choices.extend(missing.iter().map(|field| choice(field, Entry::named(title, None))));
     }
     choices.truncate(MOST);
     for Suggestion { rule, certainty } in rules.iter_mut().filter(|known| known.certainty == Certainty::Exact) {
@@ -243,7 +243,7 @@ fn characteristics(columns: &[Candidate<'_>]) -> Vec<Guess> {
     let Some((names, values)) = names.zip(values) else { return Vec::new() };
     let part =
         columns.iter().find(|column| column.place != names.place && column.unit.is_none() && !column.is_numeric());
-    let guess = |column: &Candidate<'_>, key: &str, why| column.guess(key, quoted(column.title), why);
+    let guess = |column: &Candidate<'_>, key: &str, why| column.guess(key, Entry::heading(column.title), why);
     let mut guesses = vec![
         guess(names, "name", "its texts are headings of errors"),
         guess(values, "actual", "the first column of numbers"),
@@ -265,18 +265,20 @@ fn name_of_part(columns: &[Candidate<'_>]) -> Option<Guess> {
     let near = able.clone().find(|column| column.nearness(Role::PartId) >= NEAR).map(|column| (column, IS_NEAR));
     let first = able.find(|column| column.place == 0 && !column.is_numeric());
     let (column, why) = near.or(first.map(|column| (column, "the first column, whose texts differ")))?;
-    Some(column.guess("part_id", quoted(column.title), why))
+    Some(column.guess("part_id", Entry::heading(column.title), why))
 }
 
 /// The columns that have values which the table lacks, by their headings or because nothing else can be it; those of any error if the
 /// spec asks for none.
 fn values(left: &mut Vec<Candidate<'_>>, matched: &Matched, want: &Want) -> Vec<Guess> {
-    let asked = lacking(matched, want);
+    // what the contract names is not guessed
+    let is_free = |field: &Field| !want.layout.names(Role::Value(*field));
+    let asked: Vec<Field> = lacking(matched, want).into_iter().filter(is_free).collect();
     let mut all = asked.clone();
     if matched.form != Form::Trace {
         let is_new =
             |field: &Field| !asked.contains(field) && !matched.owners.contains(&Some(Owner::Role(Role::Value(*field))));
-        all.extend(DeviationKind::ALL.into_iter().map(Field::Error).filter(is_new));
+        all.extend(DeviationKind::ALL.into_iter().map(Field::Error).filter(is_free).filter(is_new));
     }
     let least = |field: Field| if want.expected.is_empty() || asked.contains(&field) { NEAR } else { VERY_NEAR };
     let mut guesses: Vec<Guess> = Vec::new();
@@ -322,11 +324,7 @@ fn status(column: &Candidate<'_>) -> Option<Guess> {
     let is_within = |short: &String, long: &String| short != long && lower(long).ends_with(&lower(short));
     let accept = texts.keys().find(|short| texts.keys().any(|long| is_within(short, long)))?;
     let others: Vec<String> = texts.keys().filter(|text| *text != accept).map(|text| quoted(text)).collect();
-    let entry = format!(
-        "{{ name = {}, accept = [{}], reject = [{}] }}",
-        quoted(&column.name),
-        quoted(accept),
-        others.join(", ")
-    );
+    let texts = [("accept", format!("[{}]", quoted(accept))), ("reject", format!("[{}]", others.join(", ")))];
+    let entry = Entry::of([("name", quoted(&column.name))].into_iter().chain(texts));
     Some(column.guess("status", entry, "its few texts may be decisions"))
 }

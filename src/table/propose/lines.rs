@@ -21,21 +21,24 @@ pub(crate) struct Shapes {
 impl Shapes {
     /// Adds the names of the parts in a block.
     pub(crate) fn add(&mut self, block: &Block, rejected: &HashSet<usize>) {
+        let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
+        names.for_each(|name| self.add_name(&name));
+    }
+
+    /// Adds the name of a part.
+    pub(crate) fn add_name(&mut self, name: &str) {
         const MOST: usize = 1000;
         const MOST_WORDS: usize = 20;
-        let names = (0..block.rows()).filter(|row| !rejected.contains(row)).filter_map(|row| block.name(row));
-        for name in names {
-            if self.of_names.len() < MOST {
-                self.of_names.insert(shape(&name));
+        if self.of_names.len() < MOST {
+            self.of_names.insert(shape(name));
+        }
+        if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
+            if !name.contains(|c: char| c.is_numeric())
+                && (self.words.len() < MOST_WORDS || self.words.contains_key(name))
+            {
+                *self.words.entry(name.to_owned()).or_insert(1) += 1;
             }
-            if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
-                if !name.contains(|c: char| c.is_numeric())
-                    && (self.words.len() < MOST_WORDS || self.words.contains_key(&*name))
-                {
-                    *self.words.entry(name.clone().into_owned()).or_insert(1) += 1;
-                }
-                self.twice.get_or_insert_with(|| name.into_owned());
-            }
+            self.twice.get_or_insert_with(|| name.to_owned());
         }
     }
 

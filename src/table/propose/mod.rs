@@ -2,6 +2,7 @@
 //! spec that is read becomes a contract, so that a guess never reaches an evaluator.
 
 mod block;
+pub(crate) mod entry;
 pub(crate) mod guess;
 pub(crate) mod lines;
 mod mail;

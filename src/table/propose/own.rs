@@ -1,5 +1,6 @@
 //! The present contract as lines of a spec.
 
+use super::entry::Entry;
 use crate::table::field::Beside;
 use crate::table::grid::Separator;
 use crate::table::layout::{DeclaredColumn, Layout, PartNames, Parts, Repeats, StatusColumn};
@@ -28,31 +29,30 @@ pub(super) fn keys(layout: &Layout) -> Vec<String> {
 }
 
 /// What the contract says of columns, each with its key.
-pub(super) fn columns(layout: &Layout) -> Vec<(String, String)> {
+pub(super) fn columns(layout: &Layout) -> Vec<(&'static str, Entry)> {
     let part = layout.part_id.as_ref().map(|names| match names {
-        PartNames::Column(name) => format!("part_id = {}", quoted(name)),
-        PartNames::Line(pattern) => format!("part_id = {{ line = {} }}", quoted(pattern.text())),
+        PartNames::Column(name) => Entry::heading(name),
+        PartNames::Line(pattern) => Entry::of([("line", quoted(pattern.text()))]),
     });
-    let list = |texts: &[String]| texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ");
+    let list = |texts: &[String]| format!("[{}]", texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", "));
     let status = layout.status.as_ref().map(|StatusColumn { name, accept, reject }| {
-        format!("status = {{ name = {}, accept = [{}], reject = [{}] }}", quoted(name), list(accept), list(reject))
+        let texts = [("accept", accept), ("reject", reject)].into_iter().filter(|(_, texts)| !texts.is_empty());
+        Entry::of([("name", quoted(name))].into_iter().chain(texts.map(|(key, texts)| (key, list(texts)))))
     });
     let column = |column: &DeclaredColumn| {
-        let name = column.name.iter().map(|name| format!("name = {}", quoted(name)));
-        let unit = column.unit.iter().map(|unit| format!("unit = \"{}\"", unit.symbol()));
+        let name = column.name.iter().map(|name| ("name", quoted(name)));
+        let unit = column.unit.iter().map(|unit| ("unit", quoted(unit.symbol())));
         let beside = column.beside.iter().map(|(beside, name)| {
-            let word = if *beside == Beside::Unit { "units" } else { beside.key() };
-            format!("{word} = {}", quoted(name))
+            let key = if *beside == Beside::Unit { "units" } else { beside.key() };
+            (key, quoted(name))
         });
-        let kind = column.is_deviation.then(|| "kind = \"deviation\"".to_owned());
-        let all: Vec<String> = name.chain(unit).chain(kind).chain(beside).collect();
-        (!all.is_empty()).then(|| format!("{} = {{ {} }}", column.field.key(), all.join(", ")))
+        let others = column.others.iter().map(|(key, value)| (key.as_str(), value.clone()));
+        (column.field.key(), Entry::of(name.chain(unit).chain(beside).chain(others)))
     };
-    let columns = layout.columns.iter().filter_map(column);
     let of = layout.of_characteristics.iter().map(|(beside, name)| (beside.key(), name));
-    let headings = of.chain(layout.index.iter().map(|(index, name)| (index.key(), name)));
-    let headings = headings.map(|(key, name)| format!("{key} = {}", quoted(name)));
-    let headings = headings.chain(layout.details.iter().map(|(key, name)| format!("{key} = {}", quoted(name))));
-    let keyed = |line: String| (line.split(" = ").next().unwrap_or_default().to_owned(), line);
-    part.into_iter().chain(status).chain(headings).chain(columns).map(keyed).collect()
+    let index = layout.index.iter().map(|(index, name)| (index.key(), name));
+    let headings = of.chain(index).chain(layout.details.iter().map(|(key, name)| (*key, name)));
+    let headings = headings.map(|(key, name)| (key, Entry::heading(name)));
+    let named = part.map(|part| ("part_id", part)).into_iter().chain(status.map(|status| ("status", status)));
+    named.chain(headings).chain(layout.columns.iter().map(column)).collect()
 }

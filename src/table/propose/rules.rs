@@ -4,10 +4,11 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::entry::Entry;
 use super::lines::{Shapes, common, generalised};
 use crate::deviation::DeviationKind;
-use crate::quantity::Unit;
 use crate::table::block::Odd;
+use crate::table::column::UnitSaid;
 use crate::table::contract::{Open, Owner, key, may_decide};
 use crate::table::dictionary::{Form, Heading, Role, lookup, normal};
 use crate::table::field::{Beside, Field};
@@ -43,8 +44,8 @@ pub(crate) enum Rule {
     /// Lines that belong to no part: as they stand in the file, each with how many like it could be parts, and a pattern that fits
     /// more.
     Lines { exact: Vec<(String, u64)>, like: Option<String>, at_most: u64 },
-    /// An entry of `[table.columns]`, with its value as TOML.
-    Column { key: String, entry: String },
+    /// An entry of `[table.columns]`.
+    Column { key: String, entry: Entry },
 }
 
 /// A rule, and how sure it is.
@@ -81,7 +82,6 @@ impl Rule {
 
 /// The rules that would own what has no owner.
 pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
-    let name = |title: &str| quoted(&Heading::of(title).name);
     let unless_it_decides = |rule: Rule, may_decide: bool| {
         vec![if may_decide { rule.guess("its few texts may be decisions: then it is `status`") } else { rule.exact() }]
     };
@@ -106,7 +106,7 @@ pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
         Open::Unit { key, title, units } => {
             let entry = |unit: &str| Rule::Column {
                 key: (*key).to_owned(),
-                entry: format!("{{ name = {}, unit = \"{unit}\" }}", name(title)),
+                entry: Entry::named(&Heading::of(title).name, Some(unit)),
             };
             if let [unit] = units[..] {
                 return vec![entry(unit).guess(format!("only in {unit} its numbers are of a usual size"))];
@@ -145,7 +145,7 @@ pub(crate) fn may_be_detail(title: &str) -> bool {
 fn detail(title: &str, layout: &Layout) -> Option<Rule> {
     let name = normal(&Heading::of(title).name);
     let key = DETAILS.into_iter().find(|key| *key == name && layout.details.iter().all(|(known, _)| known != key))?;
-    may_be_detail(title).then(|| Rule::Column { key: key.to_owned(), entry: quoted(title) })
+    may_be_detail(title).then(|| Rule::Column { key: key.to_owned(), entry: Entry::heading(title) })
 }
 
 /// The rule for a line, `at_most` of which could be parts.
@@ -156,7 +156,7 @@ fn line(text: &str, at_most: u64) -> Suggestion {
 /// The choice of the column of values, where nothing tells it.
 pub(crate) fn no_values(want: &Want) -> Suggestion {
     let kind = want.expected.first().copied().unwrap_or(DeviationKind::RackPitch);
-    let entry = format!("{{ name = \"…\", unit = \"{}\" }}", want.usual_unit(kind));
+    let entry = Entry::named("…", Some(want.usual_unit(kind)));
     Rule::Column { key: kind.key().to_owned(), entry }.choice("say which column it is")
 }
 
@@ -217,17 +217,17 @@ pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
 pub(crate) struct Found<'t> {
     pub(crate) owners: &'t [Option<Owner>],
     pub(crate) titles: &'t [String],
-    pub(crate) units: &'t [(usize, Unit)],
-    pub(crate) of: &'t [(String, Role)],
+    pub(crate) units: &'t [(usize, UnitSaid)],
+    pub(crate) of: &'t [(usize, String, Role)],
 }
 
-/// Entries of a contract for the roles that the dictionary finds. Roles that the contract names have one already. Where two columns
-/// differ by their unit only, the entry has the whole heading.
+/// Entries of a contract for the roles that the dictionary finds, but for those of which the contract says something already. Where
+/// two columns differ by their unit only, the entry has the whole heading. Units that come per row are in no entry.
 pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> Vec<Suggestion> {
     let name = |place: usize| {
         let name = Heading::of(&titles[place]).name;
         let is_alone = titles.iter().filter(|title| Heading::of(title).name == name).count() == 1;
-        quoted(if is_alone { &name } else { &titles[place] })
+        if is_alone { name } else { titles[place].clone() }
     };
     // the dictionary alone finds a size of a space together with the deviation beside it
     let has_deviation = |field: Field| owners.contains(&Some(Owner::Role(Role::Beside(field, Beside::Deviation))));
@@ -235,20 +235,20 @@ pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
         let Some(Owner::Role(role)) = owner else { return None };
         let (key, entry) = match role {
             _ if layout.names(*role) => return None,
-            Role::PartId => ("part_id", name(place)),
-            Role::Index(field) => (field.key(), name(place)),
+            Role::Value(field) if layout.columns.iter().any(|column| column.field == *field) => return None,
+            Role::PartId => ("part_id", Entry::heading(&name(place))),
+            Role::Index(field) => (field.key(), Entry::heading(&name(place))),
             Role::Value(field) if !(field.is_of_space_or_tooth() && has_deviation(*field)) => {
                 let (_, unit) = units.iter().find(|(at, _)| *at == place)?;
-                (field.key(), format!("{{ name = {}, unit = \"{}\" }}", name(place), unit.symbol()))
+                (field.key(), Entry::named(&name(place), unit.symbol()))
             }
             _ => return None,
         };
         Some(Rule::Column { key: key.to_owned(), entry }.exact())
     };
-    let of = of
-        .iter()
-        .filter(|(_, role)| !layout.names(*role))
-        .map(|(title, role)| Rule::Column { key: key(*role), entry: quoted(&Heading::of(title).name) }.exact());
+    let of = of.iter().filter(|(.., role)| !layout.names(*role)).map(|(_, title, role)| {
+        Rule::Column { key: key(*role), entry: Entry::heading(&Heading::of(title).name) }.exact()
+    });
     owners.iter().enumerate().filter_map(column).chain(of).collect()
 }
 
@@ -266,19 +266,19 @@ pub(crate) fn name_by_line(rules: &mut Vec<Suggestion>) {
     let Some(line) = rules.iter().find_map(pattern) else { return };
     let names = |other: &Suggestion| matches!(&other.rule, Rule::Column { key, .. } if key == "part_id");
     rules.retain(|other| pattern(other).as_ref() != Some(&line) && !names(other));
-    let entry = format!("{{ line = {} }}", quoted(&line));
+    let entry = Entry::of([("line", quoted(&line))]);
     rules.push(Rule::Column { key: "part_id".to_owned(), entry }.guess("it names the parts below it"));
 }
 
 /// Marks a guess as confirmed by a person. Returns whether there is such a guess.
 pub(crate) fn accept(rules: &mut Vec<Suggestion>, key: &str, column: &str) -> bool {
-    let (name, whole) = (quoted(&Heading::of(column).name), escaped_heading(column));
+    let (name, whole) = (Heading::of(column).name, escaped_heading(column));
     let mut found = false;
     for Suggestion { rule, certainty } in rules.iter_mut() {
         let is_it = match rule {
-            Rule::Column { key: own, entry } => own == key && entry.contains(&name),
+            Rule::Column { key: own, entry } => own == key && (entry.is_of(&name) || entry.is_of(column)),
             Rule::Entry(own, text) => *own == key && *text == whole,
-            Rule::Key(own, value) => *own == key && *value == name,
+            Rule::Key(own, value) => *own == key && *value == quoted(&name),
             Rule::Lines { .. } => false,
         };
         if is_it && !matches!(certainty, Certainty::Choice(_)) {
@@ -332,7 +332,7 @@ impl Rule {
             }
             // the unit of a column is found once its role is known
             (Self::Column { entry, .. }, Self::Column { entry: more, .. })
-                if !entry.contains("unit = ") && more.contains("unit = ") =>
+                if !entry.has("unit") && more.has("unit") =>
             {
                 (*entry, *certainty) = (more, next.certainty);
             }
