@@ -17,7 +17,7 @@ use crate::formula::ToleranceEnds;
 use crate::function::{JudgedYoke, Settings};
 use crate::judge::{Limit, LimitTarget, Verdict};
 use crate::quantity::Length;
-use crate::table::{ASIDES_KEPT, AsideReading, Block, Doubtful, LeftOut, Place, Reading, Rows, join_left_out};
+use crate::table::{ASIDES_KEPT, AsideReading, Block, Doubtful, LeftOut, OddRows, Place, Reading, Rows, join_left_out};
 
 /// The number of rows, and of each outcome.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -334,6 +334,8 @@ pub(super) struct Total<'a> {
     pub(super) asides: Vec<AsideReading>,
     /// Lines that rules leave out and that could be parts.
     pub(super) doubtful: Doubtful,
+    /// Rejected rows that are perhaps no parts.
+    pub(super) odd: OddRows,
     /// The rules of the table's contract, with what each left out so far.
     pub(super) left_out: Vec<LeftOut>,
     /// How many values of each source are suspicious.
@@ -352,6 +354,7 @@ impl Total<'_> {
     ) -> io::Result<()> {
         let (records, request) = (self.records, self.request);
         self.doubtful.add(rows, block);
+        self.odd.add(block);
         let settle = |place: &mut RowPlace| {
             place.record += records;
             place.in_words = self.place.in_words(place.line);

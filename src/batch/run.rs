@@ -17,7 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
-use crate::table::{Contradiction, Doubtful, Encoding, Piece, Queue, Rows, Table};
+use crate::table::{Contradiction, Doubtful, Encoding, OddRows, Piece, Queue, Rows, Table};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -81,6 +81,7 @@ impl<'a> Batch<'a> {
             place,
             asides: Vec::new(),
             doubtful: Doubtful::default(),
+            odd: OddRows::default(),
             left_out: std::mem::take(&mut reading.left_out),
             doubted: Default::default(),
             request: &plan.request,
@@ -121,7 +122,7 @@ impl<'a> Batch<'a> {
         let SharedRun { queue, order, ended, .. } = shared;
         let waiting = queue.into_inner().unwrap_or_else(PoisonError::into_inner);
         let order = order.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let Total { asides, doubted, doubtful, left_out, .. } = order.total;
+        let Total { asides, doubted, doubtful, odd, left_out, .. } = order.total;
         reading.left_out = left_out;
         // later rows may allow it
         let is_whole = !ended.into_inner() && !stop.load(Ordering::Relaxed);
@@ -139,6 +140,7 @@ impl<'a> Batch<'a> {
         outcome.interrupted |= stop.load(Ordering::Relaxed);
         reading.asides.extend(asides);
         reading.notes.extend(layout.doubts(plan, &name, &doubted));
+        reading.notes.extend(odd.remedy().map(|remedy| format!("{name}: {remedy}")));
         outcome.readings.push(reading);
         outcome.is_cut |= matches!(failure, Some(RunError::Read(_) | RunError::Contradiction(_)));
         if let Some(RunError::Contradiction(contradiction)) = &failure {

@@ -395,12 +395,11 @@ mod tests {
     fn table(section: &Section, random: &mut impl Iterator<Item = usize>) -> String {
         let mut entries = Vec::new();
         for key in section.keys {
-            let value = match key.kind {
-                keys::Kind::Table(inner) => table(inner, random),
-                _ => {
-                    let samples = samples(key);
-                    samples[random.next().unwrap() % samples.len()].clone()
-                }
+            let value = if let keys::Kind::Table(inner) = key.kind {
+                table(inner, random)
+            } else {
+                let samples = samples(key);
+                samples[random.next().unwrap() % samples.len()].clone()
             };
             // a status has a name, and a table has spaces or teeth
             let is_there = random.next().unwrap().is_multiple_of(2) || section.name.ends_with("status");

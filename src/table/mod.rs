@@ -85,6 +85,7 @@ pub use layout::{ColumnOption, DeclaredColumn, IsCurve, Layout, LineRule, PartNa
 pub use ledger::{LeftOut, Tally};
 pub use number::DecimalMark;
 pub use pattern::Pattern;
+pub(crate) use propose::OddRows;
 pub use propose::{Guesses, table_in_sentences};
 pub use reading::{AsideReading, ColumnReading, NotUsed, Reading};
 pub use stored::Stored;

@@ -156,7 +156,8 @@ impl Proposal {
         let Matched { owners, titles, units, of, .. } = &matched;
         let found = Found { owners, titles, units, of };
         proposal.columns = columns(&found, layout);
-        for column in &mut proposal.columns {
+        // the columns of characteristics come first, and are no cells of a row
+        for column in proposal.columns.iter_mut().skip(matched.of.len()) {
             column.first = column.place.map_or_else(Vec::new, |place| first(place - 1));
             if let Some(guess) = guesses.iter().find(|guess| Some(guess.place + 1) == column.place) {
                 column.why = format!("nobody; {}, a guess: {}", guess.key, guess.why);
@@ -182,6 +183,9 @@ impl Proposal {
             }
         }
         proposal.rules.list.extend(rules::pinned(&found, layout));
+        // the units of rows take the place of one unit
+        let has_units = |rule: &Rule| matches!(rule, Rule::Column { key, .. } if guesses.iter().any(|guess| guess.key == *key && guess.entry.has("units")));
+        proposal.rules.list.retain(|known| !has_units(&known.rule));
         proposal.rules.list.extend(guesses.into_iter().map(Guess::suggestion));
         if !owners.contains(&Some(Owner::Role(Role::PartId))) && layout.part_id.is_none() {
             rules::name_by_line(&mut proposal.rules.list);
@@ -240,14 +244,11 @@ impl Proposal {
             proposal.tell_repeats(&shapes);
         }
         if proposal.parts == Some(0) {
-            // rules for lines would leave nothing
+            // rules for lines would leave nothing: without the name of a part none is unlike those
             let what = proposal.rejected.first().map_or_else(String::new, |first| format!(": {first}"));
             proposal.open.push(Open::Wrong { what: format!("no row is a part{what}"), help: String::new() });
-            odd.clear();
-        }
-        if proposal.parts == Some(0) {
-            // without the name of a part none is unlike those
             odd.retain(|odd| odd.is_no_name);
+            proposal.rules.list.clear();
         }
         for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
             proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });

@@ -159,12 +159,11 @@ impl Column {
             _ if behind.is_empty() && self.unit_from == UnitFrom::Cells => without_unit(),
             _ if behind.is_empty() => Ok(()),
             Some(own) if own == unit => Ok(()),
-            Some(own) if self.unit_from == UnitFrom::Key => bad(format!(
-                "is in {0}, and a column that is called by its key in {1}: unit = \"{0}\" in its entry says otherwise",
-                own.symbol(),
-                unit.symbol()
-            )),
-            Some(own) => bad(format!("is in {}, and the column in {}", own.symbol(), unit.symbol())),
+            Some(own) => {
+                let by_key = format!(", by its key: unit = \"{}\" in its entry says otherwise", own.symbol());
+                let by_key = if self.unit_from == UnitFrom::Key { &*by_key } else { "" };
+                bad(format!("is in {}, and the column in {}{by_key}", own.symbol(), unit.symbol()))
+            }
             None => bad("is not a number alone".to_owned()),
         }
     }

@@ -118,12 +118,16 @@ fn one(
         matched.open.push(two_units(&title, field, &said));
         return None;
     }
-    let of_row = match beside[..] {
-        [(Beside::Unit, at, _)] if from == UnitFrom::Beside => UnitSaid::PerRow(matched.titles[at].clone()),
-        _ => UnitSaid::Same(unit),
-    };
-    matched.units.push((place, of_row));
+    matched.units.push((place, unit_said((unit, from), &beside, &matched.titles)));
     Some(with(unit, from))
+}
+
+/// The unit of a column in the account: that of each row, where only a column of units gives it.
+fn unit_said((unit, from): (Unit, UnitFrom), beside: &[(Beside, usize, Option<Unit>)], titles: &[String]) -> UnitSaid {
+    match beside {
+        [(Beside::Unit, at, _)] if from == UnitFrom::Beside => UnitSaid::PerRow(titles[*at].clone()),
+        _ => UnitSaid::Same(unit),
+    }
 }
 
 /// A column for which two places give different units.
@@ -180,6 +184,31 @@ pub(crate) fn plausible_units(
     let Some(own) = own else { return plausible(&with, field.is_angle(), rows, want) };
     let own = unit_of(own, field.is_angle()).filter(|unit| is_usual(&|| with(*unit), rows, want));
     own.map(Unit::symbol).into_iter().collect()
+}
+
+/// Whether two columns have the nominal values and the deviations of a column of values, by the numbers of most rows.
+pub(crate) fn fits_beside(
+    (field, title, place, unit): (Field, &str, usize, Unit),
+    [nominal, deviation]: [(usize, Option<&str>); 2],
+    rows: &[Record],
+    want: &Want,
+) -> bool {
+    const MOST_ROWS: usize = 100;
+    let own = |unit: Option<&str>| unit.and_then(|unit| unit_of(unit, field.is_angle()));
+    let beside = vec![(Beside::Nominal, nominal.0, own(nominal.1)), (Beside::Deviation, deviation.0, own(deviation.1))];
+    let is_zero = |row: &&Record| !row.cell(nominal.0).text().contains(|c: char| ('1'..='9').contains(&c));
+    DecimalMark::ALL.into_iter().any(|mark| {
+        let (title, unit_from, beside) = (title.to_owned(), UnitFrom::Table, beside.clone());
+        let (is_of_part, is_deviation, mark) = (true, false, Some(mark));
+        let declared = Declared { field, is_of_part, title, place, unit, unit_from, is_deviation, mark, beside };
+        let Ok(column) = Column::declared(&declared, want) else { return false };
+        let fits = |row: &&Record| {
+            let is_whole = [place, nominal.0, deviation.0].into_iter().all(|at| row.cell(at).is_number());
+            is_whole && column.value(row.cell(place), column.beside_in(row)).is_ok()
+        };
+        let first = || rows.iter().take(MOST_ROWS);
+        first().filter(|row| !is_zero(row)).filter(fits).count() * 2 > first().count()
+    })
 }
 
 /// The units in which every number of a column is of a usual size.

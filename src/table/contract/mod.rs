@@ -15,7 +15,7 @@ mod units;
 mod unowned;
 mod whole;
 
-pub(crate) use columns::plausible_units;
+pub(crate) use columns::{fits_beside, plausible_units};
 pub(crate) use heading::{Matched, key, owner};
 pub(crate) use open::{Open, may_decide};
 pub(crate) use owner::{Owner, line_of};
@@ -119,8 +119,8 @@ impl Contract {
         NO_PART_NAMES.split(", ").any(|known| known == text)
     }
 
-    /// What is wrong with the name of a part; `None` if nothing is. `could_be_part`: all values of the row can be read.
-    pub(crate) fn no_name(name: &Cell, could_be_part: bool) -> Option<String> {
+    /// What is wrong with the name of a part; `None` if nothing is.
+    pub(crate) fn no_name(name: &Cell) -> Option<String> {
         let text = name.text();
         if name.is_missing() {
             return Some("the part has no name".to_owned());
@@ -128,13 +128,8 @@ impl Contract {
         if name.is_unlike() {
             return Some(format!("the part's name is `{}`: show it plainly, or leave the line out", shown(&text)));
         }
-        let rule =
-            if could_be_part { format!("{{ like = \"*{text}*\", at_most = 1 }}") } else { format!("\"*{text}*\"") };
-        Self::is_statistic(name).then(|| {
-            format!(
-                "`{text}` is no part's name: leave the line out, ignore_lines = [{rule}], or give the part another name"
-            )
-        })
+        Self::is_statistic(name)
+            .then(|| format!("`{text}` is no part's name: leave the line out, or give the part another name"))
     }
 
     /// Whether a name needs no closer look: no name of a statistic or a limit has a digit.

@@ -75,12 +75,9 @@ impl Open {
                     shown(title)
                 )
             }
-            Self::IgnoredNames { rule, title } => {
-                format!(
-                    "`{}` names the parts, and `{rule}` leaves it out: take that out of `ignore`, or say what names them: \
-                     part_id = \"…\"",
-                    shown(title)
-                )
+            Self::IgnoredNames { title, .. } => {
+                let how = "take it out of `ignore`, or say what names the parts: part_id = \"…\"";
+                format!("`{}` names the parts, and a rule leaves it out: {how}", shown(title))
             }
             Self::Missing { key, name } => format!("there is no `{}`, which the contract names as {key}", shown(name)),
             Self::NoValues { titles } => format!("no column is known to hold an error: {}", listed(titles)),

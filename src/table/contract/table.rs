@@ -205,7 +205,9 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         );
     }
     matched.open.splice(0..0, open);
-    matched.open.extend(not_cut(&below, layout));
+    let not_cut = not_cut(&below, layout);
+    let has_rows = !is_bare && not_cut.is_none();
+    matched.open.extend(not_cut);
     let (mut columns, mark) = columns(&mut matched, units, &below, layout, want);
     for column in &mut columns {
         file.tell_tolerance(column);
@@ -215,7 +217,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         matched.units_line = line_of(units);
     }
     open_to_others(&mut matched, &columns, &below, (layout, want));
-    if !matched.open.is_empty() && !is_bare {
+    if !matched.open.is_empty() && has_rows {
         let no_parts = no_parts(&matched, &below, layout);
         matched.open.extend(no_parts);
     }

@@ -155,7 +155,7 @@ fn written(lines: impl IntoIterator<Item = Line>, indent: &str) -> String {
 }
 
 /// The entries of `ignore_lines` for a rule: its pattern, or each line as it stands in the table.
-fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
+pub(super) fn lines(rule: &Rule, guesses: Guesses) -> Vec<String> {
     let Rule::Lines { exact, like, at_most } = rule else { return Vec::new() };
     match like {
         Some(like) if guesses == Guesses::Filled || exact.len() > MOST_EXACT => vec![line_rule(like, *at_most)],

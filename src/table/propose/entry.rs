@@ -27,10 +27,10 @@ impl Entry {
         self.0.iter().any(|(own, _)| own == key)
     }
 
-    /// Whether the entry is of the column of this heading.
+    /// Whether the entry names the column of this heading.
     pub(crate) fn is_of(&self, name: &str) -> bool {
         let name = quoted(name);
-        self.0.iter().any(|(key, value)| matches!(&**key, "" | "name") && *value == name)
+        self.0.iter().any(|(_, value)| *value == name)
     }
 
     /// This entry with the keys of another one that it lacks. An entry that is a heading alone lacks none.

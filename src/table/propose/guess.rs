@@ -7,7 +7,8 @@ use super::entry::Entry;
 use super::rules::{Certainty, Rule, Suggestion, ignore, may_be_detail};
 use crate::deviation::DeviationKind;
 use crate::table::cell::{Cell, Record};
-use crate::table::contract::{Matched, Open, Owner, plausible_units};
+use crate::table::column::UnitSaid;
+use crate::table::contract::{Matched, Open, Owner, fits_beside, plausible_units};
 use crate::table::dictionary::{Form, Heading, Role, headings_of, lookup, normal};
 use crate::table::field::Field;
 use crate::table::grid::unit_of;
@@ -30,7 +31,7 @@ pub(crate) struct Guess {
     pub(crate) title: String,
     pub(crate) key: String,
     pub(crate) why: &'static str,
-    entry: Entry,
+    pub(crate) entry: Entry,
 }
 
 impl Guess {
@@ -112,6 +113,8 @@ pub(crate) fn guesses(matched: &Matched, rows: &[Record], want: &Want) -> Vec<Gu
     if !guesses.is_empty() {
         return guesses;
     }
+    guesses.extend(beside(&left, matched, rows, want));
+    left.retain(|column| !guesses.iter().any(|guess| guess.place == column.place));
     guesses.extend(values(&mut left, matched, want));
     // a name or a decision has no unit
     left.retain(|column| column.unit.is_none() && matched.form != Form::Trace);
@@ -308,6 +311,57 @@ fn values(left: &mut Vec<Candidate<'_>>, matched: &Matched, want: &Want) -> Vec<
         let column = left.remove(at);
         guesses.push(column.guess(field.key(), column.entry(field), why));
     }
+}
+
+/// The columns beside known values: the units of each row, where nothing else gives a unit, and nominal values with the deviations from
+/// them, by the numbers.
+fn beside(left: &[Candidate<'_>], matched: &Matched, rows: &[Record], want: &Want) -> Vec<Guess> {
+    /// How many columns apart they are, at most.
+    const FAR: usize = 4;
+    let is_value = |(place, owner): (usize, &Option<Owner>)| match owner {
+        Some(Owner::Role(Role::Value(field @ Field::Error(_)))) => Some((place, *field)),
+        _ => None,
+    };
+    let values: Vec<_> = matched.owners.iter().enumerate().filter_map(is_value).collect();
+    let mut guesses: Vec<Guess> = Vec::new();
+    for (at, (place, field)) in values.iter().enumerate() {
+        let next = values.get(at + 1).map_or(usize::MAX, |(next, _)| *next);
+        let behind = || left.iter().filter(|column| (*place..next).contains(&column.place));
+        let unit = matched.units.iter().find(|(known, _)| known == place);
+        let Heading { name, unit: in_heading } = &matched.headings[*place];
+        let by_key = in_heading.is_none() && lookup(matched.form, name).is_some_and(|meaning| meaning.is_key);
+        let is_unit = |cell: &&Cell| unit_of(&cell.text(), field.is_angle()).is_some();
+        let are_units = |column: &&Candidate<'_>| !column.cells.is_empty() && column.cells.iter().all(is_unit);
+        if let Some(units) = behind().find(are_units).filter(|_| unit.is_none() || by_key) {
+            let entry = Entry::of([("name", quoted(name)), ("units", quoted(units.title))]);
+            guesses.push(units.guess(field.key(), entry, "its cells are units"));
+            continue;
+        }
+        let Some((_, UnitSaid::Same(unit))) = unit else { continue };
+        let numbers = || left.iter().filter(|column| column.place.abs_diff(*place) <= FAR && column.is_numeric());
+        let of = (*field, &*matched.titles[*place], *place, *unit);
+        let own = |column: &Candidate<'_>| (column.place, column.unit.clone());
+        let pair = numbers().find_map(|nominal| {
+            let ((one, one_unit), is_free) = (own(nominal), |place| guesses.iter().all(|guess| guess.place != place));
+            let fits = |other: &&Candidate<'_>| {
+                let (two, two_unit) = own(other);
+                one != two
+                    && is_free(one)
+                    && is_free(two)
+                    && fits_beside(of, [(one, one_unit.as_deref()), (two, two_unit.as_deref())], rows, want)
+            };
+            numbers().find(fits).map(|deviation| [("nominal", nominal), ("deviation", deviation)])
+        });
+        for (key, column) in pair.into_iter().flatten() {
+            let entry = Entry::of([(key, quoted(column.title))]);
+            guesses.push(column.guess(
+                field.key(),
+                entry,
+                "by the numbers, deviations are the values less the nominal ones",
+            ));
+        }
+    }
+    guesses
 }
 
 /// A column of decisions: a few texts, of which one ends in another, as `n.i.O.` in `i.O.`

@@ -6,10 +6,15 @@ use crate::table::block::Block;
 use crate::table::ledger::digest;
 use crate::table::pattern::{Pattern, escaped};
 
+/// Names of parts that are looked at, at most.
+const MOST_SEEN: usize = 1000;
+
 /// What the names of parts look like.
 #[derive(Debug, Default)]
 pub(crate) struct Shapes {
     of_names: HashSet<String>,
+    /// How many names these are of.
+    seen: usize,
     /// The names so far, as digests.
     names: HashSet<u64>,
     /// The first name that is there twice.
@@ -27,11 +32,8 @@ impl Shapes {
 
     /// Adds the name of a part.
     pub(crate) fn add_name(&mut self, name: &str) {
-        const MOST: usize = 1000;
         const MOST_WORDS: usize = 20;
-        if self.of_names.len() < MOST {
-            self.of_names.insert(shape(name));
-        }
+        self.see(name);
         if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
             if !name.contains(|c: char| c.is_numeric())
                 && (self.words.len() < MOST_WORDS || self.words.contains_key(name))
@@ -40,6 +42,24 @@ impl Shapes {
             }
             self.twice.get_or_insert_with(|| name.to_owned());
         }
+    }
+
+    /// Adds what the name of a part looks like, if there is room.
+    pub(crate) fn see(&mut self, name: &str) {
+        if self.seen < MOST_SEEN {
+            self.seen += 1;
+            self.of_names.insert(shape(name));
+        }
+    }
+
+    /// Whether no name was looked at.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.of_names.is_empty()
+    }
+
+    /// Whether no more names are looked at.
+    pub(crate) fn is_full(&self) -> bool {
+        self.seen >= MOST_SEEN
     }
 
     /// Whether a text looks like the name of a part.

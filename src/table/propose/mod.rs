@@ -6,8 +6,10 @@ pub(crate) mod entry;
 pub(crate) mod guess;
 pub(crate) mod lines;
 mod mail;
+mod odd_rows;
 mod own;
 pub(crate) mod rules;
 
 pub use block::Guesses;
 pub use mail::table_in_sentences;
+pub(crate) use odd_rows::OddRows;

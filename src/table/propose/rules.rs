@@ -89,6 +89,12 @@ pub(crate) fn of_open(open: &Open, layout: &Layout) -> Vec<Suggestion> {
         Open::Column { place, title, may_decide, .. } if title.is_empty() => {
             unless_it_decides(ignore(&format!("column {}", place + 1)), *may_decide)
         }
+        Open::Column { title, .. } if lookup(Form::Characteristics, &Heading::of(title).name).is_some() => {
+            vec![
+                ignore(title)
+                    .guess("what its heading says would stand beside values: then name it there, nominal = \"…\""),
+            ]
+        }
         Open::Column { title, may_decide, .. } => {
             unless_it_decides(detail(title, layout).unwrap_or_else(|| ignore(title)), *may_decide)
         }
@@ -330,11 +336,12 @@ impl Rule {
                     }
                 }
             }
-            // the unit of a column is found once its role is known
-            (Self::Column { entry, .. }, Self::Column { entry: more, .. })
-                if !entry.has("unit") && more.has("unit") =>
-            {
-                (*entry, *certainty) = (more, next.certainty);
+            // what stands beside a column is found once its role is known
+            (Self::Column { entry, .. }, Self::Column { entry: more, .. }) => {
+                let all = entry.and(&more);
+                if all != *entry {
+                    (*entry, *certainty) = (all, next.certainty);
+                }
             }
             _ => {}
         }

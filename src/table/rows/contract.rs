@@ -100,7 +100,6 @@ impl Rows {
             column.value(ledger.read(column.place), beside)
         };
         let values: Vec<_> = self.setup.columns.iter().map(|column| (column, read(column))).collect();
-        let is_whole = values.iter().all(|(_, value)| matches!(value, Ok(Some(_))));
         block.odd.extend(may_be_no_part(record, name, &values));
         for column in &self.setup.columns {
             let value = record.cell(column.place);
@@ -130,7 +129,7 @@ impl Rows {
         let wrong = swallowed(record, self.setup.separator)
             .map(|line| format!("a cell holds a line break and then `{line}`: a quote may be missing"))
             .or(surplus)
-            .or_else(|| Contract::no_name(name?, is_whole))
+            .or_else(|| Contract::no_name(name?))
             .or_else(|| status.clone()?.err());
         if let Some(message) = wrong {
             self.refuse(record.line, raw, block, &record.in_words(), message);
