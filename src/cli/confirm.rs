@@ -57,7 +57,6 @@ pub(super) fn confirmed<'a>(
     let opened = by_rules.open(&path)?;
     let missing = missing(&opened, partial);
     values(opened.table, output)?;
-    let spec_path = opener.contract_file(spec_path);
     let can_write = sentences.is_none() && !is_dash(spec_path);
     let (also, answers): (_, &[&str]) =
         if can_write { (" (w writes it to the spec as well)", &["y", "n", "w"]) } else { ("", &["y", "n"]) };

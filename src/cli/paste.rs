@@ -166,7 +166,8 @@ impl Args {
         };
         match opened {
             Err(failure) if confirm::can_ask() && !signals::signals(output).came() => {
-                confirm::confirmed(&opener, (&path, &self.spec), self.partial, &mut rest, output)?.ok_or(failure)
+                confirm::confirmed(&opener, (&path, opener.contract_file(&self.spec)), self.partial, &mut rest, output)?
+                    .ok_or(failure)
             }
             opened => Ok(Reopened { opened: opened?, opener, path }),
         }

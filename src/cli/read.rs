@@ -164,7 +164,7 @@ impl Args {
 
     /// Compares files with the contract.
     fn check(&self, opener: &Opener<'_>, files: &[&PathBuf], output: &mut Output) -> Result<Status, Failure> {
-        if opener.spec.table.place.is_none() {
+        if opener.spec.table.place.is_none() && opener.spec.table.source.is_none() {
             let message = "--check compares tables with the [table] of a spec, and there is none";
             return Err(Diagnostic::usage(message).help("`rackmesh read FILE SPEC --write` writes one").into());
         }

@@ -170,7 +170,9 @@ impl Proposal {
             let date = guess::date(&matched, &proposal.open, rows, &proposal.rules.list);
             proposal.rules.list.extend(date);
         }
-        if !has_values && proposal.leaves_nothing() {
+        // of a column that is gone no more is known
+        let is_gone = proposal.open.iter().any(|open| matches!(open, Open::Missing { .. }));
+        if !has_values && !is_gone && proposal.leaves_nothing() {
             let is_of_values = proposal.open.iter().any(|open| matches!(open, Open::Characteristic { .. }));
             if is_of_values || owners.iter().any(|owner| matches!(owner, Some(Owner::Role(_)))) {
                 proposal.rules.list.push(rules::no_values(want));
