@@ -312,7 +312,7 @@ fn a_refusal_shows_the_first_of_many_and_no_long_text() {
     for (name, text, most) in [
         ("heading.csv", heading, 2_000),
         ("unit.csv", unit, 2_000),
-        ("rows.csv", format!("Teil;Rollenmaß [mm]\n{many}"), 100_000),
+        ("rows.csv", format!("Teil;Rollenmaß [mm]\nTeil-1;25,01\n{many}"), 100_000),
     ] {
         let file = folder.file(name, text.as_bytes());
         let command = if name == "rows.csv" { "read" } else { "batch" };

@@ -223,6 +223,7 @@ impl Proposal {
         proposal.rules.list = rules::pinned(&found, &layout);
         let (mut reading, refuses_repeats) = (table.reading.clone(), table.refuses_repeats);
         let (mut shapes, mut odd, mut doubtful) = (Shapes::default(), Vec::new(), vec![0; layout.ignore_lines.len()]);
+        let mut beyond = 0;
         for block in table.rows(Wanted::default()) {
             let block = block.map_err(unreadable)?;
             proposal.count_rows(&block, &mut shapes);
@@ -239,7 +240,7 @@ impl Proposal {
             }
             // a contract has no more rules than these
             let room = MOST_RULES - odd.len();
-            proposal.more += block.odd.len().saturating_sub(room);
+            beyond += block.odd.len().saturating_sub(room);
             odd.extend(block.odd.into_iter().take(room));
         }
         if refuses_repeats {
@@ -255,6 +256,7 @@ impl Proposal {
         for Odd { line, text, .. } in odd.iter().filter(|odd| rules::of_odd(odd, &shapes).is_some()) {
             proposal.lines.push(LineAccount { place: format!("line {line}"), text: text.clone(), is: REJECTED });
         }
+        proposal.more += if proposal.lines.is_empty() { 0 } else { beyond };
         proposal.rules.list.extend(odd.iter().filter_map(|odd| rules::of_odd(odd, &shapes)));
         rules::settle(&mut proposal.rules.list);
         proposal.reading = Some(reading);
