@@ -247,7 +247,8 @@ fn a_search_takes_no_more_than_it_may() {
         let mut sampler = Sampler::new(&mesh);
         let [low, high] = [-0.05, 0.05].map(|roll| sampler.at_roll(stroke, roll, 8.0).expect("contact"));
         let before = sampler.work();
-        let out = AtStroke { stroke_mm: stroke, depth_mm: 8.0, most_searched: before.searched - 1 };
+        let curvature = sampler.curvature(8.0);
+        let out = AtStroke { stroke_mm: stroke, depth_mm: 8.0, curvature, most_searched: before.searched - 1 };
         let narrowed = sampler.narrow([low, high], &out);
         assert!(!narrowed.is_closed && sampler.work() == before);
         for (end, given) in [(narrowed.low, low), (narrowed.high, high)] {
@@ -271,7 +272,8 @@ fn what_a_roll_asks_for_at_least_is_no_more_than_its_solution() {
         for step in 0..12 {
             let stroke_mm = 0.31 * f64::from(step);
             sampler.at(stroke_mm).expect("contact");
-            let stroke = AtStroke { stroke_mm, depth_mm: 8.0, most_searched: u64::MAX };
+            let curvature = sampler.curvature(8.0);
+            let stroke = AtStroke { stroke_mm, depth_mm: 8.0, curvature, most_searched: u64::MAX };
             for roll in [-0.06, -0.02, -0.003, 0.0007, 0.011, 0.05] {
                 let exact = Sampler::new(&mesh).at_roll(stroke_mm, roll, 8.0).expect("contact");
                 for best in [None, Some(exact.value - 0.1)] {
