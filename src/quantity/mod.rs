@@ -33,9 +33,7 @@ pub(crate) use decimals::Places;
 pub use domain::{Domain, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]
-#[cfg(feature = "table")]
-pub(crate) use error::listed;
-pub(crate) use error::shown;
+pub(crate) use error::{listed, shown};
 pub use length::Length;
 pub(crate) use number::Decimal;
 pub use number::NumberError;
