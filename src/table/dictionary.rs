@@ -205,7 +205,7 @@ impl Heading {
     /// brackets, or behind a blank, a slash, a comma or an underscore, is the unit if it is known.
     pub(crate) fn of(title: &str) -> Self {
         if title.len() > LONGEST_HEADING {
-            return Self::default();
+            return Self { name: title.to_owned(), unit: None };
         }
         let text = plain_widths(title);
         let text = text.trim().trim_end_matches(':').trim_end();

@@ -323,3 +323,22 @@ fn a_refusal_shows_the_first_of_many_and_no_long_text() {
         assert!(!before || said(&ended).contains("and 2900 more like these"), "{name}");
     }
 }
+
+/// A heading or a characteristic that is too long to be read is no nameless one: no rule leaves it out.
+#[test]
+fn no_rule_leaves_out_what_is_too_long_to_be_read() {
+    let folder = Folder::new("long");
+    let long = "x".repeat(1001);
+    for (rule, name) in [("", "nameless.toml"), (&long[..], "named.toml")] {
+        let spec = format!("[errors]\nrack_over_roller = {{ nominal = 25.0 }}\n[table]\nignore = [\"{rule}\"]\n");
+        let spec = folder.file(name, spec.as_bytes());
+        for (file, text) in [
+            ("column.csv", format!("Teil;Rollenmaß [mm];{long}\nA;25,01;1\n")),
+            ("row.csv", format!("Teil;Merkmal;Ist;Soll;Einheit\nA;Rollenmaß;25,01;25,0;mm\nA;{long};3,2;0;mm\n")),
+        ] {
+            let ended = run(&["batch", &spec, &folder.file(file, text.as_bytes())], b"");
+            assert_eq!(ended.status.code(), Some(2), "{name} {file}: {}", said(&ended));
+            assert!(said(&ended).contains("has 1001 bytes"), "{name} {file}: {}", said(&ended));
+        }
+    }
+}

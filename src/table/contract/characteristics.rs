@@ -177,6 +177,7 @@ impl<'r> Reader<'r, '_> {
         let is_new = match &open {
             Open::Characteristic { title, .. } | Open::Pattern { title, .. } => self.listed.insert(title.clone()),
             Open::Twice { titles, .. } => self.listed.insert(titles.concat()),
+            Open::Wrong { what, .. } => self.listed.insert(what.clone()),
             _ => true,
         };
         self.open.extend(is_new.then_some(open));

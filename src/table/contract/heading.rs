@@ -106,13 +106,11 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
     let mut roles: Vec<(Role, String)> = Vec::new();
     for place in 0..width {
         let title = titles.get(place).cloned().unwrap_or_default();
-        if title.len() > LONGEST_HEADING {
-            let (shown, length) = (shown(&title), title.len());
-            let what = format!("the heading `{shown}` of column {} has {length} bytes", place + 1);
-            found.open.push(Open::Wrong { what, help: format!("write one of {LONGEST_HEADING} bytes at most") });
+        if let Some(open) = too_long(&title) {
+            found.open.push(open);
             found.owners.push(None);
             found.headings.push(Heading::default());
-            titles[place] = shown;
+            titles[place] = shown(&title);
             continue;
         }
         let named = Heading::of(&title);
@@ -164,11 +162,22 @@ fn ignored_names(owners: &[Option<Owner>], titles: &[String], layout: &Layout, f
     Some(Open::IgnoredNames { rule, title: title.clone() })
 }
 
-/// The owner of a column; `None` if it has neither a role nor a rule.
+/// The problem that a heading or the name of a characteristic is longer than any that is read: no role and no rule owns it.
+fn too_long(title: &str) -> Option<Open> {
+    (title.len() > LONGEST_HEADING).then(|| Open::Wrong {
+        what: format!("the heading `{}` has {} bytes", shown(title), title.len()),
+        help: format!("write one of {LONGEST_HEADING} bytes at most"),
+    })
+}
+
+/// The owner of a column or a characteristic; `None` if it has neither a role nor a rule.
 ///
 /// # Errors
-/// A pattern that would leave out a heading that is known.
+/// A pattern that would leave out a heading that is known, and a heading that is too long.
 pub(crate) fn owner(title: &str, name: &str, place: usize, layout: &Layout, form: Form) -> Result<Option<Owner>, Open> {
+    if let Some(open) = too_long(title) {
+        return Err(open);
+    }
     if let Some(role) = layout.declared(title, name, form) {
         return Ok(Some(Owner::Role(role)));
     }
