@@ -189,14 +189,14 @@ impl<'a> Evaluator<'a> {
         let is_kept = self.keeps(verdict);
         // most parts are not among the worst
         let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
-        let fails_by_yoke = results.fails_by_yoke(row.index);
-        let may_be_worst = || fails_by_yoke || results.inside_by(row.index).is_none_or(is_worst);
+        let fails_otherwise = results.fails_otherwise(row.index);
+        let may_be_worst = || fails_otherwise || results.inside_by(row.index).is_none_or(is_worst);
         if !(is_kept || self.plan.request.statistics && may_be_worst()) {
             return;
         }
-        // a part that fails only by its yoke is among the worst, whatever its ΔCD
+        // a part that fails only by its yoke or its status is among the worst, whatever its ΔCD
         let outside = |margin: Margin| Margin { inside_by: Length::from_fm(-LARGEST), on: None, ..margin };
-        let margin = results.margin(row.index).map(|margin| if fails_by_yoke { outside(margin) } else { margin });
+        let margin = results.margin(row.index).map(|margin| if fails_otherwise { outside(margin) } else { margin });
         let file = &self.file;
         let (plan, layout) = (self.plan, self.layout);
         let part =

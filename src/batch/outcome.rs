@@ -28,7 +28,7 @@ pub struct Counts {
     pub pass: u64,
     /// Parts outside a limit, or rejected by their status.
     pub fail: u64,
-    /// Of those, parts inside their limits that their status rejects.
+    /// Of those, parts that break no limit on ΔCD and that their status rejects.
     pub fail_by_status: u64,
     /// Parts too near a limit for the decision rule.
     pub indeterminate: u64,

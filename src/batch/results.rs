@@ -51,7 +51,7 @@ pub(super) struct Results<'a> {
     meshed: BTreeMap<usize, MeshAnswer>,
     /// The yoke's figures of each part, if they are asked for.
     yokes: Vec<Option<Arc<JudgedYoke>>>,
-    /// The rows of parts that their status rejects and that break no limit.
+    /// The rows of parts that their status rejects and that break no limit on ΔCD.
     by_status: Vec<usize>,
     /// The verdict on the errors of each part, where there are limits on a yoke, too.
     of_errors: Vec<Option<Verdict>>,

@@ -96,7 +96,12 @@ pub fn parts_blocks(parts: &[Part], name: &str) -> Vec<Block> {
     }
     let line =
         |what: &str, all: Vec<String>| (!all.is_empty()).then(|| Block::Note(format!("{what}: {}.", all.join("; "))));
-    let lines = [line("Nominal values", nominals), line("The same for each of these parts", same)];
+    let rejected = parts.iter().filter(|part| part.is_rejected).map(|part| part.id.clone()).collect();
+    let lines = [
+        line("Rejected by their status", rejected),
+        line("Nominal values", nominals),
+        line("The same for each of these parts", same),
+    ];
     table.block_if_any().into_iter().chain(lines.into_iter().flatten()).collect()
 }
 

@@ -101,10 +101,10 @@ impl Results<'_> {
         self.by_status.binary_search(&row).is_ok()
     }
 
-    /// Whether a limit on the yoke is broken, and none on ΔCD.
-    pub(in crate::batch) fn fails_by_yoke(&self, row: usize) -> bool {
-        self.verdicts[row] == Some(Verdict::Fail)
-            && self.of_errors.get(row).is_some_and(|verdict| *verdict != Some(Verdict::Fail))
+    /// Whether a part fails by its status or a limit on its yoke, and breaks none on ΔCD.
+    pub(in crate::batch) fn fails_otherwise(&self, row: usize) -> bool {
+        let is_inside = || self.of_errors.get(row).is_some_and(|verdict| *verdict != Some(Verdict::Fail));
+        self.fails_by_status(row) || self.verdicts[row] == Some(Verdict::Fail) && is_inside()
     }
 
     /// Judges the parts that the bound does not pass by their exact mesh. Once the run is to stop, the first part that is not

@@ -75,9 +75,11 @@ impl Solved {
         self.yoke.as_ref()?.verdict_on(on).map(|verdict| verdict.name().to_owned())
     }
 
-    /// Whether a limit on the yoke is broken, and none on ΔCD.
-    pub(super) fn fails_by_yoke(&self) -> bool {
-        self.verdict() == Some(Verdict::Fail) && self.judged.evaluation.verdict != Some(Verdict::Fail)
+    /// Whether the part fails by its status or a limit on its yoke, and breaks none on ΔCD.
+    pub(super) fn fails_otherwise(&self) -> bool {
+        let evaluation = &self.judged.evaluation;
+        let is_inside = evaluation.verdict != Some(Verdict::Fail) || evaluation.rejection().is_some();
+        self.verdict() == Some(Verdict::Fail) && is_inside
     }
 
     /// The end of the limit that the part is nearest to.
@@ -98,14 +100,14 @@ impl Solved {
 }
 
 /// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0. A part that its yoke
-/// alone fails is among the worst, whatever its ΔCD.
+/// or its status alone fails is among the worst, whatever its ΔCD.
 pub(super) fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
     let evaluation = &solved.judged.evaluation;
     // an open verdict counts as nearest to a limit
     let open = f64::INFINITY;
     let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
-    let nearest = solved.nearest().filter(|_| !solved.fails_by_yoke());
-    let without_limit = if solved.fails_by_yoke() { -open } else { -highest.abs().max(lowest.abs()) };
+    let nearest = solved.nearest().filter(|_| !solved.fails_otherwise());
+    let without_limit = if solved.fails_otherwise() { -open } else { -highest.abs().max(lowest.abs()) };
     Part {
         id: part.name.clone(),
         place: lot.place(part.line, part.record),

@@ -101,3 +101,16 @@ fn a_summary_says_who_rejects() {
         }
     }
 }
+
+/// The part that its status rejects is the worst one on a page, however far it is inside its limits.
+#[test]
+fn a_page_names_the_part_that_its_status_rejects() {
+    let folder = Folder::new("status-page");
+    let inside = (0..12).map(|part| format!("P{part};25,04{part:02};i.O.\n")).collect::<String>();
+    let table = format!("Teil;Rollenmaß [mm];Bewertung\n{inside}BAD;25,000;n.i.O.\n");
+    for ended in judged(&folder, &format!("{SPEC}{LIMIT}{STATUS}"), &table, &[&["report"]]) {
+        let worst = ended.stdout.split_once("The worst").expect("a list").1;
+        assert!(ended.code == Some(1) && worst.contains("Rejected by their status: BAD."), "{}", ended.stdout);
+        assert!(worst.find("BAD") < worst.find("P11"), "{worst}");
+    }
+}
