@@ -33,7 +33,22 @@ pub(crate) enum UnitSaid {
     PerRow(String),
 }
 
+/// Whether each row has its own unit: only a column of units gives it, and a value has no other companion.
+const fn is_per_row(from: UnitFrom, companions: usize) -> bool {
+    matches!(from, UnitFrom::Beside) && companions == 1
+}
+
 impl UnitSaid {
+    /// The unit that something gives to a column with so many companions, of which one may have units, in a table with these headings.
+    pub(crate) fn of(
+        (unit, from): (Unit, UnitFrom),
+        (units, companions): (Option<usize>, usize),
+        titles: &[String],
+    ) -> Self {
+        let units = units.filter(|_| is_per_row(from, companions));
+        units.map_or(Self::Same(unit), |place| Self::PerRow(titles[place].clone()))
+    }
+
     /// The symbol of the unit that all numbers have.
     pub(crate) fn symbol(&self) -> Option<&'static str> {
         if let Self::Same(unit) = self { Some(unit.symbol()) } else { None }
@@ -52,13 +67,8 @@ impl fmt::Display for UnitSaid {
 impl Column {
     /// The unit of its numbers in a table with these headings.
     pub(crate) fn unit_said(&self, titles: &[String]) -> UnitSaid {
-        let units = self.beside.get(Role::Unit).filter(|_| self.has_unit_per_row());
-        units.map_or(UnitSaid::Same(self.unit), |units| UnitSaid::PerRow(titles[units.place].clone()))
-    }
-
-    /// Whether each row has its own unit: only a column of units gives it, and a value has no other companion.
-    fn has_unit_per_row(&self) -> bool {
-        self.unit_from == UnitFrom::Beside && self.beside.iter().count() == 1
+        let units = self.beside.get(Role::Unit).map(|units| units.place);
+        UnitSaid::of((self.unit, self.unit_from), (units, self.beside.iter().count()), titles)
     }
 
     /// Whether a text names the unit of its numbers.
@@ -74,7 +84,7 @@ impl Column {
             return Ok(self.unit);
         }
         let own = unit_of(&text, self.field.is_angle()).filter(|unit| discriminant(unit) == discriminant(&self.unit));
-        own.filter(|_| self.has_unit_per_row()).ok_or_else(|| {
+        own.filter(|_| is_per_row(self.unit_from, self.beside.iter().count())).ok_or_else(|| {
             Problem::new(format!(
                 "the unit beside it is `{}`, and the column's is {}",
                 shown(&text),

@@ -88,9 +88,9 @@ fn one(
     let kind = if let (Field::Error(kind), Form::Parts) = (field, matched.form) { Some(kind) } else { None };
     let given = own.and_then(|column| column.unit).or_else(|| want.given(kind?)?.unit);
     said.extend(given.map(|unit| (unit, UnitFrom::Spec)));
-    let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).filter(|_| said.is_empty());
-    if let Some((_, at, _)) = unit_column {
-        let first = rows.iter().map(|row| row.cell(*at)).find(|cell| !cell.is_missing());
+    let unit_column = beside.iter().find(|(role, ..)| *role == Beside::Unit).map(|(_, at, _)| *at);
+    if let Some(at) = unit_column.filter(|_| said.is_empty()) {
+        let first = rows.iter().map(|row| row.cell(at)).find(|cell| !cell.is_missing());
         said.extend(first.and_then(|cell| unit_of(&cell.text(), is_angle)).map(|unit| (unit, UnitFrom::Beside)));
     }
     if said.is_empty() && meaning.is_some_and(|meaning| meaning.is_key) {
@@ -118,16 +118,8 @@ fn one(
         matched.open.push(two_units(&title, field, &said));
         return None;
     }
-    matched.units.push((place, unit_said((unit, from), &beside, &matched.titles)));
+    matched.units.push((place, UnitSaid::of((unit, from), (unit_column, beside.len()), &matched.titles)));
     Some(with(unit, from))
-}
-
-/// The unit of a column in the account: that of each row, where only a column of units gives it.
-fn unit_said((unit, from): (Unit, UnitFrom), beside: &[(Beside, usize, Option<Unit>)], titles: &[String]) -> UnitSaid {
-    match beside {
-        [(Beside::Unit, at, _)] if from == UnitFrom::Beside => UnitSaid::PerRow(titles[*at].clone()),
-        _ => UnitSaid::Same(unit),
-    }
 }
 
 /// A column for which two places give different units.
