@@ -102,11 +102,9 @@ fn as_option(mut problem: Diagnostic, over: &str) -> Diagnostic {
         place.source = Arc::new(Source::new(place.source.name.clone(), format!("{OVER}{}", over.trim_start())));
     }
     if problem.code == Code::Usage {
-        let is_no_table = problem.message.contains("has no keys to set");
-        let as_table = "write it in the spec as a table, such as rack_pitch = { value = \"12um\", extent = \"each\" }; --over sets \
-                        its keys then";
-        let help = "write --over KEY=VALUES with a key that --set does not set; `rackmesh explain keys` lists all keys";
-        problem.help = Some(if is_no_table { as_table } else { help }.into());
+        let help = "write --over KEY=VALUES with a key that --set does not set; `rackmesh explain keys` lists all keys. --over sets a key \
+                    of an error that the spec has as a table, such as rack_pitch = { value = \"12um\", extent = \"each\" }";
+        problem.help = Some(help.into());
     }
     problem
 }

@@ -152,7 +152,7 @@ fn what_is_impossible_is_a_row_with_its_reason_and_no_value() {
         (
             "mesh-errors",
             &["--over", "errors.rack_pitch.value=10,20um"],
-            "write it in the spec as a table, such as rack_pitch = {",
+            "that the spec has as a table, such as rack_pitch = {",
         ),
     ] {
         let spec = format!("examples/{example}.toml");
