@@ -307,7 +307,10 @@ impl Output {
             text.clone_into(&mut answer.markdown);
             return Ok(());
         }
-        line::clear();
+        // a file leaves the line of a terminal as it is
+        if self.stdout.is_terminal() {
+            line::clear();
+        }
         let mut stdout = self.stdout.lock();
         let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
         Ok(written.map_err(|error| named(STDOUT, &error))?)
