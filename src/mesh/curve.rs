@@ -27,7 +27,7 @@ pub struct Curve {
     pub kinks: Vec<Kink>,
     /// The promised tolerance, mm.
     pub tolerance_mm: f64,
-    /// How many strokes were solved to find the kinks, those counted too whose solution repeats another one.
+    /// How many strokes the search for kinks looked at; a stroke that repeats another one counts, too.
     pub solved: usize,
     /// Whether the tolerance holds everywhere; `false` if refining ended at [`Mesh::curve`]'s limit of work, or at a stroke
     /// whose residual is larger than the tolerance.

@@ -116,12 +116,11 @@ impl From<Unclosed> for Diagnostics {
     }
 }
 
-/// How many things without an owner are listed. The others are listed once these have owners.
-const MOST: usize = 10_000;
-
 impl Proposal {
     /// The proposal for a file in which these have no owner.
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
+        /// How many are listed. The others are listed once these have owners.
+        const MOST: usize = 10_000;
         let more = open.len().saturating_sub(MOST);
         open.truncate(MOST);
         // a rule that cannot stand closes nothing
