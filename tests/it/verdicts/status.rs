@@ -106,7 +106,7 @@ fn a_summary_says_who_rejects() {
 #[test]
 fn a_page_names_the_part_that_its_status_rejects() {
     let folder = Folder::new("status-page");
-    let inside = (0..12).map(|part| format!("P{part};25,04{part:02};i.O.\n")).collect::<String>();
+    let inside = (0..12).fold(String::new(), |rows, part| rows + &format!("P{part};25,04{part:02};i.O.\n"));
     let table = format!("Teil;Rollenmaß [mm];Bewertung\n{inside}BAD;25,000;n.i.O.\n");
     for ended in judged(&folder, &format!("{SPEC}{LIMIT}{STATUS}"), &table, &[&["report"]]) {
         let worst = ended.stdout.split_once("The worst").expect("a list").1;
