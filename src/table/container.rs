@@ -2,7 +2,7 @@
 //! file.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read, Seek as _};
+use std::io::{self, BufReader, Cursor, Read, Seek as _};
 
 use bytes::Bytes;
 
@@ -40,10 +40,12 @@ pub enum Container {
     Parquet(ParquetTable),
 }
 
-/// The largest file that is read as a whole, bytes.
+/// The largest file of a kind that is not streamed, bytes.
 const LARGEST_FILE: usize = 64 << 20;
 /// What a Parquet file starts with.
 const PARQUET: &[u8; 4] = b"PAR1";
+/// What a workbook starts with, as any archive of that kind.
+const ARCHIVE: &[u8; 4] = b"PK\x03\x04";
 
 impl Source {
     /// Bytes in memory.
@@ -68,15 +70,21 @@ impl Container {
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
         let failed = |error: io::Error| Diagnostic::unreadable(name, &error);
         let source = match source {
-            Source::File(file) if is_parquet(&file).map_err(failed)? => {
+            Source::File(file) if starts_with(&file, PARQUET).map_err(failed)? => {
                 return Ok(Self::Parquet(ParquetTable::open(name, file)?));
+            }
+            Source::File(file) if starts_with(&file, ARCHIVE).map_err(failed)? => {
+                refuse_large(name, file.metadata().map_err(failed)?.len())?;
+                return Ok(Self::Workbook(Box::new(Workbook::open(name, BufReader::new(file))?)));
             }
             source => source,
         };
         let peeked = unpacked(source.reader()).and_then(|bytes| peek(bytes, 512)).map_err(failed)?;
         match peeked.start.as_slice() {
-            [b'P', b'K', 3, 4, ..] => Ok(Self::Workbook(Box::new(Workbook::open(name, whole(name, peeked.bytes)?)?))),
-            [b'P', b'A', b'R', b'1', ..] => {
+            start if start.starts_with(ARCHIVE) => {
+                Ok(Self::Workbook(Box::new(Workbook::open(name, Cursor::new(whole(name, peeked.bytes)?))?)))
+            }
+            start if start.starts_with(PARQUET) => {
                 Ok(Self::Parquet(ParquetTable::open(name, Bytes::from(whole(name, peeked.bytes)?))?))
             }
             start => {
@@ -160,15 +168,24 @@ impl Container {
     }
 }
 
-/// Whether a file is a Parquet file. A pipe is not looked at here, because it cannot be read again from its start.
-fn is_parquet(mut file: &File) -> io::Result<bool> {
+/// Whether a file starts with a mark. A pipe is not looked at here, because it cannot be read again from its start.
+fn starts_with(mut file: &File, mark: &[u8; 4]) -> io::Result<bool> {
     if file.stream_position().is_err() {
         return Ok(false);
     }
-    let mut mark = [0; 4];
-    let count = file.read(&mut mark)?;
+    let mut start = [0; 4];
+    let count = file.read(&mut start)?;
     file.rewind()?;
-    Ok(mark[..count] == *PARQUET)
+    Ok(start[..count] == *mark)
+}
+
+/// Refuses a file of that many bytes if it is too large for its kind.
+fn refuse_large(name: &str, bytes: u64) -> Result<(), Diagnostic> {
+    if bytes <= LARGEST_FILE as u64 {
+        return Ok(());
+    }
+    let problem = Diagnostic::unreadable(name, &format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+    Err(problem.help("export the table as CSV, which is read at any size"))
 }
 
 /// Refuses kinds of files that are not read, by their first bytes.
@@ -200,9 +217,6 @@ fn refuse_foreign(name: &str, start: &[u8]) -> Result<(), Diagnostic> {
 fn whole(name: &str, bytes: Box<dyn Read + Send>) -> Result<Vec<u8>, Diagnostic> {
     let mut all = Vec::new();
     bytes.take(LARGEST_FILE as u64 + 1).read_to_end(&mut all).map_err(|error| Diagnostic::unreadable(name, &error))?;
-    if all.len() > LARGEST_FILE {
-        let problem = Diagnostic::unreadable(name, &format!("it is larger than {} MiB", LARGEST_FILE >> 20));
-        return Err(problem.help("export the table as CSV, which is read at any size"));
-    }
+    refuse_large(name, all.len() as u64)?;
     Ok(all)
 }

@@ -16,8 +16,8 @@ mod xml;
 pub(crate) use comments::Comment;
 pub use range::{CellRange, NoCellRange};
 
-use std::collections::HashMap;
-use std::io::{self, Cursor, Read as _};
+use std::collections::{HashMap, HashSet};
+use std::io::{self, Read, Seek};
 use std::sync::mpsc;
 
 use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
@@ -39,12 +39,19 @@ const LARGEST_OTHER: u64 = 96 << 20;
 
 /// Characters of a text at most: the format's own limit.
 const LONGEST_TEXT: usize = 32_767;
+/// Sheets at most. Each is looked into, unless one is chosen.
+const MOST_SHEETS: usize = 1000;
 /// The last place of a cell in a row, unless the row has many cells.
 const FARTHEST: usize = 1024;
 /// The last place of a cell in a row with many cells: so many times the number of its filled cells.
 const FARTHEST_TIMES: usize = 4;
 
-type Book = Xlsx<Cursor<Vec<u8>>>;
+/// Bytes that are read from any place, in a file or in memory.
+trait Stored: Read + Seek + Send {}
+
+impl<S: Read + Seek + Send> Stored for S {}
+
+type Book = Xlsx<Box<dyn Stored>>;
 
 /// A workbook that is checked and open.
 pub struct Workbook {
@@ -66,13 +73,14 @@ pub(crate) struct SheetRecords {
 }
 
 impl Workbook {
-    /// Opens a workbook from its bytes; messages call it `name`.
+    /// Opens a workbook, which stays where it is stored; messages call it `name`.
     ///
     /// # Errors
     /// If it is not a workbook, or unpacks to more than any sheet holds.
-    pub fn open(name: &str, bytes: Vec<u8>) -> Result<Self, Diagnostic> {
-        let checked = check(name, &bytes)?;
-        let book = Xlsx::new(Cursor::new(bytes)).map_err(|error| no_workbook(name, &error))?;
+    pub fn open(name: &str, source: impl Read + Seek + Send + 'static) -> Result<Self, Diagnostic> {
+        let mut source: Box<dyn Stored> = Box::new(source);
+        let checked = check(name, &mut source)?;
+        let book = Xlsx::new(source).map_err(|error| no_workbook(name, &error))?;
         Ok(Self { name: name.to_owned(), book, checked })
     }
 
@@ -296,9 +304,9 @@ struct Checked {
 }
 
 /// Unpacks every part that is read later, to count its bytes. Hardly any are kept.
-fn check(file: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
+fn check(file: &str, source: &mut dyn Stored) -> Result<Checked, Diagnostic> {
     let broken = |error: &dyn std::fmt::Display| no_workbook(file, error);
-    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
+    let mut archive = zip::ZipArchive::new(source).map_err(|error| broken(&error))?;
     let (mut workbook, mut relations, mut texts, mut styles) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut parts = Vec::new();
     for index in 0..archive.len() {
@@ -362,12 +370,24 @@ fn check(file: &str, bytes: &[u8]) -> Result<Checked, Diagnostic> {
     // the texts of a sheet are stored elsewhere, and belong to its digest
     let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
     let mut checked = Checked { sheets: HashMap::new(), digests: HashMap::new(), comments: found };
-    for SheetPart { part, name, is_hidden } in sheet_parts(&workbook, &relations) {
+    let listed = sheet_parts(&workbook, &relations);
+    if listed.len() > MOST_SHEETS {
+        let problem = format!("it has {} sheets, and at most {MOST_SHEETS} are read", listed.len());
+        let help = "save the sheet with the measured values as a workbook of its own, or as .csv";
+        return Err(Diagnostic::unreadable(file, &problem).help(help));
+    }
+    let mut parts = HashSet::new();
+    for SheetPart { part, name, is_hidden } in listed {
         let digest = digests.get(&part).copied().unwrap_or_default();
         if checked.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts)).is_some() {
             return Err(Diagnostic::unreadable(file, &format!("it has two sheets `{name}`")));
         }
-        if let Some(mut sheet) = sheets.get(&part).cloned() {
+        // each part is read once
+        if digests.contains_key(&part) && !parts.insert(part.clone()) {
+            let problem = format!("its sheet `{name}` is stored in {part}, like a sheet before it");
+            return Err(Diagnostic::unreadable(file, &problem));
+        }
+        if let Some(mut sheet) = sheets.remove(&part) {
             sheet.is_hidden = is_hidden;
             checked.sheets.insert(name, sheet);
         }

@@ -1,3 +1,5 @@
+use std::io::Cursor;
+
 use super::*;
 use crate::diagnostic::Diagnostics;
 use crate::table::{Container, Layout, LineRule, Pattern, Source, StatusColumn, Want};
@@ -130,7 +132,7 @@ fn shown(records: impl IntoIterator<Item = Record>) -> Vec<String> {
 
 #[test]
 fn cells_are_what_the_sheet_holds() {
-    let mut book = Workbook::open("lot.xlsx", kinds()).unwrap();
+    let mut book = Workbook::open("lot.xlsx", Cursor::new(kinds())).unwrap();
     assert_eq!(book.sheets(), ["A & B", "Sheet2"]);
     let all = CellRange::default();
     let expected = [
@@ -154,7 +156,7 @@ fn hidden_rows_and_columns_are_read_and_counted() {
         ("Sheet2", "C:F", Some("2 hidden rows")),
         ("A & B", "A:XFD", None),
     ] {
-        let book = Workbook::open("lot.xlsx", kinds()).unwrap();
+        let book = Workbook::open("lot.xlsx", Cursor::new(kinds())).unwrap();
         let records = book.records(sheet, range.parse().unwrap());
         assert_eq!(records.hidden.as_deref(), hidden, "{sheet} {range}");
     }
@@ -186,7 +188,7 @@ fn changed(book: Vec<u8>, part_name: &str, change: impl Fn(String) -> String) ->
 #[test]
 fn an_error_without_a_name_is_no_value() {
     let bytes = with_sheet(|xml| xml.replace("#DIV/0!", "#BUSY!"));
-    let mut book = Workbook::open("lot.xlsx", bytes).unwrap();
+    let mut book = Workbook::open("lot.xlsx", Cursor::new(bytes)).unwrap();
     let head = book.head("Sheet2", CellRange::default(), 2).unwrap();
     assert_eq!(shown(head)[1], "3: |t:#SPILL!||t:1,5 mm");
 }
@@ -194,7 +196,7 @@ fn an_error_without_a_name_is_no_value() {
 #[test]
 fn a_sheet_that_ends_in_the_middle_is_said() {
     let bytes = with_sheet(|xml| xml[..xml.len() - 200].to_owned());
-    let book = Workbook::open("lot.xlsx", bytes).unwrap();
+    let book = Workbook::open("lot.xlsx", Cursor::new(bytes)).unwrap();
     let last = book.records("Sheet2", CellRange::default()).records.last().unwrap();
     let problem = last.unwrap_err().to_string();
     assert!(problem.contains("cannot read lot.xlsx, sheet `Sheet2`: "), "{problem}");
@@ -340,7 +342,11 @@ fn what_changes_what_a_person_sees_has_an_owner() {
     let hidden = |from: &str, to: &str| {
         let bytes =
             changed(one_cell_is(9, 9, &rust_xlsxwriter::Format::new()), "sheet1.xml", |xml| xml.replacen(from, to, 1));
-        Workbook::open("lot.xlsx", bytes).unwrap().records("Sheet1", CellRange::default()).hidden.unwrap_or_default()
+        Workbook::open("lot.xlsx", Cursor::new(bytes))
+            .unwrap()
+            .records("Sheet1", CellRange::default())
+            .hidden
+            .unwrap_or_default()
     };
     assert_eq!(hidden("<row r=\"3\"", "<row ht=\"0\" customHeight=\"1\" r=\"3\""), "1 hidden row");
     assert_eq!(
@@ -388,6 +394,40 @@ fn a_formula_without_a_result_is_no_empty_cell_and_a_chart_no_sheet() {
     ]);
     let expected = ["lot.xlsx, sheet `Lot`: Teil|rack_over_roller [mm]", "2: A|0.0025 mm", "3: B|", "4: C|0.001 mm"];
     assert_eq!(rows(&book, None, "").unwrap(), expected);
-    let book = Workbook::open("lot.xlsx", book).expect("a workbook");
+    let book = Workbook::open("lot.xlsx", Cursor::new(book)).expect("a workbook");
     assert_eq!(book.sheets(), ["Lot"]);
+}
+
+/// Each sheet is looked into, so that their number is bounded, and no part is looked into twice.
+#[test]
+fn too_many_sheets_and_sheets_in_one_part_are_refused() {
+    const TYPE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let with_sheets = |count: usize, part_of: &dyn Fn(usize) -> usize| {
+        let each = |one: &dyn Fn(usize) -> String| (0..count).map(one).collect::<String>();
+        let sheets = each(&|at| format!("<sheet name=\"S{at}\" sheetId=\"{}\" r:id=\"r{at}\"/>", at + 1));
+        let relations = each(&|at| {
+            let part = part_of(at);
+            format!("<Relationship Id=\"r{at}\" Type=\"{TYPE}/worksheet\" Target=\"worksheets/sheet{part}.xml\"/>")
+        });
+        let root = format!(
+            "<Relationships><Relationship Id=\"a\" Type=\"{TYPE}/officeDocument\" Target=\"xl/workbook.xml\"/></Relationships>"
+        );
+        let cells = "<worksheet><sheetData><row r=\"1\"><c r=\"A1\"><v>1</v></c></row></sheetData></worksheet>";
+        let book = of_parts(&[
+            ("_rels/.rels", &root),
+            ("xl/workbook.xml", &format!("<workbook><sheets>{sheets}</sheets></workbook>")),
+            ("xl/_rels/workbook.xml.rels", &format!("<Relationships>{relations}</Relationships>")),
+            ("xl/worksheets/sheet0.xml", cells),
+            ("xl/worksheets/sheet1.xml", cells),
+        ]);
+        Workbook::open("lot.xlsx", Cursor::new(book))
+            .map(|book| book.sheets().len())
+            .map_err(|problem| problem.sentence())
+    };
+    assert_eq!(with_sheets(2, &|at| at), Ok(2));
+    let twice = with_sheets(2, &|_| 0).unwrap_err();
+    assert!(twice.contains("its sheet `S1` is stored in xl/worksheets/sheet0.xml, like a sheet before it"), "{twice}");
+    let many = with_sheets(MOST_SHEETS + 1, &|at| at).unwrap_err();
+    assert!(many.contains("it has 1001 sheets, and at most 1000 are read; save the sheet"), "{many}");
+    assert_eq!(with_sheets(MOST_SHEETS, &|at| at), Ok(MOST_SHEETS));
 }
