@@ -11,7 +11,7 @@ use crate::quantity::shown;
 use crate::table::Table;
 use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
-use crate::table::contract::{Matched, Open, Owner, key, no_headings};
+use crate::table::contract::{Matched, Named, Open, Owner, key, no_headings};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::{Layout, LineRule, MOST_RULES, Repeats};
 use crate::table::pattern::{Pattern, escaped_heading};
@@ -421,25 +421,19 @@ fn columns(Found { owners, titles, units, of }: &Found<'_>, layout: &Layout) -> 
         };
         why.to_owned()
     };
-    let of = of.iter().map(|(place, title, role)| {
-        let why = why(title, &Heading::of(title).name, Form::Characteristics);
-        ColumnAccount {
-            title: title.clone(),
-            place: Some(place + 1),
-            is: key(*role),
-            unit: None,
-            why,
-            first: Vec::new(),
-        }
+    let owned = |owner: Option<Owner>, title: &str, form: Form| match owner {
+        None => (NOT_OWNED.to_owned(), "nobody".to_owned()),
+        Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
+        Some(Owner::Rule(rule)) => ("left out".to_owned(), rules[rule].rule.clone()),
+        Some(Owner::Role(role)) => (key(role), why(title, &Heading::of(title).name, form)),
+    };
+    let of = of.iter().map(|Named { place, title, owner, first }| {
+        let (is, why) = owned(Some(*owner), &title[..], Form::Characteristics);
+        let (title, place, first) = (title.clone(), place.map(|place| place + 1), first.clone());
+        ColumnAccount { title, place, is, unit: None, why, first }
     });
     let column = |(at, (owner, title)): (usize, (&Option<Owner>, &String))| {
-        let name = Heading::of(title).name;
-        let (is, why) = match owner {
-            None => (NOT_OWNED.to_owned(), "nobody".to_owned()),
-            Some(Owner::Nameless) => ("nothing".to_owned(), "it has no heading".to_owned()),
-            Some(Owner::Rule(rule)) => ("left out".to_owned(), rules[*rule].rule.clone()),
-            Some(Owner::Role(role)) => (key(*role), why(title, &name, Form::Teeth)),
-        };
+        let (is, why) = owned(*owner, title, Form::Teeth);
         let unit = units.iter().find(|(place, _)| *place == at).map(|(_, unit)| unit.to_string());
         ColumnAccount { title: title.clone(), place: Some(at + 1), is, unit, why, first: Vec::new() }
     };

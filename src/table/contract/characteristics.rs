@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::heading::{Matched, key, matched, owner};
+use super::heading::{Matched, Named, key, matched, owner};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
@@ -18,6 +18,9 @@ use crate::table::want::Want;
 /// What stands beside a value in a row of its characteristic.
 const BESIDE: [Beside; 6] =
     [Beside::Nominal, Beside::Deviation, Beside::Upper, Beside::Lower, Beside::Uncertainty, Beside::Unit];
+
+/// Characteristics that are listed as left out by a rule, at most. The rule counts all of them.
+const MOST_LISTED: usize = 10_000;
 
 /// The table of parts.
 pub(super) struct Turned {
@@ -60,8 +63,10 @@ struct Reader<'r, 'l> {
     owners: HashMap<String, Result<Option<Owner>, Open>>,
     /// The nominal values and units of those that are read.
     owned: HashSet<[String; 2]>,
-    /// The names that are listed as without an owner.
+    /// The names that are listed as without an owner, or as left out by a rule.
     listed: HashSet<String>,
+    /// The characteristics that a rule leaves out.
+    ignored: Vec<Named>,
     /// Whether no row has an error that the spec asks for.
     lacks_error: bool,
 }
@@ -88,6 +93,7 @@ pub(super) fn turned(
         owners: HashMap::new(),
         owned: HashSet::new(),
         listed: HashSet::new(),
+        ignored: Vec::new(),
         lacks_error: false,
     };
     reader.look(below);
@@ -158,15 +164,13 @@ impl<'r> Reader<'r, '_> {
         };
         match self.owners.get(&title).cloned().unwrap_or(Ok(None)) {
             Ok(Some(Owner::Role(Role::Value(field)))) => self.value(record, field, title),
-            Ok(Some(Owner::Rule(rule))) if !self.repeats_owned(record, rule) => self.ignored(record, rule),
+            Ok(Some(Owner::Rule(rule))) if !self.repeats_owned(record, rule) => self.ignored(record, rule, title),
             Err(open) => self.unowned(open),
             _ if record.filled().len() == 1 => {
                 self.open.push(Open::Line { line: record.line, text: line, is_heading: false });
             }
             _ => {
-                let places = [Beside::Measured, Beside::Deviation].map(|of| self.place(Role::Of(of)));
-                let value = places.into_iter().flatten().map(|place| record.cell(place)).find(|cell| !cell.is_empty());
-                let first = value.map(|value| value.text().into_owned()).into_iter().collect();
+                let first = self.first(record);
                 self.unowned(Open::Characteristic { title, first });
             }
         }
@@ -200,9 +204,20 @@ impl<'r> Reader<'r, '_> {
         })
     }
 
+    /// The value in a row of a characteristic, as a text, if there is one.
+    fn first(&self, record: &Record) -> Vec<String> {
+        let places = [Beside::Measured, Beside::Deviation].map(|of| self.place(Role::Of(of)));
+        let value = places.into_iter().flatten().map(|place| record.cell(place)).find(|cell| !cell.is_empty());
+        value.map(|value| value.text().into_owned()).into_iter().collect()
+    }
+
     /// A row that a rule leaves out; its part is one all the same.
-    fn ignored(&mut self, record: &'r Record, rule: usize) {
+    fn ignored(&mut self, record: &'r Record, rule: usize, title: String) {
         self.part(record);
+        if self.ignored.len() < MOST_LISTED && self.listed.insert(title.clone()) {
+            let first = self.first(record);
+            self.ignored.push(Named { place: None, title, owner: Owner::Rule(rule), first });
+        }
         for (place, cell) in record.cells.iter().enumerate() {
             self.left_out.add(rule, record.line, place, &cell.text());
         }
@@ -330,10 +345,12 @@ impl<'r> Reader<'r, '_> {
         matched.open = self.open;
         let owned = self.columns.owners.iter().zip(&self.columns.titles);
         let of = owned.enumerate().filter_map(|(place, (owner, title))| match owner {
-            Some(Owner::Role(role @ Role::Of(_))) => Some((place, title.clone(), *role)),
+            Some(owner @ (Owner::Role(Role::Of(_)) | Owner::Rule(_))) => {
+                Some(Named { place: Some(place), title: title.clone(), owner: *owner, first: Vec::new() })
+            }
             _ => None,
         });
-        matched.of = of.collect();
+        matched.of = of.chain(self.ignored).collect();
         Turned { matched, units: Record::new(units, self.columns.line), rows }
     }
 }

@@ -30,8 +30,26 @@ pub(crate) struct Matched {
     pub(crate) form: Form,
     /// Whether all values are deviations, whatever their headings say.
     pub(crate) are_deviations: bool,
-    /// The headings with a role and their places, in a table with a row per characteristic.
-    pub(crate) of: Vec<(usize, String, Role)>,
+    /// What has an owner besides the columns, in a table with a row per characteristic.
+    pub(crate) of: Vec<Named>,
+}
+
+/// A heading of a table with a row per characteristic, or a characteristic that a rule leaves out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Named {
+    /// The place of the heading's column; `None` of a characteristic.
+    pub(crate) place: Option<usize>,
+    pub(crate) title: String,
+    pub(crate) owner: Owner,
+    /// Its first text.
+    pub(crate) first: Vec<String>,
+}
+
+impl Named {
+    /// The heading and its role, if it has one.
+    pub(crate) fn role(&self) -> Option<(&str, Role)> {
+        if let Owner::Role(role) = self.owner { Some((&self.title, role)) } else { None }
+    }
 }
 
 impl Matched {

@@ -16,7 +16,7 @@ mod unowned;
 mod whole;
 
 pub(crate) use columns::{fits_beside, plausible_units};
-pub(crate) use heading::{Matched, key, owner};
+pub(crate) use heading::{Matched, Named, key, owner};
 pub(crate) use open::{Open, may_decide};
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
@@ -39,8 +39,8 @@ pub(crate) struct Contract {
     pub(crate) owners: Vec<Owner>,
     /// The headings.
     pub(crate) titles: Vec<String>,
-    /// The headings with a role, in a table with a row per characteristic.
-    pub(crate) of: Vec<(usize, String, Role)>,
+    /// What has an owner besides the columns, in a table with a row per characteristic.
+    pub(crate) of: Vec<Named>,
     /// The heading, as a line.
     heading: String,
     /// The line of units below it; empty if there is none.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Contract;
 use super::characteristics::{self, Turned};
 use super::columns::columns;
-use super::heading::{Matched, find, key, matched, roles};
+use super::heading::{Matched, Named, find, key, matched, roles};
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
@@ -308,7 +308,7 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
         Owner::Role(role) => Some(named_only(title, &key(*role))),
         Owner::Rule(_) | Owner::Nameless => None,
     });
-    let of = contract.of.iter().map(|(_, title, role)| named_only(title, &key(*role)));
+    let of = contract.of.iter().filter_map(Named::role).map(|(title, role)| named_only(title, &key(role)));
     of.chain(read).collect()
 }
 

@@ -9,7 +9,7 @@ use super::lines::{Shapes, common, generalised};
 use crate::deviation::DeviationKind;
 use crate::table::block::Odd;
 use crate::table::column::UnitSaid;
-use crate::table::contract::{Open, Owner, key, may_decide};
+use crate::table::contract::{Named, Open, Owner, key, may_decide};
 use crate::table::dictionary::{Form, Heading, Role, lookup, normal};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::{DETAILS, Layout};
@@ -218,13 +218,13 @@ pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     })
 }
 
-/// What is known of the columns of a table: their owners, their headings, the units of values by place, and the headings of a table
-/// with a row per characteristic.
+/// What is known of the columns of a table: their owners, their headings, the units of values by place, and what else has an owner in a
+/// table with a row per characteristic.
 pub(crate) struct Found<'t> {
     pub(crate) owners: &'t [Option<Owner>],
     pub(crate) titles: &'t [String],
     pub(crate) units: &'t [(usize, UnitSaid)],
-    pub(crate) of: &'t [(usize, String, Role)],
+    pub(crate) of: &'t [Named],
 }
 
 /// Entries of a contract for the roles that the dictionary finds, but for those of which the contract says something already. Where
@@ -252,9 +252,10 @@ pub(crate) fn pinned(Found { owners, titles, units, of }: &Found<'_>, layout: &L
         };
         Some(Rule::Column { key: key.to_owned(), entry }.exact())
     };
-    let of = of.iter().filter(|(.., role)| !layout.names(*role)).map(|(_, title, role)| {
-        Rule::Column { key: key(*role), entry: Entry::heading(&Heading::of(title).name) }.exact()
-    });
+    let of =
+        of.iter().filter_map(Named::role).filter(|(_, role)| !layout.names(*role)).map(|(title, role)| {
+            Rule::Column { key: key(role), entry: Entry::heading(&Heading::of(title).name) }.exact()
+        });
     owners.iter().enumerate().filter_map(column).chain(of).collect()
 }
 

@@ -73,6 +73,29 @@ fn guesses_rest_on_rows_that_can_be_read() {
     }
 }
 
+/// Characteristics that a rule leaves out are in the account one by one, as columns are, and so are the columns of their table.
+#[test]
+fn what_a_rule_leaves_out_is_in_the_account() {
+    let folder = Folder::new("left-out");
+    let file = folder.file(
+        "a.csv",
+        "Teil;Merkmal;Ist;Soll;Einheit;Prüfer\nA;Härte;41;40;HRC;Huber\nA;Rollenmaß;25,013;25,000;mm;Huber\n\
+         B;Härte;42;40;HRC;Maier\nB;Rollenmaß;25,012;25,000;mm;Maier\nB;Rauheit;1,6;;µm;Maier\n",
+    );
+    let spec = folder.file("rack.toml", &format!("{SPEC}[table]\nignore = [\"Härte\", \"Rauheit\", \"Prüfer\"]\n"));
+    let output = run(&["read", &file, &spec, "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let columns = json["account"][0]["columns"].as_array().unwrap();
+    let left_out: Vec<_> = columns.iter().filter(|column| column["is"] == "left out").collect();
+    let expected = serde_json::json!([
+        { "title": "Prüfer", "place": 6, "is": "left out", "unit": null, "why": "`Prüfer`", "first": [] },
+        { "title": "Härte", "place": null, "is": "left out", "unit": null, "why": "`Härte`", "first": ["41"] },
+        { "title": "Rauheit", "place": null, "is": "left out", "unit": null, "why": "`Rauheit`", "first": ["1,6"] },
+    ]);
+    assert_eq!(serde_json::json!(left_out), expected);
+}
+
 /// The account has every column and every characteristic.
 #[test]
 fn every_column_is_in_the_account() {
