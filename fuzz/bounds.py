@@ -63,7 +63,9 @@ class Record:
         return self.field(number, 12, record.end())
 
     def records(self, number, records):
-        return self.field(number, 9, bytes([len(records) << 4 | 12]) + b"".join(record.end() for record in records))
+        count = len(records)
+        length = bytes([count << 4 | 12]) if count < 15 else bytes([0xFC]) + varint(count)
+        return self.field(number, 9, length + b"".join(record.end() for record in records))
 
     def end(self):
         return self.out + b"\0"
@@ -75,8 +77,8 @@ def page(kind, raw, header):
     return head.record(7 if kind == 2 else 5, header).end() + packed, len(head.end())
 
 
-def parquet(rows, size, texts=1):
-    """`part_id` and `rack_over_roller_mm`, and `note`, whose cells are `size` bytes each, in a dictionary."""
+def parquet(rows, size, texts=1, more=0):
+    """`part_id` and `rack_over_roller_mm`, `note`, whose cells are `size` bytes each, in a dictionary, and `more` columns of numbers."""
     out, chunks = io.BytesIO(), []
     out.write(b"PAR1")
 
@@ -97,7 +99,9 @@ def parquet(rows, size, texts=1):
     # one run of the first text: its width in bits, and how often
     data = page(0, b"\x01" + varint(rows << 1) + b"\0", Record().i32(1, rows).i32(2, 8).i32(3, 3).i32(4, 3))[0]
     column(b"note", 6, [first, data], len(dictionary))
-    schema = [Record().text(4, b"lot").i32(5, 3)]
+    for number in range(more):
+        column(b"c%d" % number, 5, [plain(struct.pack("<d", 1.5) * rows)], 8 * rows)
+    schema = [Record().text(4, b"lot").i32(5, 3 + more)]
     schema += [
         Record().i32(1, physical).i32(3, 0).text(4, name).i32(6, 0) if physical == 6 else Record().i32(1, physical).i32(3, 0).text(4, name)
         for name, physical, *_ in chunks
@@ -112,8 +116,8 @@ def parquet(rows, size, texts=1):
     return out.getvalue() + footer + struct.pack("<I", len(footer)) + b"PAR1"
 
 
-def workbook(rows, shared=()):
-    """A workbook of these rows, each a list of places and texts; numbers that begin with # are of shared texts."""
+def workbook(rows, shared=(), sheets=1):
+    """A workbook of these rows, each a list of places and texts; numbers that begin with # are of shared texts. All sheets are one part."""
     main = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
 
     def cell(place, text):
@@ -123,11 +127,12 @@ def workbook(rows, shared=()):
 
     lines = "".join(f'<row r="{n}">' + "".join(cell(p + str(n), t) for p, t in row) + "</row>" for n, row in enumerate(rows, 1))
     strings = "".join(f"<si><t>{text}</t></si>" for text in shared)
+    names = "".join(f'<sheet name="A{n}" sheetId="{n + 1}" r:id="a"/>' for n in range(sheets))
     relation = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
     files = {
         "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
         "_rels/.rels": f'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="a" Type="{relation}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-        "xl/workbook.xml": f'<workbook {main} xmlns:r="{relation}"><sheets><sheet name="A" sheetId="1" r:id="a"/></sheets></workbook>',
+        "xl/workbook.xml": f'<workbook {main} xmlns:r="{relation}"><sheets>{names}</sheets></workbook>',
         "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="a" Type="{relation}/worksheet" Target="worksheets/sheet1.xml"/><Relationship Id="b" Type="{relation}/sharedStrings" Target="sharedStrings.xml"/></Relationships>',
         "xl/worksheets/sheet1.xml": f"<worksheet {main}><sheetData>{lines}</sheetData></worksheet>",
         "xl/sharedStrings.xml": f"<sst {main}>{strings}</sst>",
@@ -153,6 +158,15 @@ def inputs():
     yield "20,000 lines above a table", "g.csv", ("".join(f"line {n} of words\n" for n in range(20_000)) + head + row).encode()
     yield "64 MB of one line", "h.csv", (head + "x" * (64 << 20)).encode()
     yield "64 MB of words", "i.csv", b"some words and no table\n" * (64 << 20 >> 5)
+    yield "50,000 sheets", "s.xlsx", workbook([[("A", "part_id"), ("B", "rack_over_roller [mm]")], [("A", "P1"), ("B", "25.01")]], (), 50_000)
+    yield "20,000 columns in Parquet", "t.parquet", parquet(1, 8, 1, 20_000)
+    yield "2,000 columns and 400 rows in Parquet", "u.parquet", parquet(400, 8, 1, 2000)
+    lot = b"K0100 1\nK2002/1 rack_over_roller\nK2142/1 mm\n"
+    yield "two million remarks in Q-DAS", "v.dfq", lot + b"".join(b"K2900/1 remark %d\n" % n for n in range(2_000_000)) + b"25.01\n"
+    yield "nine million values in Q-DAS", "w.dfq", lot + b"25.01\n" * 9_000_000
+    names = b"".join(b"K2002/%d c%d\n" % (n, n) for n in range(2, 1000))
+    rows = (b"25.01\x0f" * 998 + b"25.01\n") * 1000
+    yield "999 characteristics in Q-DAS", "x.dfq", lot.replace(b"K0100 1", b"K0100 999") + names + rows
     yield "a remark of 8 MB in Q-DAS", "j.dfq", b"K0100 1\nK2002/1 rack_pitch\nK1900/1 " + b"x" * (8 << 20) + b"\n1\n"
     yield "20,000 remarks in Q-DAS", "k.dfq", b"K0100 1\nK2002/1 rack_pitch\n" + b"K1900/1 x\n" * 20_000 + b"1\n"
     rows = "".join(f"P{n % 7};C{n};25,0;25,01\n" for n in range(100_000))

@@ -184,7 +184,8 @@ impl<'a> Opener<'a> {
         Ok(match qdas_pair(path) {
             Some((definitions, values)) => {
                 let sources = (self.source(&definitions)?, self.source(&values)?);
-                Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1))?
+                let want = self.want(&self.spec);
+                Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1), &want)?
             }
             None => Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec))?,
         })

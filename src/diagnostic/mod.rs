@@ -31,8 +31,10 @@ use std::sync::Arc;
 pub struct Source {
     /// The file's name, as the user gave it.
     pub name: String,
-    /// The whole text.
+    /// The text: the whole one, or a line of it.
     pub text: String,
+    /// Lines of the file before it.
+    pub lines_before: usize,
     /// A text that counts as following this one, with a byte between them: what the command line adds to a file.
     pub next: Option<Arc<Self>>,
 }
@@ -40,7 +42,7 @@ pub struct Source {
 impl Source {
     /// A text that stands alone.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
-        Self { name: name.into(), text: text.into(), next: None }
+        Self { name: name.into(), text: text.into(), lines_before: 0, next: None }
     }
 
     /// The text that holds these bytes, this one or the next, and their place in it.
@@ -85,7 +87,7 @@ impl Place {
         }
         let before = &text[..start];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+        (self.source.lines_before + before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
     }
 }
 

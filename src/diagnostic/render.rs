@@ -93,7 +93,7 @@ impl<'p> Lines<'p> {
         Self {
             name: harmless(&place.source.name),
             text: visible(&text[begin..stop]),
-            first: text[..begin].matches('\n').count() + 1,
+            first: place.source.lines_before + text[..begin].matches('\n').count() + 1,
             span: at(start)..at(end.max(start)),
             label: harmless(&place.label),
         }

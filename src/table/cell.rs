@@ -176,6 +176,13 @@ impl Record {
     }
 }
 
+/// The first rows of a table of that width, from which its columns are found: fewer where they are wide.
+pub(crate) fn head_rows(width: usize) -> usize {
+    const MOST_ROWS: usize = 400;
+    const MOST_CELLS: usize = 1 << 16;
+    (MOST_CELLS / width.max(1)).clamp(1, MOST_ROWS)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

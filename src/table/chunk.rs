@@ -58,9 +58,9 @@ impl Chunker {
         Ok(&self.pending[..self.pending.len().min(count)])
     }
 
-    /// All bytes that are read and not handed on.
-    pub(crate) fn into_pending(self) -> Vec<u8> {
-        self.pending
+    /// All bytes that are not handed on, read or not.
+    pub(crate) fn into_reader(self) -> Box<dyn Read + Send> {
+        Box::new(io::Cursor::new(self.pending).chain(self.reader))
     }
 
     /// Drops bytes that [`start`](Self::start) gave.

@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::Table;
 use super::account::{Proposal, Unclosed};
-use super::encoding::{decode, peek, unpacked};
+use super::encoding::{decode, peek, recoded, unpacked};
 use super::parquet::ParquetTable;
 use super::qdas::{Qdas, qdas_table, read_all};
 use super::report::is_numbered_report;
@@ -104,8 +104,8 @@ impl Container {
                 }
                 let mut text = Text::open(name, peeked.bytes, want.layout.encoding)?;
                 if text.is_qdas()? {
-                    let text = text.whole(LARGEST_FILE)?;
-                    return Ok(Self::Qdas(Box::new(read_all(vec![(name.to_owned(), text)])?)));
+                    let files = vec![(name.to_owned(), text.into_reader())];
+                    return Ok(Self::Qdas(Box::new(read_all(files, &want.layout.comments)?)));
                 }
                 if start.contains(&0x0f) || start.contains(&0x14) {
                     let message = format!("{name} holds values of Q-DAS without their definitions");
@@ -121,12 +121,13 @@ impl Container {
     ///
     /// # Errors
     /// If one of them cannot be read, or makes no sense.
-    pub fn qdas_pair(definitions: (&str, Source), values: (&str, Source)) -> Result<Self, Diagnostics> {
-        let mut texts = Vec::new();
+    pub fn qdas_pair(definitions: (&str, Source), values: (&str, Source), want: &Want) -> Result<Self, Diagnostics> {
+        let mut files = Vec::new();
         for (name, source) in [definitions, values] {
-            texts.push((name.to_owned(), decode(&whole(name, source.reader())?).into_owned()));
+            let (text, _) = recoded(source.reader(), None).map_err(|error| Diagnostic::unreadable(name, &error))?;
+            files.push((name.to_owned(), text));
         }
-        Ok(Self::Qdas(Box::new(read_all(texts)?)))
+        Ok(Self::Qdas(Box::new(read_all(files, &want.layout.comments)?)))
     }
 
     /// What the file says of its characteristics, if it is of a format that does.

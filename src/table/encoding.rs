@@ -109,11 +109,6 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// The text of bytes that the caller gives away.
-pub(crate) fn owned_text(bytes: Vec<u8>) -> String {
-    String::from_utf8(bytes).unwrap_or_else(|error| text(error.as_bytes()).into_owned())
-}
-
 /// The text of a whole file.
 #[must_use]
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {

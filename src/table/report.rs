@@ -200,7 +200,7 @@ impl Pcdmis<'_> {
         match self.layout.covering(&record) {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
-                self.report.file.left_out.push((rule, 0, format!("line {number}: {line}")));
+                self.report.file.leave_out(rule, 0, &format!("line {number}: {line}"));
             }
             None => self.report.file.open.push(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
         }

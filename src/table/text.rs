@@ -10,7 +10,7 @@ use super::Table;
 use super::account::Unclosed;
 use super::chunk::{Chunker, LONGEST_RECORD};
 use super::contract::of_records;
-use super::encoding::{Encoding, owned_text, recoded, text};
+use super::encoding::{Encoding, recoded, text};
 use super::pieces::Place;
 use super::report::{Report, is_report, report};
 use super::want::Want;
@@ -71,14 +71,9 @@ impl Text {
             if [a, b, c, d].into_iter().all(u8::is_ascii_digit)))
     }
 
-    /// The whole text, if it has no more than `most` bytes.
-    pub(crate) fn whole(mut self, most: usize) -> Result<String, Diagnostic> {
-        let read = self.chunks.start(most + 1).map_err(|error| Diagnostic::unreadable(&self.name, &error))?.len();
-        if read > most {
-            return Err(Diagnostic::unreadable(&self.name, &format!("it is larger than {} MiB", most >> 20)));
-        }
-        // the bytes become the text: they may be tens of MiB, which are not held twice
-        Ok(owned_text(self.chunks.into_pending()))
+    /// The text from its start, to be read in another way.
+    pub(crate) fn into_reader(self) -> Box<dyn Read + Send> {
+        self.chunks.into_reader()
     }
 
     pub(crate) fn table(mut self, want: &Want) -> Result<Table, Unclosed> {

@@ -4,7 +4,7 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
 use crate::table::account::Unclosed;
-use crate::table::cell::{Cell, Content, Record};
+use crate::table::cell::{Cell, Content, Record, head_rows};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::OwnRule;
 use crate::table::ledger::Tally;
@@ -14,9 +14,6 @@ use crate::table::rows::stored_record;
 use crate::table::stored::Stored;
 use crate::table::want::Want;
 use crate::table::workbook::Workbook;
-
-/// Records from which columns are found.
-const HEAD: usize = 400;
 
 /// The table of a workbook: of the sheet that is named, or of the only one with cells.
 pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, Unclosed> {
@@ -32,7 +29,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
         [sheet] => sheet.clone(),
         _ => return Err(Unclosed::of(&book.called(""), layout, Open::Sheets { names: filled })),
     };
-    let mut head = book.head(&sheet, layout.range, HEAD)?;
+    let mut head = book.head(&sheet, layout.range, usize::MAX)?;
     let others = book.others(&sheet);
     let records = book.records(&sheet, layout.range);
     let (count, above) = (head.len(), with_headings(layout));
@@ -46,7 +43,7 @@ pub(crate) fn workbook_table(mut book: Workbook, want: &Want) -> Result<Table, U
         file.comment(layout, &comment.place, &text);
     }
     for (name, digest) in others {
-        file.left_out.push((layout.own_rule(OwnRule::OtherSheets), digest.into(), name));
+        file.leave_out(layout.own_rule(OwnRule::OtherSheets), digest.into(), &name);
     }
     let mut table = of_records(&file, head, records.records.skip(count), layout, want)?;
     table.place = if table.reading.parts_in == "columns" { Place::Record } else { Place::SheetRow };
@@ -99,7 +96,8 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
     let mut head = if needs_all(layout) {
         whole(name, &mut file, &titles)?
     } else {
-        head_records(&titles, &file.next(&vec![true; titles.len()], HEAD)?.map_or_else(Vec::new, |head| head.columns))
+        let (columns, rows) = file.head(head_rows(titles.len()))?;
+        head_records(&titles, &columns, rows)
     };
     file.rewind();
     if !is_in_rows(&head, layout) {
@@ -133,7 +131,9 @@ pub(crate) fn stored_table(
     want: &Want,
 ) -> Result<Table, Unclosed> {
     let layout = &want.contract();
-    let Found { mut table, turned, .. } = found(&File::new(name, format), &head_records(titles, head), layout, want)?;
+    let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(head_rows(titles.len()));
+    let head = head_records(titles, head, rows);
+    let Found { mut table, turned, .. } = found(&File::new(name, format), &head, layout, want)?;
     if turned.is_some() {
         let message = format!("{name}: each row of stored columns is a part");
         return Err(Diagnostic::error(Code::BadTable, message).into());
@@ -165,7 +165,6 @@ fn header(titles: &[String]) -> Record {
 }
 
 /// The first rows of stored columns as records, below their names.
-fn head_records(titles: &[String], head: &[Option<Stored<'_>>]) -> Vec<Record> {
-    let rows = head.iter().flatten().map(Stored::rows).max().unwrap_or(0).min(HEAD);
+fn head_records(titles: &[String], head: &[Option<Stored<'_>>], rows: usize) -> Vec<Record> {
     std::iter::once(header(titles)).chain((0..rows).map(|row| stored_record(head, row, 0))).collect()
 }

@@ -140,10 +140,18 @@ impl Proposal {
     }
 
     /// The proposal for a table that is not closed, from its columns and its first rows.
-    pub(crate) fn of_matched(file: &str, layout: &Layout, mut matched: Matched, rows: &[Record], want: &Want) -> Self {
+    /// `more` things have no owner besides those that are listed.
+    pub(crate) fn of_matched(
+        (file, more): (&str, usize),
+        layout: &Layout,
+        mut matched: Matched,
+        rows: &[Record],
+        want: &Want,
+    ) -> Self {
         let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
+        proposal.more += more;
         // with a row per characteristic, the other columns are known once the column of names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
         let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| escaped_heading(&guess.title) == *title));

@@ -24,6 +24,7 @@ use crate::table::field::Beside;
 use crate::table::layout::{IsCurve, Layout, OwnRule, Parts, Repeats};
 use crate::table::ledger::Tally;
 use crate::table::number::DecimalMark;
+use crate::table::pattern::Pattern;
 use crate::table::pieces::{Pieces, Place};
 use crate::table::reading::{ColumnReading, Reading};
 use crate::table::rows::Setup;
@@ -37,8 +38,10 @@ pub(crate) struct File<'f> {
     pub(crate) format: &'static str,
     /// What has no owner outside the records, such as a comment.
     pub(crate) open: Vec<Open>,
-    /// What rules left out there: the number of the rule, the line or a digest, and the text.
-    pub(crate) left_out: Vec<(usize, u64, String)>,
+    /// How many more things have no owner there.
+    pub(crate) more: usize,
+    /// What rules left out there, by their numbers.
+    pub(crate) left_out: Vec<(usize, Tally)>,
     /// What the format writes besides values.
     pub(crate) said: Tally,
     /// The tolerance that the file gives for the column at a place and in a unit, mm or degrees.
@@ -67,8 +70,28 @@ impl<'f> File<'f> {
     /// Adds a comment or the like to what a rule leaves out, or to what has no owner.
     pub(crate) fn comment(&mut self, layout: &Layout, place: &str, text: &str) {
         match layout.comments.iter().position(|rule| rule.fits(text)) {
-            Some(rule) => self.left_out.push((layout.rule_of_comment(rule), 0, format!("{place}: {text}"))),
+            Some(rule) => self.leave_out(layout.rule_of_comment(rule), 0, &format!("{place}: {text}")),
             None => self.open.push(Open::Comment { place: place.to_owned(), text: text.to_owned() }),
+        }
+    }
+
+    /// Adds comments that a rule left out before. They have no owner where the contract lacks that rule.
+    pub(crate) fn comments(&mut self, layout: &Layout, rule: &Pattern, tally: &Tally) {
+        match layout.comments.iter().position(|known| known == rule) {
+            Some(rule) => self.left_out.push((layout.rule_of_comment(rule), tally.clone())),
+            None => self
+                .open
+                .extend(tally.first.iter().map(|text| Open::Comment { place: String::new(), text: text.clone() })),
+        }
+    }
+
+    /// Counts a text, at a line or with a digest of what it stands for, for the rule of that number.
+    pub(crate) fn leave_out(&mut self, rule: usize, line: u64, text: &str) {
+        if self.left_out.last().is_none_or(|(last, _)| *last != rule) {
+            self.left_out.push((rule, Tally::default()));
+        }
+        if let Some((_, tally)) = self.left_out.last_mut() {
+            tally.add(line, 0, text);
         }
     }
 
@@ -78,6 +101,7 @@ impl<'f> File<'f> {
             name,
             format,
             open: Vec::new(),
+            more: 0,
             left_out: Vec::new(),
             said: Tally::default(),
             widest: None,
@@ -162,8 +186,8 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     let (parts, form) =
         orientation(records, layout).map_or((Parts::Rows, layout.form()), |(parts, form, _)| (parts, form));
     let mut left_out = Tallies::new(layout);
-    for (rule, line, text) in &file.left_out {
-        left_out.add(*rule, *line, 0, text);
+    for (rule, tally) in &file.left_out {
+        left_out.rules[*rule].tally.join(tally);
     }
     left_out.rules[layout.own_rule(OwnRule::OfFormat)].tally.join(&file.said);
     let mut open = file.open.clone();
@@ -242,8 +266,9 @@ fn closed(
 ) -> Result<Table, Unclosed> {
     let titles = matched.titles.clone();
     let (line, form) = (matched.line, matched.form);
-    let contract = Contract::close(layout, matched)
-        .map_err(|matched| Unclosed::Open(Box::new(Proposal::of_matched(file.name, layout, *matched, rows, want))))?;
+    let contract = Contract::close(layout, matched).map_err(|matched| {
+        Unclosed::Open(Box::new(Proposal::of_matched((file.name, file.more), layout, *matched, rows, want)))
+    })?;
     let reading = Reading {
         file: file.name.to_owned(),
         format: file.format,

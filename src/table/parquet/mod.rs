@@ -37,6 +37,11 @@ type StoredBytes = Box<dyn Fn(u64, usize) -> Option<Bytes> + Send>;
 
 /// Bytes of texts that are read together, about.
 const TEXT_TOGETHER: usize = 8 << 20;
+/// Columns that are open at once while the first rows are read.
+const COLUMNS_TOGETHER: usize = 64;
+/// Bytes of the footer at most, which lists the columns of each group of rows and takes ten times as much memory: enough for 20
+/// columns in 2,000 groups.
+const LARGEST_FOOTER: u32 = 4 << 20;
 /// Stored bytes that are hashed together.
 const HASHED_TOGETHER: usize = 1 << 20;
 
@@ -176,6 +181,33 @@ impl ParquetTable {
         rows.map_err(|error| Diagnostic::unreadable(&self.name, &error))
     }
 
+    /// The first rows of all columns that can be read, `most` of them at most, and how many they are. Only some columns are open at
+    /// once. Goes back to the first row.
+    ///
+    /// # Errors
+    /// If they cannot be read, or the texts of one row are too long.
+    pub(crate) fn head(&mut self, most: usize) -> Result<(Vec<Option<Stored<'static>>>, usize), Diagnostic> {
+        let count = self.columns.iter().filter(|column| column.is_read()).count();
+        let (mut columns, mut rows, mut widest) = (Vec::with_capacity(count), most, 0);
+        for first in (0..count).step_by(COLUMNS_TOGETHER) {
+            let places: Vec<bool> =
+                (0..count).map(|place| (first..first + COLUMNS_TOGETHER).contains(&place)).collect();
+            let read = self.next(&places, rows)?.map_or_else(Vec::new, |read| read.columns);
+            self.rewind();
+            widest += self.longest.iter().map(|texts| texts.begin()).sum::<usize>();
+            if widest > TEXT_TOGETHER {
+                let problem = format!("the texts of a row have more than {} MiB", TEXT_TOGETHER >> 20);
+                return Err(
+                    Diagnostic::unreadable(&self.name, &problem).help("write it without the columns of long texts")
+                );
+            }
+            let shortest = read.iter().flatten().map(Stored::rows).min().unwrap_or(0);
+            rows = rows.min(shortest).min(TEXT_TOGETHER / widest.max(1));
+            columns.extend(read.into_iter().filter(Option::is_some));
+        }
+        Ok((columns, rows))
+    }
+
     fn next_rows(&mut self, places: &[bool], most: usize) -> Result<Option<StoredRows>, ParquetError> {
         while self.left == 0 {
             if self.group == self.reader.num_row_groups() {
@@ -241,12 +273,19 @@ fn codec_not_read(compression: Compression) -> Option<&'static str> {
     }
 }
 
-/// Checks the marks at both ends of a file.
+/// Checks the marks at both ends of a file, and the size of its footer, which stands before the last one.
 fn check_marks<R: ChunkReader>(name: &str, source: &R) -> Result<(), Diagnostic> {
     const MARK: usize = 4;
     let end = source.len().saturating_sub(MARK as u64);
     let mark = |at: u64| source.get_bytes(at, MARK).unwrap_or_default();
+    let footer = mark(end.saturating_sub(MARK as u64)).as_ref().try_into().map_or(0, u32::from_le_bytes);
     match (mark(0).as_ref(), mark(end).as_ref()) {
+        (b"PAR1", b"PAR1") if footer > LARGEST_FOOTER && u64::from(footer) < end => {
+            let most = LARGEST_FOOTER >> 20;
+            let problem = format!("the list of its columns and row groups is larger than {most} MiB");
+            let help = "write it with larger row groups, or with fewer columns";
+            Err(Diagnostic::unreadable(name, &problem).help(help))
+        }
         (b"PAR1", b"PAR1") => Ok(()),
         (_, b"PARE") => Err(Diagnostic::unreadable(name, &"it is encrypted")),
         (b"PAR1", _) => Err(Diagnostic::unreadable(name, &"it is a Parquet file whose end is missing")),

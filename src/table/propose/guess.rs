@@ -17,6 +17,8 @@ use crate::table::want::{Want, quoted};
 
 /// Columns that are looked at, at most.
 const MOST: usize = 100;
+/// Rows whose numbers are measured, at most.
+const MOST_MEASURED: usize = 100;
 /// The least nearness of a heading to one of an error that the spec asks for.
 const NEAR: f64 = 0.6;
 /// The least nearness of a heading to one of any other error.
@@ -58,6 +60,7 @@ impl Candidate<'_> {
         if !self.is_numeric() {
             return self;
         }
+        let rows = &rows[..rows.len().min(MOST_MEASURED)];
         let own = self.unit.as_deref();
         let of_error = |kind| (Field::Error(kind), plausible_units(kind, (self.title, own), self.place, rows, want));
         self.able = match form {

@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::quantity::{Decimal, Unit};
 use crate::table::Table;
 use crate::table::account::Unclosed;
+use crate::table::cell::head_rows;
 use crate::table::column::{SMALLEST_DIGIT, in_words};
 use crate::table::contract::{File, of_records};
 use crate::table::field::{Field, ValueKind};
@@ -16,9 +17,6 @@ use crate::table::layout::{Layout, Parts};
 use crate::table::number::{DecimalMark, quantity};
 use crate::table::reading::NotUsed;
 use crate::table::want::{GivenColumn, Want};
-
-/// Records from which columns are found.
-const HEAD: usize = 400;
 
 /// The table of a file.
 ///
@@ -28,12 +26,9 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
     let layout = want.contract();
     let want = &with_nominals(&qdas, &layout, want)?;
     let mut file = File { said: qdas.said.clone(), ..File::new(name, "Q-DAS") };
-    for remark in &qdas.remarks {
-        let text = format!("K{:04}: {}", remark.key, remark.text);
-        file.comment(&layout, &format!("line {}", remark.line), &text);
-    }
+    qdas.remarks.tell(&mut file, &layout);
     let left_out = qdas.left_out.clone();
-    let has_names = !qdas.part_names.is_empty();
+    let has_names = qdas.part_names.len() > 0;
     let table = Arc::new(qdas.table(&layout));
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");
@@ -43,11 +38,12 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
         return Err(refused.into());
     }
     let mut head = vec![table.header(&layout)];
-    head.extend((0..table.len().min(HEAD)).filter_map(|row| table.record(row)));
+    let rows = head_rows(head[0].cells.len()).min(table.len());
+    head.extend((0..rows).filter_map(|row| table.record(row)));
     let widest = |column: usize, unit: Unit| table.widest(column, unit);
     file.widest = Some(&widest);
     let all = Arc::clone(&table);
-    let rest = (HEAD..table.len()).filter_map(move |row| all.record(row)).map(Ok);
+    let rest = (rows..table.len()).filter_map(move |row| all.record(row)).map(Ok);
     // each row is a part
     let layout = Arc::new(Layout { parts: Some(Parts::Rows), part_id: None, teeth: false, ..Layout::clone(&layout) });
     let mut found = of_records(&file, head, rest, &layout, want).map_err(|unclosed| {

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Characteristic, Value};
+use super::Characteristic;
+use super::values::Values;
 use crate::diagnostic::{Code, Diagnostic, Source};
 use crate::quantity::{Decimal, Length, parse_f64};
 
 /// The keys that say what a characteristic is.
-const KEYS: [u16; 16] =
+pub(super) const KEYS: [u16; 16] =
     [2001, 2002, 2004, 2101, 2106, 2110, 2111, 2112, 2113, 2114, 2115, 2116, 2117, 2120, 2121, 2142];
 /// The keys among them whose texts are numbers.
 pub(super) const NUMBERS: [u16; 6] = [2101, 2106, 2110, 2111, 2112, 2113];
@@ -38,7 +39,7 @@ pub(super) struct Draft {
     /// The part of the first line that speaks of it.
     pub(super) part: Option<usize>,
     /// Its values so far.
-    pub(super) values: Vec<Value>,
+    pub(super) values: Values,
 }
 
 impl Draft {
@@ -53,7 +54,7 @@ impl Draft {
         let known = self.said.get(&key);
         let problem = match known {
             Some(known) if known.text == said.text => return Ok(()),
-            _ if !self.values.is_empty() => {
+            _ if self.values.len() > 0 => {
                 let before = known.map_or_else(|| "nothing".to_owned(), |known| format!("`{}`", known.text));
                 format!("K{key:04} says `{}` behind values for which it said {before}", said.text)
             }
@@ -80,7 +81,7 @@ impl Draft {
         if self.said.get(&2004).is_none_or(|said| said.text == "0") {
             return Vec::new();
         }
-        let counted = self.values.iter_mut().filter_map(|value| Some((value.line, value.number.take()?)));
+        let counted = self.values.iter_mut().filter_map(|value| Some((value.line, value.take()?)));
         counted.collect()
     }
 

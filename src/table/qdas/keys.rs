@@ -9,13 +9,19 @@ pub(super) struct Line<'t> {
     pub(super) key: u16,
     pub(super) index: usize,
     pub(super) text: &'t str,
-    /// Where the line starts.
-    pub(super) at: usize,
-    /// Where the text starts.
+    /// The whole line.
+    pub(super) whole: &'t str,
+    /// Where in it the text starts.
     pub(super) start: usize,
 }
 
-impl Line<'_> {
+impl<'t> Line<'t> {
+    /// A line without a key.
+    pub(super) fn plain(whole: &'t str) -> Self {
+        Self { key: 1, index: 1, text: whole, whole, start: 0 }
+    }
+
+    /// The bytes of the text.
     pub(super) fn span(&self) -> Range<usize> {
         self.start..self.start + self.text.len()
     }
@@ -57,7 +63,7 @@ pub(super) fn is_number(text: &str) -> bool {
 }
 
 /// A line that starts with a key; an error if the index behind the key is no number.
-pub(super) fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>> {
+pub(super) fn keyed(line: &str) -> Option<Result<Line<'_>, String>> {
     let digits = line.strip_prefix(['K', 'k'])?.get(..4).filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()))?;
     let key: u16 = digits.parse().ok()?;
     let rest = &line[5..];
@@ -71,8 +77,7 @@ pub(super) fn keyed(line: &str, start: usize) -> Option<Result<Line<'_>, String>
     let Some(index) = parsed else {
         return Some(Err(format!("K{key:04}: `/{index}` is not a number of a characteristic or part")));
     };
-    let (at, start) = (start, start + line.len() - text.len());
-    Some(Ok(Line { key, index, text, at, start }))
+    Some(Ok(Line { key, index, text, whole: line, start: line.len() - text.len() }))
 }
 
 /// What changes the values, if a key says that something does: an additive constant (K2071) or a factor (K2072).

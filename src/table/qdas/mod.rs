@@ -33,7 +33,9 @@ mod closed;
 mod definition;
 mod keys;
 mod read;
+mod remarks;
 mod table;
+mod values;
 mod write;
 
 pub(crate) use closed::qdas_table;
@@ -46,9 +48,9 @@ use super::dictionary::{Form, Role, lookup};
 use super::field::Field;
 use super::layout::Layout;
 use super::ledger::Tally;
-use super::number::DecimalMark;
 use crate::deviation::DeviationKind;
-use crate::quantity::Decimal;
+use remarks::Remarks;
+use values::{Names, Values};
 
 /// A characteristic and its values.
 #[derive(Debug, Clone, Default)]
@@ -71,7 +73,7 @@ pub struct Characteristic {
     pub part: usize,
     /// Limits that are not used, with the reason.
     pub unused: Vec<String>,
-    values: Vec<Value>,
+    values: Values,
 }
 
 impl Characteristic {
@@ -84,7 +86,7 @@ impl Characteristic {
     /// Whether it has no values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
+        self.len() == 0
     }
 
     /// Its number and its name, as far as it has them.
@@ -107,25 +109,6 @@ impl Characteristic {
     fn with_unit(&self, name: &str) -> String {
         self.unit.as_ref().map_or_else(|| name.to_owned(), |unit| format!("{name} [{unit}]"))
     }
-
-    fn sample(&self, sample: u32) -> Option<&Value> {
-        let index = self.values.binary_search_by_key(&sample, |value| value.sample).ok()?;
-        self.values.get(index)
-    }
-}
-
-/// One value. Files have millions of them.
-#[derive(Debug, Clone, Copy)]
-struct Value {
-    /// `None` if there is no value, or its attribute (K0002) says that it does not count.
-    number: Option<Decimal>,
-    /// The decimal mark that it is written with.
-    mark: Option<DecimalMark>,
-    line: u32,
-    /// K0014: index of a name, from 1.
-    part_name: u32,
-    /// Which measured part: values of the same one have the same number.
-    sample: u32,
 }
 
 /// A part as the file defines it.
@@ -149,24 +132,12 @@ pub struct Qdas {
     /// The values that do not count, by their attribute, in the order of their first lines.
     pub left_out: Vec<LeftOut>,
     /// Remarks, and texts under unknown keys.
-    pub remarks: Vec<Remark>,
+    pub(crate) remarks: Remarks,
     /// What the other keys of the format say.
     pub(crate) said: Tally,
     /// The name of the file of values in messages.
     pub name: String,
-    part_names: Vec<String>,
-}
-
-/// A remark on a value (K0009), an event in words (K0005), a remark on a part (K1900) or a characteristic (K2900), or a text under
-/// a key that is not known. Each needs a rule.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Remark {
-    /// Its key.
-    pub key: u16,
-    /// Its line.
-    pub line: u32,
-    /// What it says.
-    pub text: String,
+    part_names: Names,
 }
 
 /// The code of values whose characteristic is no size.

@@ -1,32 +1,43 @@
 //! Reads Q-DAS ASCII text, line by line. Called by [`read`](fn@super::read); keeps what the file says, and judges nothing.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::io::{BufRead as _, BufReader, Cursor, Read};
 use std::sync::Arc;
 
-use super::definition::{Draft, NUMBERS, Said};
+use super::definition::{Draft, KEYS, NUMBERS, Said};
 use super::keys::{Line, changes_values, counts, has_free_words, is_number, is_of_format, keyed};
-use super::{Characteristic, LeftOut, OF_NO_SIZE, PartDefinition, Qdas, Remark, Value};
+use super::remarks::{Remark, Remarks};
+use super::values::{Names, Value};
+use super::{Characteristic, LeftOut, OF_NO_SIZE, PartDefinition, Qdas};
 use crate::diagnostic::{Code, Diagnostic, Source};
-use crate::quantity::Decimal;
 use crate::table::cell::Content;
 use crate::table::chunk::LONGEST_RECORD;
+use crate::table::encoding;
 use crate::table::ledger::Tally;
 use crate::table::number::{DecimalMark, normalise};
+use crate::table::pattern::Pattern;
 
 /// Characteristics or parts of a header at most. A higher number is an error of the file.
 const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
-const MOST_IN_ALL: usize = 500_000;
-/// Values of a file at most: a lot of a million parts has some millions.
-const MOST_VALUES: usize = 8_000_000;
+const MOST_IN_ALL: usize = 100_000;
+/// Values of a file at most, which are all kept: a lot of a million parts has some millions.
+const MOST_VALUES: usize = 3_000_000;
+/// Bytes of a file at most.
+const LARGEST_FILE: u64 = 64 << 20;
+/// Bytes at most of a text that is kept.
+const LONGEST_TEXT: usize = 1000;
+/// Different attributes of values at most.
+const MOST_ATTRIBUTES: usize = 1000;
 /// How often keys may be applied to a characteristic in all: a key with `/0` is applied to each.
 const MOST_WORK: usize = 100_000_000;
 
 #[derive(Default)]
 struct Reader {
     /// The file that is read.
-    source: Arc<Source>,
+    name: String,
+    /// The number of the line that is read.
+    line: u32,
     parts: Vec<PartDefinition>,
     /// The characteristics of the headers before this one.
     characteristics: Vec<Characteristic>,
@@ -45,10 +56,10 @@ struct Reader {
     /// Whether this header has values.
     has_values: bool,
     work: usize,
-    part_names: Vec<String>,
+    part_names: Names,
     /// The values that do not count, by their attribute.
     left_out: BTreeMap<String, LeftOut>,
-    remarks: Vec<Remark>,
+    remarks: Remarks,
     /// What else the file says.
     said: Tally,
 }
@@ -58,48 +69,67 @@ struct Reader {
 /// # Errors
 /// A line with neither a key nor values, an index beyond K0100, or a text in place of a number; with file, line and key.
 pub fn read(files: &[(&str, &str)]) -> Result<Qdas, Diagnostic> {
-    read_all(files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect())
+    let file = |(name, text): &(&str, &str)| {
+        let bytes: Box<dyn Read + Send> = Box::new(Cursor::new((*text).to_owned()));
+        ((*name).to_owned(), bytes)
+    };
+    read_all(files.iter().map(file).collect(), &[])
 }
 
-/// The same for texts that the caller gives away.
-pub(crate) fn read_all(files: Vec<(String, String)>) -> Result<Qdas, Diagnostic> {
-    let mut reader = Reader::default();
-    for (name, mut text) in files {
-        let marks = text.len() - text.trim_start_matches('\u{feff}').len();
-        text.drain(..marks);
-        reader.source = Arc::new(Source::new(name, text));
-        reader.file()?;
+/// The same for bytes that come once, with the rules for remarks. A line is kept no longer than it is read.
+pub(crate) fn read_all(files: Vec<(String, Box<dyn Read + Send>)>, rules: &[Pattern]) -> Result<Qdas, Diagnostic> {
+    let mut reader = Reader { remarks: Remarks::of(rules), ..Reader::default() };
+    for (name, bytes) in files {
+        reader.name = name;
+        reader.file(bytes)?;
     }
     reader.finish()
 }
 
 impl Reader {
-    fn bad(&self, line: Range<usize>, message: String) -> Diagnostic {
-        Diagnostic::error(Code::BadTable, message).at(&self.source, line, "")
+    fn bad(&self, line: &Line<'_>, message: String) -> Diagnostic {
+        self.said(line).bad(message)
     }
 
-    fn file(&mut self) -> Result<(), Diagnostic> {
-        let source = Arc::clone(&self.source);
-        let mut start = 0;
-        for (number, whole) in source.text.split_inclusive('\n').enumerate() {
-            let line = whole.trim_end_matches(['\n', '\r', '\u{1a}']);
-            let at = start;
-            start += whole.len();
+    /// What a line says, with its place.
+    fn said(&self, line: &Line<'_>) -> Said {
+        let source = Source { lines_before: self.line as usize - 1, ..Source::new(&*self.name, line.whole) };
+        Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source: Arc::new(source), span: line.span() }
+    }
+
+    fn file(&mut self, bytes: Box<dyn Read + Send>) -> Result<(), Diagnostic> {
+        let mut bytes = BufReader::new(bytes.take(LARGEST_FILE + 1));
+        let (mut whole, mut size) = (Vec::new(), 0);
+        self.line = 0;
+        loop {
+            whole.clear();
+            let longest = LONGEST_RECORD as u64 + 3;
+            let read = bytes.by_ref().take(longest).read_until(b'\n', &mut whole);
+            let read = read.map_err(|error| Diagnostic::unreadable(&self.name, &error))?;
+            if read == 0 {
+                return Ok(());
+            }
+            size += read as u64;
+            if size > LARGEST_FILE {
+                let problem = format!("it is larger than {} MiB", LARGEST_FILE >> 20);
+                return Err(Diagnostic::unreadable(&self.name, &problem).help("split it"));
+            }
+            self.line = self.line.saturating_add(1);
+            let text = encoding::text(&whole);
+            let line = text.trim_start_matches('\u{feff}').trim_end_matches(['\n', '\r', '\u{1a}']);
+            if line.len() > LONGEST_RECORD {
+                let line = Line { text: "", ..Line::plain("") };
+                return Err(self.bad(&line, format!("the line is longer than {} KiB", LONGEST_RECORD >> 10)));
+            }
             if line.trim().is_empty() {
                 continue;
             }
-            if line.len() > LONGEST_RECORD {
-                let message = format!("the line is longer than {} KiB", LONGEST_RECORD >> 10);
-                return Err(self.bad(at..at + 1, message));
-            }
-            let number = u32::try_from(number + 1).unwrap_or(u32::MAX);
-            match keyed(line, at) {
-                Some(Ok(line)) => self.field(&line, number)?,
-                Some(Err(problem)) => return Err(self.bad(at..at + line.len(), problem)),
-                None => self.values(line, at, number)?,
+            match keyed(line) {
+                Some(Ok(line)) => self.field(&line)?,
+                Some(Err(problem)) => return Err(self.bad(&Line::plain(line), problem)),
+                None => self.values(line)?,
             }
         }
-        Ok(())
     }
 
     fn draft(&mut self, index: usize, line: &Line<'_>) -> Result<&mut Draft, Diagnostic> {
@@ -109,7 +139,7 @@ impl Reader {
                 Some(count) => format!("K{:04}/{index}: the file has {count} characteristics (K0100)", line.key),
                 None => format!("K{:04}/{index}: there is no characteristic of that number", line.key),
             };
-            return Err(self.bad(line.span(), message));
+            return Err(self.bad(line, message));
         }
         if self.drafts.len() < index {
             self.drafts.resize(index, Draft::default());
@@ -124,25 +154,35 @@ impl Reader {
         self.count.as_ref().map(|(count, _)| *count)
     }
 
-    fn field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
+    fn field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
         let text = line.text.trim();
-        let index = self.source.text[line.at..line.start].trim();
+        let index = line.whole[..line.start].trim();
         let is_own = is_of_format(line.key) && !(has_free_words(line.key) && text.contains(char::is_alphabetic));
         if is_own {
             // the text is a value, which is read; only the index is the format's
             let said = if line.key == 1 { index.to_owned() } else { format!("{index} {text}") };
-            self.said.add(number.into(), 0, &said);
+            self.said.add(self.line.into(), 0, &said);
         } else if !text.is_empty() {
-            self.said.add(number.into(), 0, index);
-            self.remarks.push(Remark { key: line.key, line: number, text: text.to_owned() });
+            self.said.add(self.line.into(), 0, index);
+            self.remarks.add(Remark { key: line.key, line: self.line, text: text.to_owned() });
         }
         match line.key {
             100 => self.count_field(line),
-            1..=99 => self.value_field(line, number),
+            1..=99 => self.value_field(line),
             1000..=1999 => self.part_field(line),
             2000..=2999 => self.characteristic_field(line),
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a text that would be kept and is too long.
+    fn refuse_long(&self, line: &Line<'_>) -> Result<(), Diagnostic> {
+        if line.text.len() <= LONGEST_TEXT {
+            return Ok(());
+        }
+        let message =
+            format!("K{:04} has a text of {} bytes, and at most {LONGEST_TEXT} are read", line.key, line.text.len());
+        Err(self.bad(&Line { text: "", ..*line }, message).help("shorten it"))
     }
 
     /// K0100 starts a header; behind values it starts the next one.
@@ -151,35 +191,33 @@ impl Reader {
         let Some(count) = count else {
             let message =
                 format!("K0100: `{}` is not a number of characteristics (0 to {MOST_CHARACTERISTICS})", line.text);
-            return Err(self.bad(line.span(), message));
+            return Err(self.bad(line, message));
         };
         if self.has_values {
             self.end_header()?;
         }
         if let Some(other) = self.counted().filter(|other| *other != count) {
             let message = format!("K0100 counts {count} characteristics, and {other} before it in the same header");
-            return Err(self.bad(line.span(), message));
+            return Err(self.bad(line, message));
         }
         self.count = Some((count, self.said(line)));
         Ok(())
-    }
-
-    /// What a line says, with its place.
-    fn said(&self, line: &Line<'_>) -> Said {
-        let source = Arc::clone(&self.source);
-        Said { text: line.text.trim().to_owned(), of_all: line.index == 0, source, span: line.span() }
     }
 
     fn part_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
         let index = line.index.max(1);
         if index > MOST_CHARACTERISTICS {
             let message = format!("K{:04}/{index}: there is no part of that number", line.key);
-            return Err(self.bad(line.span(), message));
+            return Err(self.bad(line, message));
+        }
+        if matches!(line.key, 1001 | 1002 | 1008) {
+            self.refuse_long(line)?;
         }
         self.part = self.first_part + index - 1;
         if self.parts.len() <= self.part {
             self.parts.resize(self.part + 1, PartDefinition::default());
         }
+        let text = line.text.trim();
         let part = &mut self.parts[self.part];
         let known = match line.key {
             1001 => &mut part.number,
@@ -187,7 +225,6 @@ impl Reader {
             1008 => &mut part.kind,
             _ => return Ok(()),
         };
-        let text = line.text.trim();
         if known.is_empty() {
             text.clone_into(known);
         }
@@ -195,9 +232,7 @@ impl Reader {
             return Ok(());
         }
         let message = format!("K{:04}/{index} says `{text}`, and `{known}` before it", line.key);
-        Err(self
-            .bad(line.span(), message)
-            .help("a header of another part starts with K0100, or the part has its own /i"))
+        Err(self.bad(line, message).help("a header of another part starts with K0100, or the part has its own /i"))
     }
 
     fn characteristic_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
@@ -206,13 +241,16 @@ impl Reader {
             (index, _) => index..=index,
         };
         self.work(indices.clone().count(), line)?;
+        if KEYS.contains(&line.key) {
+            self.refuse_long(line)?;
+        }
         let mut said = self.said(line);
         if NUMBERS.contains(&line.key) && !said.text.is_empty() {
             // no thousands marks, so that a comma is a decimal comma
             let plain = said.text.replace(',', ".");
             if !is_number(&plain) || normalise(&plain, DecimalMark::Point).is_none() {
                 let message = format!("K{:04}/{}: `{}` is not a number", line.key, line.index, said.text);
-                return Err(self.bad(line.span(), message));
+                return Err(self.bad(line, message));
             }
             said.text = plain;
         }
@@ -220,7 +258,7 @@ impl Reader {
             let message = format!("K{:04}/{} says {what} `{}`", line.key, line.index, said.text);
             let help =
                 "the file does not say whether its values include it: write them as they count, without this key";
-            return Err(self.bad(line.span(), message).help(help));
+            return Err(self.bad(line, message).help(help));
         }
         for index in indices {
             self.draft(index, line)?.say(line.key, said.clone())?;
@@ -229,22 +267,19 @@ impl Reader {
     }
 
     /// K0001 starts a value of a characteristic, the other keys add to its last one.
-    fn value_field(&mut self, line: &Line<'_>, number: u32) -> Result<(), Diagnostic> {
+    fn value_field(&mut self, line: &Line<'_>) -> Result<(), Diagnostic> {
         let text = line.text.trim();
         if line.key == 1 {
             let index = if line.index == 0 { 1 } else { line.index };
-            let mut value = self.value(line.text, line.start, number)?;
+            let value = self.value(line)?;
             let first = self.first_sample;
             let values = &mut self.draft(index, line)?.values;
-            value.sample = values.last().map_or(first, |last| last.sample + 1);
-            values.push(value);
+            values.push(values.next_sample().unwrap_or(first), value);
             return Ok(());
         }
         let name = if line.key == 14 && !text.is_empty() {
-            if self.part_names.last().is_none_or(|last| last != text) {
-                self.part_names.push(text.to_owned());
-            }
-            u32::try_from(self.part_names.len()).unwrap_or(0)
+            self.refuse_long(line)?;
+            self.part_names.add(text)
         } else {
             0
         };
@@ -253,31 +288,39 @@ impl Reader {
         let counts = line.key != 2 || counts(text);
         let mut has_value = false;
         for index in indices {
-            let Some(last) = self.draft(index, line)?.values.last_mut() else { continue };
+            let values = &mut self.draft(index, line)?.values;
+            let Some(last) = values.last_mut() else { continue };
             has_value = true;
+            let left_out = if counts { None } else { Some(last.take()) };
             if line.key == 14 {
-                last.part_name = name;
+                values.name_last(name);
             }
-            if !counts {
-                let left_out = last.number.take();
+            if let Some(left_out) = left_out {
                 let said = left_out.map_or_else(String::new, |value| Content::Number(value).to_string());
-                self.said.add(number.into(), index, &said);
-                self.leave_out(text, number);
+                self.said.add(self.line.into(), index, &said);
+                self.leave_out(text, line)?;
             }
         }
         if !has_value && matches!(line.key, 2 | 14) {
             let message = format!("K{:04}/{}: there is no value before it that it belongs to", line.key, line.index);
-            return Err(self
-                .bad(line.span(), message)
-                .help("attributes (K0002) and names (K0014) stand behind their values"));
+            return Err(self.bad(line, message).help("attributes (K0002) and names (K0014) stand behind their values"));
         }
         Ok(())
     }
 
     /// Notes a value that does not count because of its attribute.
-    fn leave_out(&mut self, attribute: &str, line: u32) {
-        let first = || LeftOut { code: attribute.to_owned(), count: 0, first_line: line };
-        self.left_out.entry(attribute.to_owned()).or_insert_with(first).count += 1;
+    fn leave_out(&mut self, attribute: &str, line: &Line<'_>) -> Result<(), Diagnostic> {
+        self.not_counted(attribute, self.line);
+        if self.left_out.len() <= MOST_ATTRIBUTES {
+            return Ok(());
+        }
+        let message = format!("values have more than {MOST_ATTRIBUTES} different attributes (K0002)");
+        Err(self.bad(line, message).help("an attribute is a number such as 0, 129, 255, 256 or 290"))
+    }
+
+    fn not_counted(&mut self, code: &str, line: u32) {
+        let first = || LeftOut { code: code.to_owned(), count: 0, first_line: line };
+        self.left_out.entry(code.to_owned()).or_insert_with(first).count += 1;
     }
 
     /// Refuses a file that applies keys to characteristics too often.
@@ -286,55 +329,52 @@ impl Reader {
         if self.work <= MOST_WORK {
             return Ok(());
         }
-        Err(self.bad(line.span(), format!("K{:04}/0: the file has too many such lines", line.key)))
+        Err(self.bad(line, format!("K{:04}/0: the file has too many such lines", line.key)))
     }
 
-    fn value(&mut self, text: &str, start: usize, line: u32) -> Result<Value, Diagnostic> {
-        let span = start..start + text.len();
-        let text = text.trim();
-        let number = Decimal::parse(&text.replace(',', ".")).ok();
-        if number.is_none() && !text.is_empty() {
+    fn value(&mut self, line: &Line<'_>) -> Result<Value, Diagnostic> {
+        let text = line.text.trim();
+        let Some(value) = Value::parse(text, self.line) else {
             let shown: String = text.chars().take(40).collect();
-            return Err(self.bad(span, format!("K0001: `{shown}` is not a number")));
-        }
+            return Err(self.bad(line, format!("K0001: `{shown}` is not a number")));
+        };
         self.values += 1;
         self.has_values = true;
         if self.values > MOST_VALUES {
-            return Err(self.bad(span, format!("the file has more than {MOST_VALUES} values; split it")));
+            let message = format!("the file has more than {MOST_VALUES} values");
+            return Err(self.bad(line, message).help("split it, or export it as CSV, which is read at any size"));
         }
-        let mark = DecimalMark::ALL.into_iter().find(|mark| text.contains(char::from(mark.byte())));
-        Ok(Value { number, mark, line, part_name: 0, sample: 0 })
+        Ok(value)
     }
 
     /// A line of values: one per characteristic between 0x0F, its fields between 0x14.
-    fn values(&mut self, line: &str, start: usize, number: u32) -> Result<(), Diagnostic> {
-        let span = start..start + line.len();
-        let line_text = line.strip_suffix('\u{f}').unwrap_or(line);
+    fn values(&mut self, whole: &str) -> Result<(), Diagnostic> {
+        let line = Line::plain(whole);
+        let fields = whole.strip_suffix('\u{f}').unwrap_or(whole);
         if self.count.is_none() && self.drafts.is_empty() {
-            return Err(self.bad(span, "the file does not start with K0100 or another key of the format".to_owned()));
+            let message = "the file does not start with K0100 or another key of the format";
+            return Err(self.bad(&line, message.to_owned()));
         }
         let count = self.counted().unwrap_or(self.drafts.len());
-        let mut at = start;
-        for (index, field) in line_text.split('\u{f}').enumerate() {
+        let mut start = 0;
+        for (index, field) in fields.split('\u{f}').enumerate() {
             if index >= count {
-                return Err(self.bad(
-                    span,
-                    format!("the line has more values than the file has characteristics ({count}, K0100)"),
-                ));
+                let message = format!("the line has more values than the file has characteristics ({count}, K0100)");
+                return Err(self.bad(&line, message));
             }
             let (text, rest) = field.split_once('\u{14}').unwrap_or((field, ""));
-            let mut value = self.value(text, at, number)?;
+            let line = Line { index: index + 1, text, start, ..line };
+            let mut value = self.value(&line)?;
             let attribute = rest.split('\u{14}').next().unwrap_or("").trim();
-            self.said.add(number.into(), index, rest);
+            self.said.add(self.line.into(), index, rest);
             if !counts(attribute) {
-                value.number = None;
-                self.said.add(number.into(), index, text.trim());
-                self.leave_out(attribute, number);
+                value.take();
+                self.said.add(self.line.into(), index, text.trim());
+                self.leave_out(attribute, &line)?;
             }
-            value.sample = self.samples;
-            let line = Line { key: 1, index: index + 1, text, at, start: at };
-            self.draft(index + 1, &line)?.values.push(value);
-            at += field.len() + 1;
+            let sample = self.samples;
+            self.draft(index + 1, &line)?.values.push(sample, value);
+            start += field.len() + 1;
         }
         self.samples = self.samples.saturating_add(1);
         Ok(())
@@ -353,13 +393,13 @@ impl Reader {
         for mut draft in drafts {
             for (line, value) in draft.take_counts() {
                 self.said.add(line.into(), 0, &Content::Number(value).to_string());
-                self.leave_out(OF_NO_SIZE, line);
+                self.not_counted(OF_NO_SIZE, line);
             }
-            self.samples = self.samples.max(draft.values.last().map_or(0, |last| last.sample + 1));
+            self.samples = self.samples.max(draft.values.next_sample().unwrap_or(0));
             self.characteristics.push(draft.characteristic()?);
         }
         if self.characteristics.len() > MOST_IN_ALL {
-            let message = format!("{} has more than {MOST_IN_ALL} characteristics in its headers", self.source.name);
+            let message = format!("{} has more than {MOST_IN_ALL} characteristics in its headers", self.name);
             return Err(Diagnostic::error(Code::BadTable, message).help("split it"));
         }
         (self.first_part, self.part) = (self.parts.len(), self.parts.len());
@@ -370,7 +410,7 @@ impl Reader {
     fn finish(mut self) -> Result<Qdas, Diagnostic> {
         self.end_header()?;
         if self.characteristics.iter().all(Characteristic::is_empty) {
-            let message = format!("{} has no measured values", self.source.name);
+            let message = format!("{} has no measured values", self.name);
             return Err(Diagnostic::error(Code::BadTable, message)
                 .help("values are K0001 lines, or lines without a key; those of a .dfd stand in its .dfx"));
         }
@@ -382,7 +422,7 @@ impl Reader {
             remarks: self.remarks,
             said: self.said,
             parts: self.parts,
-            name: self.source.name.clone(),
+            name: self.name,
             part_names: self.part_names,
         })
     }

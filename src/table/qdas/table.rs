@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::{Characteristic, Qdas, Value};
+use super::values::Value;
+use super::{Characteristic, Qdas};
 use crate::deviation::DeviationValue;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Decimal, Unit};
@@ -45,31 +46,47 @@ impl Qdas {
         for indices in &mut indices {
             indices.sort_by_key(|index| self.characteristics[*index].part);
         }
-        let part = |characteristic: &Characteristic| u32::try_from(characteristic.part).unwrap_or(u32::MAX);
-        let samples: Vec<_> = self.characteristics.iter().map(|one| (part(one), one.values.as_slice())).collect();
-        let rows = rows_of(samples);
+        let rows = RowRuns::of(&self.characteristics);
         let numbers_differ = self.parts.iter().any(|part| part.number != self.parts[0].number);
         QdasTable { indices, rows, numbers_differ, qdas: self }
     }
 }
 
-/// Part and sample of each row: every pair that some value has, once. Most characteristics have the same samples, so that only new ones
-/// are added.
-fn rows_of(mut of: Vec<(u32, &[Value])>) -> Vec<(u32, u32)> {
-    of.sort_by_key(|(part, _)| *part);
-    let mut rows: Vec<(u32, u32)> = Vec::new();
-    for same in of.chunk_by(|(one, _), (other, _)| one == other) {
-        let first = rows.len();
-        for (part, values) in same {
-            let is_known = |value: &Value| rows[first..].binary_search(&(*part, value.sample)).is_ok();
-            let new: Vec<_> =
-                values.iter().filter(|value| !is_known(value)).map(|value| (*part, value.sample)).collect();
-            rows.extend(new);
-            rows[first..].sort_unstable();
+/// Which rows there are: every pair of a part and a sample that some value has, once. Samples that follow each other are one run.
+#[derive(Debug, Clone, Default)]
+struct RowRuns {
+    /// The first row of each run, its part and its first sample.
+    runs: Vec<(usize, usize, u32)>,
+    /// How many rows there are.
+    count: usize,
+}
+
+impl RowRuns {
+    fn of(characteristics: &[Characteristic]) -> Self {
+        let runs = |one: &Characteristic| one.values.runs().map(|run| (one.part, run)).collect::<Vec<_>>();
+        let mut all: Vec<(usize, (u32, u32))> = characteristics.iter().flat_map(runs).collect();
+        all.sort_unstable();
+        all.dedup();
+        let mut found = Self::default();
+        let mut reached: Option<(usize, u32)> = None;
+        for (part, (first, last)) in all {
+            let known = reached.filter(|(of, _)| *of == part).map(|(_, sample)| sample);
+            let first = known.map_or(first, |known| first.max(known.saturating_add(1)));
+            if first <= last {
+                found.runs.push((found.count, part, first));
+                found.count += (last - first + 1) as usize;
+                reached = Some((part, last));
+            }
         }
+        found
     }
-    rows.dedup();
-    rows
+
+    /// Part and sample of a row.
+    fn get(&self, row: usize) -> Option<(usize, u32)> {
+        let run = self.runs.partition_point(|(first, ..)| *first <= row).checked_sub(1)?;
+        let (first, part, sample) = self.runs[run];
+        (row < self.count).then(|| (part, sample + (row - first) as u32))
+    }
 }
 
 /// The values of a file as a table.
@@ -77,8 +94,7 @@ fn rows_of(mut of: Vec<(u32, &[Value])>) -> Vec<(u32, u32)> {
 pub(crate) struct QdasTable {
     /// The characteristics of each column but the first, one per part of the file, in the order of parts.
     pub(super) indices: Vec<Vec<usize>>,
-    /// Part and sample of each row.
-    rows: Vec<(u32, u32)>,
+    rows: RowRuns,
     /// Whether parts have numbers of their own (K1001).
     numbers_differ: bool,
     pub(super) qdas: Qdas,
@@ -87,7 +103,7 @@ pub(crate) struct QdasTable {
 impl QdasTable {
     /// How many rows it has.
     pub(crate) fn len(&self) -> usize {
-        self.rows.len()
+        self.rows.count
     }
 
     /// The decimal mark of the values; `None` if none has decimals.
@@ -95,15 +111,10 @@ impl QdasTable {
     /// # Errors
     /// If they have points and commas: the line of a value with the other mark.
     pub(crate) fn mark(&self) -> Result<Option<DecimalMark>, u32> {
-        let values = self.qdas.characteristics.iter().flat_map(|characteristic| &characteristic.values);
-        let mut marked = values.filter(|value| value.number.is_some() && value.mark.is_some());
-        let known = marked.next().and_then(|value| value.mark);
-        marked.find(|value| value.mark != known).map_or(Ok(known), |other| Err(other.line))
-    }
-
-    /// Part and sample of a row.
-    fn row(&self, row: usize) -> Option<(usize, u32)> {
-        self.rows.get(row).map(|(part, sample)| (*part as usize, *sample))
+        let values = self.qdas.characteristics.iter().flat_map(|characteristic| characteristic.values.iter());
+        let mut marked = values.filter(|value| value.mark().is_some());
+        let known = marked.next().and_then(Value::mark);
+        marked.find(|value| value.mark() != known).map_or(Ok(known), |other| Err(other.line))
     }
 
     fn characteristics(&self, part: usize) -> impl Iterator<Item = Option<&Characteristic>> {
@@ -116,12 +127,12 @@ impl QdasTable {
 
     /// What the row's part is called: as the file names it (K0014), or else by a number.
     fn part_name(&self, row: usize, part: usize, sample: u32) -> String {
-        let values = self.characteristics(part).filter_map(|found| found?.sample(sample));
+        let values = self.characteristics(part).filter_map(|found| found?.values.get(sample));
         let number = &self.qdas.parts[part].number;
-        match values.map(|value| value.part_name).max().unwrap_or(0) {
+        match values.map(|(_, name)| name).max().unwrap_or(0) {
             0 if !self.numbers_differ => (row + 1).to_string(),
             0 => format!("{number} {}", sample + 1),
-            named => self.qdas.part_names[named as usize - 1].clone(),
+            named => self.qdas.part_names.get(named).to_owned(),
         }
     }
 
@@ -131,13 +142,12 @@ impl QdasTable {
         if self.qdas.part_names.len() < 2 {
             return None;
         }
-        (0..self.len()).filter_map(|row| self.row(row)).find_map(|(part, sample)| {
-            let values = self.characteristics(part).filter_map(|found| found?.sample(sample));
-            let mut named = values.filter(|value| value.part_name > 0).peekable();
-            let first = named.peek()?.part_name;
-            let other = named.find(|value| value.part_name != first)?;
-            let [one, name] = [first, other.part_name].map(|index| &self.qdas.part_names[index as usize - 1]);
-            let line = other.line;
+        (0..self.len()).filter_map(|row| self.rows.get(row)).find_map(|(part, sample)| {
+            let values = self.characteristics(part).filter_map(|found| found?.values.get(sample));
+            let mut named = values.filter(|(_, name)| *name > 0).peekable();
+            let (_, first) = *named.peek()?;
+            let (Value { line, .. }, other) = named.find(|(_, name)| *name != first)?;
+            let [one, name] = [first, other].map(|number| self.qdas.part_names.get(number));
             let message = format!("{file}, line {line}: this value is of `{name}` (K0014), and others measured with it of `{one}`");
             let help =
                 "write the values of each part in one line, or those of every characteristic in the same order of parts";
@@ -163,10 +173,10 @@ impl QdasTable {
     /// A row: the part's name and the values, with an empty cell where there is no value or it does not count; `None` beyond the last
     /// row.
     pub(crate) fn record(&self, row: usize) -> Option<Record> {
-        let (part, sample) = self.row(row)?;
+        let (part, sample) = self.rows.get(row)?;
         let name = Content::of_text(&self.part_name(row, part, sample));
         let values = self.characteristics(part).map(|found| {
-            let number = found.and_then(|found| found.sample(sample)?.number);
+            let number = found.and_then(|found| found.values.get(sample)?.0.number());
             number.map_or(Content::Empty, Content::Number)
         });
         let cells: Vec<Cell> = std::iter::once(name).chain(values).map(Cell::from).collect();
@@ -175,8 +185,9 @@ impl QdasTable {
 
     /// The line of the file where a row stands.
     pub(super) fn line(&self, row: usize) -> u32 {
-        let Some((part, sample)) = self.row(row) else { return 0 };
-        self.characteristics(part).flatten().find_map(|found| found.sample(sample)).map_or(0, |value| value.line)
+        let Some((part, sample)) = self.rows.get(row) else { return 0 };
+        let value = self.characteristics(part).flatten().find_map(|found| found.values.get(sample));
+        value.map_or(0, |(value, _)| value.line)
     }
 }
 

@@ -124,13 +124,13 @@ fn what_is_written_is_read_again() {
     assert_eq!(qdas.characteristics[0].upper.as_deref(), Some("0.05"));
     assert_eq!(qdas.characteristics[0].lower, None);
     let value = |characteristic: usize, row| {
-        let number = qdas.characteristics[characteristic].sample(row).unwrap().number?;
+        let number = qdas.characteristics[characteristic].values.get(row).unwrap().0.number()?;
         Content::Number(number).to_string().parse::<f64>().ok()
     };
     assert_eq!((value(0, 0), value(1, 0)), (Some(0.1 + 0.2), Some(-1e-9)));
     assert_eq!((value(0, 1), value(1, 1)), (None, None));
     assert_eq!(
-        qdas.remarks.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(),
+        qdas.remarks.kept.iter().map(|remark| remark.text.as_str()).collect::<Vec<_>>(),
         ["judged without rack_lead", "no lead"]
     );
     assert_eq!(qdas.table(&Layout::default()).record(1).unwrap().cells[0].text(), "P2");
@@ -307,7 +307,58 @@ fn no_key_goes_unnoticed() {
             let (one, other) = (seen(key, one), seen(key, other));
             assert!(one.is_err() || other.is_err() || one.ok() != other.ok(), "K{key:04}");
         }
-        let has_words = |key: u16| seen(key, words[0]).is_ok_and(|(_, remarks, ..)| remarks.is_empty());
+        let has_words = |key: u16| seen(key, words[0]).is_ok_and(|(_, remarks, ..)| remarks.kept.is_empty());
         assert!(!matches!(key, 5 | 9 | 15 | 1203 | 1900 | 2005 | 2092 | 2900) || !has_words(key), "K{key:04}");
     }
+}
+
+/// Remarks are counted by the rule that leaves them out as they come, and of those without one the first are kept.
+#[test]
+fn of_many_remarks_the_first_are_kept() {
+    use crate::table::{Pattern, Want};
+    let remarks: String = (0..5000).map(|at| format!("K0009/1 shift {at}\n")).collect();
+    let lot = format!("K0100 1\nK2002/1 rack_pitch\nK2142/1 um\n1\n{remarks}");
+    let read = |rules: &[&str]| {
+        let rules: Vec<Pattern> = rules.iter().map(|rule| Pattern::of_heading(rule)).collect();
+        let bytes = Box::new(std::io::Cursor::new(lot.clone()));
+        (read_all(vec![("lot.dfq".to_owned(), bytes)], &rules).unwrap(), rules)
+    };
+    let table = |(qdas, comments): (Qdas, Vec<Pattern>)| {
+        let want = Want { layout: Layout { comments, ..Layout::default() }.into(), ..Want::default() };
+        qdas_table("lot.dfq", qdas, &want).map_err(crate::diagnostic::Diagnostics::from)
+    };
+    let (open, rules) = read(&[]);
+    assert_eq!((open.remarks.kept.len(), open.remarks.more), (1000, 4000));
+    let refused = table((open, rules)).err().unwrap().0.remove(0).message_with_list();
+    assert!(refused.contains("line 5: K0009: shift 0") && refused.contains("and 4960 more"), "{refused}");
+    let (covered, rules) = read(&["K0009: shift *"]);
+    assert!(covered.remarks.kept.is_empty() && covered.remarks.more == 0);
+    let digest = covered.remarks.left_out[0].1.digest;
+    let left_out = table((covered.clone(), rules)).unwrap().reading.left_out;
+    let rule = left_out.iter().find(|rule| rule.rule == "comments `K0009: shift *`").unwrap();
+    assert_eq!((rule.tally.count, rule.tally.digest), (5000, digest));
+    assert_eq!(rule.tally.first[0], "line 5: K0009: shift 0");
+    // another contract does not have that rule
+    assert!(table((covered, Vec::new())).is_err());
+}
+
+/// What is kept of a file is bounded, whatever stands in it.
+#[test]
+fn texts_and_attributes_that_are_kept_are_bounded() {
+    let lot = |keys: &str| read(&[("lot.dfq", format!("K0100 1\nK2002/1 rack_pitch\n1\n{keys}").as_str())]);
+    let long = "x".repeat(1001);
+    for key in ["K1001/1", "K2002/1", "K0014/1"] {
+        let refused = read(&[("lot.dfq", &format!("K0100 1\n{key} {long}\n"))]).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.starts_with("lot.dfq:2:") && refused.contains("has a text of 1001 bytes"), "{refused}");
+    }
+    assert_eq!(lot(&format!("K0009/1 {long}\n")).unwrap().remarks.kept.len(), 1);
+    let attributes: String = (0..1002).map(|at| format!("K0001/1 1\nK0002/1 a{at}\n")).collect();
+    let refused = lot(&attributes).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        refused.contains("lot.dfq:2005:9: error[bad-table]: values have more than 1000 different attributes"),
+        "{refused}"
+    );
+    let long: String = (0..50).map(|_| format!("K0009/1 {}\n", "x".repeat(100_000))).collect();
+    let kept: usize = lot(&long).unwrap().remarks.kept.iter().map(|remark| remark.text.len()).sum();
+    assert!(kept > 0 && kept <= 1 << 20, "{kept}");
 }

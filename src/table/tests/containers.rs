@@ -140,7 +140,7 @@ fn a_qdas_file_by_any_name() {
     assert!(found.reading.notes.contains(&note.to_owned()), "{:?}", found.reading.notes);
     let (definitions, values) = text.split_at(text.find("25,0131").unwrap());
     let source = |text: &str| Source::bytes(text.into());
-    let pair = Container::qdas_pair(("lot.dfd", source(definitions)), ("lot.dfx", source(values))).unwrap();
+    let pair = Container::qdas_pair(("lot.dfd", source(definitions)), ("lot.dfx", source(values)), &want()).unwrap();
     assert_eq!(pair.qdas().unwrap().characteristics.len(), 2);
     assert_eq!(pair.table("lot.dfd", &want()).unwrap().blocks().unwrap()[0].rows(), 3);
 }

@@ -22,7 +22,7 @@ use std::sync::mpsc;
 
 use calamine::{DataRef, ExcelDateTime, Reader as _, SheetType, Xlsx, XlsxError};
 
-use super::cell::{Cell, Content, Record};
+use super::cell::{Cell, Content, Record, head_rows};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::listed;
 use comments::{Run, comments, conditional, odd_runs, odd_styles};
@@ -123,16 +123,17 @@ impl Workbook {
         named(&self.name, sheet)
     }
 
-    /// The first rows of a sheet that are not empty, `most` of them.
+    /// The first rows of a sheet that are not empty, `most` of them at most, and fewer where they are wide.
     ///
     /// # Errors
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
-        let mut head = Vec::new();
+        let (mut head, mut widest) = (Vec::new(), 0);
         let xml = self.xml(sheet);
         each_row(&mut self.book, xml, sheet, range, &mut |record| {
+            widest = widest.max(record.cells.len());
             head.push(record);
-            head.len() < most
+            head.len() < most.min(head_rows(widest))
         })
         .map_err(|problem| Diagnostic::unreadable(&named(&self.name, sheet), &problem))?;
         Ok(head)
