@@ -140,18 +140,10 @@ impl Proposal {
     }
 
     /// The proposal for a table that is not closed, from its columns and its first rows.
-    /// `more` things have no owner besides those that are listed.
-    pub(crate) fn of_matched(
-        (file, more): (&str, usize),
-        layout: &Layout,
-        mut matched: Matched,
-        rows: &[Record],
-        want: &Want,
-    ) -> Self {
+    pub(crate) fn of_matched(file: &str, layout: &Layout, mut matched: Matched, rows: &[Record], want: &Want) -> Self {
         let guesses = guesses(&matched, rows, want);
         let has_values = guesses.iter().any(|guess| guess.key != "part_id" && guess.key != "status");
         let mut proposal = Self::of(file, &want.layout, std::mem::take(&mut matched.open));
-        proposal.more += more;
         // with a row per characteristic, the other columns are known once the column of names is
         let has_names = guesses.iter().any(|guess| guess.key == "name");
         let is_guessed = |rule: &Rule| matches!(rule, Rule::Entry("ignore", title) if has_names || guesses.iter().any(|guess| escaped_heading(&guess.title) == *title));
@@ -292,13 +284,14 @@ impl Proposal {
 
     /// Adds characteristics without an owner, and such columns of their table.
     fn add_unowned(&mut self) {
+        let known: HashSet<_> = self.columns.iter().map(|known| (known.place, known.title.clone())).collect();
         for open in &self.open {
             let (place, title, first) = match open {
                 Open::Column { place, title, first, .. } => (Some(place + 1), title, first),
                 Open::Characteristic { title, first } => (None, title, first),
                 _ => continue,
             };
-            if place.is_none() || !self.columns.iter().any(|known| known.place == place && known.title == *title) {
+            if place.is_none() || !known.contains(&(place, title.clone())) {
                 let (title, is, why) = (title.clone(), NOT_OWNED.to_owned(), "nobody".to_owned());
                 self.columns.push(ColumnAccount { title, place, is, unit: None, why, first: first.clone() });
             }

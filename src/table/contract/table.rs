@@ -267,7 +267,9 @@ fn closed(
     let titles = matched.titles.clone();
     let (line, form) = (matched.line, matched.form);
     let contract = Contract::close(layout, matched).map_err(|matched| {
-        Unclosed::Open(Box::new(Proposal::of_matched((file.name, file.more), layout, *matched, rows, want)))
+        let mut proposal = Proposal::of_matched(file.name, layout, *matched, rows, want);
+        proposal.more += file.more;
+        Unclosed::Open(Box::new(proposal))
     })?;
     let reading = Reading {
         file: file.name.to_owned(),

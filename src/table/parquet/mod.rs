@@ -39,6 +39,8 @@ type StoredBytes = Box<dyn Fn(u64, usize) -> Option<Bytes> + Send>;
 const TEXT_TOGETHER: usize = 8 << 20;
 /// Columns that are open at once while the first rows are read.
 const COLUMNS_TOGETHER: usize = 64;
+/// Columns at most.
+const MOST_COLUMNS: usize = 10_000;
 /// Bytes of the footer at most, which lists the columns of each group of rows and takes ten times as much memory: enough for 20
 /// columns in 2,000 groups.
 const LARGEST_FOOTER: u32 = 4 << 20;
@@ -104,7 +106,12 @@ impl ParquetTable {
         let again = source.again().map_err(|error| Diagnostic::unreadable(name, &error))?;
         let bytes = Box::new(move |start: u64, count: usize| again.get_bytes(start, count).ok());
         let reader = SerializedFileReader::new(source).map_err(|error| Diagnostic::unreadable(name, &error))?;
-        let mut columns = column::columns(reader.metadata().file_metadata().schema_descr());
+        let schema = reader.metadata().file_metadata().schema_descr();
+        if schema.num_columns() > MOST_COLUMNS {
+            let problem = format!("it has {} columns, and at most {MOST_COLUMNS} are read", schema.num_columns());
+            return Err(Diagnostic::unreadable(name, &problem).help("write it with the columns that are needed"));
+        }
+        let mut columns = column::columns(schema);
         for column in &mut columns {
             let Ok(leaf) = &column.leaf else { continue };
             let mut chunks = reader.metadata().row_groups().iter().map(|group| group.column(leaf.index));

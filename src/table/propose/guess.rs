@@ -1,7 +1,7 @@
 //! Guesses for a person of what columns without an owner are. They rest on the numbers of a column, on how similar its heading is to
 //! known ones, and on which errors are missing. A guess counts only once a person confirms it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::entry::Entry;
 use super::rules::{Certainty, Rule, Suggestion, ignore, may_be_detail};
@@ -195,7 +195,7 @@ pub(crate) fn undecided(
 ) {
     let is_guessed = |field: &Field| guesses.iter().any(|guess| guess.key == field.key());
     let missing: Vec<Field> = lacking(matched, want).into_iter().filter(|field| !is_guessed(field)).collect();
-    let (mut doubtful, mut choices): (Vec<(String, Certainty)>, Vec<Suggestion>) = (Vec::new(), Vec::new());
+    let (mut doubtful, mut choices): (HashMap<String, Certainty>, Vec<Suggestion>) = (HashMap::new(), Vec::new());
     let choice = |field: &Field, entry: Entry| {
         Rule::Column { key: field.key().to_owned(), entry }
             .one_of("values that the table lacks: say which column has them")
@@ -213,21 +213,22 @@ pub(crate) fn undecided(
             !is_found && column.nearness(role) >= NEAR && column.is_numeric()
         };
         if !able.is_empty() || at >= MOST && !missing.is_empty() {
-            doubtful.push((escaped_heading(column.title), doubt()));
+            doubtful.entry(escaped_heading(column.title)).or_insert_with(doubt);
         } else if at < MOST && matched.form == Form::Parts && DeviationKind::ALL.into_iter().any(is_near) {
-            doubtful.push((escaped_heading(column.title), Certainty::Guess(IS_NEAR.to_owned())));
+            let near = || Certainty::Guess(IS_NEAR.to_owned());
+            doubtful.entry(escaped_heading(column.title)).or_insert_with(near);
         }
         choices.extend(able.into_iter().map(|field| choice(field, column.entry(*field))));
     }
     for open in open.iter().filter(|_| !missing.is_empty()) {
         let Open::Characteristic { title, .. } = open else { continue };
-        doubtful.push((escaped_heading(title), doubt()));
+        doubtful.entry(escaped_heading(title)).or_insert_with(doubt);
         choices.extend(missing.iter().map(|field| choice(field, Entry::named(title, None))));
     }
     choices.truncate(MOST);
     for Suggestion { rule, certainty } in rules.iter_mut().filter(|known| known.certainty == Certainty::Exact) {
         let Rule::Entry("ignore", text) = rule else { continue };
-        if let Some((_, doubt)) = doubtful.iter().find(|(title, _)| title == text) {
+        if let Some(doubt) = doubtful.get(text) {
             *certainty = doubt.clone();
         }
     }

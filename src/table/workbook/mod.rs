@@ -368,32 +368,43 @@ fn check(file: &str, source: &mut dyn Stored) -> Result<Checked, Diagnostic> {
     if let Some(odd) = odd_styles(&styles) {
         return Err(Diagnostic::unreadable(file, &format!("it has {odd}")));
     }
-    // the texts of a sheet are stored elsewhere, and belong to its digest
-    let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
-    let mut checked = Checked { sheets: HashMap::new(), digests: HashMap::new(), comments: found };
-    let listed = sheet_parts(&workbook, &relations);
-    if listed.len() > MOST_SHEETS {
-        let problem = format!("it has {} sheets, and at most {MOST_SHEETS} are read", listed.len());
-        let help = "save the sheet with the measured values as a workbook of its own, or as .csv";
-        return Err(Diagnostic::unreadable(file, &problem).help(help));
-    }
-    let mut parts = HashSet::new();
-    for SheetPart { part, name, is_hidden } in listed {
-        let digest = digests.get(&part).copied().unwrap_or_default();
-        if checked.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts)).is_some() {
-            return Err(Diagnostic::unreadable(file, &format!("it has two sheets `{name}`")));
-        }
-        // each part is read once
-        if digests.contains_key(&part) && !parts.insert(part.clone()) {
-            let problem = format!("its sheet `{name}` is stored in {part}, like a sheet before it");
-            return Err(Diagnostic::unreadable(file, &problem));
-        }
-        if let Some(mut sheet) = sheets.remove(&part) {
-            sheet.is_hidden = is_hidden;
-            checked.sheets.insert(name, sheet);
-        }
-    }
+    let mut checked = Checked { sheets: HashMap::new(), digests, comments: found };
+    checked
+        .name_sheets(sheet_parts(&workbook, &relations), sheets)
+        .map_err(|problem| Diagnostic::unreadable(file, &problem))?;
     Ok(checked)
+}
+
+impl Checked {
+    /// Gives the name of its sheet to what is known of each part.
+    ///
+    /// # Errors
+    /// If there are too many sheets, or two of one name or in one part.
+    fn name_sheets(&mut self, listed: Vec<SheetPart>, mut sheets: HashMap<String, SheetXml>) -> Result<(), String> {
+        if listed.len() > MOST_SHEETS {
+            let help = "save the sheet with the measured values as a workbook of its own, or as .csv";
+            return Err(format!("it has {} sheets, and at most {MOST_SHEETS} are read: {help}", listed.len()));
+        }
+        let digests = std::mem::take(&mut self.digests);
+        // the texts of a sheet are stored elsewhere, and belong to its digest
+        let of_texts = digests.get("xl/sharedstrings.xml").copied().unwrap_or_default();
+        let mut parts = HashSet::new();
+        for SheetPart { part, name, is_hidden } in listed {
+            let digest = digests.get(&part).copied().unwrap_or_default();
+            if self.digests.insert(name.clone(), digest.wrapping_mul(31).wrapping_add(of_texts)).is_some() {
+                return Err(format!("it has two sheets `{name}`"));
+            }
+            // each part is read once
+            if digests.contains_key(&part) && !parts.insert(part.clone()) {
+                return Err(format!("its sheet `{name}` is stored in {part}, like a sheet before it"));
+            }
+            if let Some(mut sheet) = sheets.remove(&part) {
+                sheet.is_hidden = is_hidden;
+                self.sheets.insert(name, sheet);
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -428,6 +428,6 @@ fn too_many_sheets_and_sheets_in_one_part_are_refused() {
     let twice = with_sheets(2, &|_| 0).unwrap_err();
     assert!(twice.contains("its sheet `S1` is stored in xl/worksheets/sheet0.xml, like a sheet before it"), "{twice}");
     let many = with_sheets(MOST_SHEETS + 1, &|at| at).unwrap_err();
-    assert!(many.contains("it has 1001 sheets, and at most 1000 are read; save the sheet"), "{many}");
+    assert!(many.contains("it has 1001 sheets, and at most 1000 are read: save the sheet"), "{many}");
     assert_eq!(with_sheets(MOST_SHEETS, &|at| at), Ok(MOST_SHEETS));
 }

@@ -47,3 +47,32 @@ fn a_file_as_a_table() {
         assert_eq!(parts(&bytes), expected, "{column}");
     }
 }
+
+/// Of a file with thousands of columns, some are open at once, and few rows are looked at.
+#[test]
+fn a_wide_file_is_looked_into_piece_by_piece() {
+    use crate::table::cell::head_rows;
+    let count = 4 * COLUMNS_TOGETHER + 1;
+    let fields: String = (0..count).map(|at| format!("required double c{at}; ")).collect();
+    let values = [1.0, 2.0, 3.0];
+    let group = (0..count).map(|_| Stored::Doubles(&values, &[])).collect();
+    let bytes = file(message(&format!("message parts {{ {fields}}}")), Compression::SNAPPY, &[group]);
+    let mut table = ParquetTable::open("lot.parquet", Bytes::from(bytes)).unwrap();
+    let (columns, rows) = table.head(2).unwrap();
+    assert_eq!((columns.len(), columns.iter().flatten().count(), rows), (count, count, 2));
+    assert!(table.open.iter().flatten().count() <= COLUMNS_TOGETHER);
+    assert_eq!([1, 1000, 20_000, 1 << 20].map(head_rows), [400, 65, 3, 1]);
+    let mut large = vec![0; LARGEST_FOOTER as usize + 100];
+    large[..4].copy_from_slice(b"PAR1");
+    large.extend((LARGEST_FOOTER + 1).to_le_bytes());
+    large.extend(b"PAR1");
+    let refused = ParquetTable::open("lot.parquet", Bytes::from(large)).err().unwrap().sentence();
+    assert!(refused.contains("row groups is larger than 4 MiB; write it with larger row groups"), "{refused}");
+    let fields: String = (0..=MOST_COLUMNS).map(|at| format!("required double c{at}; ")).collect();
+    let bytes = file(message(&format!("message parts {{ {fields}}}")), Compression::SNAPPY, &[]);
+    let refused = ParquetTable::open("lot.parquet", Bytes::from(bytes)).err().unwrap().sentence();
+    assert!(
+        refused.contains("it has 10001 columns, and at most 10000 are read; write it with the columns"),
+        "{refused}"
+    );
+}
