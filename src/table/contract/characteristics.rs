@@ -19,7 +19,7 @@ use crate::table::want::Want;
 const BESIDE: [Beside; 6] =
     [Beside::Nominal, Beside::Deviation, Beside::Upper, Beside::Lower, Beside::Uncertainty, Beside::Unit];
 
-/// Characteristics that are listed as left out by a rule, at most. The rule counts all of them.
+/// Characteristics that are listed as left out by a rule, and things that are listed as without an owner, at most. All are counted.
 const MOST_LISTED: usize = 10_000;
 
 /// The table of parts.
@@ -55,12 +55,14 @@ struct Reader<'r, 'l> {
     columns: &'l Matched,
     left_out: &'l mut Tallies,
     open: Vec<Open>,
+    /// How much more has no owner.
+    more: usize,
     found: Vec<Characteristic>,
     parts: Vec<PartRows<'r>>,
     /// The last rows of each part, by its name.
     known: HashMap<String, usize>,
     /// The owner of each name of a characteristic.
-    owners: HashMap<String, Result<Option<Owner>, Open>>,
+    owners: HashMap<String, Result<Option<Owner>, Box<Open>>>,
     /// The nominal values and units of those that are read.
     owned: HashSet<[String; 2]>,
     /// The names that are listed as without an owner, or as left out by a rule.
@@ -87,6 +89,7 @@ pub(super) fn turned(
         columns: &columns,
         left_out,
         open,
+        more: 0,
         found: Vec::new(),
         parts: Vec::new(),
         known: HashMap::new(),
@@ -139,7 +142,8 @@ impl<'r> Reader<'r, '_> {
         for record in records.iter().filter(|record| self.layout.covering(record).is_none()) {
             let Some(title) = self.name(record) else { continue };
             let named = Heading::of(&title);
-            let found = |title: &String| owner(title, &named.name, usize::MAX - 1, self.layout, Form::Parts);
+            let found =
+                |title: &String| owner(title, &named.name, usize::MAX - 1, self.layout, Form::Parts).map_err(Box::new);
             let is_read =
                 matches!(self.owners.entry(title).or_insert_with_key(found), Ok(Some(Owner::Role(Role::Value(_)))));
             let nominal = self.nominal(record).filter(|_| is_read);
@@ -160,14 +164,14 @@ impl<'r> Reader<'r, '_> {
             return self.left_out.add(self.layout.own_rule(OwnRule::RepeatedParts), record.line, 0, &line);
         }
         let Some(title) = self.name(record) else {
-            return self.open.push(Open::Line { line: record.line, text: line, is_heading: false });
+            return self.unowned(Open::Line { line: record.line, text: line, is_heading: false });
         };
         match self.owners.get(&title).cloned().unwrap_or(Ok(None)) {
             Ok(Some(Owner::Role(Role::Value(field)))) => self.value(record, field, title),
             Ok(Some(Owner::Rule(rule))) if !self.repeats_owned(record, rule) => self.ignored(record, rule, title),
-            Err(open) => self.unowned(open),
+            Err(open) => self.unowned(*open),
             _ if record.filled().len() == 1 => {
-                self.open.push(Open::Line { line: record.line, text: line, is_heading: false });
+                self.unowned(Open::Line { line: record.line, text: line, is_heading: false });
             }
             _ => {
                 let first = self.first(record);
@@ -184,7 +188,11 @@ impl<'r> Reader<'r, '_> {
             Open::Wrong { what, .. } => self.listed.insert(what.clone()),
             _ => true,
         };
-        self.open.extend(is_new.then_some(open));
+        if self.open.len() < MOST_LISTED {
+            self.open.extend(is_new.then_some(open));
+        } else {
+            self.more += usize::from(is_new);
+        }
     }
 
     /// Whether the rule for all others would leave out what has the nominal value and the unit of a characteristic that is read, or what
@@ -342,7 +350,7 @@ impl<'r> Reader<'r, '_> {
             Record::new(cells.collect(), part.line)
         };
         let rows = self.parts.iter().map(row).collect();
-        matched.open = self.open;
+        (matched.open, matched.more) = (self.open, self.more);
         let owned = self.columns.owners.iter().zip(&self.columns.titles);
         let of = owned.enumerate().filter_map(|(place, (owner, title))| match owner {
             Some(owner @ (Owner::Role(Role::Of(_)) | Owner::Rule(_))) => {

@@ -26,6 +26,8 @@ pub(crate) struct Matched {
     pub(crate) line: u64,
     /// Everything that has no owner so far.
     pub(crate) open: Vec<Open>,
+    /// How much more has none.
+    pub(crate) more: usize,
     /// The form of table as which it is read.
     pub(crate) form: Form,
     /// Whether all values are deviations, whatever their headings say.

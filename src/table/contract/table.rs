@@ -265,10 +265,10 @@ fn closed(
     parts: Parts,
 ) -> Result<Table, Unclosed> {
     let titles = matched.titles.clone();
-    let (line, form) = (matched.line, matched.form);
+    let (line, form, more) = (matched.line, matched.form, matched.more + file.more);
     let contract = Contract::close(layout, matched).map_err(|matched| {
         let mut proposal = Proposal::of_matched(file.name, layout, *matched, rows, want);
-        proposal.more += file.more;
+        proposal.more += more;
         Unclosed::Open(Box::new(proposal))
     })?;
     let reading = Reading {
