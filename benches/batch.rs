@@ -13,8 +13,9 @@ use std::time::Instant;
 
 const SPEC: &str = "[pair]\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.8\n[limits]\ncenter_distance = \"±0.15\"\n\
                     [errors]\nrack_over_roller = { nominal = 25.0 }\npinion_radial = { nominal = 8.5 }\n\
-                    [table.columns]\nrack_over_roller = { name = \"over_roller\" }\nrack_pitch = { name = \"dp\" }\n\
-                    rack_lead = { name = \"dbeta\" }\npinion_radial = { name = \"radial\" }\npinion_pitch = { name = \"dfp\" }\n";
+                    [table.columns]\nrack_over_roller = { name = \"over_roller\", unit = \"mm\" }\n\
+                    rack_pitch = { name = \"dp\", unit = \"mm\" }\nrack_lead = { name = \"dbeta\", unit = \"deg\" }\n\
+                    pinion_radial = { name = \"radial\", unit = \"mm\" }\npinion_pitch = { name = \"dfp\", unit = \"mm\" }\n";
 /// Nine columns, as the other program writes.
 const COLUMNS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,delta_cd_rack_lead_mm,\
                        delta_cd_pinion_radial_mm,delta_cd_pinion_pitch_mm,range_lower_mm,range_upper_mm,verdict";

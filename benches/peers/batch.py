@@ -34,11 +34,11 @@ pinion_radial = { nominal = 8.5 }
 [limits]
 center_distance = "±0.15"
 [table.columns]
-rack_over_roller = { name = "over_roller" }
-rack_pitch = { name = "dp" }
-rack_lead = { name = "dbeta" }
-pinion_radial = { name = "radial" }
-pinion_pitch = { name = "dfp" }
+rack_over_roller = { name = "over_roller", unit = "mm" }
+rack_pitch = { name = "dp", unit = "mm" }
+rack_lead = { name = "dbeta", unit = "deg" }
+pinion_radial = { name = "radial", unit = "mm" }
+pinion_pitch = { name = "dfp", unit = "mm" }
 """
 TWICE_TAN = 2 * math.tan(math.radians(20))
 POLARS = f"""
