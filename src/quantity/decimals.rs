@@ -71,29 +71,28 @@ fn write<const DECIMALS: u32>(out: &mut Vec<u8>, length: Length) {
     }
 }
 
-/// Writes several lengths: up to eight are put together on the stack and copied at once.
+/// Writes several lengths into room that is made once.
 fn write_each<const DECIMALS: u32>(out: &mut Vec<u8>, separator: u8, lengths: &[Length]) {
-    const TOGETHER: usize = 8;
     // a separator, a sign, a digit, the mark, and six decimals
     const LONGEST: usize = 10;
-    for lengths in lengths.chunks(TOGETHER) {
-        let (mut bytes, mut end) = ([0; TOGETHER * LONGEST], 0);
-        for length in lengths {
-            bytes[end] = separator;
-            end += 1;
-            if let Some((is_negative, text)) = short::<DECIMALS>(*length) {
-                bytes[end] = b'-';
-                end += usize::from(is_negative);
-                bytes[end..end + text.len()].copy_from_slice(&text);
-                end += DECIMALS as usize + 2;
-            } else {
-                out.extend_from_slice(&bytes[..end]);
-                end = 0;
-                write_long(out, *length, DECIMALS);
-            }
+    let mut end = out.len();
+    out.resize(end + lengths.len() * LONGEST, separator);
+    for (index, length) in lengths.iter().enumerate() {
+        let room = out.get_mut(end..).and_then(<[u8]>::first_chunk_mut::<LONGEST>);
+        if let (Some((is_negative, text)), Some(room)) = (short::<DECIMALS>(*length), room) {
+            let digits = 1 + usize::from(is_negative);
+            (room[0], room[1]) = (separator, b'-');
+            room[digits..digits + text.len()].copy_from_slice(&text);
+            end += digits + DECIMALS as usize + 2;
+        } else {
+            out.truncate(end);
+            out.push(separator);
+            write_long(out, *length, DECIMALS);
+            end = out.len();
+            out.resize(end + (lengths.len() - index) * LONGEST, separator);
         }
-        out.extend_from_slice(&bytes[..end]);
     }
+    out.truncate(end);
 }
 
 /// The magnitude in units of the last decimal, and whether a minus sign stands before it.
@@ -112,14 +111,20 @@ fn short<const DECIMALS: u32>(length: Length) -> Option<(bool, [u8; 8])> {
     if !(1..=6).contains(&DECIMALS) || rounded >= 10 * 10u64.pow(DECIMALS) {
         return None;
     }
-    let millionths = rounded as u32 * 10u32.pow(6u32.saturating_sub(DECIMALS));
-    let [a, b, c] = [millionths / 10_000, millionths / 100, millionths].map(|pairs| PAIRS[(pairs % 100) as usize]);
-    Some((is_negative, [b'0' + (millionths / 1_000_000) as u8, b'.', a[0], a[1], b[0], b[1], c[0], c[1]]))
+    let millionths = rounded * 10u64.pow(6u32.saturating_sub(DECIMALS));
+    // the number in units of 2^-57: a digit stands above these bits, and a hundred times the rest has the next two there
+    let mut rest = millionths * (1u64 << 57).div_ceil(1_000_000);
+    let whole = b'0' + (rest >> 57) as u8;
+    let [a, b, c] = [(); 3].map(|()| {
+        rest = (rest & ((1 << 57) - 1)) * 100;
+        PAIRS[(rest >> 57) as usize]
+    });
+    Some((is_negative, [whole, b'.', a[0], a[1], b[0], b[1], c[0], c[1]]))
 }
 
-/// The texts of 00 to 99: a division for each digit takes longer.
-const PAIRS: [[u8; 2]; 100] = {
-    let mut pairs = [[b'0'; 2]; 100];
+/// The texts of 00 to 99, in a table of a size that needs no check: a division for each digit takes longer.
+const PAIRS: [[u8; 2]; 128] = {
+    let mut pairs = [[b'0'; 2]; 128];
     let mut pair = 0;
     while pair < 100 {
         pairs[pair] = [b'0' + pair as u8 / 10, b'0' + pair as u8 % 10];
@@ -130,14 +135,22 @@ const PAIRS: [[u8; 2]; 100] = {
 
 #[cold]
 fn write_long(out: &mut Vec<u8>, length: Length, decimals: u32) {
-    let (rounded, is_negative) = rounded(length, decimals);
-    let (one, count) = (10u64.pow(decimals), decimals as usize);
-    let sign = if is_negative { "-" } else { "" };
-    let text = match decimals {
-        0 => format!("{sign}{rounded}"),
-        _ => format!("{sign}{}.{:0count$}", rounded / one, rounded % one),
-    };
-    out.extend_from_slice(text.as_bytes());
+    let (mut rest, is_negative) = rounded(length, decimals);
+    // of the smallest length 20 characters are written, a mark included
+    let mut text = [b'0'; 24];
+    let mut start = text.len();
+    let whole = if decimals == 0 { start } else { start - decimals as usize - 1 };
+    while rest > 0 || start >= whole {
+        start -= 1;
+        if start == whole {
+            text[start] = b'.';
+        } else {
+            text[start] += (rest % 10) as u8;
+            rest /= 10;
+        }
+    }
+    out.extend(is_negative.then_some(b'-'));
+    out.extend_from_slice(&text[start..]);
 }
 
 #[cfg(test)]
