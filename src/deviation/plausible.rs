@@ -14,7 +14,6 @@
 //! | face width | above 1 m, or 100 modules if that is less | | A usual face is 5 to 20 modules wide. |
 //! | pin of a rack | touches a module or more from the reference plane | 1.5 modules from it, or above the tips | There it rests on tips or on the root. |
 
-use std::cmp::Ordering;
 use std::fmt;
 
 #[cfg(feature = "table")]
@@ -87,21 +86,15 @@ impl Reach {
         Self { length: self.length.min(length), ..self }
     }
 
-    /// How the magnitude of a value compares with the limit.
-    #[inline]
-    fn compare(&self, value: DeviationValue) -> Option<Ordering> {
-        match value {
-            DeviationValue::Length(length) => Some(length.abs().cmp(&self.length)),
-            DeviationValue::Angle(angle) => Some(angle.abs().cmp(&self.angle)),
-            DeviationValue::Slope(slope) => slope.abs().partial_cmp(&self.slope),
-        }
-    }
-
     /// Whether a value is beyond the limit.
     #[must_use]
     #[inline]
     pub fn is_exceeded_by(&self, value: DeviationValue) -> bool {
-        self.compare(value).is_some_and(Ordering::is_gt)
+        match value {
+            DeviationValue::Length(length) => length.abs() > self.length,
+            DeviationValue::Angle(angle) => angle.abs() > self.angle,
+            DeviationValue::Slope(slope) => slope.abs() > self.slope,
+        }
     }
 
     /// How many of a column's values are suspicious by this limit.
@@ -117,7 +110,11 @@ impl Reach {
     #[must_use]
     #[inline]
     pub fn is_reached_by(&self, value: DeviationValue) -> bool {
-        self.compare(value).is_some_and(Ordering::is_ge)
+        match value {
+            DeviationValue::Length(length) => length.abs() >= self.length,
+            DeviationValue::Angle(angle) => angle.abs() >= self.angle,
+            DeviationValue::Slope(slope) => slope.abs() >= self.slope,
+        }
     }
 }
 

@@ -19,6 +19,7 @@
 
 mod angle;
 mod decimals;
+mod digits;
 mod domain;
 mod error;
 mod length;

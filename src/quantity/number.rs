@@ -36,7 +36,7 @@ const POWERS_OF_TEN: [u64; 20] = {
 };
 
 /// The most digits that always fit a `u64`.
-const MOST_DIGITS: usize = 19;
+pub(super) const MOST_DIGITS: usize = 19;
 
 /// A decimal number `±digits · 10^exponent`. Digits of a text after the 19th are cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,27 +101,6 @@ impl Decimal {
         Ok(Self { negative, digits, exponent: exponent - count(fraction.len()) + cut_off })
     }
 
-    /// The plain number that starts at `at`, the fast case of [`parse`](Self::parse): sign, digits, decimal mark,
-    /// digits, at most 18 in all. Returns it with the place behind it.
-    #[inline]
-    pub(crate) fn plain(bytes: &[u8], at: usize, mark: u8) -> Option<(Self, usize)> {
-        let negative = *bytes.get(at)? == b'-';
-        let start = at + usize::from(negative);
-        let (digits, point) = leading_digits(bytes, start, 0);
-        let whole = point - start;
-        let (mut digits, mut end, mut decimals) = (digits, point, 0);
-        if bytes.get(point) == Some(&mark) {
-            (digits, end) = leading_digits(bytes, point + 1, digits);
-            decimals = end - point - 1;
-        }
-        // a number that ends in its mark is left to `parse`
-        if whole + decimals == 0 || whole + decimals >= MOST_DIGITS || end == point + 1 {
-            return None;
-        }
-        let exponent = -(decimals as i32);
-        Some((Self { negative, digits, exponent }, end))
-    }
-
     /// The nearest step of a grid, halves away from zero; `None` beyond an `i64`.
     #[inline]
     pub(crate) fn steps(self, scale: Scale) -> Option<i64> {
@@ -129,27 +108,23 @@ impl Decimal {
             return Some(0);
         }
         let exponent = self.exponent + scale.exponent;
-        // measured values: at most 18 digits, all of them on the grid
-        let magnitude = match (usize::try_from(exponent), self.digits.checked_mul(scale.factor)) {
-            (Ok(power), Some(product)) => product.checked_mul(*POWERS_OF_TEN.get(power)?),
-            _ => u64::try_from(self.rounded(scale.factor, exponent)?).ok(),
+        let magnitude = match usize::try_from(exponent) {
+            // measured values: all of their digits are on the grid
+            Ok(power) => self.digits.checked_mul(scale.factor.checked_mul(*POWERS_OF_TEN.get(power)?)?),
+            Err(_) => u64::try_from(self.rounded(scale.factor, exponent.unsigned_abs())).ok(),
         };
         let magnitude = i64::try_from(magnitude?).ok()?;
         Some(if self.negative { -magnitude } else { magnitude })
     }
 
-    /// `digits · factor · 10^exponent`, halves rounded up.
+    /// `digits · factor / 10^places`, halves rounded up.
     #[cold]
     #[inline(never)]
-    fn rounded(self, factor: u64, exponent: i32) -> Option<u128> {
+    fn rounded(self, factor: u64, places: u32) -> u128 {
         let product = u128::from(self.digits) * u128::from(factor);
-        let power = 10u128.checked_pow(exponent.unsigned_abs());
-        match power {
-            Some(power) if exponent >= 0 => product.checked_mul(power),
-            Some(power) => Some(product / power + u128::from(product % power >= power.div_ceil(2))),
-            // a positive exponent gives more than 10^38 steps, a negative one less than half a step
-            None => (exponent < 0).then_some(0),
-        }
+        // beyond 10^38 it is less than half a step
+        let Some(power) = 10u128.checked_pow(places) else { return 0 };
+        product / power + u128::from(product % power >= power.div_ceil(2))
     }
 }
 
@@ -245,20 +220,6 @@ impl std::fmt::Write for ShortText {
         self.length = end;
         Ok(())
     }
-}
-
-/// Appends the digits that start at `at` to `digits`, and returns them with the place behind; wraps beyond 19 digits.
-#[inline]
-fn leading_digits(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) {
-    while let Some(byte) = bytes.get(at) {
-        let digit = byte.wrapping_sub(b'0');
-        if digit > 9 {
-            break;
-        }
-        digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit));
-        at += 1;
-    }
-    (digits, at)
 }
 
 /// The exponent behind an `e`; one beyond `BEYOND` is cut to it, because no number is as large.
@@ -374,21 +335,6 @@ mod tests {
         }
         assert_eq!(parse_f64("1e309"), Err(NumberError::TooLarge));
         assert_eq!(parse_f64("\u{2212}0.1"), Ok(-0.1));
-    }
-
-    #[test]
-    fn plain_numbers_are_found_and_others_left_alone() {
-        let decimal = |negative, digits, exponent| Decimal { negative, digits, exponent };
-        let plain = |text: &[u8], at| Decimal::plain(text, at, b'.');
-        assert_eq!(plain(b"x-25.0131,", 1), Some((decimal(true, 250_131, -4), 9)));
-        assert_eq!(plain(b"7", 0), Some((decimal(false, 7, 0), 1)));
-        assert_eq!(plain(b".5,", 0), Some((decimal(false, 5, -1), 2)));
-        for text in [&b""[..], b"-", b".", b"-.", b",", b" 1", b"+1", b"7.\n", b"abc", b"1234567890123456789"] {
-            assert_eq!(plain(text, 0), None, "{text:?}");
-        }
-        // these are more than a plain number: the place behind it is not the end
-        assert_eq!(plain(b"1e3", 0).map(|(_, end)| end), Some(1));
-        assert_eq!(plain(b"12 um", 0).map(|(_, end)| end), Some(2));
     }
 
     #[cfg(feature = "table")]

@@ -208,14 +208,18 @@ impl Rows {
         let last = row.fields.len() - 1;
         for (index, field) in row.fields.iter().enumerate() {
             let quoted = bytes.get(at) == Some(&b'"');
-            at += usize::from(quoted);
             if let PlainField::Value(column) = field {
-                let (number, end) = Decimal::plain(bytes, at, row.mark)?;
-                if !values[column.number].push(column.numbers.deviation(number)?) {
+                // where a number ends must not wait for a quote, which most do not have
+                let (value, end) = match Decimal::short(bytes, at, row.mark) {
+                    Some((number, end)) => (column.numbers.deviation(number)?, end),
+                    None => other_number(column, bytes, at + usize::from(quoted), row.mark)?,
+                };
+                if !values[column.number].push(value) {
                     return None;
                 }
                 at = end;
             } else {
+                at += usize::from(quoted);
                 let start = at;
                 while let Some(&byte) = bytes.get(at) {
                     if byte == b'\n' || byte == b'\r' || byte == if quoted { b'"' } else { self.setup.separator } {
@@ -308,6 +312,13 @@ impl Rows {
         let message = format!("the row is longer than {limit} KiB: a quote may not be closed, or a line end missing");
         self.refuse(block.line_count + 1, raw, block, &start, message);
     }
+}
+
+/// The deviation of a plain number that is long, or stands in quotes, and the place behind it.
+#[inline(never)]
+fn other_number(column: &PlainColumn, bytes: &[u8], at: usize, mark: u8) -> Option<(DeviationValue, usize)> {
+    let (number, end) = Decimal::plain(bytes, at, mark)?;
+    Some((column.numbers.deviation(number)?, end))
 }
 
 /// Begins a row.
