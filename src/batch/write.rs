@@ -31,7 +31,9 @@ fn escaped(out: &mut Vec<u8>, bytes: &[u8], format: RowFormat) {
     }
     let written = match format.separator().map(char::from) {
         None => serde_json::Value::from(text.as_ref()).to_string().into(),
-        Some(separator) if text.contains([separator, '"']) => format!("\"{}\"", text.replace('"', "\"\"")).into(),
+        Some(separator) if text.bytes().any(|byte| char::from(byte) == separator || byte == b'"') => {
+            format!("\"{}\"", text.replace('"', "\"\"")).into()
+        }
         Some(_) => text,
     };
     out.extend_from_slice(harmless(&written).as_bytes());

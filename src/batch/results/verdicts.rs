@@ -142,6 +142,9 @@ impl Results<'_> {
 
     /// Why a part fails, is indeterminate or has no verdict; for a part that the exact mesh judges, with its range.
     pub(in crate::batch) fn reason(&self, row: usize) -> Option<Cow<'_, str>> {
+        if self.verdicts[row] == Some(Verdict::Pass) && self.meshed.is_empty() && self.yokes.is_empty() {
+            return None;
+        }
         let meshed = self.meshed(row).map(by_mesh);
         let checks = self.yoke(row).map_or(&[][..], |yoke| &yoke.checks);
         let own = if checks.is_empty() { &self.verdicts } else { &self.of_errors };
@@ -153,8 +156,7 @@ impl Results<'_> {
             Some(Some(verdict)) => Some(self.not_passed(verdict, row)),
         };
         let of_yoke = checks.iter().filter_map(Check::reason);
-        let said: Vec<_> = unless_pass.into_iter().chain(meshed).chain(of_yoke).collect();
-        (!said.is_empty()).then(|| said.join("; ").into())
+        joined(unless_pass.into_iter().chain(meshed).chain(of_yoke)).map(Cow::Owned)
     }
 
     /// Why a part does not pass.
@@ -167,8 +169,7 @@ impl Results<'_> {
             Verdict::Fail => Some(format!("{} {}", subject(*on, *stack), limit.nearest(self.judged(*on, row)?)?)),
             _ => Some(too_near(*on, *stack, rule)),
         });
-        let why = why.collect::<Vec<_>>().join("; ");
-        if why.is_empty() { REJECTED.to_owned() } else { why }
+        joined(why).unwrap_or_else(|| REJECTED.to_owned())
     }
 
     /// The verdict on the limit with that index; `None` without a result.
@@ -258,6 +259,12 @@ impl Results<'_> {
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),
         }
     }
+}
+
+/// Texts with a semicolon between them; `None` without a text.
+fn joined(mut texts: impl Iterator<Item = String>) -> Option<String> {
+    let first = texts.next()?;
+    Some(texts.fold(first, |all, more| format!("{all}; {more}")))
 }
 
 /// The result by which the exact mesh passes or fails a part.
