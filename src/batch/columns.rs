@@ -119,6 +119,14 @@ impl ResultColumns {
 }
 
 impl ResultColumn {
+    /// Adds rows of a column of numbers.
+    pub(super) fn extend(&mut self, lengths: &[Option<Length>], decimals: Decimals) {
+        if let ResultValues::Numbers(values) = &mut self.values {
+            self.has_value.extend(lengths.iter().map(Option::is_some));
+            decimals.extend(values, lengths);
+        }
+    }
+
     /// Adds a row; numbers have the values that are written with these decimals.
     #[inline]
     pub(super) fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {

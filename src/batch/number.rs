@@ -18,8 +18,20 @@ impl Decimals {
     /// The double that a length reads as when it is written.
     pub(super) fn value(self, length: Length) -> f64 {
         match self {
-            Self::Places(places) => VALUES.get(usize::from(places)).map_or(length.mm(), |value| value(length)),
+            Self::Places(places) => VALUES.get(usize::from(places)).map_or(length.mm(), |(value, _)| value(length)),
             Self::Full => length.mm(),
+        }
+    }
+
+    /// Appends these doubles of several lengths, with 0 where there is none.
+    pub(super) fn extend(self, values: &mut Vec<f64>, lengths: &[Option<Length>]) {
+        let several = match self {
+            Self::Places(places) => VALUES.get(usize::from(places)).map(|(_, several)| several),
+            Self::Full => None,
+        };
+        match several {
+            Some(several) => several(values, lengths),
+            None => values.extend(lengths.iter().map(|length| length.map_or(0.0, Length::mm))),
         }
     }
 
@@ -32,22 +44,30 @@ impl Decimals {
     }
 }
 
+/// The double of one length, and those of several.
+type Values = (fn(Length) -> f64, fn(&mut Vec<f64>, &[Option<Length>]));
+
 /// A length in units of so many decimals; one branch for each number, so that each divides by a constant.
-const VALUES: [fn(Length) -> f64; 12] = [
-    value::<0>,
-    value::<1>,
-    value::<2>,
-    value::<3>,
-    value::<4>,
-    value::<5>,
-    value::<6>,
-    value::<7>,
-    value::<8>,
-    value::<9>,
-    value::<10>,
-    value::<11>,
+const VALUES: [Values; 12] = [
+    (value::<0>, several::<0>),
+    (value::<1>, several::<1>),
+    (value::<2>, several::<2>),
+    (value::<3>, several::<3>),
+    (value::<4>, several::<4>),
+    (value::<5>, several::<5>),
+    (value::<6>, several::<6>),
+    (value::<7>, several::<7>),
+    (value::<8>, several::<8>),
+    (value::<9>, several::<9>),
+    (value::<10>, several::<10>),
+    (value::<11>, several::<11>),
 ];
 
+fn several<const DECIMALS: u32>(values: &mut Vec<f64>, lengths: &[Option<Length>]) {
+    values.extend(lengths.iter().map(|length| length.map_or(0.0, value::<DECIMALS>)));
+}
+
+#[inline]
 fn value<const DECIMALS: u32>(length: Length) -> f64 {
     let cut = 10i64.pow(12 - DECIMALS);
     let rounded = (length.fm().abs() + cut / 2) / cut * cut;

@@ -12,7 +12,7 @@ use ::parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use ::parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::properties::{EnabledStatistics, WriterProperties};
-use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use ::parquet::schema::types::{ColumnPath, Type};
 
 use super::columns::{ColumnKind, ResultColumn, ResultColumns, ResultValues};
@@ -21,12 +21,16 @@ use crate::table::Field;
 
 /// Rows in a group, at least: a few MiB of results.
 const GROUP: usize = 1 << 14;
+/// Rows in a piece of a group from which on it stays as it is.
+const PIECE: usize = 1 << 10;
 
 /// A writer of a batch's rows as a Parquet file.
 pub struct ParquetRows {
     writer: SerializedFileWriter<Box<dyn Write + Send>>,
-    /// The rows of the group to be written.
-    group: ResultColumns,
+    /// The rows of the group to be written, in pieces that are not moved once they are large.
+    group: Vec<ResultColumns>,
+    /// How many rows these are.
+    rows: usize,
 }
 
 impl ParquetRows {
@@ -62,7 +66,7 @@ impl ParquetRows {
         }
         let schema = Type::group_type_builder("parts").with_fields(fields).build().map_err(failed)?;
         let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties.build())).map_err(failed)?;
-        Ok(Self { group: ResultColumns::default(), writer })
+        Ok(Self { group: Vec::new(), rows: 0, writer })
     }
 
     /// Writes the last group and the end of the file.
@@ -75,30 +79,15 @@ impl ParquetRows {
     }
 
     fn write_group(&mut self) -> io::Result<()> {
-        if self.group.rows == 0 {
+        if std::mem::take(&mut self.rows) == 0 {
             return Ok(());
         }
         let mut group = self.writer.next_row_group().map_err(failed)?;
-        for ResultColumn { has_value, values } in std::mem::take(&mut self.group).columns {
-            let Some(mut open) = group.next_column().map_err(failed)? else { break };
-            let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
-            let levels = Some(levels.as_slice());
-            let written = match values {
-                ResultValues::Texts { bytes, ends } => {
-                    let bytes = Bytes::from(bytes);
-                    let text = |row: usize| ByteArray::from(bytes.slice(ends[row]..ends[row + 1]));
-                    let rows = (0..has_value.len()).filter(|row| has_value[*row]);
-                    let texts: Vec<_> = rows.map(text).collect();
-                    open.typed::<ByteArrayType>().write_batch(&texts, levels, None)
-                }
-                ResultValues::Numbers(numbers) => {
-                    open.typed::<DoubleType>().write_batch(&present(&numbers, &has_value), levels, None)
-                }
-                ResultValues::Flags(flags) => {
-                    open.typed::<BoolType>().write_batch(&present(&flags, &has_value), levels, None)
-                }
-            };
-            written.map_err(failed)?;
+        let mut pieces: Vec<_> = self.group.drain(..).map(|rows| rows.columns.into_iter()).collect();
+        while let Some(mut open) = group.next_column().map_err(failed)? {
+            for column in pieces.iter_mut().filter_map(Iterator::next) {
+                write_column(&mut open, column).map_err(failed)?;
+            }
             open.close().map_err(failed)?;
         }
         group.close().map_err(failed)?;
@@ -108,8 +97,32 @@ impl ParquetRows {
 
 impl ColumnSink for ParquetRows {
     fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
-        self.group.append(rows);
-        if self.group.rows >= GROUP { self.write_group() } else { Ok(()) }
+        self.rows += rows.rows;
+        match self.group.last_mut().filter(|last| last.rows < PIECE) {
+            Some(last) => last.append(rows),
+            None => self.group.push(rows),
+        }
+        if self.rows >= GROUP { self.write_group() } else { Ok(()) }
+    }
+}
+
+/// Writes some rows of a column.
+fn write_column(open: &mut SerializedColumnWriter<'_>, column: ResultColumn) -> Result<usize, ParquetError> {
+    let ResultColumn { has_value, values } = column;
+    let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
+    let levels = Some(levels.as_slice());
+    match values {
+        ResultValues::Texts { bytes, ends } => {
+            let bytes = Bytes::from(bytes);
+            let text = |row: usize| ByteArray::from(bytes.slice(ends[row]..ends[row + 1]));
+            let rows = (0..has_value.len()).filter(|row| has_value[*row]);
+            let texts: Vec<_> = rows.map(text).collect();
+            open.typed::<ByteArrayType>().write_batch(&texts, levels, None)
+        }
+        ResultValues::Numbers(numbers) => {
+            open.typed::<DoubleType>().write_batch(&present(&numbers, &has_value), levels, None)
+        }
+        ResultValues::Flags(flags) => open.typed::<BoolType>().write_batch(&present(&flags, &has_value), levels, None),
     }
 }
 

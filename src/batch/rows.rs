@@ -96,8 +96,7 @@ impl<'a> RowWriter<'a> {
         match (self.plan.request.format, self.plan.places) {
             (RowFormat::Columns, _) => self.parts_in_columns(first, results, &rows),
             (format, Some(places)) if let Some(separator) = format.separator() => {
-                for start in rows.clone().step_by(STRIP) {
-                    let strip = start..rows.end.min(start + STRIP);
+                for strip in strips(&rows) {
                     self.strip(first, results, strip, (places, separator));
                 }
             }
@@ -145,14 +144,15 @@ impl<'a> RowWriter<'a> {
 
     fn parts_in_columns(&mut self, first: Row<'_>, results: &Results<'_>, rows: &Range<usize>) {
         let (plan, decimals) = (self.plan, self.plan.request.decimals);
+        let mut lengths = Vec::with_capacity(STRIP);
         for (index, column) in self.columns.columns.iter_mut().enumerate() {
-            let take = |length: Option<Length>| {
-                column.push(&length.map_or(ResultCell::Nothing, ResultCell::Length), decimals);
-            };
-            if results.each_of(&plan.outputs[index], rows, take) {
-                continue;
-            }
-            for row in rows.clone() {
+            let is_length = strips(rows).all(|strip| {
+                lengths.clear();
+                let is_length = results.each_of(&plan.outputs[index], &strip, |length| lengths.push(length));
+                column.extend(&lengths, decimals);
+                is_length
+            });
+            for row in rows.clone().filter(|_| !is_length) {
                 let written = WrittenRow::Part { results, row };
                 column.push(&cell(plan, index, Some(Row { index: row, ..first }), &written), decimals);
             }
@@ -163,6 +163,11 @@ impl<'a> RowWriter<'a> {
 
 /// Rows whose lengths are looked up together.
 const STRIP: usize = 128;
+
+/// Rows in such strips.
+fn strips(rows: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    rows.clone().step_by(STRIP).map(|start| start..rows.end.min(start + STRIP))
+}
 
 /// Runs of equal neighbours.
 fn groups(all: &[bool]) -> Vec<Range<usize>> {
