@@ -3,7 +3,7 @@
 
     python3 fuzz/bounds.py target/release/rackmesh [--seconds 2] [--mib 64]
 
-A table of a million parts, and specs, may take 128 MiB.
+Specs may take 128 MiB.
 
 The files are made here, in a folder of their own that is removed at the end.
 """
@@ -173,7 +173,7 @@ def inputs():
     yield "100,000 unknown characteristics", "l.csv", ("Teil;Merkmal;Soll;Ist\nP0;rack_over_roller [mm];25,0;25,01\n" + rows).encode()
     values = "".join(f"K0001/1 25.{n % 300:04}\nK0014/1 P{n:07}\n" for n in range(1_000_000))
     head = "K0100 1\nK2001/1 rack_over_roller\nK2002/1 rack_over_roller\nK2142/1 mm\n"
-    yield "a million named values in Q-DAS", "m.dfq", (head + values).encode(), 128
+    yield "a million named values in Q-DAS", "m.dfq", (head + values).encode()
     for teeth, name in (("3", "n.toml"), ("{}", "o.toml")):
         each = "".join(f'[[rack.deviation]]\nteeth = {teeth.format(n % 20)}\nshift = "{n % 7} nm"\n' for n in range(30_000))
         yield f"30,000 deviations of tooth {teeth.format('0 to 19')}", name, (PAIR + each).encode(), 128

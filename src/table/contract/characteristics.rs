@@ -12,7 +12,7 @@ use crate::table::cell::{Cell, Record};
 use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::{Layout, OwnRule, Repeats};
-use crate::table::ledger::RowLedger;
+use crate::table::ledger::{RowLedger, digest};
 use crate::table::want::Want;
 
 /// What stands beside a value in a row of its characteristic.
@@ -61,12 +61,12 @@ struct Reader<'r, 'l> {
     parts: Vec<PartRows<'r>>,
     /// The last rows of each part, by its name.
     known: HashMap<String, usize>,
-    /// The owner of each name of a characteristic.
+    /// The owner of each name of a characteristic; of names without one some are here.
     owners: HashMap<String, Result<Option<Owner>, Box<Open>>>,
     /// The nominal values and units of those that are read.
     owned: HashSet<[String; 2]>,
-    /// The names that are listed as without an owner, or as left out by a rule.
-    listed: HashSet<String>,
+    /// Digests of the names that are listed as without an owner, or as left out by a rule.
+    listed: HashSet<u64>,
     /// The characteristics that a rule leaves out.
     ignored: Vec<Named>,
     /// Whether no row has an error that the spec asks for.
@@ -141,11 +141,14 @@ impl<'r> Reader<'r, '_> {
     fn look(&mut self, records: &'r [Record]) {
         for record in records.iter().filter(|record| self.layout.covering(record).is_none()) {
             let Some(title) = self.name(record) else { continue };
-            let named = Heading::of(&title);
-            let found =
-                |title: &String| owner(title, &named.name, usize::MAX - 1, self.layout, Form::Parts).map_err(Box::new);
-            let is_read =
-                matches!(self.owners.entry(title).or_insert_with_key(found), Ok(Some(Owner::Role(Role::Value(_)))));
+            if !self.owners.contains_key(&title) {
+                let name = Heading::of(&title).name;
+                let found = owner(&title, &name, usize::MAX - 1, self.layout, Form::Parts).map_err(Box::new);
+                if found != Ok(None) || self.owners.len() < MOST_LISTED {
+                    self.owners.insert(title.clone(), found);
+                }
+            }
+            let is_read = matches!(self.owners.get(&title), Some(Ok(Some(Owner::Role(Role::Value(_))))));
             let nominal = self.nominal(record).filter(|_| is_read);
             self.owned.extend(nominal);
         }
@@ -180,12 +183,17 @@ impl<'r> Reader<'r, '_> {
         }
     }
 
+    /// Whether a name is not listed yet.
+    fn is_new(&mut self, name: &str) -> bool {
+        self.listed.insert(digest(0, 0, name.as_bytes()))
+    }
+
     /// Adds what is not owned, once.
     fn unowned(&mut self, open: Open) {
         let is_new = match &open {
-            Open::Characteristic { title, .. } | Open::Pattern { title, .. } => self.listed.insert(title.clone()),
-            Open::Twice { titles, .. } => self.listed.insert(titles.concat()),
-            Open::Wrong { what, .. } => self.listed.insert(what.clone()),
+            Open::Characteristic { title, .. } | Open::Pattern { title, .. } => self.is_new(title),
+            Open::Twice { titles, .. } => self.is_new(&titles.concat()),
+            Open::Wrong { what, .. } => self.is_new(what),
             _ => true,
         };
         if self.open.len() < MOST_LISTED {
@@ -222,7 +230,7 @@ impl<'r> Reader<'r, '_> {
     /// A row that a rule leaves out; its part is one all the same.
     fn ignored(&mut self, record: &'r Record, rule: usize, title: String) {
         self.part(record);
-        if self.ignored.len() < MOST_LISTED && self.listed.insert(title.clone()) {
+        if self.ignored.len() < MOST_LISTED && self.is_new(&title) {
             let first = self.first(record);
             self.ignored.push(Named { place: None, title, owner: Owner::Rule(rule), first });
         }

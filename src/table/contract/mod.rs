@@ -115,7 +115,11 @@ impl Contract {
 
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
-        let text = name.text().to_lowercase();
+        let text = name.text();
+        if Self::is_plain_name(text.as_bytes()) {
+            return false;
+        }
+        let text = text.to_lowercase();
         NO_PART_NAMES.split(", ").any(|known| known == text)
     }
 

@@ -198,7 +198,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         return by_characteristic(&File { open, ..file.clone() }, records, left_out, layout, want);
     }
     let is_turned = parts == Parts::Columns;
-    let mut turned = if is_turned { Some(turned(records, layout)) } else { named(records, layout, form, &mut open) };
+    let turned = if is_turned { Some(turned(records, layout)) } else { named(records, layout, form, &mut open) };
     if is_turned {
         left_out.lines(records, layout);
     }
@@ -213,7 +213,11 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     }
     open.extend(before().filter_map(|(_, record)| unowned(record, layout)));
     let units = units.and_then(|at| rows.get(at));
-    let below: Vec<Record> = rows.iter().skip(first).filter(|row| layout.covering(row).is_none()).cloned().collect();
+    let below = rows.get(first..).unwrap_or_default();
+    let below: Cow<'_, [Record]> = match layout.ignore_lines[..] {
+        [] => below.into(),
+        _ => below.iter().filter(|row| layout.covering(row).is_none()).cloned().collect(),
+    };
     let mut matched = matched(&rows.get(heading).cloned().unwrap_or_default(), &below, layout, form);
     let want = &*of_pinion(&matched, want);
     let is_bare = !is_known && is_bare(rows, layout);
@@ -247,9 +251,9 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     }
     left_out.headings(&matched);
     let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
-    turned = last_of_each((rows, first), id, form, layout, &mut left_out).or(turned);
+    let last = last_of_each((rows, first), id, form, layout, &mut left_out);
     let table = closed(file, (layout, want), (matched, columns, mark), &below, left_out, parts)?;
-    Ok(Found { table, above: first, heading, turned })
+    Ok(Found { table, above: first, heading, turned: last.or(turned) })
 }
 
 /// Closes the table of the columns that are found. `rows` are its first rows.

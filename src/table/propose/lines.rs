@@ -9,13 +9,16 @@ use crate::table::pattern::{Pattern, escaped};
 /// Names of parts that are looked at, at most.
 const MOST_SEEN: usize = 1000;
 
+/// Names of parts among which one that is there twice is found: as many as in a batch.
+const MOST_NAMES: usize = 100_000;
+
 /// What the names of parts look like.
 #[derive(Debug, Default)]
 pub(crate) struct Shapes {
     of_names: HashSet<String>,
     /// How many names these are of.
     seen: usize,
-    /// The names so far, as digests.
+    /// The first names, as digests.
     names: HashSet<u64>,
     /// The first name that is there twice.
     pub(crate) twice: Option<String>,
@@ -34,7 +37,10 @@ impl Shapes {
     pub(crate) fn add_name(&mut self, name: &str) {
         const MOST_WORDS: usize = 20;
         self.see(name);
-        if !name.is_empty() && !self.names.insert(digest(0, 0, name.as_bytes())) {
+        let digest = digest(0, 0, name.as_bytes());
+        let is_new =
+            if self.names.len() < MOST_NAMES { self.names.insert(digest) } else { !self.names.contains(&digest) };
+        if !name.is_empty() && !is_new {
             if !name.contains(|c: char| c.is_numeric())
                 && (self.words.len() < MOST_WORDS || self.words.contains_key(name))
             {
@@ -149,6 +155,15 @@ mod tests {
         ] {
             assert_eq!(common(one, other).as_deref(), pattern, "{one} {other}");
         }
+    }
+
+    #[test]
+    fn the_first_names_are_kept() {
+        let mut shapes = Shapes::default();
+        (0..MOST_NAMES + 5000).for_each(|part| shapes.add_name(&format!("P{part}")));
+        assert_eq!((shapes.names.len(), &shapes.twice), (MOST_NAMES, &None));
+        shapes.add_name("P7");
+        assert_eq!(shapes.twice.as_deref(), Some("P7"));
     }
 
     #[test]

@@ -22,7 +22,7 @@ const MOST_CHARACTERISTICS: usize = 10_000;
 /// Characteristics of all headers at most.
 const MOST_IN_ALL: usize = 100_000;
 /// Values of a file at most, which are all kept: a lot of a million parts has some millions.
-const MOST_VALUES: usize = 3_000_000;
+const MOST_VALUES: usize = 2_500_000;
 /// Bytes of a file at most.
 const LARGEST_FILE: u64 = 64 << 20;
 /// Bytes at most of a text that is kept.

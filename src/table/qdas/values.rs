@@ -68,6 +68,10 @@ impl Values {
         if self.next_sample() != Some(sample) {
             self.runs.push((sample, self.values.len()));
         }
+        if self.values.len() == self.values.capacity() {
+            // most characteristics have many values, and some files have many characteristics
+            self.values.reserve_exact(1 + self.values.len() / 4);
+        }
         self.values.push(value);
     }
 
