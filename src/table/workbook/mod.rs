@@ -28,7 +28,7 @@ use crate::quantity::listed;
 use comments::{Run, comments, conditional, odd_runs, odd_styles};
 use format::{Style, raised, struck};
 use merged::MergedCells;
-use parts::{SheetPart, sheet_parts};
+use parts::{SheetPart, parts_of_archive, sheet_parts};
 use sheet::{Known, SheetReader, SheetXml};
 use xml::{ODD, each_tag, is_odd};
 
@@ -39,6 +39,8 @@ const LARGEST_OTHER: u64 = 96 << 20;
 
 /// Characters of a text at most: the format's own limit.
 const LONGEST_TEXT: usize = 32_767;
+/// Parts of the file at most: the sheets, and what they refer to.
+const MOST_PARTS: u64 = 20_000;
 /// Sheets at most. Each is looked into, unless one is chosen.
 const MOST_SHEETS: usize = 1000;
 /// The last place of a cell in a row, unless the row has many cells.
@@ -58,6 +60,8 @@ pub struct Workbook {
     name: String,
     book: Book,
     checked: Checked,
+    /// The width of the widest row that was looked at.
+    widest: usize,
 }
 
 /// The rows of a sheet as they stand.
@@ -79,9 +83,16 @@ impl Workbook {
     /// If it is not a workbook, or unpacks to more than any sheet holds.
     pub fn open(name: &str, source: impl Read + Seek + Send + 'static) -> Result<Self, Diagnostic> {
         let mut source: Box<dyn Stored> = Box::new(source);
+        let count = parts_of_archive(&mut source).map_err(|error| Diagnostic::unreadable(name, &error))?;
+        if let Some(count) = count.filter(|count| *count > MOST_PARTS) {
+            let problem = format!("it has {count} parts, and at most {MOST_PARTS} are read");
+            return Err(
+                Diagnostic::unreadable(name, &problem).help("save the table as a workbook of its own, or as .csv")
+            );
+        }
         let checked = check(name, &mut source)?;
         let book = Xlsx::new(source).map_err(|error| no_workbook(name, &error))?;
-        Ok(Self { name: name.to_owned(), book, checked })
+        Ok(Self { name: name.to_owned(), book, checked, widest: 0 })
     }
 
     /// The names of its sheets, without charts.
@@ -128,7 +139,7 @@ impl Workbook {
     /// # Errors
     /// If the sheet cannot be read.
     pub(crate) fn head(&mut self, sheet: &str, range: CellRange, most: usize) -> Result<Vec<Record>, Diagnostic> {
-        let (mut head, mut widest) = (Vec::new(), 0);
+        let (mut head, mut widest) = (Vec::new(), self.widest);
         let xml = self.xml(sheet);
         each_row(&mut self.book, xml, sheet, range, &mut |record| {
             widest = widest.max(record.cells.len());
@@ -136,19 +147,20 @@ impl Workbook {
             head.len() < most.min(head_rows(widest))
         })
         .map_err(|problem| Diagnostic::unreadable(&named(&self.name, sheet), &problem))?;
+        self.widest = widest;
         Ok(head)
     }
 
     /// All rows of a sheet that are not empty.
     ///
-    /// A thread of its own reads them, a few rows ahead: the reader of cells borrows the workbook.
+    /// A thread of its own reads them, a few rows ahead, fewer if they are wide: the reader of cells borrows the workbook.
     pub(crate) fn records(mut self, sheet: &str, range: CellRange) -> SheetRecords {
         const AHEAD: usize = 64;
         let name = named(&self.name, sheet);
         let mut xml = self.checked.sheets.remove(sheet).unwrap_or_else(SheetXml::missing);
         let hidden = xml.hidden(range);
         let comments = [std::mem::take(&mut self.checked.comments), std::mem::take(&mut xml.beside)].concat();
-        let (sender, receiver) = mpsc::sync_channel(AHEAD);
+        let (sender, receiver) = mpsc::sync_channel(AHEAD.min(head_rows(self.widest)));
         let (sheet, place) = (sheet.to_owned(), name.clone());
         std::thread::spawn(move || {
             // sending fails once nobody needs more rows

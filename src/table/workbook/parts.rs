@@ -1,6 +1,7 @@
 //! The sheets of a workbook and the parts of the file that hold them. Found in its XML; nothing here opens a file.
 
 use std::collections::HashMap;
+use std::io::{self, Read, Seek, SeekFrom};
 
 use super::xml::{attribute, each_tag, name, unescaped};
 
@@ -35,9 +36,53 @@ pub(super) fn sheet_parts(workbook: &[u8], relations: &[u8]) -> Vec<SheetPart> {
     sheets
 }
 
+/// How many parts an archive says that it has, in the record at its end; `None` if it has no such record.
+pub(super) fn parts_of_archive<S: Read + Seek + ?Sized>(source: &mut S) -> io::Result<Option<u64>> {
+    /// The longest end of an archive: its record with a comment, and the place of the record of a large one.
+    const LONGEST_END: u64 = (1 << 16) + 64;
+    let number = |bytes: &[u8], at: usize, count: usize| {
+        let digits = bytes.get(at..at + count)?.iter().rev();
+        Some(digits.fold(0, |sum, byte| sum << 8 | u64::from(*byte)))
+    };
+    let length = source.seek(SeekFrom::End(0))?;
+    source.seek(SeekFrom::Start(length.saturating_sub(LONGEST_END)))?;
+    let mut end = Vec::new();
+    source.take(LONGEST_END).read_to_end(&mut end)?;
+    let Some(at) = end.windows(4).rposition(|mark| mark == b"PK\x05\x06") else { return Ok(None) };
+    let count = number(&end, at + 10, 2);
+    if count != Some(u64::from(u16::MAX)) {
+        return Ok(count);
+    }
+    // a large archive has another record, and its place before this one
+    let place = at.checked_sub(20).filter(|place| end[*place..].starts_with(b"PK\x06\x07"));
+    let Some(place) = place.and_then(|place| number(&end, place + 8, 8)) else { return Ok(count) };
+    source.seek(SeekFrom::Start(place))?;
+    let mut record = Vec::new();
+    source.take(40).read_to_end(&mut record)?;
+    Ok(number(&record, 32, 8))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_archive_says_how_many_parts_it_has() {
+        let of = |count: usize| {
+            let mut archive = zip::ZipWriter::new(io::Cursor::new(Vec::new()));
+            for at in 0..count {
+                archive.start_file(at.to_string(), zip::write::SimpleFileOptions::default()).unwrap();
+            }
+            archive.finish().unwrap()
+        };
+        for count in [0, 3, 70_000] {
+            assert_eq!(parts_of_archive(&mut of(count)).unwrap(), Some(count as u64));
+        }
+        assert_eq!(parts_of_archive(&mut io::Cursor::new(b"PK\x03\x04")).unwrap(), None);
+        let mut cut = of(70_000).into_inner();
+        cut.drain(..cut.len() - 30);
+        assert_eq!(parts_of_archive(&mut io::Cursor::new(cut)).unwrap(), Some(65_535));
+    }
 
     #[test]
     fn sheets_stand_in_the_workbooks_order() {

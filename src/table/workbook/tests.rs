@@ -430,4 +430,10 @@ fn too_many_sheets_and_sheets_in_one_part_are_refused() {
     let many = with_sheets(MOST_SHEETS + 1, &|at| at).unwrap_err();
     assert!(many.contains("it has 1001 sheets, and at most 1000 are read: save the sheet"), "{many}");
     assert_eq!(with_sheets(MOST_SHEETS, &|at| at), Ok(MOST_SHEETS));
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for at in 0..=MOST_PARTS {
+        archive.start_file(format!("xl/media/{at}.png"), zip::write::SimpleFileOptions::default()).unwrap();
+    }
+    let refused = rows(&archive.finish().unwrap().into_inner(), None, "").unwrap_err();
+    assert!(refused.contains("it has 20001 parts, and at most 20000 are read | save the table"), "{refused}");
 }
