@@ -70,10 +70,10 @@ impl Container {
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
         let failed = |error: io::Error| Diagnostic::unreadable(name, &error);
         let source = match source {
-            Source::File(file) if starts_with(&file, PARQUET).map_err(failed)? => {
+            Source::File(file) if starts_with(&file, *PARQUET).map_err(failed)? => {
                 return Ok(Self::Parquet(ParquetTable::open(name, file)?));
             }
-            Source::File(file) if starts_with(&file, ARCHIVE).map_err(failed)? => {
+            Source::File(file) if starts_with(&file, *ARCHIVE).map_err(failed)? => {
                 refuse_large(name, file.metadata().map_err(failed)?.len())?;
                 return Ok(Self::Workbook(Box::new(Workbook::open(name, BufReader::new(file))?)));
             }
@@ -170,14 +170,14 @@ impl Container {
 }
 
 /// Whether a file starts with a mark. A pipe is not looked at here, because it cannot be read again from its start.
-fn starts_with(mut file: &File, mark: &[u8; 4]) -> io::Result<bool> {
+fn starts_with(mut file: &File, mark: [u8; 4]) -> io::Result<bool> {
     if file.stream_position().is_err() {
         return Ok(false);
     }
     let mut start = [0; 4];
     let count = file.read(&mut start)?;
     file.rewind()?;
-    Ok(start[..count] == *mark)
+    Ok(start[..count] == mark)
 }
 
 /// Refuses a file of that many bytes if it is too large for its kind.

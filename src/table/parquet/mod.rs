@@ -210,7 +210,7 @@ impl ParquetTable {
             }
             let shortest = read.iter().flatten().map(Stored::rows).min().unwrap_or(0);
             rows = rows.min(shortest).min(TEXT_TOGETHER / widest.max(1));
-            columns.extend(read.into_iter().filter(Option::is_some));
+            columns.extend(read.into_iter().flatten().map(Some));
         }
         Ok((columns, rows))
     }

@@ -55,7 +55,7 @@ impl Value {
 /// The values of a characteristic, each of a sample: values of the same measured part have the same one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Values {
-    values: Vec<Value>,
+    all: Vec<Value>,
     /// The number of each value's part name (K0014), or 0; shorter than the values if the last ones have none.
     names: Vec<u32>,
     /// Where samples do not follow each other: the first sample of each run, and its index.
@@ -66,28 +66,28 @@ impl Values {
     /// Adds the value of a sample behind all others.
     pub(super) fn push(&mut self, sample: u32, value: Value) {
         if self.next_sample() != Some(sample) {
-            self.runs.push((sample, self.values.len()));
+            self.runs.push((sample, self.all.len()));
         }
-        if self.values.len() == self.values.capacity() {
+        if self.all.len() == self.all.capacity() {
             // most characteristics have many values, and some files have many characteristics
-            self.values.reserve_exact(1 + self.values.len() / 4);
+            self.all.reserve_exact(1 + self.all.len() / 4);
         }
-        self.values.push(value);
+        self.all.push(value);
     }
 
     /// The sample behind the last one; `None` if there is no value.
     pub(super) fn next_sample(&self) -> Option<u32> {
         let (sample, index) = self.runs.last()?;
-        u32::try_from(self.values.len() - index).ok()?.checked_add(*sample)
+        u32::try_from(self.all.len() - index).ok()?.checked_add(*sample)
     }
 
     pub(super) fn last_mut(&mut self) -> Option<&mut Value> {
-        self.values.last_mut()
+        self.all.last_mut()
     }
 
     /// Gives the last value the name of its part.
     pub(super) fn name_last(&mut self, name: u32) {
-        self.names.resize(self.values.len(), 0);
+        self.names.resize(self.all.len(), 0);
         if let Some(last) = self.names.last_mut() {
             *last = name;
         }
@@ -98,27 +98,27 @@ impl Values {
         let run = self.runs.partition_point(|(first, _)| *first <= sample).checked_sub(1)?;
         let (first, start) = self.runs[run];
         let index = start + usize::try_from(sample - first).ok()?;
-        let end = self.runs.get(run + 1).map_or(self.values.len(), |(_, start)| *start);
-        let value = self.values.get(index).filter(|_| index < end)?;
+        let end = self.runs.get(run + 1).map_or(self.all.len(), |(_, start)| *start);
+        let value = self.all.get(index).filter(|_| index < end)?;
         Some((value, self.names.get(index).copied().unwrap_or(0)))
     }
 
     /// The first and the last sample of each run of samples.
     pub(super) fn runs(&self) -> impl Iterator<Item = (u32, u32)> {
-        let ends = self.runs.iter().skip(1).map(|(_, start)| *start).chain([self.values.len()]);
+        let ends = self.runs.iter().skip(1).map(|(_, start)| *start).chain([self.all.len()]);
         self.runs.iter().zip(ends).map(|((first, start), end)| (*first, *first + (end - start - 1) as u32))
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Value> {
-        self.values.iter()
+        self.all.iter()
     }
 
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Value> {
-        self.values.iter_mut()
+        self.all.iter_mut()
     }
 
     pub(super) fn len(&self) -> usize {
-        self.values.len()
+        self.all.len()
     }
 }
 
