@@ -71,28 +71,37 @@ fn write<const DECIMALS: u32>(out: &mut Vec<u8>, length: Length) {
     }
 }
 
-/// Writes several lengths into room that is made once.
-fn write_each<const DECIMALS: u32>(out: &mut Vec<u8>, separator: u8, lengths: &[Length]) {
-    // a separator, a sign, a digit, the mark, and six decimals
-    const LONGEST: usize = 10;
-    let mut end = out.len();
-    out.resize(end + lengths.len() * LONGEST, separator);
-    for (index, length) in lengths.iter().enumerate() {
-        let room = out.get_mut(end..).and_then(<[u8]>::first_chunk_mut::<LONGEST>);
-        if let (Some((is_negative, text)), Some(room)) = (short::<DECIMALS>(*length), room) {
-            let digits = 1 + usize::from(is_negative);
-            (room[0], room[1]) = (separator, b'-');
-            room[digits..digits + text.len()].copy_from_slice(&text);
-            end += digits + DECIMALS as usize + 2;
-        } else {
-            out.truncate(end);
+/// Writes several lengths, up to the next long one into room that is made once.
+fn write_each<const DECIMALS: u32>(out: &mut Vec<u8>, separator: u8, mut lengths: &[Length]) {
+    while !lengths.is_empty() {
+        let start = out.len();
+        out.resize(start + lengths.len() * LONGEST, separator);
+        let (written, bytes) = write_short::<DECIMALS>(&mut out[start..], separator, lengths);
+        out.truncate(start + bytes);
+        lengths = &lengths[written..];
+        if let Some((long, rest)) = lengths.split_first() {
             out.push(separator);
-            write_long(out, *length, DECIMALS);
-            end = out.len();
-            out.resize(end + (lengths.len() - index) * LONGEST, separator);
+            write_long(out, *long, DECIMALS);
+            lengths = rest;
         }
     }
-    out.truncate(end);
+}
+
+/// A separator, a sign, a digit, the mark, and six decimals.
+const LONGEST: usize = 10;
+
+/// Writes lengths up to the first long one: how many these are, and their bytes.
+fn write_short<const DECIMALS: u32>(room: &mut [u8], separator: u8, lengths: &[Length]) -> (usize, usize) {
+    let mut end = 0;
+    for (index, length) in lengths.iter().enumerate() {
+        let room = room.get_mut(end..).and_then(<[u8]>::first_chunk_mut::<LONGEST>);
+        let (Some((is_negative, text)), Some(room)) = (short::<DECIMALS>(*length), room) else { return (index, end) };
+        let digits = 1 + usize::from(is_negative);
+        (room[0], room[1]) = (separator, b'-');
+        room[digits..digits + text.len()].copy_from_slice(&text);
+        end += digits + DECIMALS as usize + 2;
+    }
+    (lengths.len(), end)
 }
 
 /// The magnitude in units of the last decimal, and whether a minus sign stands before it.

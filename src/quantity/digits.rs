@@ -1,6 +1,10 @@
 //! Plain numbers among the bytes of a table: digits and a decimal mark. The reader of decimal text and the readers of tables call it,
 //! for every cell that holds a measured value.
 
+#[cfg(feature = "table")]
+use super::LARGEST;
+#[cfg(feature = "table")]
+use super::number::Scale;
 use super::number::{Decimal, MOST_DIGITS};
 
 impl Decimal {
@@ -12,7 +16,7 @@ impl Decimal {
 
     /// A [plain](Self::plain) number of at most seven characters, as most measured values have, all of which are read at once; `None`
     /// for any other text.
-    #[expect(clippy::inline_always, reason = "kept in registers: a tenth of the time of a table")]
+    // kept in registers: a tenth of the time of a table
     #[inline(always)]
     pub(crate) fn short(bytes: &[u8], at: usize, mark: u8) -> Option<(Self, usize)> {
         const EACH: u64 = 0x0101_0101_0101_0101;
@@ -76,6 +80,44 @@ fn leading(bytes: &[u8], mut at: usize, mut digits: u64) -> (u64, usize) {
     (digits, at)
 }
 
+/// The plain numbers of a column as steps of a grid, less a nominal value: what does not depend on the number, worked out once.
+#[cfg(feature = "table")]
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlainSteps {
+    /// By the number of decimals, the steps of one in the last of them, and the most digits that the grid holds.
+    each: [(i64, u64); Self::DECIMALS],
+    nominal: i64,
+    farthest: u64,
+}
+
+#[cfg(feature = "table")]
+impl PlainSteps {
+    /// More than the decimals that are read at once.
+    const DECIMALS: usize = 8;
+
+    /// Numbers of this scale, less `nominal` and up to `farthest` in steps.
+    pub(crate) fn new(scale: Scale, nominal: i64, farthest: i64) -> Self {
+        // without whole steps only 0 is on the grid
+        let each = std::array::from_fn(|decimals| match scale.of_decimal(decimals as i32) {
+            Some(steps) => (steps, (LARGEST / steps).unsigned_abs()),
+            None => (0, 0),
+        });
+        Self { each, nominal, farthest: farthest.unsigned_abs() }
+    }
+
+    /// The steps of a number less the nominal value; `None` if it needs a closer look.
+    #[inline]
+    pub(crate) fn of(&self, number: Decimal) -> Option<i64> {
+        let (steps, most) = *self.each.get(number.exponent.wrapping_neg() as usize)?;
+        if number.digits > most {
+            return None;
+        }
+        let magnitude = number.digits as i64 * steps;
+        let less = if number.negative { -magnitude } else { magnitude } - self.nominal;
+        (less.unsigned_abs() <= self.farthest).then_some(less)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -124,6 +166,20 @@ mod tests {
     }
 
     proptest! {
+        #[cfg(feature = "table")]
+        #[test]
+        fn steps_that_are_worked_out_once(digits in 0u64..100_000_000, negative: bool, decimals in 0i32..10, exponent in 0i32..16, nominal: i32) {
+            let (scale, number) = (Scale { factor: 254, exponent }, Decimal { negative, digits, exponent: -decimals });
+            let farthest = LARGEST / 1000;
+            let one_by_one = number.steps(scale).filter(|steps| steps.abs() <= LARGEST).map(|steps| steps - i64::from(nominal));
+            let one_by_one = one_by_one.filter(|steps| steps.abs() <= farthest);
+            if let Some(steps) = PlainSteps::new(scale, nominal.into(), farthest).of(number) {
+                prop_assert_eq!(Some(steps), one_by_one);
+            } else {
+                prop_assert!(one_by_one.is_none() || decimals > 7.min(exponent));
+            }
+        }
+
         #[test]
         fn a_number_is_read_at_once_as_digit_by_digit(text in "-?-?[0-9]{0,6}[.,0-9]{0,3}[0-9]{0,3}\\PC{0,8}", mark in "[.,\0]") {
             let (bytes, mark) = (text.as_bytes(), mark.as_bytes()[0]);

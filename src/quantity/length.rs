@@ -50,7 +50,7 @@ impl Length {
     /// or a difference is larger than `largest`.
     #[cfg(feature = "table")]
     pub(crate) fn of_doubles(doubles: &[f64], unit: LengthUnit, less: Self, largest: Self) -> Option<Vec<Self>> {
-        let step = unit.scale().of_millionth()?;
+        let step = unit.scale().of_decimal(6)?;
         let most = Self::LARGEST.fm / step;
         let mut are_plain = true;
         let lengths = doubles.iter().map(|value| {

@@ -31,6 +31,8 @@ mod unit;
 pub use angle::Angle;
 #[cfg(feature = "batch")]
 pub(crate) use decimals::Places;
+#[cfg(feature = "table")]
+pub(crate) use digits::PlainSteps;
 pub use domain::{Domain, DomainError};
 pub use error::QuantityError;
 #[cfg(feature = "table")]

@@ -59,10 +59,10 @@ impl Scale {
         (self.factor * POWERS_OF_TEN[self.exponent as usize]) as f64
     }
 
-    /// The steps of a millionth of the unit, if they are a whole number.
+    /// The steps of one in that decimal of the unit, if they are a whole number.
     #[cfg(feature = "table")]
-    pub(super) fn of_millionth(self) -> Option<i64> {
-        let power = POWERS_OF_TEN.get(usize::try_from(self.exponent - 6).ok()?)?;
+    pub(super) fn of_decimal(self, decimal: i32) -> Option<i64> {
+        let power = POWERS_OF_TEN.get(usize::try_from(self.exponent - decimal).ok()?)?;
         i64::try_from(self.factor.checked_mul(*power)?).ok()
     }
 }

@@ -95,7 +95,7 @@ impl LengthUnit {
     }
 
     /// One of this unit in femtometres.
-    pub(super) const fn scale(self) -> Scale {
+    pub(crate) const fn scale(self) -> Scale {
         match self {
             Self::Nanometre => Scale { factor: 1, exponent: 6 },
             Self::Micrometre => Scale { factor: 1, exponent: 9 },
@@ -168,7 +168,7 @@ impl AngleUnit {
     }
 
     /// One of this unit in nano-arcseconds.
-    pub(super) const fn scale(self) -> Scale {
+    pub(crate) const fn scale(self) -> Scale {
         match self {
             Self::Degree => Scale { factor: 36, exponent: 11 },
             Self::Arcminute => Scale { factor: 6, exponent: 10 },

@@ -29,7 +29,7 @@ struct PlainColumn {
 }
 
 /// What a field of a line of plain numbers is.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 enum PlainField {
     Skipped,
     /// Left out by the rule of that number.
@@ -37,7 +37,7 @@ enum PlainField {
     /// Without a heading: nothing may stand there.
     Nameless,
     Id,
-    Value(PlainColumn),
+    Value(Box<PlainColumn>),
 }
 
 /// How a line of plain numbers is read.
@@ -92,7 +92,7 @@ impl PlainRow {
         let mark = first.map_or(0, |column| column.mark.byte());
         let mut row = Self { fields: vec![PlainField::Skipped; setup.titles.len()], mark };
         for column in columns {
-            *row.fields.get_mut(column.place)? = PlainField::Value(*column);
+            *row.fields.get_mut(column.place)? = PlainField::Value(Box::new(*column));
         }
         setup.contract.plain_fields(&mut row.fields);
         if let Some(id) = setup.id {
