@@ -123,20 +123,21 @@ fn short<const DECIMALS: u32>(length: Length) -> Option<(bool, [u8; 8])> {
     let millionths = rounded * 10u64.pow(6u32.saturating_sub(DECIMALS));
     // the number in units of 2^-57: a digit stands above these bits, and a hundred times the rest has the next two there
     let mut rest = millionths * (1u64 << 57).div_ceil(1_000_000);
-    let whole = b'0' + (rest >> 57) as u8;
+    let whole = u64::from(b'0') + (rest >> 57);
     let [a, b, c] = [(); 3].map(|()| {
         rest = (rest & ((1 << 57) - 1)) * 100;
-        PAIRS[(rest >> 57) as usize]
+        u64::from(PAIRS[(rest >> 57) as usize])
     });
-    Some((is_negative, [whole, b'.', a[0], a[1], b[0], b[1], c[0], c[1]]))
+    Some((is_negative, (whole | u64::from(b'.') << 8 | a << 16 | b << 32 | c << 48).to_le_bytes()))
 }
 
-/// The texts of 00 to 99, in a table of a size that needs no check: a division for each digit takes longer.
-const PAIRS: [[u8; 2]; 128] = {
-    let mut pairs = [[b'0'; 2]; 128];
+/// The texts of 00 to 99, the first digit in the low byte, in a table of a size that needs no check: a division for each digit takes
+/// longer.
+const PAIRS: [u16; 128] = {
+    let mut pairs = [0; 128];
     let mut pair = 0;
     while pair < 100 {
-        pairs[pair] = [b'0' + pair as u8 / 10, b'0' + pair as u8 % 10];
+        pairs[pair] = u16::from_le_bytes([b'0' + pair as u8 / 10, b'0' + pair as u8 % 10]);
         pair += 1;
     }
     pairs
