@@ -63,9 +63,9 @@ const LONGER: f64 = 1e-6;
 const MAX_DEPTH: u32 = 36;
 
 /// Halvings after which a kink may be called harmless: 1/(32·2¹²) of a pitch. Where the same teeth carry on, at another place
-/// of their flanks, 1/(32·2⁶): of an edge near its end rounding says whether that is a corner, again and again.
+/// of their flanks, 1/(32·2⁴): of an edge near its end rounding says whether that is a corner, again and again.
 const HARMLESS_DEPTH: u32 = 12;
-const HARMLESS_PLACE_DEPTH: u32 = 6;
+const HARMLESS_PLACE_DEPTH: u32 = 4;
 /// A kink is harmless if it bends the curve by less than this share of the tolerance between its neighbours.
 const HARMLESS: f64 = 1e-3;
 
@@ -262,7 +262,8 @@ impl Refiner<'_> {
         let middle = a.stroke_mm + 0.5 * width;
         let kinked = a.right != b.right || a.left != b.left;
         let exhausted = depth >= MAX_DEPTH || middle <= a.stroke_mm || middle >= b.stroke_mm;
-        if exhausted || (kinked && width <= KINK_WIDTH * self.pitch) {
+        let enough = if kinked { KINK_WIDTH } else { CROWDED };
+        if exhausted || width <= enough * self.pitch {
             self.finish(a, b, kinked);
             return Ok(());
         }

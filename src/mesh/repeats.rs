@@ -157,7 +157,10 @@ mod tests {
                     solved.pinion_angle_rad - point.pinion_angle_rad,
                     solved.transmission_error_rad - point.transmission_error_rad,
                 ];
-                assert!(off.iter().all(|off| off.abs() < 1e-11), "{off:?} {point:?} {solved:?}");
+                // the lowest ΔCD determines the roll, and with it the rotation, to the root of rounding only
+                let angle = if support == Support::Fixed { 1e-11 } else { 1e-8 };
+                let is_same = off[0].abs() < 1e-11 && off[1..].iter().all(|off| off.abs() < angle);
+                assert!(is_same, "{off:?} {point:?} {solved:?}");
                 // at kinks, and where lines of several teeth carry, others are as good
                 let at = point.right;
                 assert_eq!(at.pinion_tooth, FlankSide::Right.pinion_tooth(at.rack_tooth, 12));

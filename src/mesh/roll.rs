@@ -26,11 +26,12 @@
 //! than the bound, the search goes on. The search begins around the last stroke's bottom: the result does not depend on
 //! that by more than rounding, unless C is too small.
 //!
-//! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ,
-//! and the slope and curvature of the flank that it touches enter on top. It is taken as [`SAFETY`] times the largest
-//! such distance; a fifth of that misses a valley now and then, three times as much finds no other. Where slopes show a
-//! larger curvature, that one counts. Where teeth hardly enter and two rotations may hold the pinion, the centre distance
-//! bends down sharply from one to the other: there a valley may be missed, by micrometres in pairs made for it.
+//! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ, the
+//! pinion turns by some ρ/r_b for a unit of roll, which its involute turns into a height, and the slope and curvature of the
+//! flank enter on top. It is taken as [`SAFETY`] · ρ (1 + ρ/r_b) with the largest such distance; without the second term wide
+//! racks on slim pinions miss a valley now and then. Where slopes show a larger curvature, that one counts. Where teeth hardly
+//! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a valley
+//! may be missed, by micrometres in pairs made for it.
 
 pub(super) mod course;
 mod valleys;
@@ -46,7 +47,7 @@ use super::{Ending, MeshError, MeshPoint};
 pub const LARGEST_ROLL_RAD: f64 = 0.075;
 /// Intervals to begin with; an odd number, so that none ends at 0, where full lines of contact make a kink.
 const INTERVALS: i32 = 7;
-/// How far the centre distance may bend down, in units of the largest distance from the roll axis.
+/// How far the centre distance may bend down, in units of ρ (1 + ρ/r_b).
 const SAFETY: f64 = 20.0;
 /// Intervals divided at one stroke; mostly fewer than 20 are, and 60 were the most among random pairs.
 const MAX_DIVISIONS: u32 = 200;
@@ -95,9 +96,8 @@ impl Sampler<'_> {
     /// The lowest bottom of all valleys at a stroke, within a limit of searches of flank pairs; of several equally low ones the
     /// one with the smallest roll.
     fn lowest(&mut self, stroke_mm: f64, depth_mm: f64, searches: u64) -> Result<Rolled, MeshError> {
-        let curvature = self.curvature(depth_mm);
-        let stroke = AtStroke { stroke_mm, depth_mm, curvature, most_searched: self.work.searched + searches };
-        let mut search = Search { curvature, ..Search::default() };
+        let stroke = AtStroke { stroke_mm, depth_mm, most_searched: self.work.searched + searches };
+        let mut search = Search { curvature: self.curvature(depth_mm), ..Search::default() };
         self.course.go_on();
         self.begin(&stroke, &mut search);
         let mut positions = 0;
@@ -227,11 +227,17 @@ impl Sampler<'_> {
         }
     }
 
-    /// The curvature C, mm/rad²: [`SAFETY`] times the largest distance of a point of the rack's flanks from its roll axis.
+    /// The curvature C = [`SAFETY`] · ρ (1 + ρ/r_b), mm/rad².
     fn curvature(&self, depth_mm: f64) -> f64 {
+        let distance = self.largest_distance(depth_mm);
+        SAFETY * distance * (1.0 + distance / self.mesh.pair().pinion().base_radius_mm)
+    }
+
+    /// The largest distance ρ of a point of the rack's flanks from its roll axis, mm.
+    fn largest_distance(&self, depth_mm: f64) -> f64 {
         let rack = self.mesh.pair().rack();
         let height = depth_mm.abs() + rack.addendum_mm.max(self.mesh.pair().normal_module_mm());
-        SAFETY * (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
+        (height * height + 0.25 * rack.face_width_mm * rack.face_width_mm).sqrt()
     }
 
     /// Both ends next to a bottom between a falling and a rising end, which need not be the lowest one there.
@@ -330,13 +336,13 @@ impl Sampler<'_> {
     /// A lower bound of the centre distance at a roll, by one rotation or a few, from what is expected there. If the lowest
     /// known bottom is given, the bound is only as exact as the comparison needs.
     fn at_least(&mut self, stroke: &AtStroke, angle: f64, best: Option<f64>) -> Result<Rolled, MeshError> {
-        let AtStroke { stroke_mm, depth_mm, curvature, .. } = *stroke;
+        let AtStroke { stroke_mm, depth_mm, .. } = *stroke;
         let expected = self.course.at(angle, f64::INFINITY).filter(|_| self.course.surprises <= MOST_SURPRISES);
         if let Some([mut turned, assumed]) = expected {
             self.roll = Roll::new(angle, depth_mm);
             self.assumed = assumed;
             self.looks = Looks::AtPeaks;
-            let reach = curvature / SAFETY + self.constants.default_rate;
+            let reach = self.largest_distance(depth_mm) + self.constants.default_rate;
             let mut found = None;
             for _ in 0..MOST_LOOKS {
                 let Ok(Some((point, [step, moved]))) = self.glimpse(stroke_mm, turned) else { break };
@@ -380,8 +386,6 @@ impl Sampler<'_> {
 struct AtStroke {
     stroke_mm: f64,
     depth_mm: f64,
-    /// See [`Sampler::curvature`].
-    curvature: f64,
     /// The search ends once so many flank pairs were searched.
     most_searched: u64,
 }

@@ -6,7 +6,8 @@ use crate::common::pairs::{spur, steering};
 use crate::process::run;
 use rackmesh::deviation::*;
 use rackmesh::gear::Pair;
-use rackmesh::mesh::{Carrier, ContactKind, Curve, Ending, FlankSide, Mesh, MeshError, MeshPoint, Support};
+use rackmesh::mesh::{Carrier, ContactKind, Curve, Ending, FlankSide, Mesh, MeshError, MeshPoint, Sampler, Support};
+use rackmesh::spec::{MeasuredTables, Spec};
 
 fn near(found: f64, expected: f64, what: &str) {
     assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{what}: {found} {expected}");
@@ -107,7 +108,7 @@ fn a_curve_begins_with_so_many_steps() {
 
 /// Kinks are where the carriers change, and both sides of one that shows are kept, while other points keep their distance.
 /// A kink that bends the curve by a thousandth of the tolerance is not looked for any further, but is where it is said
-/// to be, to less than a tooth's part in a hundred thousand, or in two thousand where the same teeth carry on.
+/// to be, to less than a tooth's part in a hundred thousand, or in five hundred where the same teeth carry on.
 #[test]
 fn harmless_kinks_are_located_well_enough_and_no_better() {
     let pair = Pair::new(&spur()).unwrap();
@@ -122,7 +123,7 @@ fn harmless_kinks_are_located_well_enough_and_no_better() {
     for (fine, coarse) in fine.kinks.iter().zip(&coarse.kinks) {
         let off = coarse.stroke_mm - fine.stroke_mm;
         let teeth = |(right, left): (Carrier, Carrier)| (right.rack_tooth, left.rack_tooth);
-        let near = if teeth(fine.before) == teeth(fine.after) { 5e-4 } else { 1e-5 };
+        let near = if teeth(fine.before) == teeth(fine.after) { 2e-3 } else { 1e-5 };
         assert!(off.abs() <= near * pitch && (coarse.before, coarse.after) == (fine.before, fine.after), "{off:e}");
     }
     // 32 steps a pitch, a middle in each, and twelve halvings with two middles each at a kink
@@ -307,4 +308,22 @@ fn balls_in_a_pinion_rest_where_geometry_says() {
 #[test]
 fn sides_have_names() {
     assert_eq!((FlankSide::Right.to_string(), FlankSide::Left.to_string()), ("right".into(), "left".into()));
+}
+
+/// A wide rack on a slim pinion has narrow valleys: the search from the last stroke finds the one that a fresh search finds.
+#[test]
+fn a_rolling_rack_takes_the_lowest_valley_wherever_it_comes_from() {
+    let spec = "[pair]\nnormal_module = 0.2\nnormal_pressure_angle = 15\n[rack]\nface_width = 30\naddendum = 0.12\n\
+        crowning = \"2 um\"\n[pinion]\nteeth = 20\nhelix_angle = -10\nprofile_shift = 0.3\nface_width = 39\n\
+        tip_diameter = 4.5217\ncrowning = \"2 um\"\n[support]\nroll = \"free\"\nroll_axis_depth = 3.4\n\
+        [[rack.deviation]]\nteeth = \"3..\"\nlead = \"0.08 deg\"\n[[rack.deviation]]\nteeth = \"4\"\nlead = \"0.13 deg\"\n";
+    let spec = Spec::parse("spec.toml", spec).expect("a valid spec");
+    let mesh = spec.mesh(&MeasuredTables::default()).expect("a mesh").mesh;
+    let mut walker = Sampler::new(&mesh);
+    for step in 0..20 {
+        let stroke = 5.45 + 0.005 * f64::from(step);
+        let (walked, fresh) = (walker.at(stroke).unwrap(), mesh.at(stroke).unwrap());
+        let off = walked.center_distance_mm - fresh.center_distance_mm;
+        assert!(off.abs() < 1e-7, "{stroke}: {off} {} {}", walked.roll_rad, fresh.roll_rad);
+    }
 }

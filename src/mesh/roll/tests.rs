@@ -247,8 +247,7 @@ fn a_search_takes_no_more_than_it_may() {
         let mut sampler = Sampler::new(&mesh);
         let [low, high] = [-0.05, 0.05].map(|roll| sampler.at_roll(stroke, roll, 8.0).expect("contact"));
         let before = sampler.work();
-        let curvature = sampler.curvature(8.0);
-        let out = AtStroke { stroke_mm: stroke, depth_mm: 8.0, curvature, most_searched: before.searched - 1 };
+        let out = AtStroke { stroke_mm: stroke, depth_mm: 8.0, most_searched: before.searched - 1 };
         let narrowed = sampler.narrow([low, high], &out);
         assert!(!narrowed.is_closed && sampler.work() == before);
         for (end, given) in [(narrowed.low, low), (narrowed.high, high)] {
@@ -272,8 +271,7 @@ fn what_a_roll_asks_for_at_least_is_no_more_than_its_solution() {
         for step in 0..12 {
             let stroke_mm = 0.31 * f64::from(step);
             sampler.at(stroke_mm).expect("contact");
-            let curvature = sampler.curvature(8.0);
-            let stroke = AtStroke { stroke_mm, depth_mm: 8.0, curvature, most_searched: u64::MAX };
+            let stroke = AtStroke { stroke_mm, depth_mm: 8.0, most_searched: u64::MAX };
             for roll in [-0.06, -0.02, -0.003, 0.0007, 0.011, 0.05] {
                 let exact = Sampler::new(&mesh).at_roll(stroke_mm, roll, 8.0).expect("contact");
                 for best in [None, Some(exact.value - 0.1)] {
@@ -363,16 +361,16 @@ fn no_roll_is_lower_where_narrow_faces_meet_on_the_base_circle() {
     }
 }
 
-/// The bound on how the height of a rack point bends follows from the point farthest from the axis.
+/// The height of a rack point bends by its distance from the axis at most.
 #[test]
 fn the_farthest_point_is_at_a_corner_of_the_tip() {
     let mesh = spur(0.35, 20.0, 0.0);
     // the tip is 1.9 mm high, the roots at least as deep as one module
-    let expected = SAFETY * (10.0_f64 * 10.0 + 10.0 * 10.0).sqrt();
-    assert!((Sampler::new(&mesh).curvature(8.0) - expected).abs() < 1e-12);
-    assert!((Sampler::new(&mesh).curvature(-8.0) - expected).abs() < 1e-12);
+    let expected = (10.0_f64 * 10.0 + 10.0 * 10.0).sqrt();
+    assert!((Sampler::new(&mesh).largest_distance(8.0) - expected).abs() < 1e-12);
+    assert!((Sampler::new(&mesh).largest_distance(-8.0) - expected).abs() < 1e-12);
     let mesh = spur(0.35, 6.0, 0.0);
-    assert!((Sampler::new(&mesh).curvature(2.0) - SAFETY * 5.0).abs() < 1e-12);
+    assert!((Sampler::new(&mesh).largest_distance(2.0) - 5.0).abs() < 1e-12);
 }
 
 /// Where a few bounds do not show that the level rack is the lowest, the search ends at it, and then it is that.
