@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::ops::Range as Strokes;
 
 use crate::deviation::RackDeviation;
-use crate::gear::Pair;
 use crate::judge::bound::{KnownTeeth, Range};
 use crate::mesh::{CarryingStrokes, Mesh, MeshError, MeshPoint, Support};
 
@@ -44,39 +43,46 @@ pub enum StrokesError {
 }
 
 /// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, and over a
-/// turn of the pinion if its teeth deviate. For a measured rack, the strokes at which every flank that can carry was
+/// turn of the pinion if its teeth deviate; and those next to them, where the others carry. For a measured rack, the strokes at which every flank that can carry was
 /// measured. `spaces` are the measured ones, empty without a table.
 ///
 /// # Errors
 /// [`StrokesError`] if measured spaces cover no stroke.
 pub fn judged_strokes(
-    pair: &Pair,
+    mesh: &Mesh,
     rack: &[RackDeviation],
     spaces: &BTreeSet<i64>,
     pinion_deviates: bool,
 ) -> Result<Vec<Strokes<f64>>, StrokesError> {
+    let pair = mesh.pair();
     let pitch = pair.rack().pitch_mm;
-    let contact = (pair.contact_ratio().total + 2.0).ceil().max(3.0);
+    let ratio = pair.contact_ratio();
+    // a flank carries along its path of contact, and on edges beyond it
+    let contact = ratio.offset.abs() + 0.5 * ratio.total + BEYOND_CONTACT;
     if let (Some(first), Some(last)) = (spaces.first(), spaces.last()) {
         let carrying = CarryingStrokes::of(pair)?;
-        let around = around(*first, *last, contact, pitch);
-        let stretches = carrying.measured(spaces, around.start, around.end);
+        let at = |tooth: i64| tooth as f64 * pitch;
+        let stretches = carrying.measured(spaces, at(*first) - contact * pitch, at(*last + 1) + contact * pitch);
         // the spaces stand in one row, and so do their strokes
         return if stretches.len() == 1 { Ok(stretches) } else { Err(StrokesError::NotMeasured) };
     }
     let turn = if pinion_deviates { f64::from(pair.pinion().teeth) } else { 0.0 };
     let ends = rack.iter().flat_map(|deviation| [deviation.teeth.first(), deviation.teeth.last()]);
-    let mut windows: Vec<_> = ends.flatten().map(|tooth| around(tooth, tooth, contact + turn, pitch)).collect();
+    let reach = pitch * (contact + turn);
+    let around = |tooth: i64| {
+        let (nominal, flanks) = (tooth as f64 * pitch, mesh.rack().tooth(tooth));
+        let [left, right] = [flanks.left.along_x_mm, flanks.right.along_x_mm];
+        nominal + left.min(right).min(0.0) - reach..nominal + left.max(right).max(0.0) + reach
+    };
+    let mut windows: Vec<_> = ends.flatten().map(around).collect();
     windows.push(0.0..pitch * turn.max(contact));
     windows.sort_by(|a, b| a.start.total_cmp(&b.start));
     Ok(joined(windows.into_iter()))
 }
 
-/// The strokes within so many pitches of some teeth, mm.
-fn around(first: i64, last: i64, pitches: f64, pitch: f64) -> Strokes<f64> {
-    let (first, last) = (first as f64, last as f64);
-    (first - pitches) * pitch..(last + 1.0 + pitches) * pitch
-}
+/// Pitches by which judged strokes reach beyond the path of contact of a deviated tooth: up to one on its edges, where it stands
+/// out far, and one for the teeth beside it.
+const BEYOND_CONTACT: f64 = 2.0;
 
 /// A lowest or highest ΔCD.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,16 +215,35 @@ mod tests {
     use super::*;
     use crate::deviation::{PinionFlanks, RackDeviationKind, RackFlanks, ToothRange};
 
+    fn deviated(rack: &[RackDeviation]) -> Mesh {
+        let pair = crate::reproduction::pair().unwrap();
+        let flanks = RackFlanks::new(&pair, rack).unwrap();
+        Mesh::new(pair, flanks, PinionFlanks::nominal(&pair), Support::Fixed).unwrap()
+    }
+
+    /// Pitch errors add up, and what they move is judged where it is.
+    #[test]
+    fn teeth_far_from_their_places_are_judged() {
+        let run = |last| {
+            let teeth = ToothRange::new(Some(1), Some(last)).unwrap();
+            [RackDeviation { teeth, kind: RackDeviationKind::Pitch(0.05) }]
+        };
+        let rack = run(800);
+        let mesh = deviated(&rack);
+        let strokes = judged_strokes(&mesh, &rack, &BTreeSet::new(), false).unwrap();
+        let last = strokes.last().unwrap();
+        let place = (800.0 * mesh.pair().rack().pitch_mm) + 40.0;
+        assert!(last.start < place - 12.0 && place + 12.0 < last.end, "{strokes:?} {place}");
+    }
+
     /// A step far along the rack is found at its place.
     #[test]
     fn a_step_at_any_tooth_is_judged() {
-        let pair = crate::reproduction::pair().unwrap();
         let reached = |tooth: i64| {
             let teeth = ToothRange::new(Some(tooth), None).unwrap();
             let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
-            let strokes = judged_strokes(&pair, &rack, &BTreeSet::new(), false).unwrap();
-            let flanks = RackFlanks::new(&pair, &rack).unwrap();
-            let mesh = Mesh::new(pair, flanks, PinionFlanks::nominal(&pair), Support::Fixed).unwrap();
+            let mesh = deviated(&rack);
+            let strokes = judged_strokes(&mesh, &rack, &BTreeSet::new(), false).unwrap();
             extremes(&mesh, &strokes, 1e-7).unwrap().range()
         };
         let near = reached(4);
@@ -231,11 +256,10 @@ mod tests {
 
     #[test]
     fn windows_that_touch_are_one() {
-        let pair = crate::reproduction::pair().unwrap();
         let of = |first, last| {
             let teeth = ToothRange::new(Some(first), Some(last)).unwrap();
             let rack = [RackDeviation { teeth, kind: RackDeviationKind::Shift(0.02) }];
-            judged_strokes(&pair, &rack, &BTreeSet::new(), false).unwrap().len()
+            judged_strokes(&deviated(&rack), &rack, &BTreeSet::new(), false).unwrap().len()
         };
         assert_eq!((of(2, 3), of(100, 103), of(100, 200)), (1, 2, 3));
     }

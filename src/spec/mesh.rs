@@ -99,7 +99,7 @@ impl MeshInput {
             !(is_centred && deviation.teeth == ToothRange::ALL)
         };
         let pinion_deviates = self.pinion_deviations.iter().any(changes) || !self.pinion_rows.is_empty();
-        judged_strokes(self.mesh.pair(), &self.rack_deviations, &self.whole_spaces, pinion_deviates)
+        judged_strokes(&self.mesh, &self.rack_deviations, &self.whole_spaces, pinion_deviates)
     }
 }
 
