@@ -130,19 +130,19 @@ fn main() {
         let off = |mm: f64| (1000.0 * mm - um).abs();
         // both signs of an error may be there
         let right = of_first.and_then(|found| {
-            let own = std::iter::once((found.error, found.value_mm));
-            let all = own.chain(found.alternatives.iter().map(|other| (other.error, other.value_mm)));
-            let right = all.filter(|(found, _)| (found.part, found.kind, found.tooth) == (error.0, error.1, error.2));
+            let own = std::iter::once((found.error, found.value_mm, found.interval_mm));
+            let all =
+                own.chain(found.alternatives.iter().map(|other| (other.error, other.value_mm, other.interval_mm)));
+            let right = all.filter(|(found, ..)| (found.part, found.kind, found.tooth) == (error.0, error.1, error.2));
             right.min_by(|a, b| off(a.1).total_cmp(&off(b.1)))
         });
         // an end that the curve does not tell is open
-        let is_open = of_first.is_some_and(|found| {
-            let [from, to] = found.interval_mm.map(|end| end.map(|mm| 1000.0 * mm));
+        let is_open = right.is_some_and(|(.., interval)| {
+            let [from, to] = interval.map(|end| end.map(|mm| 1000.0 * mm));
             (from.is_none() || to.is_none()) && from.is_none_or(|from| from <= um) && to.is_none_or(|to| um <= to)
         });
-        let is_close = right.is_some_and(|(_, mm)| off(mm) <= 2.0);
-        let is_sized =
-            is_close || is_open && right.is_some_and(|right| of_first.is_some_and(|found| found.error == right.0));
+        let is_close = right.is_some_and(|(_, mm, _)| off(mm) <= 2.0);
+        let is_sized = is_close || is_open;
         named += usize::from(right.is_some());
         sized += usize::from(is_sized);
         first += usize::from(of_first.is_some_and(|found| {

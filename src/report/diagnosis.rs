@@ -8,12 +8,13 @@ use super::{Block, Table};
 use crate::gear::Pair;
 use crate::trace::{Alternative, Diagnosis, FoundError, ToothError, UNSEEN_MM, Unseen};
 
-fn json_of(pair: &Pair, error: ToothError, value_mm: f64) -> Value {
+fn json_of(pair: &Pair, error: ToothError, value_mm: f64, interval_mm: [Option<f64>; 2]) -> Value {
     let mut json = json!({
         "part": error.part.name(),
         "kind": error.kind.name(),
         "tooth": error.tooth,
         "value_mm": tidy(value_mm),
+        "interval_mm": interval_mm.map(|end| end.map(tidy)),
     });
     if let Some(angle) = error.lead_rad(pair, value_mm) {
         json["value_deg"] = tidy(angle.to_degrees()).into();
@@ -24,11 +25,10 @@ fn json_of(pair: &Pair, error: ToothError, value_mm: f64) -> Value {
 /// The errors, the one with the largest effect first.
 pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
     let found = diagnosis.errors.iter().map(|found| {
-        let mut json = json_of(pair, found.error, found.value_mm);
-        json["interval_mm"] = found.interval_mm.map(|end| end.map(tidy)).to_vec().into();
+        let mut json = json_of(pair, found.error, found.value_mm, found.interval_mm);
         json["effect_mm"] = tidy(found.effect_mm).into();
         let others = found.alternatives.iter().map(|other| {
-            let mut json = json_of(pair, other.error, other.value_mm);
+            let mut json = json_of(pair, other.error, other.value_mm, other.interval_mm);
             if let Some(shift_mm) = other.shift_mm {
                 json["stroke_shift_mm"] = tidy(shift_mm).into();
             }
@@ -115,7 +115,11 @@ fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
         diagnosis.errors.iter().filter(|found| !found.alternatives.is_empty()).map(same_curve).collect();
     let open = |found: &&FoundError| found.interval_mm.contains(&None);
     remarks.extend(diagnosis.errors.iter().filter(open).map(|found| {
-        format!("the curve shows one side only of the {}: at the open end its size may be any", name(found.error))
+        format!(
+            "the curve shows one side only of the {}: at the open end its size may be any, and \
+             the value is the one nearest to the other end",
+            name(found.error)
+        )
     }));
     if is_fitted && !diagnosis.errors.is_empty() && diagnosis.at_an_end {
         remarks.push(AT_AN_END.to_owned());

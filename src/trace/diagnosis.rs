@@ -12,8 +12,10 @@ use crate::mesh::Mesh;
 pub struct Alternative {
     /// The error.
     pub error: ToothError,
-    /// Its size, mm; for a lead error the helix slope deviation over the face width.
+    /// Its size, as that of a found error.
     pub value_mm: f64,
+    /// The ends of the 95 % interval of its size, as those of a found error.
+    pub interval_mm: [Option<f64>; 2],
     /// The stroke shift at which it has the same curve, mm, if that is another than the diagnosis'.
     pub shift_mm: Option<f64>,
 }
@@ -23,7 +25,8 @@ pub struct Alternative {
 pub struct FoundError {
     /// The error.
     pub error: ToothError,
-    /// Its size, mm; for a lead error the helix slope deviation over the face width.
+    /// Its size, mm; for a lead error the helix slope deviation over the face width. Where one end of the interval is open, the
+    /// size nearest to the other end that explains the curve as well as any.
     pub value_mm: f64,
     /// The ends of the 95 % interval of its size, mm; `None` for an end that the curve does not determine.
     pub interval_mm: [Option<f64>; 2],
@@ -79,6 +82,8 @@ pub struct Diagnosis {
 
 /// The rise of χ² at the ends of the 95 % interval of a size.
 const INTERVAL: f64 = 3.84;
+/// A size explains the curve as well as another one if its χ² is higher by one standard deviation at most.
+const AS_WELL: f64 = 1.0;
 /// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
 /// The errors up to which a search goes on at every stroke shift at which it begins.
@@ -157,7 +162,8 @@ fn add_elsewhere(found: &mut [FoundError], elsewhere: Vec<FoundError>, shift_mm:
         return;
     }
     for (one, other) in found.iter_mut().zip(elsewhere) {
-        let own = Alternative { error: other.error, value_mm: other.value_mm, shift_mm: None };
+        let FoundError { error, value_mm, interval_mm, .. } = other;
+        let own = Alternative { error, value_mm, interval_mm, shift_mm: None };
         for alternative in std::iter::once(own).chain(other.alternatives) {
             let known = one.alternatives.iter().map(|known| known.error).chain([one.error]);
             if !known.into_iter().any(|known| known == alternative.error) {
@@ -263,16 +269,16 @@ impl Search<'_> {
             }
             let most = best.first().map_or(member.gain, |(_, best)| best.gain.max(member.gain));
             let is_same = |(_, other): &&(ToothError, Explains)| other.gain > most - SAME_CURVE;
-            let alternatives = best.iter().filter(is_same);
-            let alternatives = alternatives.map(|(error, other)| Alternative {
-                error: *error,
-                value_mm: other.size_mm,
-                shift_mm: None,
+            let alternatives = best.iter().filter(is_same).map(|(error, other)| {
+                let (explains, effects) = self.refined(&others, *error, &[other.size_mm], &points);
+                let (value_mm, interval_mm) = self.sized(&others, (*error, explains), &points, effects);
+                Alternative { error: *error, value_mm, interval_mm, shift_mm: None }
             });
+            let (value_mm, interval_mm) = self.sized(&others, (error, member), &points, effects);
             found.push(FoundError {
                 error,
-                value_mm: member.size_mm,
-                interval_mm: [-1.0, 1.0].map(|way| self.end(&others, (error, member), way, &points, effects.clone())),
+                value_mm,
+                interval_mm,
                 effect_mm: own.iter().fold(0.0, |most, effect| f64::max(most, effect.abs())),
                 alternatives: alternatives.collect(),
             });
@@ -293,33 +299,86 @@ impl Search<'_> {
         square(true) <= MISSED * square(false)
     }
 
-    /// One end of the 95 % interval of an error's size; `None` if the curve does not determine it.
+    /// The size of an error and its 95 % interval; an end is `None` if the curve does not determine it. Where one is, the size is the
+    /// one nearest to the other end.
+    fn sized(
+        &self,
+        others: &[(ToothError, f64)],
+        (error, best): (ToothError, Explains),
+        sight: &Sight,
+        mut effects: Effects,
+    ) -> (f64, [Option<f64>; 2]) {
+        let best = self.settled(others, (error, best), sight, &mut effects);
+        let mut end = |way, rise| self.end(others, (error, best), (way, rise), sight, &mut effects);
+        let interval = [-1.0, 1.0].map(|way| end(way, INTERVAL));
+        let nearest = match interval {
+            [None, Some(_)] => end(1.0, AS_WELL),
+            [Some(_), None] => end(-1.0, AS_WELL),
+            _ => None,
+        };
+        (nearest.unwrap_or(best.size_mm), interval)
+    }
+
+    /// The best size of an error, with what it explains when it is solved: where effects bend, their lines promise more.
+    fn settled(
+        &self,
+        others: &[(ToothError, f64)],
+        (error, mut best): (ToothError, Explains),
+        sight: &Sight,
+        effects: &mut Effects,
+    ) -> Explains {
+        const ROUNDS: usize = 12;
+        let mut gain = |effects: &mut Effects, size: f64| {
+            if !effects.has(size) {
+                effects.insert(size, self.effect(others, error, size, sight.curve())?);
+            }
+            Some(effects.gain(sight, size))
+        };
+        for _ in 0..ROUNDS {
+            let Some(solved) = gain(effects, best.size_mm) else { break };
+            if best.gain - solved < 0.1 * AS_WELL {
+                return Explains { gain: solved, ..best };
+            }
+            if let Some(half) = effects.half_way_in(best.size_mm) {
+                gain(effects, half);
+            }
+            let [negative, positive] = effects.best_of_each_sign(sight);
+            best = if best.size_mm < 0.0 { negative } else { positive };
+        }
+        best
+    }
+
+    /// The size, from the best one on in one way, at which χ² has risen by so much; `None` if there is none.
     fn end(
         &self,
         others: &[(ToothError, f64)],
         (error, best): (ToothError, Explains),
-        way: f64,
+        (way, rise): (f64, f64),
         sight: &Sight,
-        mut effects: Effects,
+        effects: &mut Effects,
     ) -> Option<f64> {
-        const STEP_MM: f64 = 1e-4;
-        let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size) > INTERVAL;
-        let (mut inside, mut step) = (best.size_mm, STEP_MM);
+        /// The first step; between sizes so near to each other effects are linear.
+        const STEP_MM: f64 = 1e-3;
+        let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size);
         // an error that is too large for a tooth has no solution, and ends the search
-        loop {
-            let size = best.size_mm + way * step;
+        let solve = |effects: &mut Effects, size: f64| {
             if !effects.has(size) {
                 effects.insert(size, self.effect(others, error, size, sight.curve())?);
             }
-            if lacks(&effects, size) {
-                let (mut inner, mut outer) = (inside, size);
-                for _ in 0..40 {
-                    let middle = 0.5 * (inner + outer);
-                    if lacks(&effects, middle) { outer = middle } else { inner = middle }
-                }
-                return Some(outer);
-            }
-            (inside, step) = (size, 2.0 * step);
+            Some(lacks(effects, size))
+        };
+        let (mut inner, mut outer) = (best.size_mm, best.size_mm + way * STEP_MM);
+        while solve(effects, outer)? <= rise {
+            (inner, outer) = (outer, outer + 2.0 * (outer - best.size_mm));
         }
+        while (outer - inner).abs() > STEP_MM {
+            let middle = 0.5 * (inner + outer);
+            if solve(effects, middle)? > rise { outer = middle } else { inner = middle }
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (inner + outer);
+            if lacks(effects, middle) > rise { outer = middle } else { inner = middle }
+        }
+        Some(outer)
     }
 }

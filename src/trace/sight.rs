@@ -95,6 +95,9 @@ impl Sight {
     }
 }
 
+/// Sizes that differ by less than this are the same: 0.02 µm.
+const SAME_MM: f64 = 2e-5;
+
 /// The effect of a tooth's error at the strokes of a sight, for several sizes; linear between them, because the mesh is the
 /// highest of several straight lines.
 #[derive(Debug, Clone)]
@@ -130,6 +133,13 @@ impl Effects {
         near.filter(|size| size * size_mm > 0.0).chain([size_mm]).collect()
     }
 
+    /// The size half way from a solved one to the next solved one towards 0.
+    pub(super) fn half_way_in(&self, size_mm: f64) -> Option<f64> {
+        let at = self.0.iter().position(|(size, _)| (size - size_mm).abs() < SAME_MM)?;
+        let next = if size_mm < 0.0 { at + 1 } else { at.checked_sub(1)? };
+        Some(0.5 * (size_mm + self.0.get(next)?.0))
+    }
+
     /// If a size is the outermost solved one: a size one step beyond it.
     pub(super) fn beyond(&self, size_mm: f64) -> Option<f64> {
         let size = |at: usize| self.0.get(at).map(|(size, _)| *size);
@@ -142,8 +152,6 @@ impl Effects {
 
     /// Whether a size is solved, or near a solved one.
     pub(super) fn has(&self, size_mm: f64) -> bool {
-        /// Sizes that differ by less than this are the same: 0.02 µm.
-        const SAME_MM: f64 = 2e-5;
         self.0.iter().any(|(size, _)| (size - size_mm).abs() < SAME_MM)
     }
 

@@ -105,16 +105,20 @@ fn noisy(errors: &str, seed: u64, count: i32) -> String {
 
 /// The same, on a gauge whose strokes are larger than the computed ones.
 fn noisy_from(errors: &str, seed: u64, count: i32, shift_mm: f64) -> String {
+    noisy_of(&(SPEC.to_owned() + errors), seed, count, [shift_mm, 0.0042])
+}
+
+fn noisy_of(spec: &str, seed: u64, count: i32, [shift_mm, offset_mm]: [f64; 2]) -> String {
     let mut state = seed;
     let mut unit = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
     let strokes: Vec<f64> = (0..=count).map(|at| 0.1 * f64::from(at)).collect();
-    let rows = strokes.iter().zip(computed(&(SPEC.to_owned() + errors), &strokes)).map(|(stroke, mm)| {
+    let rows = strokes.iter().zip(computed(spec, &strokes)).map(|(stroke, mm)| {
         // near enough to the normal distribution
         let noise = (0..12).map(|_| unit()).sum::<f64>() - 6.0;
-        format!("{:.1},{:.5}\n", stroke + shift_mm, mm + 0.0042 + 0.001 * noise)
+        format!("{:.1},{:.5}\n", stroke + shift_mm, mm + offset_mm + 0.001 * noise)
     });
     std::iter::once("stroke,delta_cd\n".to_owned()).chain(rows).collect()
 }
@@ -189,6 +193,29 @@ fn errors_with_the_same_curve_are_alternatives() {
             assert!((1000.0 * number(one, "/value_mm") - um).abs() <= 2.0, "{part} {kind} {tooth} {um}: {one}");
         }
     }
+}
+
+/// Where a thin tooth leaves its work to its neighbours, every larger error has the same curve: one end of the size is open, and the
+/// value is near the other one, however large the error is.
+#[test]
+fn a_size_that_shows_on_one_side_has_one_end() {
+    const RELIEVED: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[rack]\nface_width = 20\naddendum = 1.6\n\
+                            tip_relief = { amount = \"15 um\", start = 0.4 }\n[pinion]\nteeth = 9\nhelix_angle = 15\nprofile_shift = 0.3\n\
+                            face_width = 26\ntip_diameter = 23.2\nprofile_slope = \"6 um\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let size = |um: i64| {
+        let path = table(&folder, &noisy_of(&(RELIEVED.to_owned() + &rack(3, "over_roller", um)), 41, 380, [0.0; 2]));
+        let answer = ask(RELIEVED, &["--measured", &path, "--diagnose", "--no-fit"]).unwrap();
+        let found = &answer["diagnosis"][0];
+        let others = found["alternatives"].as_array().into_iter().flatten();
+        let is_it = |one: &&Value| one["kind"] == "over_roller" && one["tooth"] == 3;
+        let one = std::iter::once(found).chain(others).find(is_it).unwrap_or_else(|| panic!("{um}: {answer}"));
+        let [value, end] = ["/value_mm", "/interval_mm/1"].map(|place| number(one, place));
+        assert!(one["interval_mm"][0].is_null() && value < end && end < 0.0, "{um}: {one}");
+        value
+    };
+    let [first, second] = [-50, -120].map(size);
+    assert!((first - second).abs() < 1e-3 && (-0.03..-0.02).contains(&first), "{first} {second}");
 }
 
 /// A gauge whose stroke begins anywhere within half a pitch does not change the answer, and the shift has one sign: measured less
