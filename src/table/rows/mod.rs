@@ -231,17 +231,13 @@ impl Rows {
                 if !quoted && at_quote(bytes, start).is_some() {
                     return None;
                 }
+                let span = Span { start: span_end(start), end: span_end(at) };
                 match field {
-                    PlainField::LeftOut(rule) => {
-                        let span = Span { start: span_end(start), end: span_end(at) };
-                        unsettled.push(Unsettled { rule: *rule, place: index, span });
-                    }
+                    PlainField::LeftOut(rule) => unsettled.push(Unsettled { rule: *rule, place: index, span }),
                     PlainField::Nameless if !text.trim_ascii().is_empty() => return None,
                     PlainField::Id if !Contract::is_plain_name(text) => return None,
+                    PlainField::Id => names.push(span),
                     _ => {}
-                }
-                if matches!(field, PlainField::Id) {
-                    names.push(Span { start: span_end(start), end: span_end(at) });
                 }
             }
             if quoted {
