@@ -328,7 +328,7 @@ impl Search<'_> {
         effects: &mut Effects,
     ) -> Explains {
         const ROUNDS: usize = 12;
-        let mut gain = |effects: &mut Effects, size: f64| {
+        let gain = |effects: &mut Effects, size: f64| {
             if !effects.has(size) {
                 effects.insert(size, self.effect(others, error, size, sight.curve())?);
             }
