@@ -138,7 +138,7 @@ impl Length {
     pub fn to_decimal_text(self, decimals: usize) -> String {
         let mut text = Vec::new();
         Places::new(decimals).write(&mut text, self);
-        String::from_utf8(text).unwrap_or_default()
+        text.into_iter().map(char::from).collect()
     }
 }
 

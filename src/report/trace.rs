@@ -169,9 +169,9 @@ impl TracePart {
         blocks
     }
 
-    /// Remarks on the comparison.
+    /// Remarks on the comparison, the points that are left out first.
     fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
+        let mut remarks = self.notes.clone();
         if let Some(placement) = &self.overlay.placement {
             if placement.shift.is_none() {
                 let told = if self.diagnosis.as_ref().is_some_and(|found| !found.errors.is_empty()) {
@@ -196,7 +196,6 @@ impl TracePart {
                 spectrum.turns
             ),
         });
-        remarks.extend(self.notes.iter().cloned());
         remarks
     }
 

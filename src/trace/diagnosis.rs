@@ -82,7 +82,7 @@ pub struct Diagnosis {
 
 /// The rise of χ² at the ends of the 95 % interval of a size.
 const INTERVAL: f64 = 3.84;
-/// A size explains the curve as well as another one if its χ² is higher by one standard deviation at most.
+/// The rise of χ² up to which a size explains the curve as well as the best one: one standard deviation of the size.
 const AS_WELL: f64 = 1.0;
 /// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
@@ -299,8 +299,8 @@ impl Search<'_> {
         square(true) <= MISSED * square(false)
     }
 
-    /// The size of an error and its 95 % interval; an end is `None` if the curve does not determine it. Where one is, the size is the
-    /// one nearest to the other end.
+    /// The size of an error and its 95 % interval; an end is `None` if the curve does not determine it. Where one end is open, the
+    /// size is the one nearest to the other end.
     fn sized(
         &self,
         others: &[(ToothError, f64)],
@@ -328,24 +328,32 @@ impl Search<'_> {
         effects: &mut Effects,
     ) -> Explains {
         const ROUNDS: usize = 12;
-        let gain = |effects: &mut Effects, size: f64| {
-            if !effects.has(size) {
-                effects.insert(size, self.effect(others, error, size, sight.curve())?);
-            }
-            Some(effects.gain(sight, size))
-        };
         for _ in 0..ROUNDS {
-            let Some(solved) = gain(effects, best.size_mm) else { break };
+            let Some(solved) = self.solved_gain(others, (error, best.size_mm), sight, effects) else { break };
             if best.gain - solved < 0.1 * AS_WELL {
                 return Explains { gain: solved, ..best };
             }
             if let Some(half) = effects.half_way_in(best.size_mm) {
-                gain(effects, half);
+                self.solved_gain(others, (error, half), sight, effects);
             }
             let [negative, positive] = effects.best_of_each_sign(sight);
             best = if best.size_mm < 0.0 { negative } else { positive };
         }
         best
+    }
+
+    /// The amount by which a size lowers χ², solved; `None` for impossible teeth.
+    fn solved_gain(
+        &self,
+        others: &[(ToothError, f64)],
+        (error, size_mm): (ToothError, f64),
+        sight: &Sight,
+        effects: &mut Effects,
+    ) -> Option<f64> {
+        if !effects.has(size_mm) {
+            effects.insert(size_mm, self.effect(others, error, size_mm, sight.curve())?);
+        }
+        Some(effects.gain(sight, size_mm))
     }
 
     /// The size, from the best one on in one way, at which χ² has risen by so much; `None` if there is none.
@@ -362,10 +370,7 @@ impl Search<'_> {
         let lacks = |effects: &Effects, size: f64| best.gain - effects.gain(sight, size);
         // an error that is too large for a tooth has no solution, and ends the search
         let solve = |effects: &mut Effects, size: f64| {
-            if !effects.has(size) {
-                effects.insert(size, self.effect(others, error, size, sight.curve())?);
-            }
-            Some(lacks(effects, size))
+            self.solved_gain(others, (error, size), sight, effects).map(|gain| best.gain - gain)
         };
         let (mut inner, mut outer) = (best.size_mm, best.size_mm + way * STEP_MM);
         while solve(effects, outer)? <= rise {
