@@ -29,7 +29,8 @@
 //! C is not proven: a rack point at the distance ρ from the roll axis moves on a circle, which bends its height by ρ, the
 //! pinion turns by some ρ/r_b for a unit of roll, which its involute turns into a height, and the slope and curvature of the
 //! flank enter on top. It is taken as [`SAFETY`] · ρ (1 + ρ/r_b) with the largest such distance; without the second term wide
-//! racks on slim pinions miss a valley now and then. Where slopes show a larger curvature, that one counts. Where teeth hardly
+//! racks on slim pinions miss a valley now and then. A contact at the rack's tip edge or where the involute starts bends down
+//! more sharply: from there C is 8 times as large. Where slopes show a larger curvature, that one counts. Where teeth hardly
 //! enter and two rotations may hold the pinion, the centre distance bends down sharply from one to the other: there a valley
 //! may be missed, by micrometres in pairs made for it.
 

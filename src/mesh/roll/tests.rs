@@ -361,6 +361,51 @@ fn no_roll_is_lower_where_narrow_faces_meet_on_the_base_circle() {
     }
 }
 
+/// The corner of a rack's tip passes the circle where the involute starts: what it asks for falls there all at once, into a
+/// valley beside the one of the last stroke.
+#[test]
+fn a_valley_behind_a_corner_that_falls_sharply_is_found() {
+    let pair = Pair::new(&PairData {
+        normal_module_mm: 2.5,
+        normal_pressure_angle_rad: 20.85_f64.to_radians(),
+        rack: RackData {
+            helix_angle_rad: 1.0_f64.to_radians(),
+            face_width_mm: 18.14,
+            addendum_mm: 2.4,
+            tooth_thickness_mm: None,
+        },
+        pinion: PinionData {
+            teeth: 7,
+            helix_angle_rad: -1.0_f64.to_radians(),
+            profile_shift: 0.3,
+            tip_diameter_mm: 22.053,
+            root_form_diameter_mm: None,
+            face_width_mm: 28.99,
+            tooth_thickness_deviation_mm: 0.0,
+        },
+    })
+    .expect("a valid pair");
+    let (third, later) = (ToothRange::single(3).expect("in order"), ToothRange::new(Some(2), None).expect("in order"));
+    let lead = (-1.66_f64 / 60.0).to_radians();
+    let deviations = [
+        RackDeviation { teeth: third, kind: RackDeviationKind::OverRoller(0.009_26) },
+        RackDeviation { teeth: third, kind: RackDeviationKind::Shift(-0.003_19) },
+        RackDeviation { teeth: later, kind: RackDeviationKind::Left(-0.013_04) },
+        RackDeviation { teeth: later, kind: RackDeviationKind::Lead(lead) },
+    ];
+    let rack = RackFlanks::new(&pair, &deviations).expect("small");
+    let pinion = PinionFlanks::new(&pair, &[PinionDeviation::eccentricity(0.003, 2)]).expect("small");
+    let mesh = Mesh::new(pair, rack, pinion, Support::FreeRoll { axis_depth_mm: 7.0 }).expect("in order");
+    let (lowest, roll) = brute::lowest(&mesh, 20.4525).expect("contact");
+    assert!((roll - 0.001_992).abs() < 1e-6, "{roll}");
+    for before in [20.43, 20.4547, 20.456] {
+        let mut sampler = Sampler::new(&mesh);
+        sampler.at(before).expect("contact");
+        let point = sampler.at(20.4525).expect("contact");
+        assert!((point.center_distance_mm - lowest).abs() < 1e-9, "{before}: {lowest} {point:?}");
+    }
+}
+
 /// The height of a rack point bends by its distance from the axis at most.
 #[test]
 fn the_farthest_point_is_at_a_corner_of_the_tip() {

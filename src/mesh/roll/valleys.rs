@@ -1,8 +1,9 @@
 //! What is known of the valleys of the centre distance over the roll at one stroke: the rolls that were solved, the
 //! intervals between them, and a lower bound in each. The search in [`roll`](super) writes it; it solves nothing.
 
-use crate::mesh::sampler::Rolling;
-use crate::mesh::{Ending, MeshError, MeshPoint};
+use crate::mesh::contact::Surface;
+use crate::mesh::sampler::{Contact, Rolling};
+use crate::mesh::{ContactKind, Ending, MeshError, MeshPoint};
 
 /// Intervals between a roll with a mesh and one without are divided down to this, to find where the mesh ends.
 pub(super) const SMALLEST_GAP: f64 = 1e-10;
@@ -10,6 +11,8 @@ pub(super) const SMALLEST_GAP: f64 = 1e-10;
 pub(super) const FOURTH: f64 = 1000.0;
 /// Sides that are this far apart (mm) where the solve ends meet at no rotation.
 pub(super) const APART: f64 = 1e-6;
+/// A contact at the rack's tip edge or where the involute starts bends down this much more than others.
+const SHARP: f64 = 8.0;
 /// From rolls this far apart the slopes tell the curvature; a curvature so many times as large is allowed for.
 const TELLING: f64 = 5e-4;
 const BENDS_MORE: f64 = 1.5;
@@ -37,6 +40,14 @@ impl Rolled {
     /// Whether a rotation was found at which both sides balance, or at least change places.
     pub(super) fn is_balanced(&self) -> bool {
         self.point.ending != Ending::Unbalanced
+    }
+
+    /// Whether a contact is at the rack's tip edge, where the smaller demand of two planes counts, or where the involute
+    /// starts, whose curvature has no bound on the base circle.
+    fn bends_sharply(&self) -> bool {
+        let is_sharp = |kind: &ContactKind| matches!(kind, ContactKind::RackEdge | ContactKind::RootEdge);
+        let bends = |at: &Contact| at.surface == Surface::Tip || at.edges.iter().flatten().any(is_sharp);
+        self.rolling.at.is_some_and(|at| at.iter().any(bends))
     }
 
     /// The position of the rack without roll, if it is as low.
@@ -141,7 +152,9 @@ impl Search {
 
     pub(super) fn open(&mut self, low: Node, high: Node) {
         self.learn(&low, &high);
-        let curvature = self.curvature;
+        let ends = [low.solution, high.solution];
+        let is_sharp = ends.iter().flatten().any(Rolled::bends_sharply);
+        let curvature = self.curvature * if is_sharp { SHARP } else { 1.0 };
         let width = high.angle - low.angle;
         let middle = low.angle + 0.5 * width;
         let (meet, bound) = match (low.solution, high.solution) {
