@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
 
 use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
@@ -40,8 +41,8 @@ pub(crate) struct Plan {
     evaluator: ColumnEvaluator,
 }
 
-/// The number of rows of a batch that are evaluated together.
-const PIECE_ROWS: usize = 1 << 16;
+/// How often Python's signals are checked.
+const CHECKED: Duration = Duration::from_millis(50);
 
 impl Asked {
     fn request(&self, of_spec: Option<Rule>) -> PyResult<Request> {
@@ -110,37 +111,53 @@ impl Plan {
         Ok(Self { spec, asked, evaluator })
     }
 
-    /// Calls `of` with the columns of a batch.
+    /// Calls `of` with the columns of a batch, before which the table has so many rows.
     fn with_columns<T>(
         batch: &RecordBatch,
+        before: u64,
         of: impl FnOnce(&ColumnPiece<'_>) -> Result<T, Diagnostics>,
     ) -> Result<T, NoResults> {
         let arrays: Vec<_> = batch.columns().iter().map(arrow::plain).collect::<Result<_, _>>()?;
         let columns: Vec<Option<Stored<'_>>> = arrays.iter().map(arrow::stored).collect();
         let titles: Vec<String> = batch.schema_ref().fields().iter().map(|field| field.name().clone()).collect();
-        Ok(of(&ColumnPiece { name: "table", titles: &titles, columns: &columns })?)
+        Ok(of(&ColumnPiece { name: "table", before, titles: &titles, columns: &columns })?)
     }
 
-    fn evaluate_batch(&self, batch: &RecordBatch) -> Result<RecordBatch, NoResults> {
-        let EvaluatedColumns { columns, results, .. } =
-            Self::with_columns(batch, |piece| self.evaluator.evaluate(piece))?;
-        Ok(arrow::batch(&columns, results)?)
-    }
-
-    /// Evaluates batches on the threads of the plan; results are in the order of the batches. Python's signals are checked
-    /// between pieces, so that Ctrl-C ends the run.
+    /// Evaluates batches on the threads of the plan; results are in the order of the batches. Python's signals are checked, so
+    /// that Ctrl-C ends the run.
     fn evaluate_all(&self, batches: &[RecordBatch]) -> Result<Vec<RecordBatch>, NoResults> {
-        let pieces: Vec<RecordBatch> = batches.iter().flat_map(pieces).collect();
+        let mut before = 0;
+        let pieces: Vec<(u64, RecordBatch)> = batches
+            .iter()
+            .flat_map(|batch| pieces(batch, self.asked.threads))
+            .map(|piece| {
+                let rows = piece.num_rows() as u64;
+                before += rows;
+                (before - rows, piece)
+            })
+            .collect();
         let workers = self.asked.threads.clamp(1, pieces.len().max(1));
         let mut results: Vec<Option<Result<RecordBatch, NoResults>>> = Vec::new();
         results.resize_with(pieces.len(), || None);
         let (stop, signal) = (AtomicBool::new(false), OnceLock::new());
-        let evaluate = |batch: &RecordBatch| {
+        let check = || {
             if let Err(error) = Python::attach(|py| py.check_signals()) {
                 stop.store(true, Ordering::Relaxed);
                 let _ = signal.set(error);
             }
-            (!stop.load(Ordering::Relaxed)).then(|| self.evaluate_batch(batch))
+        };
+        let evaluate = |(before, batch): &(u64, RecordBatch)| {
+            let mut checked = Instant::now();
+            let goes_on = || {
+                if checked.elapsed() > CHECKED {
+                    checked = Instant::now();
+                    check();
+                }
+                !stop.load(Ordering::Relaxed)
+            };
+            let EvaluatedColumns { columns, results, .. } =
+                Self::with_columns(batch, *before, |piece| self.evaluator.evaluate_while(piece, goes_on))?;
+            Ok(arrow::batch(&columns, results)?)
         };
         std::thread::scope(|scope| {
             let mut of_worker: Vec<Vec<_>> = (0..workers).map(|_| Vec::new()).collect();
@@ -149,8 +166,8 @@ impl Plan {
             }
             let mut rest = of_worker.into_iter();
             let own = rest.next();
-            let work = |own: Vec<(&RecordBatch, &mut Option<_>)>| {
-                own.into_iter().for_each(|(piece, result)| *result = evaluate(piece));
+            let work = |own: Vec<(&(u64, RecordBatch), &mut Option<_>)>| {
+                own.into_iter().for_each(|(piece, result)| *result = Some(evaluate(piece)));
             };
             rest.for_each(|more| drop(scope.spawn(move || work(more))));
             own.into_iter().for_each(work);
@@ -162,15 +179,16 @@ impl Plan {
     }
 
     fn schema_of(&self, batch: &RecordBatch) -> Result<SchemaRef, NoResults> {
-        let columns = Self::with_columns(batch, |piece| self.evaluator.columns(piece))?;
+        let columns = Self::with_columns(batch, 0, |piece| self.evaluator.columns(piece))?;
         Ok(Arc::new(arrow::schema(&columns)))
     }
 }
 
-/// A batch in pieces; one without rows is one piece.
-fn pieces(batch: &RecordBatch) -> Vec<RecordBatch> {
-    let starts = (0..batch.num_rows().max(1)).step_by(PIECE_ROWS);
-    starts.map(|start| batch.slice(start, PIECE_ROWS.min(batch.num_rows() - start))).collect()
+/// A batch in a piece for each of so many threads; one without rows is one piece.
+fn pieces(batch: &RecordBatch, threads: usize) -> Vec<RecordBatch> {
+    let rows = batch.num_rows();
+    let each = rows.div_ceil(threads.max(1)).max(1);
+    (0..rows.max(1)).step_by(each).map(|start| batch.slice(start, each.min(rows - start))).collect()
 }
 
 #[pymethods]

@@ -119,11 +119,20 @@ impl ResultColumns {
 }
 
 impl ResultColumn {
-    /// Adds rows of a column of numbers.
-    pub(super) fn extend(&mut self, lengths: &[Option<Length>], decimals: Decimals) {
+    /// Adds the values of rows of a column of numbers.
+    pub(super) fn extend(&mut self, lengths: &[Length], decimals: Decimals) {
         if let ResultValues::Numbers(values) = &mut self.values {
-            self.has_value.extend(lengths.iter().map(Option::is_some));
             decimals.extend(values, lengths);
+        }
+    }
+
+    /// Adds a row with the text that is appended.
+    #[inline]
+    pub(super) fn push_text(&mut self, append: impl FnOnce(&mut Vec<u8>)) {
+        if let ResultValues::Texts { bytes, ends } = &mut self.values {
+            self.has_value.push(true);
+            append(bytes);
+            ends.push(bytes.len());
         }
     }
 
@@ -140,12 +149,21 @@ impl ResultColumn {
             ResultValues::Flags(values) => values.push(*cell == ResultCell::Flag(true)),
             ResultValues::Texts { bytes, ends } => {
                 match cell {
-                    ResultCell::Text(text) if text.is_ascii() => bytes.extend_from_slice(text),
-                    ResultCell::Text(text) => bytes.extend_from_slice(String::from_utf8_lossy(text).as_bytes()),
+                    ResultCell::Text(text) => append_text(bytes, text),
                     _ => {}
                 }
                 ends.push(bytes.len());
             }
         }
+    }
+}
+
+/// Appends a text as UTF-8.
+#[inline]
+pub(super) fn append_text(bytes: &mut Vec<u8>, text: &[u8]) {
+    if text.is_ascii() {
+        bytes.extend_from_slice(text);
+    } else {
+        bytes.extend_from_slice(String::from_utf8_lossy(text).as_bytes());
     }
 }

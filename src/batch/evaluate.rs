@@ -78,7 +78,7 @@ impl<'a> Evaluator<'a> {
 
     /// Evaluates a block and forgets the results of the last one. `keeps_names` asks for the names of its parts.
     pub(super) fn block(&mut self, block: &Block, records_before: u64, keeps_names: bool) {
-        self.written.clear(block.rows());
+        self.written.begin(block.rows());
         self.rejects.clear();
         self.results = None;
         self.tally.clear(self.plan.followed.len());
@@ -109,7 +109,7 @@ impl<'a> Evaluator<'a> {
         if self.plan.request.rows != Rows::Every {
             return;
         }
-        let (first, rows) = (block.lines.first().zip(block.records.first()), self.written.columns.rows as u64);
+        let (first, rows) = (block.lines.first().zip(block.records.first()), self.written.rows() as u64);
         let line_before = first.map_or(0, |(line, record)| line - record);
         for record in rows + 1..=record {
             let aside = block.asides.iter().find(|aside| aside.line == line_before + record);

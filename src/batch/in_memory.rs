@@ -13,7 +13,7 @@ use super::plan::Plan;
 use super::request::{Request, RowFormat, Rows};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
-use crate::table::{Block, Layout as TableLayout, Pattern, Reading, Stored, Table, Want, stored_table};
+use crate::table::{Block, Layout as TableLayout, Pattern, ROWS_TOGETHER, Reading, Stored, Table, Want, stored_table};
 
 /// Evaluates columns that a program has in memory.
 ///
@@ -29,7 +29,7 @@ use crate::table::{Block, Layout as TableLayout, Pattern, Reading, Stored, Table
 /// let evaluator = ColumnEvaluator::new(&spec, &[], Request::default());
 /// let titles = ["rack_over_roller".to_owned()];
 /// let columns = [Some(Stored::doubles(&[25.0131, f64::NAN, 25.0201][..]))];
-/// let evaluated = evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })?;
+/// let evaluated = evaluator.evaluate(&ColumnPiece { name: "lot", before: 0, titles: &titles, columns: &columns })?;
 /// assert_eq!(evaluated.results.rows, 3);
 /// assert_eq!((evaluated.counts.pass, evaluated.counts.fail, evaluated.counts.rejected), (1, 1, 1));
 /// let at = evaluated.columns.iter().position(|(name, _)| name == "range_upper_mm").expect("it is written");
@@ -51,6 +51,8 @@ pub struct ColumnEvaluator {
 pub struct ColumnPiece<'a> {
     /// What messages call the table.
     pub name: &'a str,
+    /// Rows of the table before these. They count where a part is called by the number of its row.
+    pub before: u64,
     /// The names of its columns.
     pub titles: &'a [String],
     /// Its columns; `None` for a column whose type holds no measurement, such as a list.
@@ -108,21 +110,42 @@ impl ColumnEvaluator {
     /// [`Diagnostics`] if the columns are refused, as those of any table are: what they hold is not understood, or may be a
     /// measurement that nobody named, or lacks its unit or nominal value.
     pub fn evaluate(&self, piece: &ColumnPiece<'_>) -> Result<EvaluatedColumns, Diagnostics> {
+        self.evaluate_while(piece, || true)
+    }
+
+    /// As [`evaluate`](Self::evaluate), until `goes_on` is false: it is asked before every few thousand rows, and those behind
+    /// are left out.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn evaluate_while(
+        &self,
+        piece: &ColumnPiece<'_>,
+        mut goes_on: impl FnMut() -> bool,
+    ) -> Result<EvaluatedColumns, Diagnostics> {
         let table = self.understood(piece)?;
         let (plan, layout) = self.planned(&table)?;
-        let mut block = Block::default();
-        let (rows, _) = table.pieces.open(layout.wanted(false));
-        rows.stored(piece.columns, 0, &mut block);
+        let Table { name, pieces, mut reading, .. } = table;
+        let (reader, _) = pieces.open(layout.wanted(false));
         let never = AtomicBool::new(false);
-        let mut evaluator = Evaluator::new(&plan, &layout, &table.name, false, &never);
-        evaluator.block(&block, 0, false);
-        if let Some(contradiction) = &block.contradiction {
-            let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);
-            return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
+        let mut evaluator = Evaluator::new(&plan, &layout, &name, false, &never);
+        let rows = piece.columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
+        evaluator.written.columns = ResultColumns::new(plan.column_kinds(), rows);
+        let (mut block, mut counts) = (Block::default(), Counts::default());
+        for start in (0..rows).step_by(ROWS_TOGETHER).take_while(|_| goes_on()) {
+            let rows = start..rows.min(start + ROWS_TOGETHER);
+            let columns: Vec<_> =
+                piece.columns.iter().map(|column| Some(column.as_ref()?.slice(rows.clone()))).collect();
+            let before = piece.before + start as u64;
+            reader.stored(&columns, before, &mut block);
+            evaluator.block(&block, before, false);
+            if let Some(contradiction) = &block.contradiction {
+                let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);
+                return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
+            }
+            block.tell(&mut reading);
+            counts.add(&evaluator.tally.counts);
         }
-        let mut reading = table.reading;
-        block.tell(&mut reading);
-        let counts = evaluator.tally.counts;
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }
 
@@ -168,7 +191,7 @@ mod tests {
     fn evaluate(evaluator: &ColumnEvaluator, columns: &[(&str, Stored<'_>)]) -> Result<EvaluatedColumns, Diagnostics> {
         let titles: Vec<String> = columns.iter().map(|(title, _)| (*title).to_owned()).collect();
         let columns: Vec<_> = columns.iter().map(|(_, column)| Some(column.clone())).collect();
-        evaluator.evaluate(&ColumnPiece { name: "lot", titles: &titles, columns: &columns })
+        evaluator.evaluate(&ColumnPiece { name: "lot", before: 0, titles: &titles, columns: &columns })
     }
 
     fn texts(of: &str, all: &EvaluatedColumns) -> Vec<Option<String>> {
@@ -225,6 +248,29 @@ mod tests {
         let above = "ΔCD (worst case) is 0.0114 mm above the limit 0.05 mm".to_owned();
         assert_eq!((&reasons[1], &reasons[3]), (&None, &Some(above)));
         assert_eq!((all.counts.pass, all.counts.fail, all.counts.rejected), (1, 1, 5));
+    }
+
+    /// Blocks do not show: rows are counted through all of them, from those before the piece on; the end comes between two blocks.
+    #[test]
+    fn parts_without_names_are_counted_through_all_blocks() {
+        let evaluator = evaluator(SPEC);
+        let mut doubles = vec![25.01; 2 * ROWS_TOGETHER + 3];
+        doubles[ROWS_TOGETHER + 1] = f64::NAN;
+        let columns = ["rack_over_roller", "rack_pitch"].map(|title| {
+            let values = if title == "rack_pitch" { vec![0.01; doubles.len()] } else { doubles.clone() };
+            (title.to_owned(), Some(Stored::doubles(values)))
+        });
+        let (titles, columns): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+        let piece = ColumnPiece { name: "lot", before: 10, titles: &titles, columns: &columns };
+        let all = evaluator.evaluate(&piece).unwrap();
+        let ids: Vec<_> = (11..).take(doubles.len()).map(|number: usize| Some(number.to_string())).collect();
+        assert_eq!(texts("part_id", &all), ids);
+        let reasons = texts("reason", &all);
+        assert_eq!(reasons.iter().position(Option::is_some), Some(ROWS_TOGETHER + 1));
+        assert_eq!((all.counts.rows, all.counts.rejected), (doubles.len() as u64, 1));
+        let mut blocks = 0..2;
+        let begun = evaluator.evaluate_while(&piece, || blocks.next().is_some()).unwrap();
+        assert_eq!(begun.results.rows, 2 * ROWS_TOGETHER);
     }
 
     /// A yoke has its figures in columns: of a size on all teeth by the mesh, of a step by the bound.

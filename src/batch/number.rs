@@ -23,15 +23,15 @@ impl Decimals {
         }
     }
 
-    /// Appends these doubles of several lengths, with 0 where there is none.
-    pub(super) fn extend(self, values: &mut Vec<f64>, lengths: &[Option<Length>]) {
+    /// Appends these doubles of several lengths.
+    pub(super) fn extend(self, values: &mut Vec<f64>, lengths: &[Length]) {
         let several = match self {
             Self::Places(places) => VALUES.get(usize::from(places)).map(|(_, several)| several),
             Self::Full => None,
         };
         match several {
             Some(several) => several(values, lengths),
-            None => values.extend(lengths.iter().map(|length| length.map_or(0.0, Length::mm))),
+            None => values.extend(lengths.iter().map(|length| length.mm())),
         }
     }
 
@@ -45,7 +45,7 @@ impl Decimals {
 }
 
 /// The double of one length, and those of several.
-type Values = (fn(Length) -> f64, fn(&mut Vec<f64>, &[Option<Length>]));
+type Values = (fn(Length) -> f64, fn(&mut Vec<f64>, &[Length]));
 
 /// A length in units of so many decimals; one branch for each number, so that each divides by a constant.
 const VALUES: [Values; 12] = [
@@ -63,8 +63,8 @@ const VALUES: [Values; 12] = [
     (value::<11>, several::<11>),
 ];
 
-fn several<const DECIMALS: u32>(values: &mut Vec<f64>, lengths: &[Option<Length>]) {
-    values.extend(lengths.iter().map(|length| length.map_or(0.0, value::<DECIMALS>)));
+fn several<const DECIMALS: u32>(values: &mut Vec<f64>, lengths: &[Length]) {
+    values.extend(lengths.iter().map(|length| value::<DECIMALS>(*length)));
 }
 
 #[inline]

@@ -56,7 +56,7 @@ impl Counts {
         ]
     }
 
-    fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.rows += other.rows;
         self.pass += other.pass;
         self.fail += other.fail;

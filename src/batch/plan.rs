@@ -16,9 +16,10 @@ use super::uncertain::Uncertain;
 use super::write;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostics;
+use crate::evaluation::subject;
 use crate::function::YokeJudge;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
-use crate::judge::{LimitTarget, Limits, Stack};
+use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::Places;
 use crate::spec::{PitchCircle, Spec};
 use crate::table::Table;
@@ -70,6 +71,8 @@ pub struct Plan {
     pub(super) spec: Arc<Spec>,
     /// The errors that the first table has, in its order.
     of_table: Vec<DeviationKind>,
+    /// For each limit, the quantity that it is on, and the lower and the upper side of the limit, in words.
+    pub(super) limits_in_words: Vec<(String, [String; 2])>,
     /// Why a part has no verdict, where that is written.
     pub(super) without_verdict: String,
 }
@@ -132,6 +135,7 @@ impl Plan {
             request,
             spec: Arc::clone(spec),
             of_table: table.kinds().collect(),
+            limits_in_words: Vec::new(),
             without_verdict: String::new(),
         };
         plan.follow();
@@ -156,8 +160,11 @@ impl Plan {
         Ok(usual.map(|output| output.name(request.stack)).collect())
     }
 
-    /// Completes the plan: the results with statistics, why a part has no verdict, how JSON lines begin.
+    /// Completes the plan: the results with statistics, words for verdicts, how JSON lines begin.
     fn follow(&mut self) {
+        let stack = self.request.stack;
+        let in_words = |(on, limit): &(LimitTarget, Limit)| (subject(*on, stack), limit.sides_in_words());
+        self.limits_in_words = self.limits.iter().map(in_words).collect();
         if self.outputs.contains(&Output::Reason) {
             self.without_verdict = self.no_verdict();
         }

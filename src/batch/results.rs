@@ -210,7 +210,9 @@ impl<'a> Results<'a> {
     /// The joint range of all errors; `values` has a column per error, mm or rad.
     fn take_sums(&mut self, values: &[Vec<f64>], errors: &ChangingErrors<'_>) {
         let plan = self.plan;
-        if plan.needs_range || plan.needs_rss {
+        // what cannot scatter has no statistical sum
+        let needs_rss = plan.needs_rss && plan.sources.iter().any(|source| source.scatters);
+        if plan.needs_range || needs_rss {
             let mut refused = Vec::new();
             let mut end = |column: &mut Vec<_>, row: usize, range: Result<Range, NoBound>| {
                 column.push(nearest(range).unwrap_or_else(|problem| {
@@ -224,7 +226,7 @@ impl<'a> Results<'a> {
                 if plan.needs_range {
                     end(&mut range, row, together.range);
                 }
-                if plan.needs_rss {
+                if needs_rss {
                     end(&mut rss, row, together.rss);
                 }
                 if plan.request.stack == Stack::Rss && together.rss == Err(NoBound::NothingScatters) {
@@ -274,6 +276,11 @@ impl<'a> Results<'a> {
             self.each_of(output, &rows, |length| all.extend(length));
         }
         all.into()
+    }
+
+    /// ΔCD of an error in some rows, if that is what an output is.
+    pub(super) fn each_error(&self, output: &Output, rows: &ops::Range<usize>) -> Option<&[Length]> {
+        if let Output::Error(kind) = output { self.each[*kind as usize].get(rows.clone()) } else { None }
     }
 
     /// Calls `take` with the result of an output in each of some rows, if the output is a length, and returns whether it is.

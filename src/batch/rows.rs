@@ -1,10 +1,11 @@
 //! The row of a part, as text or in columns. The evaluator calls it; it computes nothing.
 
 use std::borrow::Cow;
+use std::io::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::columns::{ResultCell, ResultColumns};
+use super::columns::{ResultCell, ResultColumns, append_text};
 use super::outcome::RowPlace;
 use super::output::{Output, simulated};
 use super::plan::Plan;
@@ -39,6 +40,15 @@ impl<'a> Row<'a> {
         self.block.name(self.index).unwrap_or_else(number)
     }
 
+    /// Appends the name, or the number.
+    fn write_id(self, out: &mut Vec<u8>) {
+        match self.block.name_bytes(self.index) {
+            Some(name) => append_text(out, name),
+            // writing to memory does not fail
+            None => drop(write!(out, "{}", self.records_before + self.record())),
+        }
+    }
+
     /// The row's record, from the start of the block.
     pub(super) fn record(self) -> u64 {
         self.block.records[self.index]
@@ -54,20 +64,29 @@ impl<'a> Row<'a> {
 pub(super) struct RowWriter<'a> {
     plan: &'a Plan,
     pub(super) out: Vec<u8>,
+    /// The rows of this block, behind those of earlier ones that nobody took.
     pub(super) columns: ResultColumns,
+    /// How many rows these are.
+    earlier: usize,
 }
 
 impl<'a> RowWriter<'a> {
     pub(super) fn new(plan: &'a Plan) -> Self {
-        Self { plan, out: Vec::new(), columns: ResultColumns::default() }
+        Self { plan, out: Vec::new(), columns: ResultColumns::default(), earlier: 0 }
     }
 
-    /// Clears the written rows; so many rows follow.
-    pub(super) fn clear(&mut self, rows: usize) {
+    /// Begins a block of so many rows; text of the last one is gone.
+    pub(super) fn begin(&mut self, rows: usize) {
         self.out.clear();
-        if self.plan.request.format == RowFormat::Columns {
+        if self.plan.request.format == RowFormat::Columns && self.columns.columns.is_empty() {
             self.columns = ResultColumns::new(self.plan.column_kinds(), rows);
         }
+        self.earlier = self.columns.rows;
+    }
+
+    /// How many rows of the block are written in columns.
+    pub(super) fn rows(&self) -> usize {
+        self.columns.rows - self.earlier
     }
 
     /// Writes a row.
@@ -146,15 +165,32 @@ impl<'a> RowWriter<'a> {
         let (plan, decimals) = (self.plan, self.plan.request.decimals);
         let mut lengths = Vec::with_capacity(STRIP);
         for (index, column) in self.columns.columns.iter_mut().enumerate() {
+            let output = &plan.outputs[index];
+            if let Some(lengths) = results.each_error(output, rows) {
+                column.has_value.resize(column.has_value.len() + lengths.len(), true);
+                column.extend(lengths, decimals);
+                continue;
+            }
             let is_length = strips(rows).all(|strip| {
                 lengths.clear();
-                let is_length = results.each_of(&plan.outputs[index], &strip, |length| lengths.push(length));
+                let is_length = results.each_of(output, &strip, |length| {
+                    column.has_value.push(length.is_some());
+                    lengths.push(length.unwrap_or_default());
+                });
                 column.extend(&lengths, decimals);
                 is_length
             });
-            for row in rows.clone().filter(|_| !is_length) {
-                let written = WrittenRow::Part { results, row };
-                column.push(&cell(plan, index, Some(Row { index: row, ..first }), &written), decimals);
+            if is_length {
+                continue;
+            }
+            let is_id = *output == Output::Id;
+            for row in rows.clone().map(|index| Row { index, ..first }) {
+                if is_id {
+                    column.push_text(|bytes| row.write_id(bytes));
+                } else {
+                    let written = WrittenRow::Part { results, row: row.index };
+                    column.push(&cell(plan, index, Some(row), &written), decimals);
+                }
             }
         }
         self.columns.rows += rows.len();

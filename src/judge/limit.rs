@@ -63,16 +63,31 @@ impl NearestEnd {
     pub const fn name(self) -> &'static str {
         if self.is_upper { "upper" } else { "lower" }
     }
+
+    /// How far the result is outside: `is 0.0077 mm`, with as many decimals as are needed.
+    fn by_in_words(&self) -> String {
+        let by = self.inside_by.abs();
+        let mut texts = (4..=12).map(|decimals| by.to_decimal_text(decimals));
+        let by = texts.find(|text| text.bytes().any(|digit| matches!(digit, b'1'..=b'9')));
+        ["is ", &by.unwrap_or_default(), " mm"].concat()
+    }
+
+    /// The words for a result that is outside, with those of its side that [`Limit::sides_in_words`] gives.
+    #[cfg(feature = "batch")]
+    pub(crate) fn in_words(&self, [below, above]: &[String; 2]) -> String {
+        [&self.by_in_words(), " ", if self.is_upper { above } else { below }].concat()
+    }
 }
 
-/// The words for a result that is outside: `is 0.0077 mm above the limit 0.05 mm`, with as many decimals as are needed.
+/// Where a result is that is outside: `above the limit 0.05 mm`.
+fn side_in_words(is_upper: bool, end: Length) -> String {
+    format!("{} the limit {end}", if is_upper { "above" } else { "below" })
+}
+
+/// The words for a result that is outside: `is 0.0077 mm above the limit 0.05 mm`.
 impl fmt::Display for NearestEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let by = self.inside_by.abs();
-        let texts = (4..=12).map(|decimals| by.to_decimal_text(decimals));
-        let by = texts.into_iter().find(|text| text.bytes().any(|digit| matches!(digit, b'1'..=b'9')));
-        let side = if self.is_upper { "above" } else { "below" };
-        write!(f, "is {} mm {side} the limit {}", by.unwrap_or_default(), self.end)
+        write!(f, "{} {}", self.by_in_words(), side_in_words(self.is_upper, self.end))
     }
 }
 
@@ -96,6 +111,13 @@ impl Limit {
     /// The ends that are given, the lower one first.
     pub fn ends(self) -> impl Iterator<Item = Length> {
         self.lower.into_iter().chain(self.upper)
+    }
+
+    /// Where a result is that is below or above the limit, in words.
+    #[cfg(feature = "batch")]
+    pub(crate) fn sides_in_words(&self) -> [String; 2] {
+        let words = |is_upper, end: Option<Length>| end.map_or(String::new(), |end| side_in_words(is_upper, end));
+        [words(false, self.lower), words(true, self.upper)]
     }
 
     /// From `-magnitude` to `+magnitude`.

@@ -100,6 +100,7 @@ pub(crate) use encoding::text as cell_text;
 pub(crate) use grid::unit_of;
 pub(crate) use layout::MOST_RULES;
 pub(crate) use ledger::join as join_left_out;
+pub(crate) use parquet::ROWS_TOGETHER;
 pub(crate) use pieces::{Piece, Pieces, Place, Queue};
 pub(crate) use reading::ASIDES_KEPT;
 pub(crate) use rows::{Doubtful, Rows, Wanted};

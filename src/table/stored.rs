@@ -30,7 +30,7 @@ enum Values<'a> {
         ends: Vec<usize>,
     },
     /// Everything else, cell by cell.
-    Contents(Vec<Content>),
+    Contents(Cow<'a, [Content]>),
 }
 
 impl<'a> Stored<'a> {
@@ -76,7 +76,7 @@ impl<'a> Stored<'a> {
     }
 
     pub(crate) fn contents(contents: Vec<Content>) -> Self {
-        Self::of(Values::Contents(contents))
+        Self::of(Values::Contents(contents.into()))
     }
 
     /// The same column, with a value in those rows only.
@@ -102,7 +102,7 @@ impl<'a> Stored<'a> {
                 });
                 Values::Texts { bytes, ends: start.chain(of_row).collect() }
             }
-            Values::Contents(contents) => Values::Contents(spread(&contents, &has_value)),
+            Values::Contents(contents) => Values::Contents(spread(&contents, &has_value).into()),
         };
         Self { values, has_value: Some(has_value.into()) }
     }
@@ -116,6 +116,23 @@ impl<'a> Stored<'a> {
             Values::Texts { ends, .. } => ends.len().saturating_sub(1),
             Values::Contents(contents) => contents.len(),
         }
+    }
+
+    /// Some of the rows, which are not copied.
+    pub(crate) fn slice(&self, rows: Range<usize>) -> Stored<'_> {
+        let values = match &self.values {
+            Values::Doubles(values) => Values::Doubles(values[rows.clone()].into()),
+            Values::Integers { unscaled, scale } => {
+                Values::Integers { unscaled: unscaled[rows.clone()].into(), scale: *scale }
+            }
+            Values::Texts { bytes, ends } => {
+                let ends = &ends[rows.start..=rows.end];
+                let bytes = &bytes[ends[0]..ends[rows.len()]];
+                Values::Texts { bytes: bytes.into(), ends: ends.iter().map(|end| end - ends[0]).collect() }
+            }
+            Values::Contents(contents) => Values::Contents(contents[rows.clone()].into()),
+        };
+        Stored { values, has_value: self.has_value.as_ref().map(|has_value| has_value[rows].into()) }
     }
 
     /// Whether a row holds a number, or a text that may be one.

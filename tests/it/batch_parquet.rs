@@ -147,7 +147,7 @@ fn columns_in_memory_are_judged_like_text() {
     for stored in stored {
         let (bytes, ends) = names(20_000);
         let all: Vec<_> = std::iter::once(Some(Stored::texts(bytes, ends))).chain(stored).collect();
-        let piece = ColumnPiece { name: "parts", titles: &titles, columns: &all };
+        let piece = ColumnPiece { name: "parts", before: 0, titles: &titles, columns: &all };
         let evaluated = evaluator.evaluate(&piece).expect("the columns are known");
         let at = evaluated.columns.iter().position(|(name, _)| name == "verdict").expect("it is written");
         let ResultValues::Texts { bytes, ends } = &evaluated.results.columns[at].values else { panic!("it is text") };

@@ -229,7 +229,7 @@ fn in_batch(part: &Part, text: &str) -> String {
         .collect();
     let values = part.errors.iter().map(|(_, value)| vec![*value]);
     let columns: Vec<_> = values.map(|value| Some(Stored::doubles(value))).collect();
-    let piece = ColumnPiece { name: "lot", titles: &titles, columns: &columns };
+    let piece = ColumnPiece { name: "lot", before: 0, titles: &titles, columns: &columns };
     let evaluated = ColumnEvaluator::new(&spec, &[], Request::default()).evaluate(&piece);
     let evaluated = evaluated.unwrap_or_else(|problem| panic!("{problem}: {text}"));
     let at = evaluated.columns.iter().position(|(name, _)| name == "verdict").unwrap();

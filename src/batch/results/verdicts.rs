@@ -10,7 +10,7 @@ use crate::batch::request::Request;
 use crate::batch::source::index_of;
 use crate::batch::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
-use crate::evaluation::{JudgedBy, REJECTED, subject, too_near, worse};
+use crate::evaluation::{JudgedBy, REJECTED, too_near, worse};
 use crate::function::{Check, Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::GivenGeometry;
 use crate::judge::rule::{self, Conformance, Ends};
@@ -165,8 +165,11 @@ impl Results<'_> {
         let Request { stack, rule, .. } = &self.plan.request;
         let limits = self.plan.limits.iter().enumerate();
         let judged = limits.filter(|(limit, _)| matches!(self.judge_by(*limit, row), Ok(Some(of)) if of == verdict));
-        let why = judged.filter_map(|(_, (on, limit))| match verdict {
-            Verdict::Fail => Some(format!("{} {}", subject(*on, *stack), limit.nearest(self.judged(*on, row)?)?)),
+        let why = judged.filter_map(|(index, (on, limit))| match verdict {
+            Verdict::Fail => {
+                let (subject, sides) = &self.plan.limits_in_words[index];
+                Some([subject, " ", &limit.nearest(self.judged(*on, row)?)?.in_words(sides)].concat())
+            }
             _ => Some(too_near(*on, *stack, rule)),
         });
         joined(why).unwrap_or_else(|| REJECTED.to_owned())
