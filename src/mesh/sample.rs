@@ -10,9 +10,9 @@ use super::{Mesh, MeshError, MeshPoint, Sampler, Support};
 use crate::parallel;
 
 /// Strokes to a block: long enough that starting one costs nothing, short enough to share out evenly. A rack that may roll
-/// is solved at many rolls for each stroke.
+/// is solved at many rolls for each stroke, and flanks with form are searched.
 const BLOCK: u64 = 512;
-const ROLLING_BLOCK: u64 = 16;
+const SLOW_BLOCK: u64 = 16;
 
 impl Sampler<'_> {
     /// Solves one stroke, faster near the last one. The result differs from that of a fresh start by rounding only.
@@ -65,10 +65,7 @@ impl Mesh {
         make: impl Fn(&[(f64, Result<MeshPoint, MeshError>)]) -> T + Sync,
         take: impl FnMut(T) -> Result<(), E>,
     ) -> Result<(), E> {
-        let block = match self.support() {
-            Support::Fixed => BLOCK,
-            Support::FreeRoll { .. } => ROLLING_BLOCK,
-        };
+        let block = if self.support() == Support::Fixed && !self.has_form() { BLOCK } else { SLOW_BLOCK };
         let make_block = |index: u64| {
             let mut sampler = Sampler::impartial(self);
             let strokes = (index * block..count.min((index + 1) * block)).map(&stroke_mm);

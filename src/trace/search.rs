@@ -183,13 +183,10 @@ impl<'a> Search<'a> {
         (strokes, model): (&[f64], &[f64]),
     ) -> Option<Vec<f64>> {
         let mesh = with_errors(self.mesh, &[errors, &[(error, size_mm)]].concat())?;
-        let mut sampler = Sampler::new(&mesh);
-        let at = |(stroke, model): (&f64, &f64)| {
-            if !error.acts_at(mesh.pair(), *stroke) {
-                return Some(0.0);
-            }
-            sampler.at(*stroke).ok().map(|point| point.delta_cd_mm - model)
-        };
+        let acts = |stroke: &f64| error.acts_at(mesh.pair(), *stroke);
+        let solved = sampled(&mesh, &strokes.iter().copied().filter(acts).collect::<Vec<_>>()).ok()?;
+        let mut solved = solved.into_iter();
+        let at = |(stroke, model)| if acts(stroke) { solved.next().map(|mm| mm - model) } else { Some(0.0) };
         strokes.iter().zip(model).map(at).collect()
     }
 
