@@ -101,7 +101,7 @@ pub struct LimitCheck {
 impl LimitCheck {
     /// Why it is open under a rule; `None` for a limit that is met or broken.
     #[must_use]
-    pub fn open_because(&self, stack: Stack, rule: &Rule) -> Option<String> {
+    pub fn open_because(&self, judged_by: JudgedBy, rule: &Rule) -> Option<String> {
         match (self.result, self.verdict) {
             (Err(Unjudged::NotGiven), _) => Some(format!("there is no value for {}", self.on)),
             (Err(Unjudged::Lacking(lacks)), _) => {
@@ -111,7 +111,7 @@ impl LimitCheck {
             }
             (Err(Unjudged::NoUncertainty), _) => Some(format!("the rule {rule} needs an uncertainty of every value")),
             (Err(Unjudged::NoBound(open)), _) => Some(open.to_string()),
-            (Ok(_), Some(Verdict::Indeterminate)) => Some(too_near(self.on, stack, rule)),
+            (Ok(_), Some(Verdict::Indeterminate)) => Some(too_near(self.on, judged_by, rule)),
             (Ok(_), _) => None,
         }
     }
@@ -119,17 +119,19 @@ impl LimitCheck {
 
 /// The quantity that a limit is on, in words.
 #[must_use]
-pub fn subject(on: LimitTarget, stack: Stack) -> String {
-    match on {
-        LimitTarget::CenterDistance => format!("ΔCD ({stack})"),
-        LimitTarget::Error(kind) => format!("ΔCD of {kind}"),
+pub fn subject(on: LimitTarget, judged_by: JudgedBy) -> String {
+    match (on, judged_by) {
+        (LimitTarget::CenterDistance, JudgedBy::Bound) => format!("ΔCD ({})", Stack::Range),
+        (LimitTarget::CenterDistance, JudgedBy::Statistical) => format!("ΔCD ({})", Stack::Rss),
+        (LimitTarget::CenterDistance, JudgedBy::Mesh) => "ΔCD (exact mesh)".to_owned(),
+        (LimitTarget::Error(kind), _) => format!("ΔCD of {kind}"),
     }
 }
 
 /// Why a verdict is indeterminate.
 #[must_use]
-pub fn too_near(on: LimitTarget, stack: Stack, rule: &Rule) -> String {
-    let (what, rule) = (subject(on, stack), rule.in_words());
+pub fn too_near(on: LimitTarget, judged_by: JudgedBy, rule: &Rule) -> String {
+    let (what, rule) = (subject(on, judged_by), rule.in_words());
     format!("{what} is too near a limit to prove conformity or non-conformity (rule {rule})")
 }
 
@@ -241,7 +243,7 @@ impl Evaluation {
             return None;
         }
         let mut reasons: Vec<_> =
-            self.limits.iter().filter_map(|check| check.open_because(self.stack, &self.rule)).collect();
+            self.limits.iter().filter_map(|check| check.open_because(self.judged_by, &self.rule)).collect();
         reasons.dedup();
         (!reasons.is_empty()).then(|| reasons.join("; "))
     }

@@ -43,6 +43,12 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// The parts: rows that are not rejected.
+    #[must_use]
+    pub const fn parts(&self) -> u64 {
+        self.rows - self.rejected
+    }
+
     /// The counts of rows with their names.
     #[must_use]
     pub const fn named(&self) -> [(&'static str, u64); 6] {

@@ -16,7 +16,7 @@ use super::uncertain::Uncertain;
 use super::write;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostics;
-use crate::evaluation::subject;
+use crate::evaluation::{JudgedBy, subject};
 use crate::function::YokeJudge;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
@@ -71,8 +71,8 @@ pub struct Plan {
     pub(super) spec: Arc<Spec>,
     /// The errors that the first table has, in its order.
     of_table: Vec<DeviationKind>,
-    /// For each limit, the quantity that it is on, and the lower and the upper side of the limit, in words.
-    pub(super) limits_in_words: Vec<(String, [String; 2])>,
+    /// For each limit, the quantity that it is on, by what judges it, and the lower and the upper side of the limit, in words.
+    pub(super) limits_in_words: Vec<([String; JudgedBy::ALL.len()], [String; 2])>,
     /// Why a part has no verdict, where that is written.
     pub(super) without_verdict: String,
 }
@@ -162,8 +162,9 @@ impl Plan {
 
     /// Completes the plan: the results with statistics, words for verdicts, how JSON lines begin.
     fn follow(&mut self) {
-        let stack = self.request.stack;
-        let in_words = |(on, limit): &(LimitTarget, Limit)| (subject(*on, stack), limit.sides_in_words());
+        let in_words = |(on, limit): &(LimitTarget, Limit)| {
+            (JudgedBy::ALL.map(|judged_by| subject(*on, judged_by)), limit.sides_in_words())
+        };
         self.limits_in_words = self.limits.iter().map(in_words).collect();
         if self.outputs.contains(&Output::Reason) {
             self.without_verdict = self.no_verdict();

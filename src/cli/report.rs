@@ -298,8 +298,9 @@ impl Args {
             let blocks = measured_blocks(part).into_iter().chain([report.verdict()]).collect();
             page.sections.push(Section::new("Measured values", blocks));
         } else {
-            let plural = if outcome.counts.rows == 1 { "" } else { "s" };
-            page.title = format!("{} part{plural}: {names}", grouped(outcome.counts.rows));
+            let count = outcome.counts.parts();
+            let plural = if count == 1 { "" } else { "s" };
+            page.title = format!("{} part{plural}: {names}", grouped(count));
             let (heading, listed) = match (parts.len(), outcome.worst.len()) {
                 (1.., _) => ("All parts".to_owned(), &parts),
                 (_, 0) => ("Parts".to_owned(), &parts),

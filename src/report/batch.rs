@@ -247,7 +247,7 @@ impl<'a> BatchReport<'a> {
         } else {
             String::new()
         };
-        let parts = counts.rows - counts.rejected;
+        let parts = counts.parts();
         let by = format!("{}{}{}", self.sum_judged_by(), self.basis.and_mesh(), rule_words(&self.basis.rule));
         let judged_by = format!("(judged by {by}){}", judged_without(&self.basis.without));
         let unfit = |count: u64, how: &str| {

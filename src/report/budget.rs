@@ -145,9 +145,11 @@ impl BudgetReport<'_> {
         let budget = self.budget;
         match (&self.request.rule, budget.conforming) {
             (Summation::Simulation(settings), Some(conforming)) => format!(
-                "{} % of {} random assemblies conform (at least {} % wanted; {} within tolerances; seed {})",
+                "{} % of {} random assemblies have their bound within {} (at least {} % wanted; {} within tolerances; \
+                 seed {})",
                 plain(percent(conforming)),
                 settings.draws,
+                self.request.limit,
                 plain(percent(settings.conforming)),
                 settings.spread.name(),
                 settings.seed

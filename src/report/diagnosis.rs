@@ -87,12 +87,14 @@ pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
             [name.to_owned(), format!("{} mm", millimetres(tidy(mm))), String::new(), String::new(), String::new()]
         }));
     }
-    let table = Table::of(rows)
-        .text("explains the curve", |row| row[0].clone())
-        .number("value", |row| row[1].clone())
-        .number("from", |row| row[2].clone())
-        .number("to", |row| row[3].clone())
-        .number("changes ΔCD by", |row| row[4].clone());
+    let is_part = diagnosis.leaves_more;
+    let mut table = Table::of(rows)
+        .text(if is_part { "explains a part of the curve" } else { "explains the curve" }, |row| row[0].clone())
+        .number("value", |row| row[1].clone());
+    if !is_part {
+        table = table.number("from", |row| row[2].clone()).number("to", |row| row[3].clone());
+    }
+    let table = table.number("changes ΔCD by", |row| row[4].clone());
     let mut blocks: Vec<Block> = table.block_if_any().into_iter().collect();
     let stated = if diagnosis.noise_is_stated { "stated" } else { "estimated from second differences" };
     let left = format!(
@@ -100,19 +102,24 @@ pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
         unsigned(diagnosis.rms_left_mm),
         unsigned(diagnosis.noise_mm)
     );
-    blocks.push(Block::Note(match diagnosis.errors.len() {
-        0 => format!("no error of a tooth stands out of the noise; {left}"),
-        1 => format!("one error explains the curve; {left}"),
-        count => format!("{count} errors explain the curve; {left}"),
+    blocks.push(Block::Note(match (diagnosis.errors.len(), is_part) {
+        (0, _) => format!("no error of a tooth stands out of the noise; {left}"),
+        (_, true) => format!("errors of single teeth do not explain the curve; {left}"),
+        (1, _) => format!("one error explains the curve; {left}"),
+        (count, _) => format!("{count} errors explain the curve; {left}"),
     }));
     blocks.extend(remarks(diagnosis, is_fitted).into_iter().map(Block::Note));
     blocks
 }
 
+/// Where more is left than the noise.
+const NOT_EXPLAINED: &str = "what is left is more than the noise: check module, pressure angle, teeth and hands of the spec first; errors \
+                             named here may stand for others, and their intervals do not hold";
+
 /// What the curve cannot tell.
 fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
-    let mut remarks: Vec<String> =
-        diagnosis.errors.iter().filter(|found| !found.alternatives.is_empty()).map(same_curve).collect();
+    let mut remarks: Vec<String> = diagnosis.leaves_more.then(|| NOT_EXPLAINED.to_owned()).into_iter().collect();
+    remarks.extend(diagnosis.errors.iter().filter(|found| !found.alternatives.is_empty()).map(same_curve));
     let open = |found: &&FoundError| found.interval_mm.contains(&None);
     remarks.extend(diagnosis.errors.iter().filter(open).map(|found| {
         format!(
@@ -123,9 +130,6 @@ fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
     }));
     if is_fitted && !diagnosis.errors.is_empty() && diagnosis.at_an_end {
         remarks.push(AT_AN_END.to_owned());
-    }
-    if diagnosis.leaves_more {
-        remarks.push("what is left is more than the noise: errors of single teeth do not explain all of it".to_owned());
     }
     if is_fitted {
         remarks.push(format!(

@@ -5,11 +5,14 @@ use serde_json::{Value, json};
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::class::class_fact;
 use super::grounds::{assumed, assumptions_of, bound_remarks, why_ends_differ};
-use super::number::{deviation_text, ends, interval_text, millimetres, plain, tidy};
+use super::number::{SEEN_MM, deviation_text, ends, interval_text, millimetres, plain, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
-use super::{Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled};
+use super::{
+    Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled, worst_last,
+};
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
+use crate::formula::Model;
 use crate::formula::law::equation;
 use crate::function::Check;
 use crate::judge::class::ErrorClass;
@@ -61,6 +64,7 @@ impl<'a> EvaluationReport<'a> {
         let mut rests_on = bound_remarks(&evaluation.notes, missing);
         // what is missing comes first
         rests_on.splice(rests_on.len().min(1)..rests_on.len().min(1), why);
+        rests_on.extend(evaluation.contributions.iter().filter_map(|error| beyond_bound(error, evaluation.model)));
         Self {
             title,
             rests_on,
@@ -258,7 +262,7 @@ impl<'a> EvaluationReport<'a> {
         let evaluation = &self.evaluation;
         let without = judged_without(&self.without);
         let failed = evaluation.limits.iter().filter(|check| check.verdict == Some(Verdict::Fail));
-        let said = |check| [Some(failure_sentence(check, evaluation.stack)), beyond_reach(check, evaluation)];
+        let said = |check| [Some(failure_sentence(check, evaluation.judged_by)), beyond_reach(check, evaluation)];
         let failed: Vec<_> = failed.flat_map(said).flatten().chain(evaluation.rejection()).collect();
         if !failed.is_empty() {
             return Some(Block::Verdict(Some(Verdict::Fail), format!("{}{without}", failed.join("; "))));
@@ -268,8 +272,8 @@ impl<'a> EvaluationReport<'a> {
         }
         let count = match evaluation.limits.len() {
             0 => return None,
-            1 => "the limit is met".to_owned(),
-            count => format!("all {count} limits are met"),
+            1 => "the limit on ΔCD is met".to_owned(),
+            count => format!("all {count} limits on ΔCD are met"),
         };
         let by = format!("{}{}", evaluation.judged_by, rule_words(&self.evaluation.rule));
         let assumed = assumed(&assumptions_of(evaluation));
@@ -291,12 +295,27 @@ fn unjudged_text(unjudged: Unjudged) -> &'static str {
 }
 
 /// Which end of the limit is broken and by how much.
-pub(super) fn failure_sentence(check: &LimitCheck, stack: Stack) -> String {
-    let what = subject(check.on, stack);
+pub(super) fn failure_sentence(check: &LimitCheck, judged_by: JudgedBy) -> String {
+    let what = subject(check.on, judged_by);
     let Ok(result) = check.result else { return what };
     let broken = check.limit.distances(result).filter(|end| end.inside_by.is_negative());
     let parts: Vec<_> = broken.map(|end| format!("{} mm {end}", millimetres(end.result.mm()))).collect();
     format!("{what}: {}", parts.join(", and "))
+}
+
+/// Where a formula of a lead error gives more than the error's bound.
+fn beyond_bound(error: &Contribution, model: Model) -> Option<String> {
+    let (formula, most) = (error.delta_cd(model).mm(), error.range.ok()?.upper.mm());
+    let is_lead = matches!(error.kind, DeviationKind::RackLead | DeviationKind::PinionLead);
+    (is_lead && formula > most + SEEN_MM).then(|| {
+        format!(
+            "the formula of the {} counts the ends of its own face, where the other part does not reach: {} mm, and in the worst \
+             case {} mm",
+            error.kind,
+            millimetres(formula),
+            millimetres(most)
+        )
+    })
 }
 
 /// For a failed limit on the combination that no placement reaches: how far the placements come.
@@ -316,7 +335,7 @@ fn limit_fact(check: &LimitCheck, evaluation: &Evaluation) -> Value {
         "result_lower_mm": result.map(|result| result.lower),
         "result_upper_mm": result.map(|result| result.upper),
         "verdict": check.verdict.map(Verdict::name),
-        "reason": check.open_because(evaluation.stack, &evaluation.rule).or_else(|| beyond_reach(check, evaluation)),
+        "reason": check.open_because(evaluation.judged_by, &evaluation.rule).or_else(|| beyond_reach(check, evaluation)),
         "decision": check.decision.as_ref().map(decision_fact),
     })
 }
@@ -445,6 +464,6 @@ impl Report for EvaluationReport<'_> {
         blocks.extend(self.notes.iter().chain(mesh_notes).cloned().map(Block::Remark));
         blocks.extend(self.yoke.iter().flat_map(YokeSection::blocks));
         blocks.extend(self.verdict_block());
-        blocks
+        worst_last(blocks)
     }
 }

@@ -11,7 +11,7 @@ use super::rows::rate_text;
 use super::uncertainty::rule_words;
 use super::{
     Block, Column, FunctionPart, Report, Screen, Table, TracePart, YokeSection, document, fact, geometry, noted,
-    sketch, titled,
+    sketch, titled, worst_last,
 };
 use crate::deviation::Part;
 use crate::evaluation::{Evaluation, subject};
@@ -162,7 +162,7 @@ pub fn extreme_in_words(ends: [CurveEnd; 2], teeth: u32) -> Option<Layer> {
 
 /// The outcome of each limit, in a sentence.
 pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
-    let Evaluation { stack, rule, judged_by, .. } = evaluation;
+    let Evaluation { rule, judged_by, .. } = evaluation;
     let assumed = assumed(&assumptions_of(evaluation));
     let rejected = evaluation.rejection().map(|why| Block::Verdict(Some(Verdict::Fail), why));
     let of_limits = evaluation.limits.iter().map(move |check| {
@@ -170,17 +170,17 @@ pub(super) fn verdicts(evaluation: &Evaluation) -> impl Iterator<Item = Block> {
             LimitTarget::CenterDistance => format!("judged by {judged_by}{}", rule_words(rule)),
             LimitTarget::Error(_) => format!("what it does alone{}", rule_words(rule)),
         };
-        let sentence = match (check.result, check.open_because(*stack, rule)) {
+        let sentence = match (check.result, check.open_because(*judged_by, rule)) {
             (_, Some(why)) => why,
             (Ok(_), None) if check.verdict == Some(Verdict::Fail) => {
-                format!("{} ({by})", failure_sentence(check, *stack))
+                format!("{} ({by})", failure_sentence(check, *judged_by))
             }
             (result, None) => {
                 let result = result.map(|result| interval_text(&result)).unwrap_or_default();
                 let assumed = if check.verdict == Some(Verdict::Pass) { assumed.as_str() } else { "" };
                 format!(
                     "{}: {result} mm is within the limit{assumed} ({}; {by})",
-                    subject(check.on, *stack),
+                    subject(check.on, *judged_by),
                     check.limit
                 )
             }
@@ -336,7 +336,7 @@ impl Report for MeshReport<'_> {
             ))));
         }
         blocks.extend(verdicts(&self.evaluation));
-        blocks
+        worst_last(blocks)
     }
 }
 

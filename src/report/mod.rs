@@ -91,6 +91,7 @@ pub use rows::{RowsReport, row_heading};
 pub use simulation::SimulationReport;
 #[cfg(feature = "cli")]
 pub(crate) use table::table_text;
+use table::worst_last;
 pub use table::{Align, Block, Column, Table, noted};
 pub use trace::TracePart;
 pub use uncertainty::UncertaintyPart;

@@ -165,6 +165,20 @@ impl<C: Cell> Cell for Option<C> {
     }
 }
 
+/// The blocks with their verdicts at the end, the worst one last.
+pub(super) fn worst_last(blocks: Vec<Block>) -> Vec<Block> {
+    let rank = |block: &Block| match block {
+        Block::Verdict(Some(Verdict::Fail), _) => 4,
+        Block::Verdict(None, _) => 3,
+        Block::Verdict(Some(Verdict::Indeterminate), _) => 2,
+        Block::Verdict(Some(Verdict::Pass), _) => 1,
+        _ => 0,
+    };
+    let mut blocks = blocks;
+    blocks.sort_by_key(rank);
+    blocks
+}
+
 /// The word before a verdict's sentence.
 pub(super) fn verdict_word(verdict: Option<Verdict>) -> String {
     verdict.map_or_else(|| "No verdict".to_owned(), |verdict| verdict.name().to_uppercase())

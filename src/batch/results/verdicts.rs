@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::{Results, at, fault};
 use crate::batch::meshed::{Meshed, Meshes};
 use crate::batch::plan::Plan;
-use crate::batch::request::Request;
 use crate::batch::source::index_of;
 use crate::batch::uncertain::RowUncertainty;
 use crate::deviation::{DeviationKind, DeviationValues};
@@ -162,15 +161,16 @@ impl Results<'_> {
     /// Why a part does not pass.
     #[cold]
     fn not_passed(&self, verdict: Verdict, row: usize) -> String {
-        let Request { stack, rule, .. } = &self.plan.request;
+        let (rule, judged_by) = (&self.plan.request.rule, self.judged_by(row));
         let limits = self.plan.limits.iter().enumerate();
         let judged = limits.filter(|(limit, _)| matches!(self.judge_by(*limit, row), Ok(Some(of)) if of == verdict));
         let why = judged.filter_map(|(index, (on, limit))| match verdict {
             Verdict::Fail => {
-                let (subject, sides) = &self.plan.limits_in_words[index];
-                Some([subject, " ", &limit.nearest(self.judged(*on, row)?)?.in_words(sides)].concat())
+                let (subjects, sides) = &self.plan.limits_in_words[index];
+                let nearest = limit.nearest(self.judged(*on, row)?)?;
+                Some([subjects[judged_by as usize].as_str(), " ", &nearest.in_words(sides)].concat())
             }
-            _ => Some(too_near(*on, *stack, rule)),
+            _ => Some(too_near(*on, judged_by, rule)),
         });
         joined(why).unwrap_or_else(|| REJECTED.to_owned())
     }
