@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::asked::{Asked, asks_for_reached, refuse_unreached};
 use super::columns::ColumnKind;
 use super::number::Decimals;
-use super::outcome::Quantity;
+use super::outcome::{Part, PartError, Quantity};
 use super::output::{Output, UncertainOutput};
 use super::request::Request;
 use super::source::Source;
@@ -21,7 +21,7 @@ use crate::function::YokeJudge;
 use crate::judge::bound::{Basis, GivenGeometry, NoBound, Note};
 use crate::judge::{Limit, LimitTarget, Limits, Stack};
 use crate::quantity::Places;
-use crate::spec::{PitchCircle, Spec};
+use crate::spec::{PitchCircle, Spec, WrittenError};
 use crate::table::Table;
 use crate::uncertainty::Unstated;
 
@@ -78,6 +78,16 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// The spec, with the errors of a listed part as they are evaluated.
+    #[must_use]
+    pub fn spec_of(&self, part: &Part) -> Spec {
+        let written =
+            |error: &PartError| error.tolerance.map_or_else(|| error.deviation.into(), WrittenError::Tolerance);
+        let mut errors: Vec<_> = part.errors.iter().map(|error| (error.kind, written(error))).collect();
+        errors.sort_by_key(|(kind, _)| *kind);
+        self.spec.with_errors(&errors)
+    }
+
     /// Plans a batch for the spec and the columns of its first table.
     ///
     /// # Errors

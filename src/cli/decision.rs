@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
 
 use super::bar::SharedBar;
-use super::output::Failure;
+use super::output::{Failure, Output};
+use crate::batch::{Part, Plan};
 use crate::chance::{self, DEFAULT_DIGITS, DEFAULT_SEED, MonteCarloError, Settings};
 use crate::deviation::DeviationValue;
 use crate::deviation::plausible::{self, WrittenIn};
@@ -119,6 +120,21 @@ impl JudgeArgs {
         }
         let by_bound = self.judged_by(None, spec, errors, basis, bar)?;
         Ok(if by_bound.0.passes() { by_bound } else { by_mesh })
+    }
+
+    /// The errors of a listed part of a batch, with the spec that they are in.
+    pub(super) fn of_part(
+        &self,
+        plan: &Plan,
+        part: &Part,
+        output: &Output,
+    ) -> Result<(Spec, Evaluation, Option<UncertaintyPart>), Failure> {
+        let (spec, bar) = (plan.spec_of(part), SharedBar::new(output));
+        let (mut evaluation, uncertainty) = self.judged(&spec, &spec.part_deviations()?, &spec.basis()?, &bar)?;
+        let lacking = &plan.lacking;
+        let why = if lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::lacking(lacking) };
+        plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
+        Ok((spec, evaluation, uncertainty))
     }
 
     fn judged_by(

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::output::{Failure, Output, Status};
 use super::set::SetArgs;
@@ -17,12 +16,11 @@ use crate::batch::{
     self as batch_room, Batch, Decimals, Layout, Packing, PartSink, Plan, Problem, Request, RowSink, Sink, Sinks,
     TeethJudge,
 };
-use crate::deviation::{DeviationKind, DeviationValue, Part};
+use crate::deviation::Part;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::evaluation::Unjudged;
 use crate::mesh::TOLERANCE_MM;
 use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading, YokeSection};
-use crate::spec::{Spec, WrittenError};
+use crate::spec::Spec;
 use crate::table::{Gatherer, Reading, Table, ToothedPart, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
@@ -248,8 +246,7 @@ impl Args {
         } else if let ([part], []) = (&parts[..], &problems[..]) {
             let title = if is_named { format!("part {}", part.id) } else { self.block_name() };
             let cells = rows_of(&text)?;
-            let errors = only_part(opener.open(&path)?.table, &read.spec)?;
-            let report = self.only(&plan, &errors, (&title, part), &read.spec, output)?;
+            let report = self.only(&plan, (&title, part), output)?;
             self.report(&Shown { title: &title, report: &report, rows: cells }, &read, output)?;
         } else {
             let (title, rows) = (read.spec.title.as_deref(), &rows_of(&text)?[..]);
@@ -280,24 +277,10 @@ impl Args {
     fn only<'s>(
         &self,
         plan: &Plan,
-        errors: &[(DeviationKind, DeviationValue)],
         (title, part): (&'s str, &batch_room::Part),
-        spec: &Spec,
         output: &Output,
     ) -> Result<EvaluationReport<'s>, Failure> {
-        let in_table: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
-        let spec = &spec.for_columns(&in_table);
-        let of_every_part = spec.errors_of_every_part(&in_table)?;
-        let of_every_part = of_every_part.iter().map(|error| (error.kind(), WrittenError::from(error)));
-        let all = errors.iter().map(|(kind, value)| (*kind, (*value).into())).chain(of_every_part);
-        let mut all: Vec<_> = all.collect();
-        all.sort_by_key(|(kind, _)| *kind);
-        let of_part = spec.with_errors(&all);
-        let (deviations, bar) = (of_part.part_deviations()?, SharedBar::new(output));
-        let (mut evaluation, uncertainty) = self.judge.judged(&of_part, &deviations, &spec.basis()?, &bar)?;
-        let lacking = &plan.lacking;
-        let why = if lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::lacking(lacking) };
-        plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
+        let (spec, mut evaluation, uncertainty) = self.judge.of_part(plan, part, output)?;
         if !plan.is_yoke_limited() {
             evaluation.verdict = part.verdict;
         }
@@ -430,21 +413,4 @@ fn rows_of(text: &[u8]) -> Result<Vec<Vec<String>>, Failure> {
     let row =
         |row: csv::Result<csv::StringRecord>| Ok(row.map_err(io::Error::from)?.iter().map(str::to_owned).collect());
     reader.records().map(row).collect()
-}
-
-/// The errors of the only part of a table; a pitch of the pinion is on the reference circle.
-fn only_part(table: Table, spec: &Spec) -> Result<Vec<(DeviationKind, DeviationValue)>, Failure> {
-    let (name, kinds) = (Arc::clone(&table.name), table.kinds().collect::<Vec<_>>());
-    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
-    let scaled = |kind, value| match (value, spec.for_columns(&kinds).pitch_circle) {
-        (DeviationValue::Length(pitch), Some(circle)) if kind == DeviationKind::PinionPitch => {
-            circle.scaled(pitch).into()
-        }
-        (value, _) => value,
-    };
-    let block = blocks.iter().find(|block| block.rows() > 0);
-    let values = block
-        .into_iter()
-        .flat_map(|block| kinds.iter().enumerate().map(move |(column, kind)| (*kind, block.values(column).at(0))));
-    Ok(values.map(|(kind, value)| (kind, scaled(kind, value))).collect())
 }

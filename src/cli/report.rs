@@ -9,7 +9,6 @@ use std::sync::atomic::AtomicBool;
 
 use kept::{Detail, Listed, Lot, Shown, details, measured_blocks};
 
-use super::bar::SharedBar;
 use super::decision::JudgeArgs;
 use super::eval::evaluated;
 use super::output::{Failure, Output, Status};
@@ -22,18 +21,18 @@ use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
 use super::{batch, function, mesh, monte_carlo, spec_files};
 use crate::batch::{
-    Batch, Layout, Part, PartError, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
+    Batch, Layout, Part, PartSink, Plan, Request, RowFormat, RowSink, Rows, Sinks, Teeth, TeethRequest,
 };
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
-use crate::evaluation::{Evaluation, Unjudged};
+use crate::evaluation::Evaluation;
 use crate::judge::{LimitTarget, Stack};
 use crate::mesh::TOLERANCE_MM;
 use crate::report::html::{Headline, InputFile, Page, Section};
 use crate::report::{
     Basis, BatchReport, Block, EvaluationReport, Histograms, MeshReport, Report as _, RunChart, YokeSection,
-    contributions, grouped, parts_blocks, yokes_block,
+    contributions, counted, parts_blocks, yokes_block,
 };
-use crate::spec::{Spec, WrittenError, keys};
+use crate::spec::{Spec, keys};
 
 const BY_FORMULA: &str = "Deviations and ΔCD by formula";
 
@@ -184,21 +183,12 @@ impl Args {
     }
 
     /// The errors of one part of a table in detail; the verdict on it is the table's.
-    fn part(&self, spec: &Spec, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
-        let errors: Vec<_> = part.errors.iter().map(|error| (error.kind, written(error))).collect();
-        let kinds: Vec<_> = errors.iter().map(|(kind, _)| *kind).collect();
-        let lacking = spec.lacking(&kinds);
-        let spec = spec.with_errors(&errors);
-        let basis = spec.basis()?;
-        let (mut evaluation, uncertainty) =
-            self.judge.judged(&spec, &spec.part_deviations()?, &basis, &SharedBar::new(output))?;
-        if !self.partial && !lacking.is_empty() {
-            evaluation.leave_open(LimitTarget::CenterDistance, Unjudged::lacking(&lacking));
-        }
+    fn part(&self, plan: &Plan, part: &Part, page: &mut Page, output: &mut Output) -> Result<(), Failure> {
+        let (spec, evaluation, uncertainty) = self.judge.of_part(plan, part, output)?;
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
         let by_formula = Section::new(BY_FORMULA, report.blocks());
-        let worst = WorstTeeth::of(spec.part_errors_or_none()?, &basis)?;
+        let worst = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?;
         for mut section in [by_formula, self.mesh(&spec, report.evaluation, worst.as_ref(), output)?.0] {
             section.heading = format!("{}: part {}", section.heading, part.id);
             section.blocks.retain(|block| !matches!(block, Block::Verdict(..)));
@@ -277,7 +267,7 @@ impl Args {
         } else {
             self.parts(&mut found, &interruption, output)?
         };
-        let Lot { spec, mut outcome, basis, parts, charts, small_charts, level, facts } = done;
+        let Lot { spec, plan, mut outcome, basis, parts, charts, small_charts, level, facts } = done;
         outcome.notes.extend(spec.suspicions_in_words());
         outcome.tell_duplicates();
         for problem in &outcome.problems {
@@ -298,9 +288,7 @@ impl Args {
             let blocks = measured_blocks(part).into_iter().chain([report.verdict()]).collect();
             page.sections.push(Section::new("Measured values", blocks));
         } else {
-            let count = outcome.counts.parts();
-            let plural = if count == 1 { "" } else { "s" };
-            page.title = format!("{} part{plural}: {names}", grouped(count));
+            page.title = format!("{}: {names}", counted(outcome.counts.parts(), "part"));
             let (heading, listed) = match (parts.len(), outcome.worst.len()) {
                 (1.., _) => ("All parts".to_owned(), &parts),
                 (_, 0) => ("Parts".to_owned(), &parts),
@@ -313,8 +301,8 @@ impl Args {
             let blocks = level.chain(report.spread()).collect();
             page.sections.push(Section { charts, small_charts, ..Section::new("How the parts are spread", blocks) });
         }
-        if let Some(part) = detailed {
-            self.part(&spec, part, page, output)?;
+        if let Some((plan, part)) = plan.as_ref().zip(detailed) {
+            self.part(plan, part, page, output)?;
         }
         page.sections.push(reading_section(&outcome.readings, &outcome.notes));
         Ok(interruption.status().unwrap_or_else(|| batch::status(&outcome, &basis, false)))
@@ -371,7 +359,8 @@ impl Args {
         let Histograms { judged, errors, level } = Histograms::of(&outcome);
         let charts = judged.into_iter().chain(shown.run.chart(&basis.limits)).collect();
         let facts = details(&spec, &shown.details, plan.has_id);
-        Ok(Lot { spec, outcome, basis, parts: parts.0, charts, small_charts: errors, level, facts })
+        let plan = Some(plan);
+        Ok(Lot { spec, plan, outcome, basis, parts: parts.0, charts, small_charts: errors, level, facts })
     }
 
     /// Parts with their teeth, by the exact mesh.
@@ -408,6 +397,7 @@ impl Args {
         let Histograms { judged, level, .. } = Histograms::of(&outcome);
         Ok(Lot {
             spec: Arc::clone(spec),
+            plan: None,
             outcome,
             basis,
             parts: parts.0,
@@ -436,9 +426,4 @@ impl Args {
 
 fn problem_text(problem: &crate::batch::Problem) -> String {
     format!("{}: {}", problem.place, problem.what())
-}
-
-/// An error of a part in the form of a spec.
-fn written(error: &PartError) -> WrittenError {
-    error.tolerance.map_or_else(|| error.deviation.into(), WrittenError::Tolerance)
 }

@@ -121,7 +121,10 @@ fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>
     let value = value.unwrap_or("…");
     let key = name.replace('-', "_");
     let all: Vec<_> = spec::keys().into_iter().map(|key| key.path).collect();
-    let ending = |end: String| all.iter().filter(move |path| path.ends_with(&end)).collect::<Vec<_>>();
+    let ending = |end: String| {
+        let is_of_a_part = |path: &&String| path.ends_with(&end) && !path.starts_with("table.");
+        all.iter().filter(is_of_a_part).collect::<Vec<_>>()
+    };
     let mut paths = ending(format!(".{key}"));
     // an error is most likely meant, for a simulation one of its own keys
     let sections: &[&str] = if called == "simulate" { &["simulation", "errors"] } else { &["errors"] };
@@ -131,10 +134,8 @@ fn tips(name: &str, command: &clap::Command, called: &str, words: &[Cow<'_, str>
     } else if paths.is_empty() {
         paths = ending(format!("_{key}"));
     }
-    if paths.is_empty() {
-        return of_others(name);
-    }
-    paths.iter().take(MOST).map(|path| format!("write --set {path}={value}").into()).collect()
+    let settings = paths.iter().take(MOST).map(|path| format!("write --set {path}={value}").into());
+    settings.chain(of_others(name)).collect()
 }
 
 /// The commands that have an option, in words.

@@ -179,3 +179,44 @@ fn unseen(of: &Unseen) -> String {
     let run = |[first, last]: &[i64; 2]| if first == last { first.to_string() } else { format!("{first} to {last}") };
     format!("{kind} of {}", runs.iter().map(run).collect::<Vec<_>>().join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deviation::Part;
+    use crate::trace::ToothErrorKind;
+
+    /// Where more is left than the noise, nothing is called explained, and a size has no interval.
+    #[test]
+    fn what_is_left_is_said_before_anything_is_called_explained() {
+        let error = ToothError { part: Part::Rack, kind: ToothErrorKind::Shift, tooth: 5 };
+        let found = FoundError {
+            error,
+            value_mm: 0.018,
+            interval_mm: [Some(0.017), Some(0.019)],
+            effect_mm: 0.02,
+            alternatives: Vec::new(),
+        };
+        let said = |leaves_more| {
+            let diagnosis = Diagnosis {
+                errors: vec![found.clone()],
+                noise_mm: 0.001,
+                noise_is_stated: false,
+                rms_left_mm: 0.004,
+                leaves_more,
+                explained_mm: Vec::new(),
+                offset_mm: 0.0,
+                shift_mm: 0.0,
+                at_an_end: false,
+                candidates: 100,
+                threshold: 20.0,
+                unseen: Vec::new(),
+            };
+            format!("{:?}", blocks(&diagnosis, false))
+        };
+        let (all, part) = (said(false), said(true));
+        assert!(all.contains("one error explains the curve") && all.contains("+19.0 µm"), "{all}");
+        assert!(part.contains("do not explain the curve; left") && part.contains(NOT_EXPLAINED), "{part}");
+        assert!(!part.contains("error explains") && !part.contains("+19.0 µm"), "{part}");
+    }
+}

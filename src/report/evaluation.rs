@@ -4,15 +4,14 @@ use serde_json::{Value, json};
 
 use super::chart::{Axis, Bar, Chart, Layer, Scale, Shape};
 use super::class::class_fact;
-use super::grounds::{assumed, assumptions_of, bound_remarks, why_ends_differ};
-use super::number::{SEEN_MM, deviation_text, ends, interval_text, millimetres, plain, tidy};
+use super::grounds::{assumed, assumptions_of, beyond_bound, beyond_reach, bound_remarks, why_ends_differ};
+use super::number::{deviation_text, ends, interval_text, millimetres, plain, tidy};
 use super::uncertainty::{self, UncertaintyPart, decision_fact, rule_words};
 use super::{
     Block, Column, Report, Table, WITHOUT, YokeSection, fact, function, judged_without, keys_of, titled, worst_last,
 };
 use crate::deviation::{DeviationKind, DeviationValue, Extent};
 use crate::evaluation::{Contribution, Evaluation, JudgedBy, LimitCheck, Unjudged, subject};
-use crate::formula::Model;
 use crate::formula::law::equation;
 use crate::function::Check;
 use crate::judge::class::ErrorClass;
@@ -301,28 +300,6 @@ pub(super) fn failure_sentence(check: &LimitCheck, judged_by: JudgedBy) -> Strin
     let broken = check.limit.distances(result).filter(|end| end.inside_by.is_negative());
     let parts: Vec<_> = broken.map(|end| format!("{} mm {end}", millimetres(end.result.mm()))).collect();
     format!("{what}: {}", parts.join(", and "))
-}
-
-/// Where a formula of a lead error gives more than the error's bound.
-fn beyond_bound(error: &Contribution, model: Model) -> Option<String> {
-    let (formula, most) = (error.delta_cd(model).mm(), error.range.ok()?.upper.mm());
-    let is_lead = matches!(error.kind, DeviationKind::RackLead | DeviationKind::PinionLead);
-    (is_lead && formula > most + SEEN_MM).then(|| {
-        format!(
-            "the formula of the {} counts the ends of its own face, where the other part does not reach: {} mm, and in the worst \
-             case {} mm",
-            error.kind,
-            millimetres(formula),
-            millimetres(most)
-        )
-    })
-}
-
-/// For a failed limit on the combination that no placement reaches: how far the placements come.
-fn beyond_reach(check: &LimitCheck, evaluation: &Evaluation) -> Option<String> {
-    let failed = check.verdict == Some(Verdict::Fail) && check.on == LimitTarget::CenterDistance;
-    let reached = evaluation.reached.filter(|reached| failed && check.limit.judge(*reached) == Verdict::Pass)?;
-    Some(format!("no placement found goes that far, the worst ones reach {} mm", interval_text(&reached)))
 }
 
 /// The outcome of a limit, for programs.

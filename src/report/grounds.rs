@@ -1,9 +1,11 @@
 //! The assumptions of verdicts and bounds, in words.
 
-use super::number::{SEEN_MM, ends, plain, tidy};
-use crate::evaluation::Evaluation;
+use super::number::{SEEN_MM, ends, interval_text, millimetres, plain, tidy};
+use crate::deviation::DeviationKind;
+use crate::evaluation::{Contribution, Evaluation, LimitCheck};
+use crate::formula::Model;
 use crate::judge::bound::{AssumedHeight, HeightFrom, Note, Range};
-use crate::judge::{Interval, LimitTarget};
+use crate::judge::{Interval, LimitTarget, Verdict};
 use crate::quantity::Length;
 use crate::uncertainty::Unstated;
 
@@ -165,4 +167,26 @@ pub(super) fn why_ends_differ(
          one lower ΔCD in full, and not all errors raise ΔCD at the same stroke"
             .to_owned()
     })
+}
+
+/// Where a formula of a lead error gives more than the error's bound.
+pub(super) fn beyond_bound(error: &Contribution, model: Model) -> Option<String> {
+    let (formula, most) = (error.delta_cd(model).mm(), error.range.ok()?.upper.mm());
+    let is_lead = matches!(error.kind, DeviationKind::RackLead | DeviationKind::PinionLead);
+    (is_lead && formula > most + SEEN_MM).then(|| {
+        format!(
+            "the formula of the {} counts the ends of its own face, where the other part does not reach: {} mm, and in the worst \
+             case {} mm",
+            error.kind,
+            millimetres(formula),
+            millimetres(most)
+        )
+    })
+}
+
+/// For a failed limit on the combination that no placement reaches: how far the placements come.
+pub(super) fn beyond_reach(check: &LimitCheck, evaluation: &Evaluation) -> Option<String> {
+    let failed = check.verdict == Some(Verdict::Fail) && check.on == LimitTarget::CenterDistance;
+    let reached = evaluation.reached.filter(|reached| failed && check.limit.judge(*reached) == Verdict::Pass)?;
+    Some(format!("no placement found goes that far, the worst ones reach {} mm", interval_text(&reached)))
 }

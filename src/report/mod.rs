@@ -76,7 +76,7 @@ pub use function::{plug_in_words, yokes_block};
 pub use grounds::{Assumption, assumptions, bound_note, bound_remarks, unstated};
 pub use mesh::{CurveEnd, MeasureReport, MeshReport, extreme_in_words};
 #[cfg(feature = "cli")]
-pub(crate) use number::grouped;
+pub(crate) use number::{counted, grouped};
 #[cfg(feature = "batch")]
 pub use parts::{part_block, parts_blocks};
 #[cfg(feature = "batch")]

@@ -304,10 +304,19 @@ impl Spec {
             GeometryError::PointedRack { .. } => PairSize::RackAddendum,
             GeometryError::NoRackSpace { .. } => PairSize::RackToothThickness,
             GeometryError::PointedPinion { .. } => PairSize::PinionTipDiameter,
-            GeometryError::NoInvolute { .. } => PairSize::PinionRootFormDiameter,
+            GeometryError::NoInvolute { .. } if self.get(keys::PINION_ROOT_FORM_DIAMETER).is_some() => {
+                PairSize::PinionRootFormDiameter
+            }
+            GeometryError::NoInvolute { .. } => PairSize::PinionTipDiameter,
         };
         let place = self.values.at(quantity.key()).map(|written| written.span.clone());
-        Diagnostic::error(Code::BadGeometry, error.to_string()).at(&self.source, place, "")
+        let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string()).at(&self.source, place, "");
+        match error {
+            GeometryError::NoInvolute { .. } => {
+                diagnostic.help("check the tip diameter, the number of teeth and the module against each other")
+            }
+            _ => diagnostic,
+        }
     }
 }
 

@@ -126,7 +126,7 @@ fn by_eval(case: &Case, values: &[String; 5], id: &str, decimals: Decimals, mode
     let failed = judged().filter(|(check, _)| check.verdict == Some(Verdict::Fail));
     let failed = failed.map(|(check, result)| {
         let nearest = check.limit.nearest(result).expect("it has ends");
-        format!("{} {nearest}", subject(check.on, evaluation.stack))
+        format!("{} {nearest}", subject(check.on, evaluation.judged_by))
     });
     let why = match evaluation.open_because() {
         Some(why) => format!("not judged: {why}"),

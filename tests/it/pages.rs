@@ -10,7 +10,7 @@ fn every_page_begins_with_its_verdict() {
     for (line, code, begins) in [
         ("examples/function.toml", 1, failing),
         ("examples/everything.toml", 1, "FAIL</b>ΔCD (worst case): "),
-        ("examples/mesh-errors.toml", 0, "PASS</b>the limit is met"),
+        ("examples/mesh-errors.toml", 0, "PASS</b>the limit on ΔCD is met"),
         ("examples/yoke.toml", 0, "NO VERDICT</b>there is no limit"),
         (
             "examples/scatter.toml --contributions --to 5",
@@ -45,6 +45,24 @@ fn a_page_of_a_part_says_what_was_measured() {
     ] {
         assert!(page.contains(&format!("{error}</th><td class=\"n\">{measured}</td>")), "{error}: {page}");
     }
+}
+
+/// The part that a page shows in detail is evaluated as its table is: with the extents of the columns.
+#[test]
+fn a_part_in_detail_has_the_range_of_its_row() {
+    let folder = Folder::new("page-of-extents");
+    let [spec, table] = ["spec.toml", "lot.csv"].map(|name| folder.path(name));
+    let pair = std::fs::read_to_string("examples/steering.toml").unwrap();
+    let pair = pair.split_once("[errors]").unwrap().0.to_owned();
+    let rest =
+        "[limits]\ncenter_distance = \"±0.04\"\n[table.columns]\nrack_pitch = { unit = \"um\", extent = \"each\" }\n";
+    std::fs::write(&spec, pair + rest).unwrap();
+    std::fs::write(&table, "part_id,rack_pitch\nP1,12\nP2,1\n").unwrap();
+    let rows = run(&["batch", &spec, &table, "--columns", "range_upper_mm"], "").stdout;
+    let upper: f64 = rows.lines().nth(1).and_then(|row| row.rsplit(',').next()).unwrap().parse().unwrap();
+    let page = run(&["report", &spec, &table], "").stdout;
+    let detail = page.split_once("by formula: part P1").unwrap().1.split_once("</section>").unwrap().0;
+    assert!(upper > 0.02 && detail.contains(&format!("0.0000 … {upper:+.4}")), "{rows}: {detail}");
 }
 
 /// The value of an attribute.

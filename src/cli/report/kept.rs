@@ -96,6 +96,8 @@ pub(super) fn measured_blocks(part: &Part) -> Vec<Block> {
 pub(super) struct Lot {
     /// The spec, completed by the first table.
     pub(super) spec: Arc<Spec>,
+    /// What is computed of each; `None` for parts with their teeth.
+    pub(super) plan: Option<Plan>,
     pub(super) outcome: Outcome,
     pub(super) basis: Basis,
     /// Every part, if they are to be listed.

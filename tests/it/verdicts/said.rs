@@ -134,6 +134,33 @@ fn an_open_verdict_has_its_reason_in_json_and_csv() {
     }
 }
 
+/// Of several verdicts the one that decides the exit status is the last line; each says what it is on.
+#[test]
+fn the_worst_verdict_is_said_last() {
+    let spec = std::fs::read_to_string("examples/function-errors.toml").expect("it can be read");
+    let spec = spec.replace("\"0.5 N m\"", "\"0.0001 N m\"") + "\ncenter_distance = \"±0.2\"\n";
+    for command in ["eval", "mesh"] {
+        let ended = run(&[command, "-"], &spec);
+        let verdicts: Vec<_> = ended.stdout.lines().filter(|line| line.contains(": ")).collect();
+        let verdicts: Vec<_> = verdicts.iter().filter_map(|line| line.split_once(": ")).map(|(word, _)| word).collect();
+        assert_eq!(ended.code, Some(1), "{command}: {}", ended.stderr);
+        assert!(verdicts.contains(&"PASS") && verdicts.last() == Some(&"FAIL"), "{command}: {}", ended.stdout);
+    }
+}
+
+/// A formula that counts the ends of a face that the other part does not reach is said to leave its bound.
+#[test]
+fn a_formula_beyond_its_bound_is_said_to_be() {
+    let spec = |width: &str| {
+        let pair = PAPER.replace("face_width = 23.5", width);
+        format!("{pair}[errors]\nrack_lead = \"6 arcmin\"\n[limits]\ncenter_distance = \"±0.2\"\n")
+    };
+    for (width, is_said) in [("face_width = 23.5", false), ("face_width = 12", true)] {
+        let ended = run(&["eval", "-"], &spec(width));
+        assert_eq!(ended.stdout.contains("counts the ends of its own face"), is_said, "{}", ended.stdout);
+    }
+}
+
 /// The last line of `mesh` says by how much a limit is missed, as that of `eval` does.
 #[test]
 fn a_mesh_says_by_how_much_a_limit_is_missed() {
@@ -141,7 +168,7 @@ fn a_mesh_says_by_how_much_a_limit_is_missed() {
         format!("{PAPER}[errors]\nrack_over_roller = \"20 um\"\n[limits]\ncenter_distance = {{ upper = 0.015 }}\n");
     let ended = run(&["mesh", "-", "--to", "5"], &spec);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    let last = "FAIL: ΔCD (worst case): +0.0200 mm is 0.0050 mm above the limit 0.015 mm (judged by the exact mesh of the known \
+    let last = "FAIL: ΔCD (exact mesh): +0.0200 mm is 0.0050 mm above the limit 0.015 mm (judged by the exact mesh of the known \
                 teeth)\n";
     assert!(ended.stdout.ends_with(last), "{}", ended.stdout);
 }
