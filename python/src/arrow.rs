@@ -108,14 +108,12 @@ pub(crate) fn schema(columns: &[(String, ColumnKind)]) -> Schema {
 pub(crate) fn batch(columns: &[(String, ColumnKind)], results: ResultColumns) -> Result<RecordBatch, ArrowError> {
     let mut arrays: Vec<ArrayRef> = Vec::with_capacity(columns.len());
     for column in results.columns {
-        let nulls = Some(NullBuffer::from(column.has_value)).filter(|nulls| nulls.null_count() > 0);
+        let nulls = column.has_value.map(NullBuffer::from).filter(|nulls| nulls.null_count() > 0);
         arrays.push(match column.values {
             ResultValues::Numbers(values) => Arc::new(Float64Array::try_new(values.into(), nulls)?),
             ResultValues::Flags(values) => Arc::new(BooleanArray::new(values.into(), nulls)),
             ResultValues::Texts { bytes, ends } => {
-                let offset = |end: &usize| i32::try_from(*end).map_err(|_| ArrowError::OffsetOverflowError(*end));
-                let offsets: Vec<i32> = ends.iter().map(offset).collect::<Result<_, _>>()?;
-                let offsets = OffsetBuffer::new(ScalarBuffer::from(offsets));
+                let offsets = OffsetBuffer::new(ScalarBuffer::from(ends));
                 Arc::new(StringArray::try_new(offsets, Buffer::from_vec(bytes), nulls)?)
             }
             _ => return Err(ArrowError::NotYetImplemented("a kind of results".to_owned())),

@@ -46,8 +46,8 @@ pub struct ResultColumns {
 /// A column of results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResultColumn {
-    /// Whether each row has a value.
-    pub has_value: Vec<bool>,
+    /// Whether each row has a value; `None` if all do.
+    pub has_value: Option<Vec<bool>>,
     /// The values by row, with anything where there is none.
     pub values: ResultValues,
 }
@@ -60,8 +60,8 @@ pub enum ResultValues {
     Texts {
         /// The texts.
         bytes: Vec<u8>,
-        /// Where the first text begins and where each ends.
-        ends: Vec<usize>,
+        /// Where the first text begins and where each ends, as Arrow has them.
+        ends: Vec<i32>,
     },
     /// Numbers.
     Numbers(Vec<f64>),
@@ -78,11 +78,11 @@ impl ResultColumns {
             ends
         };
         let values = |kind| match kind {
-            ColumnKind::Text => ResultValues::Texts { bytes: Vec::new(), ends: ends() },
+            ColumnKind::Text => ResultValues::Texts { bytes: Vec::with_capacity(room * SHORT), ends: ends() },
             ColumnKind::Number => ResultValues::Numbers(Vec::with_capacity(room)),
             ColumnKind::Flag => ResultValues::Flags(Vec::with_capacity(room)),
         };
-        let column = |kind| ResultColumn { has_value: Vec::with_capacity(room), values: values(kind) };
+        let column = |kind| ResultColumn { has_value: None, values: values(kind) };
         Self { columns: kinds.into_iter().map(column).collect(), rows: 0 }
     }
 
@@ -102,13 +102,17 @@ impl ResultColumns {
             return;
         }
         self.rows += more.rows;
-        for (column, mut more) in self.columns.iter_mut().zip(more.columns) {
-            column.has_value.append(&mut more.has_value);
+        for (column, more) in self.columns.iter_mut().zip(more.columns) {
+            if column.has_value.is_some() || more.has_value.is_some() {
+                let which =
+                    |column: &ResultColumn| column.has_value.clone().unwrap_or_else(|| vec![true; column.rows()]);
+                column.has_value = Some([which(column), which(&more)].concat());
+            }
             match (&mut column.values, more.values) {
                 (ResultValues::Numbers(all), ResultValues::Numbers(mut more)) => all.append(&mut more),
                 (ResultValues::Flags(all), ResultValues::Flags(mut more)) => all.append(&mut more),
                 (ResultValues::Texts { bytes, ends }, ResultValues::Texts { bytes: mut more, ends: more_ends }) => {
-                    let start = bytes.len();
+                    let start = end_of(bytes);
                     bytes.append(&mut more);
                     ends.extend(more_ends.into_iter().skip(1).map(|end| start + end));
                 }
@@ -119,27 +123,76 @@ impl ResultColumns {
 }
 
 impl ResultColumn {
-    /// Adds the values of rows of a column of numbers.
+    /// How many rows there are.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        match &self.values {
+            ResultValues::Texts { ends, .. } => ends.len().saturating_sub(1),
+            ResultValues::Numbers(values) => values.len(),
+            ResultValues::Flags(values) => values.len(),
+        }
+    }
+
+    /// Whether a row has a value.
+    #[must_use]
+    pub fn has_value(&self, row: usize) -> bool {
+        self.has_value.as_ref().is_none_or(|has_value| has_value.get(row) == Some(&true))
+    }
+
+    /// The text of a row, if that is what the column holds.
+    #[must_use]
+    pub fn text(&self, row: usize) -> Option<&[u8]> {
+        let ResultValues::Texts { bytes, ends } = &self.values else { return None };
+        let [start, end] = [row, row + 1].map(|at| usize::try_from(*ends.get(at)?).ok());
+        bytes.get(start?..end?).filter(|_| self.has_value(row))
+    }
+
+    /// The bytes of all texts.
+    pub(super) fn text_bytes(&self) -> usize {
+        if let ResultValues::Texts { bytes, .. } = &self.values { bytes.len() } else { 0 }
+    }
+
+    /// Says of some rows, before their values are added, whether each has one.
+    #[inline]
+    fn begin(&mut self, rows: usize, has_value: bool) {
+        if !has_value && self.has_value.is_none() {
+            self.has_value = Some(vec![true; self.rows()]);
+        }
+        if let Some(all) = &mut self.has_value {
+            all.resize(all.len() + rows, has_value);
+        }
+    }
+
+    /// Adds rows of a column of numbers.
     pub(super) fn extend(&mut self, lengths: &[Length], decimals: Decimals) {
+        self.begin(lengths.len(), true);
         if let ResultValues::Numbers(values) = &mut self.values {
             decimals.extend(values, lengths);
+        }
+    }
+
+    /// Adds rows of a column of numbers, none of which has a value.
+    pub(super) fn extend_without(&mut self, rows: usize) {
+        self.begin(rows, false);
+        if let ResultValues::Numbers(values) = &mut self.values {
+            values.resize(values.len() + rows, 0.0);
         }
     }
 
     /// Adds a row with the text that is appended.
     #[inline]
     pub(super) fn push_text(&mut self, append: impl FnOnce(&mut Vec<u8>)) {
+        self.begin(1, true);
         if let ResultValues::Texts { bytes, ends } = &mut self.values {
-            self.has_value.push(true);
             append(bytes);
-            ends.push(bytes.len());
+            ends.push(end_of(bytes));
         }
     }
 
     /// Adds a row; numbers have the values that are written with these decimals.
     #[inline]
     pub(super) fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {
-        self.has_value.push(*cell != ResultCell::Nothing);
+        self.begin(1, *cell != ResultCell::Nothing);
         match &mut self.values {
             ResultValues::Numbers(values) => values.push(match cell {
                 ResultCell::Length(length) => decimals.value(*length),
@@ -148,14 +201,22 @@ impl ResultColumn {
             }),
             ResultValues::Flags(values) => values.push(*cell == ResultCell::Flag(true)),
             ResultValues::Texts { bytes, ends } => {
-                match cell {
-                    ResultCell::Text(text) => append_text(bytes, text),
-                    _ => {}
+                if let ResultCell::Text(text) = cell {
+                    append_text(bytes, text);
                 }
-                ends.push(bytes.len());
+                ends.push(end_of(bytes));
             }
         }
     }
+}
+
+/// Bytes of a short text, such as a name or a verdict.
+const SHORT: usize = 8;
+
+/// Where texts end. Whoever gathers more than [`i32::MAX`] bytes of them refuses them.
+#[inline]
+fn end_of(texts: &[u8]) -> i32 {
+    texts.len() as i32
 }
 
 /// Appends a text as UTF-8.

@@ -86,12 +86,6 @@ impl<'a> Evaluator<'a> {
         if block.is_rest {
             self.keep_raw(block, 0);
         }
-        for (doubted, column) in self.tally.doubted.iter_mut().zip(&self.layout.columns) {
-            let is_reached = |end: &DeviationValue| self.usual.is_reached_by(*end);
-            let may_be =
-                |column: &usize| block.ends.get(*column).is_none_or(|ends| ends.iter().flatten().any(is_reached));
-            *doubted = column.filter(may_be).map_or(0, |column| self.usual.doubted(block.values(column)));
-        }
         let columns = self.columns(block);
         let results = Results::new(self.plan, self.layout, block, &columns, &self.errors, &mut self.meshes);
         self.take(&results, &columns, Row { block, index: 0, records_before });
@@ -102,6 +96,16 @@ impl<'a> Evaluator<'a> {
         }
         self.write_no_parts(block, block.record_count);
         self.tally.has_names = keeps_names;
+    }
+
+    /// Counts the suspicious values of the block.
+    pub(super) fn doubt(&mut self, block: &Block) {
+        for (doubted, column) in self.tally.doubted.iter_mut().zip(&self.layout.columns) {
+            let is_reached = |end: &DeviationValue| self.usual.is_reached_by(*end);
+            let may_be =
+                |column: &usize| block.ends.get(*column).is_none_or(|ends| ends.iter().flatten().any(is_reached));
+            *doubted = column.filter(may_be).map_or(0, |column| self.usual.doubted(block.values(column)));
+        }
     }
 
     /// Where every row is written: writes the rows that are not parts, up to this record of the block.

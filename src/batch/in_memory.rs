@@ -15,6 +15,9 @@ use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::spec::Spec;
 use crate::table::{Block, Layout as TableLayout, Pattern, ROWS_TOGETHER, Reading, Stored, Table, Want, stored_table};
 
+/// Bytes of text in a column of results, at most.
+const MOST_TEXT: usize = i32::MAX as usize;
+
 /// Evaluates columns that a program has in memory.
 ///
 /// # Example
@@ -143,6 +146,10 @@ impl ColumnEvaluator {
                 let message = format!("{}, row {}: {}", piece.name, contradiction.line, contradiction.message);
                 return Err(Diagnostic::error(Code::BadTable, message).help(contradiction.help).into());
             }
+            if evaluator.written.columns.columns.iter().any(|column| column.text_bytes() > MOST_TEXT) {
+                let message = format!("{} has more than 2 GiB of text in a column of results", piece.name);
+                return Err(Diagnostic::error(Code::BadTable, message).help("evaluate fewer rows at a time").into());
+            }
             block.tell(&mut reading);
             counts.add(&evaluator.tally.counts);
         }
@@ -179,7 +186,7 @@ impl ColumnEvaluator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::{ResultColumn, ResultValues};
+    use crate::batch::ResultValues;
 
     const SPEC: &str = "[errors]\nrack_over_roller = { nominal = 25.0 }\nrack_pitch = \"0 um\"\n[pair]\nnormal_pressure_angle = 20\n\
                         [limits]\ncenter_distance = \"±0.05\"";
@@ -196,11 +203,8 @@ mod tests {
 
     fn texts(of: &str, all: &EvaluatedColumns) -> Vec<Option<String>> {
         let at = all.columns.iter().position(|(name, _)| name == of).unwrap();
-        let ResultColumn { has_value, values: ResultValues::Texts { bytes, ends } } = &all.results.columns[at] else {
-            panic!("{of} is no text")
-        };
-        let text = |row: usize| String::from_utf8(bytes[ends[row]..ends[row + 1]].to_vec()).unwrap();
-        (0..all.results.rows).map(|row| has_value[row].then(|| text(row))).collect()
+        let text = |text: &[u8]| String::from_utf8(text.to_vec()).unwrap();
+        (0..all.results.rows).map(|row| all.results.columns[at].text(row).map(text)).collect()
     }
 
     fn names(names: &[&str]) -> Stored<'static> {
@@ -282,10 +286,9 @@ mod tests {
                     [limits]\nyoke_play = { lower = 0.01, upper = 0.1 }";
         let number = |of: &str, all: &EvaluatedColumns| {
             let at = all.columns.iter().position(|(name, _)| name == of)?;
-            let ResultColumn { has_value, values: ResultValues::Numbers(numbers) } = &all.results.columns[at] else {
-                panic!("{of} is no number")
-            };
-            has_value[0].then(|| numbers[0])
+            let column = &all.results.columns[at];
+            let ResultValues::Numbers(numbers) = &column.values else { panic!("{of} is no number") };
+            column.has_value(0).then(|| numbers[0])
         };
         let size = ("rack_over_roller", Stored::doubles(&[0.02][..]));
         let known = evaluate(&evaluator(spec), &[("part_id", names(&["P1"])), size.clone()]).unwrap();

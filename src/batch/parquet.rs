@@ -108,29 +108,33 @@ impl ColumnSink for ParquetRows {
 
 /// Writes some rows of a column.
 fn write_column(open: &mut SerializedColumnWriter<'_>, column: ResultColumn) -> Result<usize, ParquetError> {
+    let rows = column.rows();
     let ResultColumn { has_value, values } = column;
-    let levels: Vec<i16> = has_value.iter().map(|has_value| i16::from(*has_value)).collect();
+    let levels: Vec<i16> = match &has_value {
+        Some(has_value) => has_value.iter().map(|has_value| i16::from(*has_value)).collect(),
+        None => vec![1; rows],
+    };
     let levels = Some(levels.as_slice());
     match values {
         ResultValues::Texts { bytes, ends } => {
             let bytes = Bytes::from(bytes);
-            let text = |row: usize| ByteArray::from(bytes.slice(ends[row]..ends[row + 1]));
-            let rows = (0..has_value.len()).filter(|row| has_value[*row]);
-            let texts: Vec<_> = rows.map(text).collect();
+            let spans: Vec<[i32; 2]> = ends.windows(2).map(|span| [span[0], span[1]]).collect();
+            let text = |span: &[i32; 2]| ByteArray::from(bytes.slice(span[0] as usize..span[1] as usize));
+            let texts: Vec<_> = present(&spans, has_value.as_deref()).iter().map(text).collect();
             open.typed::<ByteArrayType>().write_batch(&texts, levels, None)
         }
         ResultValues::Numbers(numbers) => {
-            open.typed::<DoubleType>().write_batch(&present(&numbers, &has_value), levels, None)
+            open.typed::<DoubleType>().write_batch(&present(&numbers, has_value.as_deref()), levels, None)
         }
-        ResultValues::Flags(flags) => open.typed::<BoolType>().write_batch(&present(&flags, &has_value), levels, None),
+        ResultValues::Flags(flags) => {
+            open.typed::<BoolType>().write_batch(&present(&flags, has_value.as_deref()), levels, None)
+        }
     }
 }
 
 /// The values of the rows that have one.
-fn present<'v, T: Copy>(values: &'v [T], has_value: &[bool]) -> Cow<'v, [T]> {
-    if !has_value.contains(&false) {
-        return values.into();
-    }
+fn present<'v, T: Copy>(values: &'v [T], has_value: Option<&[bool]>) -> Cow<'v, [T]> {
+    let Some(has_value) = has_value else { return values.into() };
     values.iter().zip(has_value).filter(|(_, has_value)| **has_value).map(|(value, _)| *value).collect()
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Results<'a> {
     /// The range of each error alone, where it has a limit.
     alone: [Vec<Option<Interval>>; KINDS],
     /// The joint range of all errors, by the number of the combination.
-    combined: [Vec<Option<Interval>>; Stack::ALL.len()],
+    combined: [Ranges; Stack::ALL.len()],
     /// The worst case of parts without anything that scatters, where the statistical sum is asked for.
     unscattered: BTreeMap<usize, Interval>,
     reached: Vec<Option<Interval>>,
@@ -214,24 +214,24 @@ impl<'a> Results<'a> {
         let needs_rss = plan.needs_rss && plan.sources.iter().any(|source| source.scatters);
         if plan.needs_range || needs_rss {
             let mut refused = Vec::new();
-            let mut end = |column: &mut Vec<_>, row: usize, range: Result<Range, NoBound>| {
-                column.push(nearest(range).unwrap_or_else(|problem| {
+            let mut nearest = |row: usize, range: Result<Range, NoBound>| {
+                nearest(range).unwrap_or_else(|problem| {
                     refused.push((row, problem));
                     None
-                }));
+                })
             };
-            let [mut range, mut rss] = [(); 2].map(|()| Vec::with_capacity(self.rows));
-            let (mut worst, mut unscattered) = (Vec::new(), BTreeMap::new());
+            let [mut range, mut rss] =
+                [plan.needs_range, needs_rss].map(|is_needed| Ranges::with_room(if is_needed { self.rows } else { 0 }));
+            let mut unscattered = BTreeMap::new();
             errors.each_together(self.rows, values, |row, together| {
                 if plan.needs_range {
-                    end(&mut range, row, together.range);
+                    range.push(nearest(row, together.range));
                 }
                 if needs_rss {
-                    end(&mut rss, row, together.rss);
+                    rss.push(nearest(row, together.rss));
                 }
                 if plan.request.stack == Stack::Rss && together.rss == Err(NoBound::NothingScatters) {
-                    end(&mut worst, row, together.range);
-                    unscattered.extend(worst.pop().flatten().map(|worst| (row, worst)));
+                    unscattered.extend(nearest(row, together.range).map(|worst| (row, worst)));
                 }
             });
             self.combined = [range, rss];
@@ -268,8 +268,8 @@ impl<'a> Results<'a> {
 
     /// The results of an output that is a length, of all parts that have one.
     pub(super) fn all_of(&self, output: &Output) -> Cow<'_, [Length]> {
-        if let (Output::Error(kind), true) = (output, self.refusals.is_empty()) {
-            return Cow::Borrowed(&self.each[*kind as usize][..self.rows]);
+        if let (true, Lengths::Each(all)) = (self.refusals.is_empty(), self.lengths(output, &(0..self.rows))) {
+            return all;
         }
         let mut all = Vec::with_capacity(self.rows);
         for rows in self.runs() {
@@ -278,9 +278,19 @@ impl<'a> Results<'a> {
         all.into()
     }
 
-    /// ΔCD of an error in some rows, if that is what an output is.
-    pub(super) fn each_error(&self, output: &Output, rows: &ops::Range<usize>) -> Option<&[Length]> {
-        if let Output::Error(kind) = output { self.each[*kind as usize].get(rows.clone()) } else { None }
+    /// The results of an output in some rows, if it is a length.
+    pub(super) fn lengths(&self, output: &Output, rows: &ops::Range<usize>) -> Lengths<'_> {
+        match output {
+            Output::Error(kind) => {
+                self.each[*kind as usize].get(rows.clone()).map_or(Lengths::None, |each| Lengths::Each(each.into()))
+            }
+            Output::Combined(stack, end) => self.combined[*stack as usize].lengths(*end, rows),
+            Output::Judged(_) | Output::Margin => {
+                let each: Option<Vec<_>> = rows.clone().map(|row| self.of(output, row)).collect();
+                each.map_or(Lengths::Other, |each| Lengths::Each(each.into()))
+            }
+            _ => Lengths::Other,
+        }
     }
 
     /// Calls `take` with the result of an output in each of some rows, if the output is a length, and returns whether it is.
@@ -291,25 +301,13 @@ impl<'a> Results<'a> {
         rows: &ops::Range<usize>,
         mut take: impl FnMut(Option<Length>),
     ) -> bool {
-        let (ranges, end) = match output {
-            Output::Error(kind) => {
-                match self.each[*kind as usize].get(rows.clone()) {
-                    Some(lengths) => lengths.iter().for_each(|length| take(Some(*length))),
-                    None => rows.clone().for_each(|_| take(None)),
-                }
-                return true;
-            }
-            Output::Combined(stack, end) => (&self.combined[*stack as usize], end),
-            Output::Reached(end) => (&self.reached, end),
-            Output::Judged(_) | Output::Margin => {
+        match (self.lengths(output, rows), output) {
+            (Lengths::Each(lengths), _) => lengths.iter().for_each(|length| take(Some(*length))),
+            (Lengths::None, _) => rows.clone().for_each(|_| take(None)),
+            (_, Output::Combined(..) | Output::Judged(_) | Output::Margin | Output::Reached(_)) => {
                 rows.clone().for_each(|row| take(self.of(output, row)));
-                return true;
             }
             _ => return false,
-        };
-        match ranges.get(rows.clone()) {
-            Some(ranges) => ranges.iter().for_each(|range| take(range.map(|range| end.of(range)))),
-            None => rows.clone().for_each(|_| take(None)),
         }
         true
     }
@@ -319,13 +317,65 @@ impl<'a> Results<'a> {
     pub(super) fn of(&self, output: &Output, row: usize) -> Option<Length> {
         match output {
             Output::Error(kind) => self.each[*kind as usize].get(row).copied(),
-            Output::Combined(stack, end) => Some(end.of(at(&self.combined[*stack as usize], row)?)),
+            Output::Combined(stack, end) => Some(end.of(self.combined[*stack as usize].at(row)?)),
             Output::Reached(end) => Some(end.of(at(&self.reached, row)?)),
             Output::Judged(end) => Some(end.of(self.judged(LimitTarget::CenterDistance, row)?)),
             Output::Margin => self.verdicts[row].and_then(|_| self.inside_by(row)),
             _ => None,
         }
     }
+}
+
+/// Ranges by row, one of the ends behind the other: most rows have one.
+#[derive(Default)]
+struct Ranges {
+    lower: Vec<Length>,
+    upper: Vec<Length>,
+    /// The rows without a range.
+    open: Vec<usize>,
+}
+
+impl Ranges {
+    fn with_room(rows: usize) -> Self {
+        Self { lower: Vec::with_capacity(rows), upper: Vec::with_capacity(rows), open: Vec::new() }
+    }
+
+    #[inline]
+    fn push(&mut self, range: Option<Interval>) {
+        if range.is_none() {
+            self.open.push(self.lower.len());
+        }
+        let Interval { lower, upper } = range.unwrap_or_default();
+        self.lower.push(lower);
+        self.upper.push(upper);
+    }
+
+    /// The range of a row, which may not be computed.
+    #[inline]
+    fn at(&self, row: usize) -> Option<Interval> {
+        let (lower, upper) = (*self.lower.get(row)?, *self.upper.get(row)?);
+        let is_open = !self.open.is_empty() && self.open.binary_search(&row).is_ok();
+        (!is_open).then_some(Interval { lower, upper })
+    }
+
+    fn lengths(&self, end: End, rows: &ops::Range<usize>) -> Lengths<'_> {
+        let ends = if end == End::Lower { &self.lower } else { &self.upper };
+        match ends.get(rows.clone()) {
+            None => Lengths::None,
+            Some(_) if !self.open.is_empty() => Lengths::Other,
+            Some(ends) => Lengths::Each(ends.into()),
+        }
+    }
+}
+
+/// The results of an output in some rows.
+pub(super) enum Lengths<'r> {
+    /// Each row has a length.
+    Each(Cow<'r, [Length]>),
+    /// No row has one.
+    None,
+    /// Some have one, or the output is no length.
+    Other,
 }
 
 /// A row of a column, which may not be computed.

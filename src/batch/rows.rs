@@ -1,7 +1,6 @@
 //! The row of a part, as text or in columns. The evaluator calls it; it computes nothing.
 
 use std::borrow::Cow;
-use std::io::Write as _;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -10,10 +9,10 @@ use super::outcome::RowPlace;
 use super::output::{Output, simulated};
 use super::plan::Plan;
 use super::request::{Request, RowFormat};
-use super::results::{Results, spread_of};
+use super::results::{Lengths, Results, spread_of};
 use super::write;
 use crate::function::FIGURES;
-use crate::quantity::{Length, Places, tidy};
+use crate::quantity::{Length, Places, tidy, write_whole};
 use crate::table::Block;
 
 /// The outcome of a row.
@@ -44,8 +43,7 @@ impl<'a> Row<'a> {
     fn write_id(self, out: &mut Vec<u8>) {
         match self.block.name_bytes(self.index) {
             Some(name) => append_text(out, name),
-            // writing to memory does not fail
-            None => drop(write!(out, "{}", self.records_before + self.record())),
+            None => write_whole(out, self.records_before + self.record()),
         }
     }
 
@@ -163,33 +161,27 @@ impl<'a> RowWriter<'a> {
 
     fn parts_in_columns(&mut self, first: Row<'_>, results: &Results<'_>, rows: &Range<usize>) {
         let (plan, decimals) = (self.plan, self.plan.request.decimals);
-        let mut lengths = Vec::with_capacity(STRIP);
         for (index, column) in self.columns.columns.iter_mut().enumerate() {
             let output = &plan.outputs[index];
-            if let Some(lengths) = results.each_error(output, rows) {
-                column.has_value.resize(column.has_value.len() + lengths.len(), true);
-                column.extend(lengths, decimals);
-                continue;
+            match results.lengths(output, rows) {
+                Lengths::Each(lengths) => {
+                    column.extend(&lengths, decimals);
+                    continue;
+                }
+                Lengths::None => {
+                    column.extend_without(rows.len());
+                    continue;
+                }
+                Lengths::Other => {}
             }
-            let is_length = strips(rows).all(|strip| {
-                lengths.clear();
-                let is_length = results.each_of(output, &strip, |length| {
-                    column.has_value.push(length.is_some());
-                    lengths.push(length.unwrap_or_default());
-                });
-                column.extend(&lengths, decimals);
-                is_length
-            });
-            if is_length {
-                continue;
-            }
-            let is_id = *output == Output::Id;
             for row in rows.clone().map(|index| Row { index, ..first }) {
-                if is_id {
-                    column.push_text(|bytes| row.write_id(bytes));
-                } else {
-                    let written = WrittenRow::Part { results, row: row.index };
-                    column.push(&cell(plan, index, Some(row), &written), decimals);
+                let written = WrittenRow::Part { results, row: row.index };
+                match (output, results.verdicts[row.index]) {
+                    (Output::Id, _) => column.push_text(|bytes| row.write_id(bytes)),
+                    (Output::Verdict, Some(verdict)) => {
+                        column.push_text(|bytes| bytes.extend_from_slice(verdict.name().as_bytes()));
+                    }
+                    _ => column.push(&cell(plan, index, Some(row), &written), decimals),
                 }
             }
         }

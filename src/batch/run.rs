@@ -229,6 +229,7 @@ impl SharedRun<'_, '_> {
         while let Some((number, bytes)) = self.take(&mut piece) {
             piece.read(self.rows);
             evaluator.block(&piece.block, piece.records_before, self.keeps_names.load(Ordering::Relaxed));
+            evaluator.doubt(&piece.block);
             let rows = self.rows_packing.pack(&evaluator.written.out);
             let rejects = self.encoding.original(&evaluator.rejects);
             let rejects = self.rejects_packing.pack(&rejects);

@@ -143,6 +143,19 @@ const PAIRS: [u16; 128] = {
     pairs
 };
 
+/// Writes a whole number.
+#[cfg(feature = "batch")]
+pub(crate) fn write_whole(out: &mut Vec<u8>, mut number: u64) {
+    let mut text = [b'0'; 20];
+    let mut start = text.len();
+    while start == text.len() || number > 0 {
+        start -= 1;
+        text[start] += (number % 10) as u8;
+        number /= 10;
+    }
+    out.extend_from_slice(&text[start..]);
+}
+
 #[cold]
 fn write_long(out: &mut Vec<u8>, length: Length, decimals: u32) {
     let (mut rest, is_negative) = rounded(length, decimals);
@@ -166,6 +179,16 @@ fn write_long(out: &mut Vec<u8>, length: Length, decimals: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "batch")]
+    #[test]
+    fn whole_numbers_have_all_digits() {
+        for number in [0, 9, 10, 2_048, 1_000_000, u64::MAX] {
+            let mut text = Vec::new();
+            write_whole(&mut text, number);
+            assert_eq!(String::from_utf8(text).unwrap(), number.to_string());
+        }
+    }
 
     #[test]
     fn decimals_are_rounded_half_away_from_zero() {

@@ -6,8 +6,6 @@ use std::str::FromStr;
 use super::decimals::Places;
 #[cfg(feature = "spec")]
 use super::number::half_digit;
-#[cfg(feature = "table")]
-use super::number::millionths;
 use super::number::{Decimal, split_number};
 use super::unit::LengthUnit;
 use super::{FM_PER_MM, QuantityError, grid_quantity};
@@ -44,23 +42,6 @@ impl Length {
     /// [`QuantityError`] if `mm` is an infinity or NaN, or beyond 1 km.
     pub fn from_mm(mm: f64) -> Result<Self, QuantityError> {
         Self::of_f64(mm, LengthUnit::Millimetre)
-    }
-
-    /// Doubles in `unit`, each read as its shortest decimal, less the length `less`; `None` if one has more than six decimals
-    /// or a difference is larger than `largest`.
-    #[cfg(feature = "table")]
-    pub(crate) fn of_doubles(doubles: &[f64], unit: LengthUnit, less: Self, largest: Self) -> Option<Vec<Self>> {
-        let step = unit.scale().of_decimal(6)?;
-        let most = Self::LARGEST.fm / step;
-        let mut are_plain = true;
-        let lengths = doubles.iter().map(|value| {
-            let (millionths, is_shortest) = millionths(*value);
-            let fm = millionths.wrapping_mul(step).wrapping_sub(less.fm);
-            are_plain &= is_shortest & (-most..=most).contains(&millionths) & (-largest.fm..=largest.fm).contains(&fm);
-            Self { fm }
-        });
-        let lengths = lengths.collect();
-        are_plain.then_some(lengths)
     }
 
     /// The length nearest to a number of femtometres; halves are rounded away from zero.

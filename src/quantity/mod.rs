@@ -30,7 +30,7 @@ mod unit;
 
 pub use angle::Angle;
 #[cfg(feature = "batch")]
-pub(crate) use decimals::Places;
+pub(crate) use decimals::{Places, write_whole};
 #[cfg(feature = "table")]
 pub(crate) use digits::PlainSteps;
 pub use domain::{Domain, DomainError};
@@ -121,6 +121,25 @@ macro_rules! grid_quantity {
                     Ok(decimal) => Self::of_number(decimal, unit),
                     Err(_) => Err(QuantityError::NotFinite { what: $what, value: value.to_string() }),
                 }
+            }
+
+            /// Doubles in `unit`, each read as its shortest decimal, less `less`; `None` if one has more than six decimals
+            /// or a difference is larger than `largest`.
+            #[cfg(feature = "table")]
+            pub(crate) fn of_doubles(doubles: &[f64], unit: $unit, less: Self, largest: Self) -> Option<Vec<Self>> {
+                let step = unit.scale().of_decimal(6)?;
+                let most = Self::LARGEST.$steps / step;
+                let mut are_plain = true;
+                let values = doubles.iter().map(|value| {
+                    let (millionths, is_shortest) = super::number::millionths(*value);
+                    let $steps = millionths.wrapping_mul(step).wrapping_sub(less.$steps);
+                    are_plain &= is_shortest
+                        & (-most..=most).contains(&millionths)
+                        & (-largest.$steps..=largest.$steps).contains(&$steps);
+                    Self { $steps }
+                });
+                let values = values.collect();
+                are_plain.then_some(values)
             }
 
             /// A number in `unit`.

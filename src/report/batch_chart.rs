@@ -106,8 +106,8 @@ impl ColumnSink for RunChart {
     fn take(&mut self, rows: ResultColumns) -> io::Result<()> {
         let Some([lower, upper]) = self.ends else { return Ok(()) };
         let values = |column: usize| match &rows.columns[column] {
-            ResultColumn { has_value, values: ResultValues::Numbers(values) } => {
-                values.iter().zip(has_value).map(|(value, has_value)| has_value.then_some(*value)).collect()
+            column @ ResultColumn { values: ResultValues::Numbers(values), .. } => {
+                values.iter().enumerate().map(|(row, value)| column.has_value(row).then_some(*value)).collect()
             }
             _ => Vec::new(),
         };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rackmesh::batch::{ResultColumn, ResultValues};
+use rackmesh::batch::ResultValues;
 use rackmesh::cli::{Answer, ColumnTable, HeldSpec, answer};
 use serde_json::Value;
 
@@ -21,11 +21,11 @@ fn swept(options: &[&str], example: &str) -> ColumnTable {
 /// What stands in a row and column: a number or a text, or nothing.
 fn cell(table: &ColumnTable, name: &str, row: usize) -> Value {
     let column = table.columns.iter().position(|(known, _)| known == name).unwrap_or_else(|| panic!("{name}"));
-    let ResultColumn { has_value, values } = &table.results.columns[column];
-    match values {
-        _ if !has_value[row] => Value::Null,
+    let column = &table.results.columns[column];
+    match &column.values {
+        _ if !column.has_value(row) => Value::Null,
         ResultValues::Numbers(numbers) => numbers[row].into(),
-        ResultValues::Texts { bytes, ends } => String::from_utf8_lossy(&bytes[ends[row]..ends[row + 1]]).into(),
+        ResultValues::Texts { .. } => String::from_utf8_lossy(column.text(row).unwrap()).into(),
         values => panic!("{values:?}"),
     }
 }

@@ -85,7 +85,7 @@ impl Results<'_> {
 
     /// The limits on a yoke by the worst case of a part; open where its pair is not known.
     fn yoke_by_bound(&self, yoke: &YokeJudge, row: usize) -> JudgedYoke {
-        let range = at(&self.combined[Stack::Range as usize], row);
+        let range = self.combined[Stack::Range as usize].at(row);
         match &self.plan.basis.geometry {
             GivenGeometry::Known(pairs) => {
                 let width_mm = range.map(|range| (range.upper - range.lower).mm());
@@ -256,7 +256,8 @@ impl Results<'_> {
         match on {
             LimitTarget::CenterDistance => match self.meshed(row) {
                 Some(Ok(meshed)) => Some(meshed.range),
-                _ => at(&self.combined[self.plan.request.stack as usize], row)
+                _ => self.combined[self.plan.request.stack as usize]
+                    .at(row)
                     .or_else(|| self.unscattered.get(&row).copied()),
             },
             LimitTarget::Error(kind) => at(&self.alone[kind as usize], row),

@@ -4,7 +4,7 @@
 use std::io;
 use std::sync::Arc;
 
-use crate::batch::{ColumnSink, Outcome, Part, PartSink, Plan, Problem, ResultColumns, ResultValues};
+use crate::batch::{ColumnSink, Outcome, Part, PartSink, Plan, Problem, ResultColumns};
 use crate::report::chart::Chart;
 use crate::report::{Basis, Block, RunChart, part_block, parts_blocks, yokes_block};
 use crate::spec::Spec;
@@ -56,9 +56,9 @@ impl Detail {
     }
 
     fn take(&mut self, rows: &ResultColumns) {
-        let ResultValues::Texts { bytes, ends } = &rows.columns[self.column].values else { return };
-        for span in ends.windows(2) {
-            let text = String::from_utf8_lossy(&bytes[span[0]..span[1]]);
+        let column = &rows.columns[self.column];
+        for text in (0..rows.rows).filter_map(|row| column.text(row)) {
+            let text = String::from_utf8_lossy(text);
             if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
                 self.texts.push(text.into_owned());
             }

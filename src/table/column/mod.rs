@@ -15,7 +15,7 @@ use super::grid::unit_of;
 use super::number::{DecimalMark, normalise, quantity};
 use super::want::Want;
 use crate::deviation::plausible::{self, Reach, WrittenIn};
-use crate::deviation::{DeviationKind, DeviationValue};
+use crate::deviation::{DeviationKind, DeviationValue, DeviationValues};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::formula::law::lead_slope;
 use crate::quantity::{Angle, Decimal, Length, LengthUnit, PlainSteps, Unit, shown};
@@ -129,15 +129,17 @@ impl PlainNumbers {
         (!self.farthest.is_exceeded_by(deviation)).then_some(deviation)
     }
 
-    /// The deviations of doubles, each taken as its shortest decimal; `None` if the column does not hold lengths, or a double needs
-    /// a closer look.
-    pub(crate) fn lengths(&self, doubles: &[f64]) -> Option<Vec<Length>> {
-        match (self.unit, self.nominal, self.over) {
+    /// The deviations of doubles, each taken as its shortest decimal; `None` if one needs a closer look.
+    pub(crate) fn deviations(&self, doubles: &[f64]) -> Option<DeviationValues> {
+        Some(match (self.unit, self.nominal, self.over) {
             (Unit::Length(unit), DeviationValue::Length(nominal), None) => {
-                Length::of_doubles(doubles, unit, nominal, self.farthest.length)
+                DeviationValues::Lengths(Length::of_doubles(doubles, unit, nominal, self.farthest.length)?)
             }
-            _ => None,
-        }
+            (Unit::Angle(unit), DeviationValue::Angle(nominal), None) => {
+                DeviationValues::Angles(Angle::of_doubles(doubles, unit, nominal, self.farthest.angle)?)
+            }
+            _ => return None,
+        })
     }
 }
 

@@ -88,8 +88,8 @@ fn deviations(
     nothing: DeviationValue,
     odd: &mut Vec<usize>,
 ) -> DeviationValues {
-    if let Some(lengths) = stored.all_doubles().and_then(|doubles| column.numbers.lengths(doubles)) {
-        return DeviationValues::Lengths(lengths);
+    if let Some(deviations) = stored.all_doubles().and_then(|doubles| column.numbers.deviations(doubles)) {
+        return deviations;
     }
     let mut values = DeviationValues::repeated(nothing, 0);
     stored.numbers(|row, number| {
