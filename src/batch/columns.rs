@@ -189,6 +189,15 @@ impl ResultColumn {
         }
     }
 
+    /// Adds a row with these words, if there are any.
+    #[inline]
+    pub(super) fn push_words(&mut self, words: Option<&str>) {
+        match words {
+            Some(words) => self.push_text(|bytes| bytes.extend_from_slice(words.as_bytes())),
+            None => self.push(&ResultCell::Nothing, Decimals::Full),
+        }
+    }
+
     /// Adds a row; numbers have the values that are written with these decimals.
     #[inline]
     pub(super) fn push(&mut self, cell: &ResultCell<'_>, decimals: Decimals) {

@@ -12,6 +12,7 @@ use super::request::{Request, RowFormat};
 use super::results::{Lengths, Results, spread_of};
 use super::write;
 use crate::function::FIGURES;
+use crate::judge::Verdict;
 use crate::quantity::{Length, Places, tidy, write_whole};
 use crate::table::Block;
 
@@ -175,13 +176,14 @@ impl<'a> RowWriter<'a> {
                 Lengths::Other => {}
             }
             for row in rows.clone().map(|index| Row { index, ..first }) {
-                let written = WrittenRow::Part { results, row: row.index };
-                match (output, results.verdicts[row.index]) {
-                    (Output::Id, _) => column.push_text(|bytes| row.write_id(bytes)),
-                    (Output::Verdict, Some(verdict)) => {
-                        column.push_text(|bytes| bytes.extend_from_slice(verdict.name().as_bytes()));
+                match output {
+                    Output::Id => column.push_text(|bytes| row.write_id(bytes)),
+                    Output::Verdict => column.push_words(results.verdicts[row.index].map(Verdict::name)),
+                    Output::Reason => column.push_words(results.reason(row.index).as_deref()),
+                    _ => {
+                        let written = WrittenRow::Part { results, row: row.index };
+                        column.push(&cell(plan, index, Some(row), &written), decimals);
                     }
-                    _ => column.push(&cell(plan, index, Some(row), &written), decimals),
                 }
             }
         }
