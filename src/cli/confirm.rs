@@ -10,7 +10,7 @@ use super::read;
 use super::stream::{self, Stdin};
 use super::tables::{Opened, Opener, Reopened};
 use super::target::is_dash;
-use super::{target, terminal, written};
+use super::{set, target, terminal, written};
 use crate::deviation::DeviationKind;
 use crate::diagnostic::Diagnostic;
 use crate::quantity::shown;
@@ -64,7 +64,7 @@ pub(super) fn confirmed<'a>(
     let answer = terminal::ask(&question, answers, stdin, output)?;
     match answer.as_deref() {
         Some("w") => {
-            let old = read::text(spec_path)?;
+            let old = set::text(spec_path)?;
             let name = stream::name(spec_path);
             let new = written::merged(&name, &old, &written_block, &written::stamp())?;
             target::write(spec_path, &[] as &[&Path], new.as_bytes())?;

@@ -1,20 +1,18 @@
 //! `rackmesh read`: the cells of tables with their owners, and the contract that closes them, which it can write into a spec.
 //! Evaluates nothing.
 
-use std::io::{self, IsTerminal as _, Read as _};
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::output::{Failure, Output, Status};
-use super::set::SetArgs;
+use super::set::{self, SetArgs};
 use super::tables::{self, Accepted, Opener, ReadArgs};
 use super::target::{self, is_dash};
 use super::{signals, stream, terminal, written};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report::{self, Block, Column, Format, Report, Table, reading_form, remarks};
-use crate::spec::LARGEST_SPEC;
 use crate::table::{ColumnAccount, ColumnReading, Guesses, Proposal, Reading};
 
 pub(super) const ABOUT: &str = "Show what tables hold, and write the contract that closes them";
@@ -73,7 +71,7 @@ impl Args {
         let spec = Arc::new(self.reading.laid_out(spec)?);
         let files: Vec<&PathBuf> = self.files.iter().filter(|path| !is_spec(path)).collect();
         let interruption = signals::signals(output);
-        let stdin = files.iter().any(is_dash).then(|| whole(interruption.stop())).transpose()?;
+        let stdin = files.iter().any(is_dash).then(|| stream::whole(interruption.stop())).transpose()?;
         let opener = Opener::new(&self.reading, &spec, Model::Exact, interruption.stop());
         let opener = Opener { stdin, curves: true, ..opener };
         if self.check {
@@ -137,7 +135,7 @@ impl Args {
             }
             Ok(if closed { Status::Pass } else { Status::Undecided })
         };
-        let old = text(path)?;
+        let old = set::text(path)?;
         let new = written::merged(&name, &old, block, &written::stamp())?;
         if new == old {
             output.remark(&format!("{name}: nothing to write"));
@@ -185,28 +183,6 @@ impl Args {
         }
         Err(Diagnostics(failed).into())
     }
-}
-
-/// The content of standard input, which is used more than once.
-fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
-    const LARGEST: u64 = 64 << 20;
-    let mut bytes = Vec::new();
-    let read = stream::open(Path::new("-"), stop)?.take(LARGEST + 1).read_to_end(&mut bytes);
-    read.map_err(|error| Diagnostic::unreadable("<stdin>", &error))?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(Diagnostic::unreadable("<stdin>", &"it is larger than 64 MiB").into());
-    }
-    Ok(bytes.into())
-}
-
-/// The new text of a spec.
-pub(super) fn text(path: &Path) -> Result<String, Failure> {
-    let name = stream::name(path);
-    let bytes = std::fs::read(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
-    if bytes.len() > LARGEST_SPEC {
-        return Err(Diagnostic::unreadable(&name, &"it is too large for a spec").into());
-    }
-    String::from_utf8(bytes).map_err(|_| Diagnostic::unreadable(&name, &"it is not text in UTF-8").into())
 }
 
 /// Shows the columns of a table besides the result.

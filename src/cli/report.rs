@@ -2,7 +2,7 @@
 
 mod kept;
 
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -15,7 +15,7 @@ use super::output::{Failure, Output, Status};
 use super::page::{hashed, reading_section, spec_sections};
 use super::set::SetArgs;
 use super::signals::{self, Interruption};
-use super::stream::{self, Stdin};
+use super::stream;
 use super::tables::{self, Files, Opener, ReadArgs};
 use super::target::{self, Target, is_dash, shown};
 use super::teeth::{WorstTeeth, mesh_of, with_known_teeth};
@@ -175,11 +175,7 @@ impl Args {
 
     /// The content of standard input, if it is a table.
     fn stdin(&self, stop: &Arc<AtomicBool>) -> Result<Option<Arc<[u8]>>, Failure> {
-        let Some(path) = self.files.iter().find(|path| is_dash(path)) else { return Ok(None) };
-        let mut bytes = Vec::new();
-        let read = Stdin::new(Arc::clone(stop)).read_to_end(&mut bytes);
-        read.map_err(|error| Diagnostic::unreadable(&stream::name(path), &error))?;
-        Ok(Some(bytes.into()))
+        self.files.iter().any(is_dash).then(|| stream::whole(stop)).transpose()
     }
 
     /// The errors of one part of a table in detail; the verdict on it is the table's.

@@ -34,22 +34,7 @@ impl SetArgs {
         if let Some((HeldSpec { name, text }, own)) = output.held_spec() {
             return Self { set: [own, self.set.clone()].concat() }.parse(&name, &text, output);
         }
-        let mut bytes = Vec::new();
-        let name = &stream::name(path);
-        let most = LARGEST_SPEC as u64 + 1;
-        let read = if is_dash(path) {
-            super::line::no_waiting();
-            std::io::stdin().lock().take(most).read_to_end(&mut bytes)
-        } else {
-            std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes))
-        };
-        read.map_err(|error| Diagnostic::unreadable(name, &error))?;
-        spec::refuse_size(name, &bytes)?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = error.utf8_error().valid_up_to();
-            Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})")).help(spec::NOT_A_SPEC)
-        })?;
-        self.parse(name, &text, output)
+        self.parse(&stream::name(path), &text(path)?, output)
     }
 
     /// The spec of the options alone.
@@ -67,6 +52,25 @@ impl SetArgs {
     pub(super) fn is_empty(&self) -> bool {
         self.set.is_empty()
     }
+}
+
+/// The text of a spec or a layout; `-` is standard input.
+pub(super) fn text(path: &Path) -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    let name = &stream::name(path);
+    let most = LARGEST_SPEC as u64 + 1;
+    let read = if is_dash(path) {
+        super::line::no_waiting();
+        std::io::stdin().lock().take(most).read_to_end(&mut bytes)
+    } else {
+        std::fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes))
+    };
+    read.map_err(|error| Diagnostic::unreadable(name, &error))?;
+    spec::refuse_size(name, &bytes)?;
+    Ok(String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        Diagnostic::unreadable(name, &format!("it is not text in UTF-8 (byte {valid})")).help(spec::NOT_A_SPEC)
+    })?)
 }
 
 /// The error in the arguments, with what is most likely meant: `--preload 2000` is `--set simulation.preload=2000`, and

@@ -26,6 +26,18 @@ pub(super) fn file(path: &Path) -> Result<File, Failure> {
     Ok(file)
 }
 
+/// The content of standard input, which is used more than once.
+pub(super) fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
+    const LARGEST: u64 = 64 << 20;
+    let mut bytes = Vec::new();
+    let read = Stdin::new(Arc::clone(stop)).take(LARGEST + 1).read_to_end(&mut bytes);
+    read.map_err(|error| Diagnostic::unreadable("<stdin>", &error))?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(Diagnostic::unreadable("<stdin>", &"it is larger than 64 MiB").into());
+    }
+    Ok(bytes.into())
+}
+
 /// Its name in messages.
 pub(super) fn name(path: &Path) -> String {
     if is_dash(path) { "<stdin>".to_owned() } else { shown(path) }

@@ -4,20 +4,20 @@
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::output::{Failure, Output};
-use super::stream;
 use super::target::{self, is_dash, shown};
 use super::written;
+use super::{set, stream};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
 use crate::report;
 use crate::spec::{self, Spec, TableSection};
 use crate::table::{
-    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, IsCurve, Layout, LineRule, MOST_RULES,
-    PartNames, Parts, Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
+    CellRange, ColumnOption, Container, DecimalMark, Encoding, Guesses, IsCurve, KnownWorkbook, Layout, LineRule,
+    MOST_RULES, PartNames, Parts, Pattern, Proposal, Reading, Repeats, Separator, Source, Table, Want,
 };
 
 /// How files are to be read.
@@ -99,6 +99,8 @@ pub(super) struct Opener<'a> {
     pub(super) teeth: Option<bool>,
     /// Whether a table with the headings of a measured curve is one.
     pub(super) curves: bool,
+    /// The workbook that was opened last.
+    pub(super) known: Arc<Mutex<Option<(PathBuf, KnownWorkbook)>>>,
 }
 
 /// The files of a run, all of them opened once.
@@ -120,9 +122,7 @@ impl ReadArgs {
     /// The spec with the layout that stands in a file of its own.
     pub(super) fn laid_out(&self, spec: Spec) -> Result<Spec, Failure> {
         let Some(path) = &self.layout else { return Ok(spec) };
-        let name = shown(path);
-        let text = std::fs::read_to_string(path).map_err(|error| Diagnostic::unreadable(&name, &error))?;
-        Ok(spec.with_layout(&name, &text)?)
+        Ok(spec.with_layout(&shown(path), &set::text(path)?)?)
     }
 
     /// The file of the layout, if there is one.
@@ -158,7 +158,7 @@ impl<'a> Opener<'a> {
     /// Options for tables that are evaluated.
     pub(super) fn new(how: &'a ReadArgs, spec: &Arc<Spec>, model: Model, stop: &'a Arc<AtomicBool>) -> Self {
         let spec = Arc::clone(spec);
-        Self { how, spec, model, stop, stdin: None, teeth: None, curves: false }
+        Self { how, spec, model, stop, stdin: None, teeth: None, curves: false, known: Arc::default() }
     }
 
     /// The layout of a table by the spec and the user.
@@ -187,7 +187,12 @@ impl<'a> Opener<'a> {
                 let want = self.want(&self.spec);
                 Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1), &want)?
             }
-            None => Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec))?,
+            None => {
+                let container = Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec))?;
+                let known = container.known().map(|known| (path.to_owned(), known));
+                *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
+                container
+            }
         })
     }
 
@@ -256,7 +261,13 @@ impl<'a> Opener<'a> {
     /// Where the bytes of a file are.
     fn source(&self, path: &Path) -> Result<Source, Failure> {
         Ok(match &self.stdin {
-            _ if !is_dash(path) => Source::File(stream::file(path)?),
+            _ if !is_dash(path) => {
+                let (file, known) = (stream::file(path)?, self.known.lock().unwrap_or_else(PoisonError::into_inner));
+                match &*known {
+                    Some((of, known)) if of == path => Source::Known(file, known.clone()),
+                    _ => Source::File(file),
+                }
+            }
             Some(bytes) => Source::Stream(Box::new(Cursor::new(Arc::clone(bytes)))),
             None => Source::Stream(stream::open(path, self.stop)?),
         })

@@ -2,10 +2,46 @@
 
 use std::borrow::Cow;
 use std::fmt;
-use std::ops::Range;
+use std::ops::Deref;
 
 use super::number::{is_missing, is_number};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Decimal, Unit};
+
+/// A text of a cell. A short one, as most are, needs no memory of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum CellText {
+    /// Its length and its bytes.
+    Short(u8, [u8; SHORT]),
+    Long(Box<str>),
+}
+
+/// Bytes of a short text at most: as many as leave a cell three words.
+const SHORT: usize = 22;
+
+impl From<&str> for CellText {
+    fn from(text: &str) -> Self {
+        let mut bytes = [0; SHORT];
+        match (bytes.get_mut(..text.len()), u8::try_from(text.len())) {
+            (Some(start), Ok(length)) => {
+                start.copy_from_slice(text.as_bytes());
+                Self::Short(length, bytes)
+            }
+            _ => Self::Long(text.into()),
+        }
+    }
+}
+
+impl Deref for CellText {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        match self {
+            Self::Short(length, bytes) => std::str::from_utf8(&bytes[..usize::from(*length)]).unwrap_or_default(),
+            Self::Long(text) => text,
+        }
+    }
+}
 
 /// What a cell holds.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -14,22 +50,22 @@ pub(crate) enum Content {
     #[default]
     Empty,
     /// Text as it is written, numbers of text files included: which character is the decimal mark is still open.
-    Text(String),
+    Text(CellText),
     /// A number that its file holds as one, taken as its shortest decimal.
     Number(Decimal),
     /// A date, a time, a truth value or a formula without a result, as a message shows it: no measured value. A formula begins with
     /// `=`.
-    Other(String),
+    Other(Box<str>),
     /// A number that its file shows with a unit.
-    Measured { number: Decimal, unit: String },
+    Measured(Box<(Decimal, String)>),
     /// A cell that a person sees otherwise than the file holds it: struck through, hidden, or shown as something else; in words.
-    Unlike(String),
+    Unlike(Box<str>),
 }
 
 impl Content {
     /// A number as its shortest decimal. One that is not finite becomes text, which cannot be read as a number.
     pub(crate) fn of_f64(value: f64) -> Self {
-        Decimal::of_f64(value).map_or_else(|| Self::Text(value.to_string()), Self::Number)
+        Decimal::of_f64(value).map_or_else(|| Self::Text(value.to_string().as_str().into()), Self::Number)
     }
 
     /// A text without the blanks around it; empty if nothing is left.
@@ -42,7 +78,7 @@ impl Content {
         let within = |mark: &str| bare.strip_prefix(mark)?.strip_suffix(mark).filter(|text| !text.contains(mark));
         match within("**").or_else(|| within("`")).map_or(bare, str::trim) {
             "" => Self::Empty,
-            text => Self::Text(text.to_owned()),
+            text => Self::Text(text.into()),
         }
     }
 }
@@ -53,8 +89,9 @@ impl fmt::Display for Content {
         const LONGEST: usize = 24;
         let number = match self {
             Self::Empty => return Ok(()),
-            Self::Text(text) | Self::Other(text) | Self::Unlike(text) => return f.write_str(text),
-            Self::Measured { number, unit } => return write!(f, "{} {unit}", Self::Number(*number)),
+            Self::Text(text) => return f.write_str(text),
+            Self::Other(text) | Self::Unlike(text) => return f.write_str(text),
+            Self::Measured(measured) => return write!(f, "{} {}", Self::Number(measured.0), measured.1),
             Self::Number(number) => number,
         };
         let sign = if number.negative { "-" } else { "" };
@@ -75,7 +112,7 @@ impl fmt::Display for Content {
 impl From<Content> for Cell {
     /// A cell of a file that is no text.
     fn from(content: Content) -> Self {
-        Self { content, span: 0..0 }
+        Self { content }
     }
 }
 
@@ -83,8 +120,6 @@ impl From<Content> for Cell {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Cell {
     pub(crate) content: Content,
-    /// Where it stands in the text of its file; empty where there is no text.
-    pub(crate) span: Range<usize>,
 }
 
 /// A row of cells, and the number of its line, sheet row or record, from 1.
@@ -92,22 +127,21 @@ pub(crate) struct Cell {
 pub(crate) struct Record {
     pub(crate) cells: Vec<Cell>,
     pub(crate) line: u64,
-    /// Where its line starts in the text of its file.
-    pub(crate) start: usize,
 }
 
 impl Cell {
     /// A cell of text.
-    pub(crate) fn of_text(text: &str, span: Range<usize>) -> Self {
-        Self { content: Content::of_text(text), span }
+    pub(crate) fn of_text(text: &str) -> Self {
+        Self { content: Content::of_text(text) }
     }
 
     /// What a person sees there.
     pub(crate) fn text(&self) -> Cow<'_, str> {
         match &self.content {
             Content::Empty => "".into(),
-            Content::Text(text) | Content::Other(text) | Content::Unlike(text) => text.into(),
-            content @ (Content::Number(_) | Content::Measured { .. }) => content.to_string().into(),
+            Content::Text(text) => Cow::Borrowed(text),
+            Content::Other(text) | Content::Unlike(text) => Cow::Borrowed(text),
+            content @ (Content::Number(_) | Content::Measured(_)) => content.to_string().into(),
         }
     }
 
@@ -120,7 +154,7 @@ impl Cell {
         match &self.content {
             Content::Empty => true,
             Content::Text(text) => is_missing(text),
-            Content::Number(_) | Content::Measured { .. } | Content::Other(_) | Content::Unlike(_) => false,
+            Content::Number(_) | Content::Measured(_) | Content::Other(_) | Content::Unlike(_) => false,
         }
     }
 
@@ -133,7 +167,7 @@ impl Cell {
     pub(crate) fn is_number(&self) -> bool {
         match &self.content {
             Content::Text(text) => is_number(text) && !(text.starts_with("1/") && Unit::from_symbol(text).is_some()),
-            Content::Number(_) | Content::Measured { .. } => true,
+            Content::Number(_) | Content::Measured(_) => true,
             Content::Other(text) => text.starts_with('='),
             Content::Empty | Content::Unlike(_) => false,
         }
@@ -143,12 +177,12 @@ impl Cell {
 impl Record {
     /// A record of a file without text.
     pub(crate) fn new(cells: Vec<Cell>, line: u64) -> Self {
-        Self { cells, line, start: 0 }
+        Self { cells, line }
     }
 
     /// The cell at a place; an empty one where it has none.
     pub(crate) fn cell(&self, place: usize) -> &Cell {
-        static EMPTY: Cell = Cell { content: Content::Empty, span: 0..0 };
+        static EMPTY: Cell = Cell { content: Content::Empty };
         self.cells.get(place).unwrap_or(&EMPTY)
     }
 
@@ -176,6 +210,23 @@ impl Record {
     }
 }
 
+/// Cells of a table that is read as a whole, at most: some thousand parts with some hundred values each.
+pub(crate) const MOST_CELLS: usize = 1_000_000;
+
+/// How many cells records have.
+pub(crate) fn cells_in(records: &[Record]) -> usize {
+    records.iter().map(|record| record.cells.len()).sum()
+}
+
+/// Refuses a table that is read as a whole if it has more than [`MOST_CELLS`]; returns how many it has.
+pub(crate) fn refuse_many(name: &str, cells: usize) -> Result<usize, Diagnostic> {
+    if cells <= MOST_CELLS {
+        return Ok(cells);
+    }
+    let message = format!("{name} has more than {MOST_CELLS} cells, and its parts are not in rows of their own");
+    Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"))
+}
+
 /// The first rows of a table of that width, from which its columns are found: fewer where they are wide.
 pub(crate) fn head_rows(width: usize) -> usize {
     const MOST_ROWS: usize = 400;
@@ -201,7 +252,7 @@ mod tests {
             assert_eq!(Content::of_f64(value).to_string(), text);
         }
         assert_eq!(Content::of_text(" \u{a0}"), Content::Empty);
-        assert_eq!(Content::of_text(" a b "), Content::Text("a b".to_owned()));
-        assert_eq!(Content::of_text("=\"25.060\""), Content::Text("25.060".to_owned()));
+        assert_eq!(Content::of_text(" a b "), Content::Text("a b".into()));
+        assert_eq!(Content::of_text("=\"25.060\""), Content::Text("25.060".into()));
     }
 }

@@ -58,6 +58,12 @@ impl Chunker {
         Ok(&self.pending[..self.pending.len().min(count)])
     }
 
+    /// The bytes, all of them if there are no more than so many, as the last that are handed on.
+    pub(crate) fn all(&mut self, most: usize) -> io::Result<Vec<u8>> {
+        self.fill(most + 1)?;
+        Ok(std::mem::take(&mut self.pending))
+    }
+
     /// All bytes that are not handed on, read or not.
     pub(crate) fn into_reader(self) -> Box<dyn Read + Send> {
         Box::new(io::Cursor::new(self.pending).chain(self.reader))

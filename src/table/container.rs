@@ -2,7 +2,7 @@
 //! file.
 
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read, Seek as _};
+use std::io::{self, Cursor, Read, Seek as _};
 
 use bytes::Bytes;
 
@@ -15,13 +15,16 @@ use super::report::is_numbered_report;
 use super::text::Text;
 use super::typed::{parquet_table, workbook_table};
 use super::want::Want;
-use super::workbook::Workbook;
+use super::workbook::{KnownWorkbook, Workbook};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 
 /// Where the bytes of a table are.
 pub enum Source {
     /// A file, of which no more is read than is needed.
     File(File),
+    /// A file whose workbook was opened before.
+    #[doc(hidden)]
+    Known(File, KnownWorkbook),
     /// Bytes that come once.
     Stream(Box<dyn Read + Send>),
 }
@@ -56,7 +59,7 @@ impl Source {
 
     fn reader(self) -> Box<dyn Read + Send> {
         match self {
-            Self::File(file) => Box::new(file),
+            Self::File(file) | Self::Known(file, _) => Box::new(file),
             Self::Stream(stream) => stream,
         }
     }
@@ -69,13 +72,17 @@ impl Container {
     /// If it cannot be read, or is a file that holds no table.
     pub fn open(name: &str, source: Source, want: &Want) -> Result<Self, Diagnostics> {
         let failed = |error: io::Error| Diagnostic::unreadable(name, &error);
+        let (source, known) = match source {
+            Source::Known(file, known) => (Source::File(file), Some(known)),
+            source => (source, None),
+        };
         let source = match source {
             Source::File(file) if starts_with(&file, *PARQUET).map_err(failed)? => {
                 return Ok(Self::Parquet(ParquetTable::open(name, file)?));
             }
             Source::File(file) if starts_with(&file, *ARCHIVE).map_err(failed)? => {
                 refuse_large(name, file.metadata().map_err(failed)?.len())?;
-                return Ok(Self::Workbook(Box::new(Workbook::open(name, BufReader::new(file))?)));
+                return Ok(Self::Workbook(Box::new(Workbook::open_file(name, file, known)?)));
             }
             source => source,
         };
@@ -137,6 +144,13 @@ impl Container {
             Self::Qdas(qdas) => Some(qdas),
             _ => None,
         }
+    }
+
+    /// What was found of a workbook in a file, with which the file is opened again at less cost.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn known(&self) -> Option<KnownWorkbook> {
+        if let Self::Workbook(book) = self { book.known() } else { None }
     }
 
     /// The table, with its columns found and its rows not read yet.

@@ -6,13 +6,13 @@ use unicode_width::UnicodeWidthStr;
 
 use super::cell::{Cell, Record};
 
-/// Where the cells of a line stand, in columns of a terminal. The first byte of the line is at `start`.
-pub(crate) fn extents(start: usize, cells: &[Cell]) -> Vec<Range<usize>> {
+/// Where the cells of a line stand, in columns of a terminal, by the place of each one's first byte.
+pub(crate) fn extents_of(cells: &[(usize, Cell)]) -> Vec<Range<usize>> {
     // bytes before a cell in excess of its columns: characters of several bytes
     let mut hidden = 0;
-    let extent = |cell: &Cell| {
+    let extent = |(start, cell): &(usize, Cell)| {
         let text = cell.text();
-        let from = cell.span.start.saturating_sub(start + hidden);
+        let from = start.saturating_sub(hidden);
         hidden += text.len().saturating_sub(text.width());
         from..from + text.width()
     };
@@ -20,11 +20,13 @@ pub(crate) fn extents(start: usize, cells: &[Cell]) -> Vec<Range<usize>> {
 }
 
 /// The records with an empty cell where a line has a gap. The cells that stand below each other tell the columns of a block of
-/// lines; where they do not, its records stay as they are.
-pub(super) fn placed(mut records: Vec<Record>) -> Vec<Record> {
+/// lines; where they do not, its records stay as they are. `extents` are those of each record.
+pub(super) fn placed(mut records: Vec<Record>, mut extents: &[Vec<Range<usize>>]) -> Vec<Record> {
     // headings and the rows below them may be a blank line apart
     let follows = |one: &Record, next: &Record| next.line <= one.line + 1 + u64::from(one.numbers() == 0);
     for block in records.chunk_by_mut(follows) {
+        let (own, behind) = extents.split_at(block.len());
+        extents = behind;
         let is_header = |record: &&Record| record.numbers() == 0 && record.cells.len() > 1;
         let widest = block.iter().filter(is_header).map(|record| record.cells.len()).max();
         let Some(header) = block.iter().position(|record| is_header(&record) && Some(record.cells.len()) == widest)
@@ -32,34 +34,36 @@ pub(super) fn placed(mut records: Vec<Record>) -> Vec<Record> {
             continue;
         };
         let (above, rows) = block.split_at_mut(header + 1);
-        let mut rows: Vec<&mut Record> = rows.iter_mut().filter(|record| record.numbers() > 0).collect();
-        place(&above[header], &mut rows);
+        let rows = rows.iter_mut().zip(&own[header + 1..]).filter(|(record, _)| record.numbers() > 0);
+        place((&above[header], &own[header]), &mut rows.collect::<Vec<_>>());
     }
     records
 }
 
 /// Puts the cells of rows into columns. The columns are those of the rows, or else of the rows and the header together. Where there
 /// are not as many as the header has cells, the rows stay as they are.
-fn place(header: &Record, rows: &mut [&mut Record]) {
+fn place((header, of_header): (&Record, &[Range<usize>]), rows: &mut [(&mut Record, &Vec<Range<usize>>)]) {
     let width = header.cells.len();
-    if rows.iter().all(|row| row.cells.len() >= width) {
+    if rows.iter().all(|(row, _)| row.cells.len() >= width) {
         return;
     }
-    let extents_of = |record: &Record| extents(record.start, &record.cells);
-    let of_rows: Vec<Vec<Range<usize>>> = rows.iter().map(|row| extents_of(row)).collect();
     let is_one_each = |columns: &Vec<Range<usize>>| {
         let places = |row: &Vec<Range<usize>>| row.iter().map(|cell| place_of(cell, columns)).collect::<Vec<_>>();
         columns.len() == width
-            && of_rows.iter().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
+            && rows
+                .iter()
+                .map(|(_, extents)| places(extents))
+                .all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
-    let with_header = || columns(of_rows.iter().flatten().cloned().chain(extents_of(header)).collect());
+    let of_rows = || rows.iter().flat_map(|(_, extents)| extents.iter().cloned());
+    let with_header = || columns(of_rows().chain(of_header.iter().cloned()).collect());
     // a row without a gap tells the columns, wherever the headings stand above them
-    let has_whole = rows.iter().any(|row| row.cells.len() == width);
-    let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(|_| has_whole).filter(is_one_each);
+    let has_whole = rows.iter().any(|(row, _)| row.cells.len() == width);
+    let alone = Some(columns(of_rows().collect())).filter(|_| has_whole).filter(is_one_each);
     let Some(columns) = alone.or_else(|| Some(with_header()).filter(is_one_each)) else { return };
-    for (row, extents) in rows.iter_mut().zip(&of_rows) {
+    for (row, extents) in rows {
         let mut cells = vec![Cell::default(); width];
-        for (cell, extent) in std::mem::take(&mut row.cells).into_iter().zip(extents) {
+        for (cell, extent) in std::mem::take(&mut row.cells).into_iter().zip(extents.iter()) {
             cells[place_of(extent, &columns)] = cell;
         }
         row.cells = cells;

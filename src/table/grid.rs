@@ -1,10 +1,8 @@
 //! Separators of cells, text cut into cells by them, and units as cells write them. Knows no headings.
 
-use std::ops::Range;
-
-use super::cell::{Cell, Record};
+use super::cell::{Cell, MOST_CELLS, Record};
 use super::encoding::text;
-use super::fixed::placed;
+use super::fixed::{extents_of, placed};
 use super::split::next_record;
 use crate::quantity::Unit;
 
@@ -70,52 +68,52 @@ impl Separator {
     }
 }
 
-/// The records of a text whose cells stand between two or more blanks.
-pub(crate) fn aligned_records(text: &str) -> Vec<Record> {
-    let mut records = Vec::new();
-    let mut start = 0;
-    for (index, whole) in text.split_inclusive('\n').enumerate() {
-        let line = trimmed(text, start..start + whole.len());
-        if !line.is_empty() {
-            records.push(Record { cells: aligned(text, &line.span), line: index as u64 + 1, start });
+/// The records of a text whose cells stand between two or more blanks, behind so many lines. Ends like [`separated`].
+pub(crate) fn aligned_records(text: &str, lines: u64) -> Vec<Record> {
+    let (mut records, mut extents, mut count) = (Vec::new(), Vec::new(), 0);
+    for (line, number) in text.lines().zip(lines + 1..) {
+        if count > MOST_CELLS {
+            break;
         }
-        start += whole.len();
+        let cells = aligned(line);
+        if !cells.is_empty() {
+            count += cells.len();
+            extents.push(extents_of(&cells));
+            records.push(Record::new(cells.into_iter().map(|(_, cell)| cell).collect(), number));
+        }
     }
-    placed(records)
+    placed(records, &extents)
 }
 
 /// The records of a text whose cells stand between such bytes, and where each ends. `is_all`: the text is complete, so that its last
-/// record needs no line end.
+/// record needs no line end. Nothing is cut behind [`MOST_CELLS`].
 pub(crate) fn separated(bytes: &[u8], separator: u8, is_all: bool, lines: u64) -> (Vec<Record>, Vec<usize>) {
     let (mut found, mut ends, mut fields) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut at, mut blank, mut line) = (0, 0, lines);
-    while let Some(record) = next_record(bytes, at, separator, &mut fields, &mut blank) {
+    let (mut at, mut blank, mut line, mut count) = (0, 0, lines, 0);
+    while count <= MOST_CELLS
+        && let Some(record) = next_record(bytes, at, separator, &mut fields, &mut blank)
+    {
         if !record.closed && !is_all {
             break;
         }
-        let cells = fields.iter().map(|field| Cell::of_text(text(&field.content(bytes)).trim(), 0..0)).collect();
-        found.push(Record { start: record.start, ..Record::new(cells, line + record.lines_before + 1) });
+        count += fields.len();
+        let cells = fields.iter().map(|field| Cell::of_text(text(&field.content(bytes)).trim())).collect();
+        found.push(Record::new(cells, line + record.lines_before + 1));
         (at, line) = (record.next, line + record.lines);
         ends.push(at);
     }
     (found, ends)
 }
 
-fn trimmed(text: &str, span: Range<usize>) -> Cell {
-    let cell = &text[span.clone()];
-    let start = span.start + cell.len() - cell.trim_start().len();
-    let trimmed = cell.trim();
-    Cell::of_text(trimmed, start..start + trimmed.len())
-}
-
-/// Cells between runs of two or more blanks.
-fn aligned(text: &str, span: &Range<usize>) -> Vec<Cell> {
+/// Cells between runs of two or more blanks, each with the place of its first byte in the line.
+fn aligned(line: &str) -> Vec<(usize, Cell)> {
+    let line = line.trim_end();
     let mut cells = Vec::new();
-    let mut start = span.start;
-    while start < span.end {
-        let end = text[start..span.end].find("  ").map_or(span.end, |length| start + length);
-        cells.push(trimmed(text, start..end));
-        start = span.end - text[end..span.end].trim_start().len();
+    let mut start = line.len() - line.trim_start().len();
+    while start < line.len() {
+        let end = line[start..].find("  ").map_or(line.len(), |length| start + length);
+        cells.push((start, Cell::of_text(&line[start..end])));
+        start = line.len() - line[end..].trim_start().len();
     }
     cells
 }
@@ -162,7 +160,7 @@ mod tests {
 
     #[test]
     fn cells_of_aligned_text() {
-        let records = aligned_records("a b   c\n1     - 2 um\n");
+        let records = aligned_records("a b   c\n1     - 2 um\n", 0);
         let cells = |record: &Record| record.cells.iter().map(|cell| cell.text().into_owned()).collect::<Vec<_>>();
         assert_eq!(records.iter().map(cells).collect::<Vec<_>>(), [["a b", "c"], ["1", "- 2 um"]]);
     }

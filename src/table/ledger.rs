@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn what_nobody_reads_is_not_owned() {
-        let cell = |text: &str| Cell::of_text(text, 0..0);
+        let cell = |text: &str| Cell::of_text(text);
         let record = Record::new(vec![cell("P1"), cell(""), cell("25,011"), cell("412")], 2);
         let ledger = RowLedger::new(&record);
         assert_eq!(ledger.read(0).text(), "P1");

@@ -93,7 +93,7 @@ pub use teeth::gather::{TeethTable, of_one_part};
 pub use teeth::{Measured, PinionTeeth, PinionTooth, RackSpace, RackSpaces, RowExtent, Teeth};
 pub use trace::Trace;
 pub use want::{GivenColumn, Want};
-pub use workbook::CellRange;
+pub use workbook::{CellRange, KnownWorkbook};
 
 pub(crate) use column::{Column, Nominal, in_words};
 pub(crate) use encoding::text as cell_text;

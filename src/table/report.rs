@@ -1,8 +1,8 @@
 //! Text reports of measuring programs (Calypso, PC-DMIS). The format gives columns and lines a fixed meaning, so that no contract has
 //! to. A report is recognised by marks of its format. Called by [`text`](super::text).
 
-use super::cell::{Cell, Record};
-use super::contract::{File, Open, line_of};
+use super::cell::{Cell, MOST_CELLS, Record};
+use super::contract::{File, Open, line_of, list};
 use super::field::Beside as Role;
 use super::grid::separated;
 use super::layout::{Layout, Parts};
@@ -97,6 +97,8 @@ const PCDMIS_ROLES: [(&str, Role); 5] = [
     ("MEAS", Role::Measured),
     ("DEV", Role::Deviation),
 ];
+/// Cells of a row of an axis: those, and the names of part, dimension and unit.
+const AXIS_CELLS: usize = PCDMIS_ROLES.len() + 3;
 /// The other columns, which say nothing new.
 const PCDMIS_COLUMNS: [&str; 5] = ["MAX", "MIN", "OUTTOL", "BONUS", "DEVANG"];
 /// Letters of an axis at most: it is called X, Y, Z, M, D, TP and the like.
@@ -152,6 +154,9 @@ fn pcdmis<'n>(name: &'n str, text: &str, layout: &'n Layout) -> Report<'n> {
     let (dimension, unit, columns) = (String::new(), String::new(), Vec::new());
     let mut reader = Pcdmis { layout, report, part: None, dimension, unit, columns, axes: Vec::new() };
     for (line, number) in text.lines().zip(1..) {
+        if (reader.report.records.len() + reader.axes.len()) * AXIS_CELLS > MOST_CELLS {
+            break;
+        }
         reader.line(line.trim(), number);
     }
     reader.end_dimension();
@@ -161,7 +166,7 @@ fn pcdmis<'n>(name: &'n str, text: &str, layout: &'n Layout) -> Report<'n> {
         report.layout.part_id = None;
     }
     let heading = ["SER NUMBER", "DIM", "UNITS"].into_iter().chain(PCDMIS_ROLES.iter().map(|(name, _)| *name));
-    let cells = heading.map(|name| Cell::of_text(if is_named || name != "SER NUMBER" { name } else { "" }, 0..0));
+    let cells = heading.map(|name| Cell::of_text(if is_named || name != "SER NUMBER" { name } else { "" }));
     report.records.insert(0, Record::new(cells.collect(), 0));
     report
 }
@@ -196,14 +201,19 @@ impl Pcdmis<'_> {
         if !self.dimension.is_empty() && !self.columns.is_empty() && words.len() > 1 && is_number(words[1]) {
             return self.axis(&words, number);
         }
-        let record = Record::new(vec![Cell::of_text(line, 0..0)], number);
+        let record = Record::new(vec![Cell::of_text(line)], number);
         match self.layout.covering(&record) {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
                 self.report.file.leave_out(rule, 0, &format!("line {number}: {line}"));
             }
-            None => self.report.file.open.push(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
+            None => self.open(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
         }
+    }
+
+    /// Adds what has no owner.
+    fn open(&mut self, open: Open) {
+        self.report.file.more += list(&mut self.report.file.open, std::iter::once(open));
     }
 
     /// Counts a text that the format owns.
@@ -259,13 +269,9 @@ impl Pcdmis<'_> {
         }
         if numbers.len() < self.columns.len() {
             let what = format!("line {number}: {} values below {} headings", numbers.len(), self.columns.len());
-            return self
-                .report
-                .file
-                .open
-                .push(Open::Wrong { what, help: "write a value below each heading".to_owned() });
+            return self.open(Open::Wrong { what, help: "write a value below each heading".to_owned() });
         }
-        let cell = |text: &str| Cell::of_text(text, 0..0);
+        let cell = |text: &str| Cell::of_text(text);
         let part = self.part.as_ref().map(|(name, _)| name.as_str()).unwrap_or_default();
         let mut cells = vec![cell(part), Cell::default(), cell(&self.unit)];
         for (name, _) in PCDMIS_ROLES {
@@ -293,7 +299,7 @@ impl Pcdmis<'_> {
             if is_one {
                 self.report.file.said.add(record.line, 0, &axis);
             }
-            record.cells[1] = Cell::of_text(&name, 0..0);
+            record.cells[1] = Cell::of_text(&name);
             self.report.records.push(record);
         }
         self.dimension.clear();

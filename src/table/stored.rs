@@ -72,7 +72,7 @@ impl<'a> Stored<'a> {
     /// Dates, times and truth values, as a message shows them. They are no measured values.
     #[must_use]
     pub fn others(shown: impl IntoIterator<Item = String>) -> Self {
-        Self::contents(shown.into_iter().map(Content::Other).collect())
+        Self::contents(shown.into_iter().map(|shown| Content::Other(shown.into())).collect())
     }
 
     pub(crate) fn contents(contents: Vec<Content>) -> Self {
@@ -239,5 +239,5 @@ fn spread<T: Clone + Default>(values: &[T], has_value: &[bool]) -> Vec<T> {
 
 /// A number. NaN, an infinity and a `DECIMAL` beyond its type are no measured values.
 pub(crate) fn number(number: Option<Decimal>) -> Content {
-    number.map_or_else(|| Content::Other("no finite number".to_owned()), Content::Number)
+    number.map_or_else(|| Content::Other("no finite number".into()), Content::Number)
 }

@@ -18,6 +18,8 @@ use crate::diagnostic::{Code, Diagnostic};
 
 /// Bytes at the start of a table from which its columns are found.
 const START: usize = 1 << 16;
+/// The same where the first record is longer.
+const LONG_START: usize = 4 * LONGEST_RECORD;
 /// The largest text that is read as a whole, bytes: one whose parts are not in rows.
 const LARGEST_WHOLE: usize = 16 << 20;
 
@@ -99,8 +101,9 @@ impl Text {
 
     /// All bytes, of a table that is read as a whole.
     fn all(&mut self) -> Result<Vec<u8>, Diagnostic> {
-        let (bytes, is_all) = self.start(LARGEST_WHOLE)?;
-        if !is_all {
+        let name = self.name.clone();
+        let bytes = self.chunks.all(LARGEST_WHOLE).map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        if bytes.len() > LARGEST_WHOLE {
             let message =
                 format!("{} is larger than {} MiB, and its parts are not in rows", self.name, LARGEST_WHOLE >> 20);
             return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));

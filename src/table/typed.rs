@@ -4,7 +4,7 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::table::Table;
 use crate::table::account::Unclosed;
-use crate::table::cell::{Cell, Content, Record, head_rows};
+use crate::table::cell::{Cell, Content, Record, head_rows, refuse_many};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, of_records, with_headings};
 use crate::table::layout::OwnRule;
 use crate::table::ledger::Tally;
@@ -145,16 +145,12 @@ pub(crate) fn stored_table(
 
 /// All records of a file whose parts are not in rows, the header first.
 fn whole(name: &str, file: &mut ParquetTable, titles: &[String]) -> Result<Vec<Record>, Diagnostic> {
-    const MOST_ROWS: usize = 200_000;
-    let mut records = vec![header(titles)];
+    let (mut records, mut cells) = (vec![header(titles)], 0);
     let all = vec![true; titles.len()];
     while let Some(StoredRows { columns, before }) = file.next(&all, ROWS_TOGETHER)? {
         let rows = columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
+        cells = refuse_many(name, cells + rows * titles.len())?;
         records.extend((0..rows).map(|row| stored_record(&columns, row, before)));
-        if records.len() > MOST_ROWS {
-            let message = format!("{name} has more than {MOST_ROWS} rows, and its parts are not in rows");
-            return Err(Diagnostic::error(Code::BadTable, message).help("split it, or write a row per part"));
-        }
     }
     Ok(records)
 }

@@ -11,7 +11,7 @@ use crate::quantity::shown;
 use crate::table::Table;
 use crate::table::block::{Block, Contradiction, Odd};
 use crate::table::cell::Record;
-use crate::table::contract::{Matched, Named, Open, Owner, key, no_headings};
+use crate::table::contract::{MOST_LISTED, Matched, Named, Open, Owner, key, no_headings};
 use crate::table::dictionary::{Form, Heading, Role, lookup};
 use crate::table::layout::{Layout, LineRule, MOST_RULES, Repeats};
 use crate::table::pattern::{Pattern, escaped_heading};
@@ -119,10 +119,8 @@ impl From<Unclosed> for Diagnostics {
 impl Proposal {
     /// The proposal for a file in which these have no owner.
     pub(crate) fn of(file: &str, layout: &Arc<Layout>, mut open: Vec<Open>) -> Self {
-        /// How many are listed. The others are listed once these have owners.
-        const MOST: usize = 10_000;
-        let more = open.len().saturating_sub(MOST);
-        open.truncate(MOST);
+        let more = open.len().saturating_sub(MOST_LISTED);
+        open.truncate(MOST_LISTED);
         // a rule that cannot stand closes nothing
         let cannot_stand = |rule: &Pattern| {
             let is_it = |open: &Open| matches!(open, Open::IgnoredNames { rule: own, .. } | Open::Pattern { pattern: own, .. } if own == rule.text());

@@ -118,7 +118,8 @@ impl Column {
                 let decimals = fraction.bytes().take_while(u8::is_ascii_digit).take(MOST).count();
                 -i32::try_from(decimals).unwrap_or(0)
             }),
-            Content::Number(number) | Content::Measured { number, .. } => number.exponent.min(0),
+            Content::Number(number) => number.exponent.min(0),
+            Content::Measured(measured) => measured.0.exponent.min(0),
             Content::Empty | Content::Other(_) | Content::Unlike(_) => 0,
         };
         let digit = Decimal { negative: false, digits: 1, exponent };

@@ -223,11 +223,11 @@ impl Column {
     fn quantity_in(&self, cell: &Cell, unit: Unit) -> Result<DeviationValue, Problem> {
         match &cell.content {
             Content::Number(number) => quantity(*number, unit).map_err(|error| Problem::new(error.to_string())),
-            Content::Measured { number, unit: own } if unit_of(own, self.field.is_angle()) == Some(unit) => {
-                quantity(*number, unit).map_err(|error| Problem::new(error.to_string()))
+            Content::Measured(measured) if unit_of(&measured.1, self.field.is_angle()) == Some(unit) => {
+                quantity(measured.0, unit).map_err(|error| Problem::new(error.to_string()))
             }
             Content::Text(text) => self.quantity_of_text(text, unit),
-            Content::Measured { .. } => {
+            Content::Measured(_) => {
                 let message =
                     format!("the cell shows `{}`, and the column is in {}", shown(&cell.text()), unit.symbol());
                 Err(Problem::new(message))

@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::heading::{Matched, Named, key, matched, owner};
-use super::open::Open;
+use super::open::{MOST_LISTED, Open};
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
 use crate::deviation::DeviationKind;
@@ -18,9 +18,6 @@ use crate::table::want::Want;
 /// What stands beside a value in a row of its characteristic.
 const BESIDE: [Beside; 6] =
     [Beside::Nominal, Beside::Deviation, Beside::Upper, Beside::Lower, Beside::Uncertainty, Beside::Unit];
-
-/// Characteristics that are listed as left out by a rule, and things that are listed as without an owner, at most. All are counted.
-const MOST_LISTED: usize = 10_000;
 
 /// The table of parts.
 pub(super) struct Turned {
@@ -43,10 +40,17 @@ struct Characteristic {
 struct PartRows<'r> {
     name: Option<&'r Cell>,
     line: u64,
-    /// By characteristic.
-    rows: HashMap<usize, &'r Record>,
+    /// Each of a characteristic.
+    rows: Vec<(usize, &'r Record)>,
     /// A cell below no heading.
     surplus: Option<&'r Cell>,
+}
+
+impl<'r> PartRows<'r> {
+    /// The row of a characteristic.
+    fn row(&self, characteristic: usize) -> Option<&'r Record> {
+        self.rows.iter().find(|(number, _)| *number == characteristic).map(|(_, row)| *row)
+    }
 }
 
 /// Characteristics and parts as they are found row by row.
@@ -215,7 +219,7 @@ impl<'r> Reader<'r, '_> {
         let name = self.place(Role::PartId).map(|place| record.cell(place));
         let text = name.map(|name| name.text().into_owned()).unwrap_or_default();
         *self.known.entry(text).or_insert_with(|| {
-            self.parts.push(PartRows { name, line: record.line, rows: HashMap::new(), surplus: None });
+            self.parts.push(PartRows { name, line: record.line, rows: Vec::new(), surplus: None });
             self.parts.len() - 1
         })
     }
@@ -247,7 +251,7 @@ impl<'r> Reader<'r, '_> {
             self.found.len() - 1
         });
         let mut part = self.part(record);
-        let is_again = self.parts[part].rows.contains_key(&number);
+        let is_again = self.parts[part].row(number).is_some();
         let is_named = self.parts[part].name.is_some();
         if self.found[number].title != title || is_again && !is_named {
             let titles = [self.found[number].title.clone(), title];
@@ -256,10 +260,10 @@ impl<'r> Reader<'r, '_> {
         if is_again {
             // the part is there twice
             let name = self.parts[part].name;
-            let next = PartRows { name, line: record.line, rows: HashMap::new(), surplus: None };
+            let next = PartRows { name, line: record.line, rows: Vec::new(), surplus: None };
             if self.layout.repeats == Repeats::Last {
                 let before = std::mem::replace(&mut self.parts[part], next);
-                for row in before.rows.values() {
+                for (_, row) in before.rows {
                     self.left_out.add(self.layout.own_rule(OwnRule::RepeatedParts), row.line, 0, &line_of(row));
                 }
             } else {
@@ -289,7 +293,7 @@ impl<'r> Reader<'r, '_> {
         }
         let surplus = ledger.close().err().map(|unowned| unowned.cell);
         self.parts[part].surplus = self.parts[part].surplus.or(surplus);
-        self.parts[part].rows.insert(number, record);
+        self.parts[part].rows.push((number, record));
     }
 
     /// The characteristics that the contract names and the table lacks.
@@ -310,11 +314,11 @@ impl<'r> Reader<'r, '_> {
 
     /// What a measuring program decided of a part: of the texts in its rows the worst, of equals the first.
     fn decision(&self, part: &PartRows<'_>, place: usize) -> Cell {
-        let worst = |row: &&&Record| {
+        let worst = |row: &&Record| {
             let accepts = self.layout.accepts(row.cell(place).text().trim());
             (accepts.map_or(1, |accepts| if accepts { 2 } else { 0 }), row.line)
         };
-        part.rows.values().min_by_key(worst).map(|row| row.cell(place).clone()).unwrap_or_default()
+        part.rows.iter().map(|(_, row)| *row).min_by_key(worst).map(|row| row.cell(place).clone()).unwrap_or_default()
     }
 
     /// The table of parts.
@@ -338,7 +342,7 @@ impl<'r> Reader<'r, '_> {
         for (number, characteristic) in self.found.iter().enumerate() {
             let Some((value, are_deviations)) = values else { continue };
             matched.push(Role::Value(characteristic.field), &characteristic.title);
-            units.push(Cell::of_text(self.columns.headings[value].unit.as_deref().unwrap_or_default(), 0..0));
+            units.push(Cell::of_text(self.columns.headings[value].unit.as_deref().unwrap_or_default()));
             sources.push((number, value));
             for beside in &characteristic.beside {
                 let place = self.place(Role::Of(*beside)).filter(|_| !(are_deviations && *beside == Beside::Deviation));
@@ -350,7 +354,7 @@ impl<'r> Reader<'r, '_> {
         }
         let row = |part: &PartRows<'_>| {
             let cell = |(number, place): &(usize, usize)| {
-                part.rows.get(number).map(|row| row.cell(*place).clone()).unwrap_or_default()
+                part.row(*number).map(|row| row.cell(*place).clone()).unwrap_or_default()
             };
             let id = id.map(|_| part.name.cloned().unwrap_or_default());
             let status = status.map(|place| self.decision(part, place));

@@ -17,7 +17,7 @@ mod whole;
 
 pub(crate) use columns::{fits_beside, plausible_units};
 pub(crate) use heading::{Matched, Named, key, owner};
-pub(crate) use open::{Open, may_decide};
+pub(crate) use open::{MOST_LISTED, Open, list, may_decide};
 pub(crate) use owner::{Owner, line_of};
 pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
 pub(crate) use unowned::no_headings;
@@ -116,7 +116,7 @@ impl Contract {
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
         let text = name.text();
-        if Self::is_plain_name(text.as_bytes()) {
+        if text.is_empty() || Self::is_plain_name(text.as_bytes()) {
             return false;
         }
         let text = text.to_lowercase();

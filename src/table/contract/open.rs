@@ -46,6 +46,16 @@ pub(crate) enum Open {
     Wrong { what: String, help: String },
 }
 
+/// How much of what has no owner is listed, at most. All of it is counted.
+pub(crate) const MOST_LISTED: usize = 10_000;
+
+/// Lists what is found while there is room, and returns how much more there is.
+pub(crate) fn list(open: &mut Vec<Open>, mut found: impl Iterator<Item = Open>) -> usize {
+    let room = MOST_LISTED.saturating_sub(open.len());
+    open.extend(found.by_ref().take(room));
+    found.count()
+}
+
 impl Open {
     /// A column without an owner, from its heading and the rows below it.
     pub(crate) fn column(place: usize, title: &str, below: &[Record]) -> Self {

@@ -7,7 +7,7 @@ use super::Contract;
 use super::characteristics::{self, Turned};
 use super::columns::columns;
 use super::heading::{Matched, Named, find, key, matched, roles};
-use super::open::Open;
+use super::open::{Open, list};
 use super::owner::{Owner, line_of};
 use super::tallies::Tallies;
 use super::units::{line_of_units, own_units};
@@ -16,7 +16,7 @@ use super::whole::{last_of_each, named, own_headings};
 use crate::quantity::Unit;
 use crate::table::Table;
 use crate::table::account::{Proposal, Unclosed};
-use crate::table::cell::Record;
+use crate::table::cell::{MOST_CELLS, Record, cells_in, refuse_many};
 use crate::table::column::{Column, UnitFrom, is_rack};
 use crate::table::dictionary::{Form, Role};
 use crate::table::encoding::Encoding;
@@ -158,6 +158,8 @@ fn orientation(records: &[Record], layout: &Layout) -> Option<(Parts, Form, usiz
 fn turned(records: &[Record], layout: &Layout) -> Vec<Record> {
     let kept: Vec<&Record> = records.iter().filter(|record| layout.covering(record).is_none()).collect();
     let width = kept.iter().map(|record| record.filled().len()).max().unwrap_or(0);
+    // a long row above many short ones is no table of parts in columns
+    let width = if width.saturating_mul(kept.len()) > MOST_CELLS { 0 } else { width };
     let row =
         |place: usize| Record::new(kept.iter().map(|record| record.cell(place).clone()).collect(), place as u64 + 1);
     (0..width).map(row).collect()
@@ -211,7 +213,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     if !is_turned {
         before().for_each(|(_, record)| left_out.lines(std::slice::from_ref(record), layout));
     }
-    open.extend(before().filter_map(|(_, record)| unowned(record, layout)));
+    let more = list(&mut open, before().filter_map(|(_, record)| unowned(record, layout)));
     let units = units.and_then(|at| rows.get(at));
     let below = rows.get(first..).unwrap_or_default();
     let below: Cow<'_, [Record]> = match layout.ignore_lines[..] {
@@ -233,6 +235,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         );
     }
     matched.open.splice(0..0, open);
+    matched.more = more;
     let not_cut = not_cut(&below, layout);
     let has_rows = !is_bare && not_cut.is_none();
     matched.open.extend(not_cut);
@@ -247,7 +250,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
     open_to_others(&mut matched, &columns, &below, (layout, want));
     if !matched.open.is_empty() && has_rows {
         let no_parts = no_parts(&matched, &below, layout);
-        matched.open.extend(no_parts);
+        matched.more += list(&mut matched.open, no_parts);
     }
     left_out.headings(&matched);
     let id = matched.owners.iter().position(|owner| *owner == Some(Owner::Role(Role::PartId)));
@@ -306,10 +309,11 @@ fn by_characteristic(
 ) -> Result<Found, Unclosed> {
     let heading = find(records, layout, Form::Characteristics).map_or(0, |(at, _)| at);
     left_out.lines(records, layout);
-    let above = records[..heading].iter().filter_map(|record| unowned(record, layout));
-    let open: Vec<Open> = file.open.iter().cloned().chain(above).collect();
+    let mut open = file.open.clone();
+    let more = list(&mut open, records[..heading].iter().filter_map(|record| unowned(record, layout)));
     let Turned { mut matched, units, rows } = characteristics::turned(records, heading, (layout, want), &mut left_out);
     matched.open.splice(0..0, open);
+    matched.more += more;
     let (columns, mark) = columns(&mut matched, Some(&units), &rows, layout, want);
     let table = closed(file, (layout, want), (matched, columns, mark), &rows, left_out, Parts::Characteristics)?;
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
@@ -394,9 +398,12 @@ pub(crate) fn of_records(
     want: &Want,
 ) -> Result<Table, Unclosed> {
     let (mut head, mut rest) = (head, rest);
-    let is_streamed = is_in_rows(&head, layout) && !needs_all(layout);
-    if !is_streamed {
-        head.extend(rest.by_ref().collect::<Result<Vec<_>, _>>()?);
+    if !is_in_rows(&head, layout) || needs_all(layout) {
+        let mut cells = refuse_many(file.name, cells_in(&head))?;
+        for record in rest.by_ref() {
+            head.push(record?);
+            cells = refuse_many(file.name, cells + cells_in(&head[head.len() - 1..]))?;
+        }
     }
     let Found { mut table, above, turned, .. } = found(file, &head, layout, want)?;
     match turned {

@@ -38,7 +38,7 @@ pub(super) fn is_bare(records: &[Record], layout: &Layout) -> bool {
 fn numbers_between_blanks(row: &Record) -> Option<usize> {
     let [cell] = row.filled() else { return None };
     let text = cell.text();
-    let count = text.split_whitespace().filter(|word| Cell::of_text(word, 0..0).is_number()).count();
+    let count = text.split_whitespace().filter(|word| Cell::of_text(word).is_number()).count();
     (count > 1 && count == text.split_whitespace().count()).then_some(count)
 }
 
@@ -125,12 +125,16 @@ pub(super) fn open_to_others(
 }
 
 /// Rows that are no parts, which are listed with what has no owner: those with the name of a statistic, and lines of words.
-pub(super) fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> Vec<Open> {
+pub(super) fn no_parts<'r>(
+    matched: &Matched,
+    below: &'r [Record],
+    layout: &'r Layout,
+) -> impl Iterator<Item = Open> + use<'r> {
     let place_of = |role: Role| matched.owners.iter().position(|owner| *owner == Some(Owner::Role(role)));
     let (id, is_value) =
         (place_of(Role::PartId), |owner: &Option<Owner>| matches!(owner, Some(Owner::Role(Role::Value(_)))));
     let values: Vec<usize> = (0..matched.owners.len()).filter(|place| is_value(&matched.owners[*place])).collect();
-    let row = |record: &Record| {
+    let row = move |record: &Record| {
         let numbers = values.iter().filter(|place| record.cell(**place).is_number()).count();
         let name = id.map(|place| record.cell(place)).filter(|name| !name.is_missing());
         let statistic = name.filter(|name| Contract::is_statistic(name));
@@ -143,5 +147,5 @@ pub(super) fn no_parts(matched: &Matched, below: &[Record], layout: &Layout) -> 
         let (line, text) = (record.line, line_of(record));
         Some(Open::Row(Odd { line, text, name, is_no_name, has_text: false, could_be_part }))
     };
-    below.iter().filter(|record| !record.filled().is_empty()).filter_map(row).collect()
+    below.iter().filter(|record| !record.filled().is_empty()).filter_map(row)
 }

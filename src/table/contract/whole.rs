@@ -14,7 +14,7 @@ use crate::table::layout::{Layout, OwnRule, Repeats};
 
 /// The heading that the user gives to a file without one.
 pub(crate) fn with_headings(layout: &Layout) -> Option<Record> {
-    let cells = layout.headings.iter().map(|heading| Cell::of_text(heading.trim(), 0..0)).collect();
+    let cells = layout.headings.iter().map(|heading| Cell::of_text(heading.trim())).collect();
     (!layout.headings.is_empty()).then(|| Record::new(cells, 0))
 }
 
@@ -64,7 +64,7 @@ pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut 
                     format!("line {}: the part is `{said}`, and the line above its rows names `{name}`", record.line);
                 open.push(Open::Wrong { what, help: "correct the one that is wrong".to_owned() });
             }
-            _ => cells[place] = Cell::of_text(text, 0..0),
+            _ => cells[place] = Cell::of_text(text),
         }
         rows.push(Record { cells, ..record.clone() });
     }

@@ -331,10 +331,10 @@ fn stored(reader: &mut ColumnReader, leaf: &Leaf, rows: usize) -> Result<Stored<
         }),
         (ColumnReader::Int96ColumnReader(reader), _) => {
             let parts = |value: &Int96| value.data().try_into().unwrap_or_default();
-            read_each(reader, rows, |value| Content::Other(column::shown_int96(parts(value))))
+            read_each(reader, rows, |value| Content::Other(column::shown_int96(parts(value)).into()))
         }
         (ColumnReader::BoolColumnReader(reader), _) => {
-            read_each(reader, rows, |value| Content::Other(value.to_string()))
+            read_each(reader, rows, |value| Content::Other(value.to_string().into()))
         }
     }
 }

@@ -131,7 +131,7 @@ fn numbers_are_what_the_file_holds() {
         Stored::Bytes(&long),
     ];
     let bytes = file(schema, Compression::UNCOMPRESSED, &[group]);
-    let not_finite = || Content::Other("no finite number".to_owned());
+    let not_finite = || Content::Other("no finite number".into());
     let expected: [[Content; 3]; 10] = [
         [decimal("25.0131"), Content::Empty, not_finite()],
         [decimal("25.0131"), decimal("-0.1"), not_finite()],
@@ -195,8 +195,8 @@ fn texts_dates_and_what_is_no_measurement() {
     let not_read: Vec<_> =
         table.columns.iter().filter(|column| !column.is_read()).map(|column| column.name.as_str()).collect();
     assert_eq!(not_read, ["half", "list", "several"]);
-    let other = |text: &str| vec![Content::Other(text.to_owned())];
-    let text = |text: &str| vec![Content::Text(text.to_owned())];
+    let other = |text: &str| vec![Content::Other(text.into())];
+    let text = |text: &str| vec![Content::Text(text.into())];
     let expected = [
         text("Prüfling\n1"),
         text("x"),

@@ -18,7 +18,7 @@ pub fn table_in_sentences(text: &str) -> Option<String> {
         for (at, word) in words.iter().enumerate() {
             let number = word.trim_end_matches([',', ';', '.']);
             let is_number = number.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-'));
-            if !is_number || !Cell::of_text(number, 0..0).is_number() {
+            if !is_number || !Cell::of_text(number).is_number() {
                 continue;
             }
             let Some((field, heading)) = heading(&words[at.saturating_sub(MOST_WORDS)..at]) else { continue };

@@ -201,7 +201,7 @@ fn values_as_records() {
     let table = read(&[("lot.dfq", &text)]).unwrap().table(&Layout::default());
     let number = |digits, exponent| Content::Number(Decimal { negative: false, digits, exponent });
     let record = |cells: Vec<Content>, line| Record::new(cells.into_iter().map(Cell::from).collect(), line);
-    let text = |text: &str| Content::Text(text.to_owned());
+    let text = |text: &str| Content::Text(text.into());
     let header = ["part_id", "rack_over_roller [mm]", "Teilungsabweichung Zahnstange [µm]"];
     assert_eq!(table.header(&Layout::default()), record(header.map(text).to_vec(), 1));
     assert_eq!(table.record(0), Some(record(vec![text("P1"), number(25_013, -3), Content::Empty], 14)));

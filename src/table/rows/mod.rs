@@ -365,7 +365,7 @@ pub(crate) fn take_index(block: &mut Block, cell: &Cell) {
 
 /// The cells of a record, as [`grid`](super::grid) cuts them.
 pub(crate) fn cells(bytes: &[u8], fields: &[Field]) -> Vec<Cell> {
-    let cell = |field: &Field| Cell::of_text(text(&field.content(bytes)).trim(), 0..0);
+    let cell = |field: &Field| Cell::of_text(text(&field.content(bytes)).trim());
     fields.iter().map(cell).collect()
 }
 

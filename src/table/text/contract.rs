@@ -1,12 +1,13 @@
 //! The table of a text by its contract. The separator is declared, stated in the first line, or the only one under which the heading
 //! has most roles.
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{LARGEST_WHOLE, START, Text};
+use super::{LONG_START, START, Text};
 use crate::table::Table;
 use crate::table::account::Unclosed;
-use crate::table::cell::{Cell, Record};
+use crate::table::cell::{Cell, MOST_CELLS, Record, cells_in, refuse_many};
 use crate::table::contract::{File, Found, Open, found, is_in_rows, needs_all, score, with_headings};
 use crate::table::encoding::text;
 use crate::table::grid::{Separator, aligned_records, separated};
@@ -25,9 +26,8 @@ struct Head {
 
 impl Head {
     /// The separator of the whole text, where its start settles it.
-    fn settled(&self) -> Option<u8> {
-        let is_cut = matches!(self.separator, Separator::Character(_));
-        (is_cut && self.roles > 1).then(|| self.separator.byte())
+    fn settled(&self) -> Option<Separator> {
+        (self.roles > 1).then_some(self.separator)
     }
 
     /// How many records have as many cells, and more than one, as the record before them; how many of a hundred cells are numbers; and
@@ -56,11 +56,11 @@ impl Text {
     /// Everything that has no owner.
     pub(super) fn by_contract(mut self, layout: &Arc<Layout>, want: &Want) -> Result<Table, Unclosed> {
         let (mut bytes, mut is_all) = self.start(START)?;
-        let declared = layout.separator.or(self.stated);
+        let declared = layout.separator.or(self.stated).map(Separator::Character);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
         if !is_all && head.records.is_empty() {
             // the first record is longer than the start: a heading of thousands of columns
-            (bytes, is_all) = self.start(LARGEST_WHOLE)?;
+            (bytes, is_all) = self.start(LONG_START)?;
             self.refuse_long_lines(&bytes)?;
             head = self.head(&bytes, is_all, declared, layout)?;
         }
@@ -71,8 +71,12 @@ impl Text {
         let is_cut = matches!(head.separator, Separator::Character(_) | Separator::Lines);
         let is_streamed = is_cut && is_in_rows(&head.records, layout) && !needs_all(layout);
         if !is_streamed && !is_all {
-            (bytes, is_all) = (self.all()?, true);
-            head = self.head(&bytes, is_all, declared.or(head.settled()), layout)?;
+            bytes = self.all()?;
+            head = self.head(&bytes, true, declared.or(head.settled()), layout)?;
+            refuse_many(&self.name, cells_in(&head.records))?;
+            // a mail is shorter
+            bytes.truncate(START);
+            bytes.shrink_to_fit();
         }
         let byte = head.separator.byte();
         let separator = is_streamed.then_some(byte);
@@ -102,7 +106,7 @@ impl Text {
     fn better_encodings(
         &self,
         bytes: &[u8],
-        (is_all, declared): (bool, Option<u8>),
+        (is_all, declared): (bool, Option<Separator>),
         layout: &Arc<Layout>,
         roles: usize,
     ) -> Vec<&'static str> {
@@ -114,7 +118,13 @@ impl Text {
     }
 
     /// The first records as the separator of the text cuts it.
-    fn head(&self, bytes: &[u8], is_all: bool, declared: Option<u8>, layout: &Arc<Layout>) -> Result<Head, Unclosed> {
+    fn head(
+        &self,
+        bytes: &[u8],
+        is_all: bool,
+        declared: Option<Separator>,
+        layout: &Arc<Layout>,
+    ) -> Result<Head, Unclosed> {
         if !layout.starts.is_empty() {
             return Ok(self.at_starts(bytes, layout));
         }
@@ -128,18 +138,26 @@ impl Text {
         }
         // lines with one value each are cut at tabs, of which there are none
         tried.extend(Some(Separator::Lines).filter(|_| !bytes.contains(&b'\t')));
-        if let Some(byte) = declared {
-            tried = vec![Separator::Character(byte)];
+        if let Some(separator) = declared {
+            tried = vec![separator];
         }
-        let heads = tried.into_iter().map(|separator| self.cut(bytes, is_all, separator).below(with_headings(layout)));
-        let mut heads: Vec<Head> = heads.map(|head| Head { roles: score(&head.records, layout), ..head }).collect();
-        let most = heads.iter().map(|head| head.roles).max().unwrap_or(0);
-        // no heading is known: what has no owner is shown by the separator that makes most rows as wide as the row before them
-        if most == 0 {
-            heads.sort_by_cached_key(|head| std::cmp::Reverse(head.evenness()));
-            heads.truncate(1);
+        // of the heads with most roles all; where no heading is known, the one that makes most rows as wide as the row before them, by
+        // which what has no owner is shown
+        let mut heads: Vec<Head> = Vec::new();
+        for separator in tried {
+            let head = self.cut(bytes, is_all, separator).below(with_headings(layout));
+            let head = Head { roles: score(&head.records, layout), ..head };
+            let is_better = |best: &Head| match head.roles.cmp(&best.roles) {
+                Ordering::Equal if head.roles == 0 => head.evenness().cmp(&best.evenness()).then(Ordering::Less),
+                order => order,
+            };
+            let order = heads.first().map_or(Ordering::Greater, is_better);
+            if order == Ordering::Greater {
+                heads.clear();
+            }
+            heads.extend(Some(head).filter(|_| order != Ordering::Less));
         }
-        heads.retain(|head| head.roles == most);
+        let most = heads.first().map_or(0, |head| head.roles);
         if heads.len() > 1 {
             // a separator under which all records have one cell separates nothing
             let width = |head: &Head| head.records.iter().map(|record| record.filled().len()).max().unwrap_or(0);
@@ -176,20 +194,18 @@ impl Text {
             let bytes: Vec<usize> = line.char_indices().map(|(at, _)| at).chain([line.len()]).collect();
             let byte = |column: usize| bytes.get(column).copied().unwrap_or(line.len());
             let ends = starts.iter().skip(1).map(|start| byte(*start)).chain([line.len()]);
-            let cells = starts.iter().zip(ends).map(|(start, end)| Cell::of_text(line[byte(*start)..end].trim(), 0..0));
+            let cells = starts.iter().zip(ends).map(|(start, end)| Cell::of_text(line[byte(*start)..end].trim()));
             cells.collect()
         };
-        let records =
-            text.lines().zip(self.lines + 1..).map(|(line, number)| Record::new(cells(line), number)).collect();
+        let lines = text.lines().zip(self.lines + 1..).take(MOST_CELLS / starts.len() + 1);
+        let records = lines.map(|(line, number)| Record::new(cells(line), number)).collect();
         Head { separator: Separator::AlignedBlanks, records, ends: Vec::new(), roles: 0 }.below(with_headings(layout))
     }
 
     /// The complete records of the start as a separator cuts it.
     fn cut(&self, bytes: &[u8], is_all: bool, separator: Separator) -> Head {
-        let before = usize::try_from(self.lines).unwrap_or(0);
-        let lines = "\n".repeat(before);
-        if !matches!(separator, Separator::Character(_) | Separator::Lines) {
-            let records = aligned_records(&(lines + &text(bytes)));
+        if separator == Separator::AlignedBlanks {
+            let records = aligned_records(&text(bytes), self.lines);
             return Head { separator, records, ends: Vec::new(), roles: 0 };
         }
         let (records, ends) = separated(bytes, separator.byte(), is_all, self.lines);

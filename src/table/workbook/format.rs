@@ -90,7 +90,7 @@ impl Style {
 pub(super) fn struck(content: Content) -> Content {
     match content {
         Content::Empty => Content::Empty,
-        content => Content::Unlike(format!("{STRUCK}{content}{STRUCK}")),
+        content => unlike(format!("{STRUCK}{content}{STRUCK}")),
     }
 }
 
@@ -100,7 +100,11 @@ pub(super) fn raised(content: Content) -> Content {
     if !cell.is_number() {
         return cell.content;
     }
-    Content::Unlike(format!("{}, of which a part is raised or lowered", cell.text()))
+    unlike(format!("{}, of which a part is raised or lowered", cell.text()))
+}
+
+fn unlike(seen: String) -> Content {
+    Content::Unlike(seen.into())
 }
 
 impl Section {
@@ -115,9 +119,9 @@ impl Section {
         }
         let (before, behind) = (self.before.trim_start(), self.behind.trim_end());
         match &content {
-            held if !self.is_shown && before.is_empty() => Content::Unlike(format!("{held}, which is not shown")),
-            held if !self.is_shown => Content::Unlike(format!("{held}, shown as `{before}`")),
-            held if self.is_other => Content::Unlike(format!("{held}, shown as another number")),
+            held if !self.is_shown && before.is_empty() => unlike(format!("{held}, which is not shown")),
+            held if !self.is_shown => unlike(format!("{held}, shown as `{before}`")),
+            held if self.is_other => unlike(format!("{held}, shown as another number")),
             Content::Number(number) => {
                 let sign = if number.negative { "-" } else { "" };
                 let held = content.to_string();
@@ -125,14 +129,14 @@ impl Section {
                 let width = if whole.bytes().all(|digit| digit.is_ascii_digit()) { self.digits } else { 0 };
                 let seen = format!("{before}{sign}{whole:0>width$}{behind}");
                 match behind.trim() {
-                    "" if before.is_empty() => Content::Text(seen),
+                    "" if before.is_empty() => Content::Text(seen.as_str().into()),
                     unit if before.is_empty() && unit_of(unit, true).is_some() => {
-                        Content::Measured { number: *number, unit: unit.to_owned() }
+                        Content::Measured(Box::new((*number, unit.to_owned())))
                     }
-                    _ => Content::Unlike(format!("{held}, shown as `{seen}`")),
+                    _ => unlike(format!("{held}, shown as `{seen}`")),
                 }
             }
-            held => Content::Unlike(format!("{held}, shown as `{before}{held}{behind}`")),
+            held => unlike(format!("{held}, shown as `{before}{held}{behind}`")),
         }
     }
 }
@@ -288,9 +292,9 @@ mod tests {
             assert_eq!(seen(code, Content::of_text("P1")).to_string(), text, "{code}");
         }
         let struck = Style::of_code("General", true).unwrap();
-        assert_eq!(struck.seen(Content::of_text("P1")), Content::Unlike("~~P1~~".to_owned()));
-        assert_eq!(struck.seen(Content::Other("2026-03-01".to_owned())).to_string(), "~~2026-03-01~~");
-        let measured = Content::Measured { number: crate::quantity::Decimal::of_i128(3, 0), unit: "mm".to_owned() };
+        assert_eq!(struck.seen(Content::of_text("P1")), Content::Unlike("~~P1~~".into()));
+        assert_eq!(struck.seen(Content::Other("2026-03-01".into())).to_string(), "~~2026-03-01~~");
+        let measured = Content::Measured(Box::new((crate::quantity::Decimal::of_i128(3, 0), "mm".to_owned())));
         assert_eq!(seen("0.0 \"mm\"", Content::of_f64(3.0)), measured);
     }
 }

@@ -120,8 +120,8 @@ fn kinds() -> Vec<u8> {
 fn shown(records: impl IntoIterator<Item = Record>) -> Vec<String> {
     let cell = |cell: &Cell| match &cell.content {
         Content::Empty => String::new(),
-        Content::Text(text) => format!("t:{text}"),
-        number @ (Content::Number(_) | Content::Measured { .. }) => format!("n:{number}"),
+        Content::Text(text) => format!("t:{}", &**text),
+        number @ (Content::Number(_) | Content::Measured(_)) => format!("n:{number}"),
         Content::Other(text) => format!("o:{text}"),
         Content::Unlike(text) => format!("u:{text}"),
     };
