@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Deref;
+use std::sync::Arc;
 
 use super::number::{is_missing, is_number};
 use crate::diagnostic::{Code, Diagnostic};
@@ -122,10 +123,10 @@ pub(crate) struct Cell {
     pub(crate) content: Content,
 }
 
-/// A row of cells, and the number of its line, sheet row or record, from 1.
+/// A row of cells, which its copies share, and the number of its line, sheet row or record, from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Record {
-    pub(crate) cells: Vec<Cell>,
+    pub(crate) cells: Arc<[Cell]>,
     pub(crate) line: u64,
 }
 
@@ -177,7 +178,7 @@ impl Cell {
 impl Record {
     /// A record of a file without text.
     pub(crate) fn new(cells: Vec<Cell>, line: u64) -> Self {
-        Self { cells, line }
+        Self { cells: cells.into(), line }
     }
 
     /// The cell at a place; an empty one where it has none.
@@ -211,7 +212,7 @@ impl Record {
 }
 
 /// Cells of a table that is read as a whole, at most: some thousand parts with some hundred values each.
-pub(crate) const MOST_CELLS: usize = 1_000_000;
+pub(crate) const MOST_CELLS: usize = 750_000;
 
 /// How many cells records have.
 pub(crate) fn cells_in(records: &[Record]) -> usize {

@@ -6,8 +6,21 @@ use unicode_width::UnicodeWidthStr;
 
 use super::cell::{Cell, Record};
 
-/// Where the cells of a line stand, in columns of a terminal, by the place of each one's first byte.
-pub(crate) fn extents_of(cells: &[(usize, Cell)]) -> Vec<Range<usize>> {
+/// Cells between runs of two or more blanks, each with the place of its first byte in the line.
+pub(super) fn aligned(line: &str) -> Vec<(usize, Cell)> {
+    let line = line.trim_end();
+    let mut cells = Vec::new();
+    let mut start = line.len() - line.trim_start().len();
+    while start < line.len() {
+        let end = line[start..].find("  ").map_or(line.len(), |length| start + length);
+        cells.push((start, Cell::of_text(&line[start..end])));
+        start = line.len() - line[end..].trim_start().len();
+    }
+    cells
+}
+
+/// Where the cells of a line stand, in columns of a terminal.
+fn extents_of(line: &str) -> Vec<Range<usize>> {
     // bytes before a cell in excess of its columns: characters of several bytes
     let mut hidden = 0;
     let extent = |(start, cell): &(usize, Cell)| {
@@ -16,17 +29,17 @@ pub(crate) fn extents_of(cells: &[(usize, Cell)]) -> Vec<Range<usize>> {
         hidden += text.len().saturating_sub(text.width());
         from..from + text.width()
     };
-    cells.iter().map(extent).collect()
+    aligned(line).iter().map(extent).collect()
 }
 
 /// The records with an empty cell where a line has a gap. The cells that stand below each other tell the columns of a block of
-/// lines; where they do not, its records stay as they are. `extents` are those of each record.
-pub(super) fn placed(mut records: Vec<Record>, mut extents: &[Vec<Range<usize>>]) -> Vec<Record> {
+/// lines; where they do not, its records stay as they are. `lines` are those of the records.
+pub(super) fn placed(mut records: Vec<Record>, mut lines: &[&str]) -> Vec<Record> {
     // headings and the rows below them may be a blank line apart
     let follows = |one: &Record, next: &Record| next.line <= one.line + 1 + u64::from(one.numbers() == 0);
     for block in records.chunk_by_mut(follows) {
-        let (own, behind) = extents.split_at(block.len());
-        extents = behind;
+        let (own, behind) = lines.split_at(block.len());
+        lines = behind;
         let is_header = |record: &&Record| record.numbers() == 0 && record.cells.len() > 1;
         let widest = block.iter().filter(is_header).map(|record| record.cells.len()).max();
         let Some(header) = block.iter().position(|record| is_header(&record) && Some(record.cells.len()) == widest)
@@ -35,38 +48,35 @@ pub(super) fn placed(mut records: Vec<Record>, mut extents: &[Vec<Range<usize>>]
         };
         let (above, rows) = block.split_at_mut(header + 1);
         let rows = rows.iter_mut().zip(&own[header + 1..]).filter(|(record, _)| record.numbers() > 0);
-        place((&above[header], &own[header]), &mut rows.collect::<Vec<_>>());
+        place((&above[header], own[header]), &mut rows.map(|(row, line)| (row, *line)).collect::<Vec<_>>());
     }
     records
 }
 
 /// Puts the cells of rows into columns. The columns are those of the rows, or else of the rows and the header together. Where there
 /// are not as many as the header has cells, the rows stay as they are.
-fn place((header, of_header): (&Record, &[Range<usize>]), rows: &mut [(&mut Record, &Vec<Range<usize>>)]) {
+fn place((header, of_header): (&Record, &str), rows: &mut [(&mut Record, &str)]) {
     let width = header.cells.len();
     if rows.iter().all(|(row, _)| row.cells.len() >= width) {
         return;
     }
+    let of_rows: Vec<Vec<Range<usize>>> = rows.iter().map(|(_, line)| extents_of(line)).collect();
     let is_one_each = |columns: &Vec<Range<usize>>| {
         let places = |row: &Vec<Range<usize>>| row.iter().map(|cell| place_of(cell, columns)).collect::<Vec<_>>();
         columns.len() == width
-            && rows
-                .iter()
-                .map(|(_, extents)| places(extents))
-                .all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
+            && of_rows.iter().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
-    let of_rows = || rows.iter().flat_map(|(_, extents)| extents.iter().cloned());
-    let with_header = || columns(of_rows().chain(of_header.iter().cloned()).collect());
+    let with_header = || columns(of_rows.iter().flatten().cloned().chain(extents_of(of_header)).collect());
     // a row without a gap tells the columns, wherever the headings stand above them
     let has_whole = rows.iter().any(|(row, _)| row.cells.len() == width);
-    let alone = Some(columns(of_rows().collect())).filter(|_| has_whole).filter(is_one_each);
+    let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(|_| has_whole).filter(is_one_each);
     let Some(columns) = alone.or_else(|| Some(with_header()).filter(is_one_each)) else { return };
-    for (row, extents) in rows {
+    for ((row, _), extents) in rows.iter_mut().zip(&of_rows) {
         let mut cells = vec![Cell::default(); width];
-        for (cell, extent) in std::mem::take(&mut row.cells).into_iter().zip(extents.iter()) {
-            cells[place_of(extent, &columns)] = cell;
+        for (cell, extent) in row.cells.iter().zip(extents) {
+            cells[place_of(extent, &columns)] = cell.clone();
         }
-        row.cells = cells;
+        row.cells = cells.into();
     }
 }
 

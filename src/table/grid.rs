@@ -2,7 +2,7 @@
 
 use super::cell::{Cell, MOST_CELLS, Record};
 use super::encoding::text;
-use super::fixed::{extents_of, placed};
+use super::fixed::{aligned, placed};
 use super::split::next_record;
 use crate::quantity::Unit;
 
@@ -70,7 +70,7 @@ impl Separator {
 
 /// The records of a text whose cells stand between two or more blanks, behind so many lines. Ends like [`separated`].
 pub(crate) fn aligned_records(text: &str, lines: u64) -> Vec<Record> {
-    let (mut records, mut extents, mut count) = (Vec::new(), Vec::new(), 0);
+    let (mut records, mut lines_of, mut count) = (Vec::new(), Vec::new(), 0);
     for (line, number) in text.lines().zip(lines + 1..) {
         if count > MOST_CELLS {
             break;
@@ -78,11 +78,11 @@ pub(crate) fn aligned_records(text: &str, lines: u64) -> Vec<Record> {
         let cells = aligned(line);
         if !cells.is_empty() {
             count += cells.len();
-            extents.push(extents_of(&cells));
+            lines_of.push(line);
             records.push(Record::new(cells.into_iter().map(|(_, cell)| cell).collect(), number));
         }
     }
-    placed(records, &extents)
+    placed(records, &lines_of)
 }
 
 /// The records of a text whose cells stand between such bytes, and where each ends. `is_all`: the text is complete, so that its last
@@ -103,19 +103,6 @@ pub(crate) fn separated(bytes: &[u8], separator: u8, is_all: bool, lines: u64) -
         ends.push(at);
     }
     (found, ends)
-}
-
-/// Cells between runs of two or more blanks, each with the place of its first byte in the line.
-fn aligned(line: &str) -> Vec<(usize, Cell)> {
-    let line = line.trim_end();
-    let mut cells = Vec::new();
-    let mut start = line.len() - line.trim_start().len();
-    while start < line.len() {
-        let end = line[start..].find("  ").map_or(line.len(), |length| start + length);
-        cells.push((start, Cell::of_text(&line[start..end])));
-        start = line.len() - line[end..].trim_start().len();
-    }
-    cells
 }
 
 /// Whether a text is a unit of length or angle, in brackets or not.

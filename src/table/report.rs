@@ -1,6 +1,8 @@
 //! Text reports of measuring programs (Calypso, PC-DMIS). The format gives columns and lines a fixed meaning, so that no contract has
 //! to. A report is recognised by marks of its format. Called by [`text`](super::text).
 
+use std::sync::Arc;
+
 use super::cell::{Cell, MOST_CELLS, Record};
 use super::contract::{File, Open, line_of, list};
 use super::field::Beside as Role;
@@ -299,7 +301,7 @@ impl Pcdmis<'_> {
             if is_one {
                 self.report.file.said.add(record.line, 0, &axis);
             }
-            record.cells[1] = Cell::of_text(&name);
+            Arc::make_mut(&mut record.cells)[1] = Cell::of_text(&name);
             self.report.records.push(record);
         }
         self.dimension.clear();

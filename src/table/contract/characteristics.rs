@@ -1,6 +1,7 @@
 //! Tables with a row per characteristic become tables with a row per part: the column of names says what each row is, the others
 //! what its cells are. Called by [`table`](super::table).
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
 use super::heading::{Matched, Named, key, matched, owner};
@@ -64,7 +65,7 @@ struct Reader<'r, 'l> {
     found: Vec<Characteristic>,
     parts: Vec<PartRows<'r>>,
     /// The last rows of each part, by its name.
-    known: HashMap<String, usize>,
+    known: HashMap<Cow<'r, str>, usize>,
     /// The owner of each name of a characteristic; of names without one some are here.
     owners: HashMap<String, Result<Option<Owner>, Box<Open>>>,
     /// The nominal values and units of those that are read.
@@ -217,9 +218,9 @@ impl<'r> Reader<'r, '_> {
     /// The rows of a record's part; the last ones of it.
     fn part(&mut self, record: &'r Record) -> usize {
         let name = self.place(Role::PartId).map(|place| record.cell(place));
-        let text = name.map(|name| name.text().into_owned()).unwrap_or_default();
+        let text = name.map(Cell::text).unwrap_or_default();
         *self.known.entry(text).or_insert_with(|| {
-            self.parts.push(PartRows { name, line: record.line, rows: Vec::new(), surplus: None });
+            self.parts.push(PartRows { name, line: record.line, rows: Vec::with_capacity(1), surplus: None });
             self.parts.len() - 1
         })
     }
@@ -269,7 +270,7 @@ impl<'r> Reader<'r, '_> {
             } else {
                 self.parts.push(next);
                 part = self.parts.len() - 1;
-                self.known.insert(name.map(|name| name.text().into_owned()).unwrap_or_default(), part);
+                self.known.insert(name.map(Cell::text).unwrap_or_default(), part);
             }
         }
         let ledger = RowLedger::new(record);
@@ -322,7 +323,8 @@ impl<'r> Reader<'r, '_> {
     }
 
     /// The table of parts.
-    fn turned(self) -> Turned {
+    fn turned(mut self) -> Turned {
+        self.known = HashMap::new();
         let mut matched = Matched { line: self.columns.line, open: Vec::new(), ..Matched::default() };
         let mut units: Vec<Cell> = Vec::new();
         // which column of the characteristics' table each column is of which characteristic

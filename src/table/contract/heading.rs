@@ -1,12 +1,14 @@
 //! The line of headings, and the owner of each column: what the contract declares, then an exact rule, then the dictionary, then
 //! patterns, then the rule for all others.
 
+use std::borrow::Cow;
+
 use super::open::Open;
 use super::owner::{Owner, line_of};
 use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
 use crate::table::column::UnitSaid;
-use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Meaning, Role, is_known, lookup};
+use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Role, is_known, lookup};
 use crate::table::field::Beside;
 use crate::table::layout::{Layout, OwnRule};
 
@@ -63,28 +65,41 @@ impl Matched {
     }
 }
 
-/// The role that the contract or the dictionary gives to a heading, and its meaning if it is from the dictionary.
-fn role(title: &str, layout: &Layout, form: Form) -> Option<(Role, Option<Meaning>)> {
-    let heading = Heading::of(title);
-    if let Some(role) = layout.declared(title, &heading.name, form) {
-        return Some((role, None));
+/// The role that the contract or the dictionary gives to a heading of that name.
+fn role(title: &str, name: &str, layout: &Layout, form: Form) -> Option<Role> {
+    if let Some(role) = layout.declared(title, name, form) {
+        return Some(role);
     }
-    if layout.ignores(title, &heading.name, usize::MAX - 1, true).is_some() {
+    if layout.ignores(title, name, usize::MAX - 1, true).is_some() {
         return None;
     }
-    lookup(form, &heading.name).map(|meaning| (meaning.role, Some(meaning)))
+    lookup(form, name).map(|meaning| meaning.role)
 }
 
 /// The roles of the cells of a record that are headings.
 pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout, form: Form) -> impl Iterator<Item = Role> + 'r {
-    let filled = record.cells.iter().filter(|cell| !cell.is_empty() && !cell.is_number());
-    filled.filter_map(move |cell| Some(role(&cell.text(), layout, form)?.0))
+    named(record).filter_map(move |(title, name)| role(&title, &name, layout, form))
+}
+
+/// The cells of a record that may be headings, each with its name.
+fn named(record: &Record) -> impl Iterator<Item = (Cow<'_, str>, String)> {
+    let filled = record.cells.iter().filter(|cell| !cell.is_empty() && !cell.is_number()).map(Cell::text);
+    filled.map(|title| {
+        let name = Heading::of(&title).name;
+        (title, name)
+    })
 }
 
 /// Whether a record is a line of headings: two or more of its cells have a role in one form of tables.
 pub(crate) fn is_one(record: &Record, layout: &Layout) -> bool {
-    let is_of = |form: Form| roles(record, layout, form).take(2).count() == 2;
-    [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].into_iter().any(is_of)
+    let mut counts = [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].map(|form| (form, 0));
+    named(record).any(|(title, name)| {
+        let of_form = |(form, count): &mut (Form, usize)| {
+            *count += usize::from(role(&title, &name, layout, *form).is_some());
+            *count == 2
+        };
+        counts.iter_mut().any(of_form)
+    })
 }
 
 /// How many headings of a record have a role; `None` if it is no line of headings. Such a line has no numbers, and a heading of

@@ -23,7 +23,8 @@ pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, sc
 pub(crate) use unowned::no_headings;
 pub(crate) use whole::with_headings;
 
-use std::sync::Arc;
+use std::collections::HashSet;
+use std::sync::{Arc, LazyLock};
 
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
@@ -104,8 +105,15 @@ impl Contract {
 
     /// Whether a record repeats the heading or its line of units.
     pub(crate) fn is_heading(&self, record: &Record) -> bool {
-        let line = line_of(record);
-        line == self.heading || !self.units.is_empty() && line == self.units
+        let is_line = |line: &str| {
+            let mut rest = Some(line);
+            for (place, cell) in record.filled().iter().enumerate() {
+                rest = rest
+                    .and_then(|rest| rest.strip_prefix(if place > 0 { ";" } else { "" })?.strip_prefix(&*cell.text()));
+            }
+            rest == Some("")
+        };
+        is_line(&self.heading) || !self.units.is_empty() && is_line(&self.units)
     }
 
     /// Whether a record is another heading: two or more of its cells are known headings.
@@ -119,8 +127,8 @@ impl Contract {
         if text.is_empty() || Self::is_plain_name(text.as_bytes()) {
             return false;
         }
-        let text = text.to_lowercase();
-        NO_PART_NAMES.split(", ").any(|known| known == text)
+        static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
+        NAMES.contains(&*text.to_lowercase())
     }
 
     /// What is wrong with the name of a part; `None` if nothing is.

@@ -13,6 +13,7 @@ use super::tallies::Tallies;
 use super::units::{line_of_units, own_units};
 use super::unowned::{is_bare, likely_heading, no_headings, no_parts, no_values, not_cut, open_to_others, unowned};
 use super::whole::{last_of_each, named, own_headings};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Unit;
 use crate::table::Table;
 use crate::table::account::{Proposal, Unclosed};
@@ -220,7 +221,9 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         [] => below.into(),
         _ => below.iter().filter(|row| layout.covering(row).is_none()).cloned().collect(),
     };
-    let mut matched = matched(&rows.get(heading).cloned().unwrap_or_default(), &below, layout, form);
+    let headings = rows.get(heading).cloned().unwrap_or_default();
+    refuse_wide(file.name, &headings)?;
+    let mut matched = matched(&headings, &below, layout, form);
     let want = &*of_pinion(&matched, want);
     let is_bare = !is_known && is_bare(rows, layout);
     if !is_known {
@@ -311,12 +314,24 @@ fn by_characteristic(
     left_out.lines(records, layout);
     let mut open = file.open.clone();
     let more = list(&mut open, records[..heading].iter().filter_map(|record| unowned(record, layout)));
+    records.get(heading).map_or(Ok(()), |headings| refuse_wide(file.name, headings))?;
     let Turned { mut matched, units, rows } = characteristics::turned(records, heading, (layout, want), &mut left_out);
     matched.open.splice(0..0, open);
     matched.more += more;
     let (columns, mark) = columns(&mut matched, Some(&units), &rows, layout, want);
     let table = closed(file, (layout, want), (matched, columns, mark), &rows, left_out, Parts::Characteristics)?;
     Ok(Found { table, above: 0, heading, turned: Some(rows) })
+}
+
+/// Refuses a table of more headings than a sheet has columns.
+fn refuse_wide(name: &str, headings: &Record) -> Result<(), Diagnostic> {
+    const MOST: usize = 1 << 14;
+    let count = headings.filled().len();
+    if count <= MOST {
+        return Ok(());
+    }
+    let message = format!("{name} has {count} headings, and at most {MOST} are read");
+    Err(Diagnostic::error(Code::BadTable, message).help("leave out what is not needed"))
 }
 
 /// What is known of a table, with the pinion's face width where rows are teeth of a pinion.
@@ -393,7 +408,7 @@ fn table(
 pub(crate) fn of_records(
     file: &File<'_>,
     head: Vec<Record>,
-    rest: impl Iterator<Item = Result<Record, crate::diagnostic::Diagnostic>> + Send + 'static,
+    rest: impl Iterator<Item = Result<Record, Diagnostic>> + Send + 'static,
     layout: &Arc<Layout>,
     want: &Want,
 ) -> Result<Table, Unclosed> {

@@ -53,7 +53,7 @@ pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut 
             found.clone_into(&mut name);
             continue;
         }
-        let mut cells = record.cells.clone();
+        let mut cells = record.cells.to_vec();
         cells.resize(cells.len().max(place + 1), Cell::default());
         let text = if score(record, layout, form).is_some() { "part_id" } else { &name };
         match own {
@@ -66,7 +66,7 @@ pub(super) fn named(records: &[Record], layout: &Layout, form: Form, open: &mut 
             }
             _ => cells[place] = Cell::of_text(text),
         }
-        rows.push(Record { cells, ..record.clone() });
+        rows.push(Record::new(cells, record.line));
     }
     Some(rows)
 }

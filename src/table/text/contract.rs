@@ -173,7 +173,7 @@ impl Text {
                 cell.is_number() && cell.text().chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c))
             };
             let plain_cells =
-                |head: &Head| head.records.iter().flat_map(|record| &record.cells).filter(is_plain).count();
+                |head: &Head| head.records.iter().flat_map(|record| &*record.cells).filter(is_plain).count();
             let most = heads.iter().map(plain_cells).max();
             heads.retain(|head| Some(plain_cells(head)) == most);
         }

@@ -15,7 +15,7 @@ const LARGEST_SHEET: u64 = 768 << 20;
 /// Bytes at most of what is kept in memory as a whole: texts, styles, names.
 const LARGEST_OTHER: u64 = 96 << 20;
 /// Sheets at most. Each is looked into, unless one is chosen.
-const MOST_SHEETS: usize = 1000;
+pub(super) const MOST_SHEETS: usize = 1000;
 
 /// What is found while a workbook is unpacked.
 pub(super) struct Checked {

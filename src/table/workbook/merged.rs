@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::range::CellRange;
-use crate::table::cell::{Cell, Record};
+use crate::table::cell::Cell;
 
 /// Rows that all merged cells of a sheet together may have, at most.
 const MOST_ROWS: u64 = 1 << 22;
@@ -60,13 +60,13 @@ impl MergedCells {
     }
 
     /// Puts the values of merged cells into the empty cells of a row. `first` is the column of the row's first cell.
-    pub(super) fn fill(&mut self, row: u32, first: u32, record: &mut Record) {
+    pub(super) fn fill(&mut self, row: u32, first: u32, cells: &mut Vec<Cell>) {
         for (range, value) in self.open.values().filter(|(range, _)| range.has_row(row)) {
             let Some(place) = range.columns.0.checked_sub(first).filter(|_| !value.is_empty()) else { continue };
             let place = place as usize;
-            record.cells.resize(record.cells.len().max(place + 1), Cell::default());
-            if record.cells[place].is_empty() {
-                record.cells[place] = value.clone();
+            cells.resize(cells.len().max(place + 1), Cell::default());
+            if cells[place].is_empty() {
+                cells[place] = value.clone();
             }
         }
         self.open.retain(|_, (range, _)| range.rows.1 > row);

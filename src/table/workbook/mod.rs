@@ -225,12 +225,12 @@ fn each_row(
     let mut reader = book.worksheet_cells_reader(sheet).map_err(|error| error.to_string())?;
     let styles: Vec<Option<Style>> = reader.styles().iter().map(Style::of).collect();
     merged.begin()?;
-    let mut whole = |mut record: Record, merged: &mut MergedCells| {
-        let row = u32::try_from(record.line.saturating_sub(1)).unwrap_or(u32::MAX);
-        merged.fill(row, range.columns.0, &mut record);
-        take(record)
+    let mut whole = |line: u64, mut cells: Vec<Cell>, merged: &mut MergedCells| {
+        let row = u32::try_from(line.saturating_sub(1)).unwrap_or(u32::MAX);
+        merged.fill(row, range.columns.0, &mut cells);
+        take(Record::new(cells, line))
     };
-    let (mut record, mut filled) = (Record::default(), 0);
+    let (mut of_line, mut cells, mut filled) = (0, Vec::<Cell>::new(), 0);
     loop {
         let (cell, style) = match reader.next_cell_with_style_id() {
             Ok(Some(cell)) => cell,
@@ -241,12 +241,12 @@ fn each_row(
         };
         let (row, column) = cell.get_position();
         let line = u64::from(row) + 1;
-        if line != record.line {
-            let before = std::mem::replace(&mut record, Record::new(Vec::new(), line));
-            filled = 0;
-            if !before.cells.is_empty() && !whole(before, &mut merged) {
+        if line != of_line {
+            let before = std::mem::take(&mut cells);
+            if !before.is_empty() && !whole(of_line, before, &mut merged) {
                 return Ok(());
             }
+            (of_line, filled) = (line, 0);
         }
         if row > range.rows.1 {
             break;
@@ -279,15 +279,15 @@ fn each_row(
                     "row {line}: a cell stands in column {column}, far from all others: choose a --range"
                 ));
             }
-            if record.cells.len() <= index {
-                record.cells.resize(index + 1, Cell::default());
+            if cells.len() <= index {
+                cells.resize(index + 1, Cell::default());
             }
-            record.cells[index] = content.into();
-            merged.take(row, column, &record.cells[index])?;
+            cells[index] = content.into();
+            merged.take(row, column, &cells[index])?;
         }
     }
-    if !record.cells.is_empty() {
-        whole(record, &mut merged);
+    if !cells.is_empty() {
+        whole(of_line, cells, &mut merged);
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use super::comments::{Comment, Run, said_in_header, shows_otherwise};
 use super::merged::MergedCells;
 use super::range::{CellRange, corner};
-use super::xml::{ODD, Tags, attribute, ended, is_odd, name, unescaped};
+use super::xml::{ODD, Tags, attribute, attributes, ended, is_odd, name, unescaped};
 
 /// Row and column of a cell, from 0.
 type Place = (u32, u32);
@@ -278,20 +278,28 @@ impl<'k> SheetReader<'k> {
 
     fn cell(&mut self, tag: &str) {
         let CellXml { row, column: next, .. } = self.cell;
-        let place = attribute(tag, "r").map(corner);
-        let column = match place {
+        let (mut place, mut style, mut kind) = (None, None, None);
+        for (name, value) in attributes(tag) {
+            match name {
+                "r" => place = place.or(Some(value)),
+                "s" => style = style.or(Some(value)),
+                "t" => kind = kind.or(Some(value)),
+                _ => {}
+            }
+        }
+        let column = match place.map(corner) {
             None => next,
             Some(Some((Some(column), Some(own)))) if own.checked_add(1) == Some(row) && column >= next => column,
             _ => {
-                let place = attribute(tag, "r").unwrap_or_default();
+                let place = place.unwrap_or_default();
                 self.sheet.refuse(format!("row {row}: the cell {place} stands there twice, or at another place"));
                 next
             }
         };
-        if let Some(style) = attribute(tag, "s").filter(|style| style.parse::<usize>().is_err()) {
+        if let Some(style) = style.filter(|style| style.parse::<usize>().is_err()) {
             self.sheet.refuse(format!("row {row}: a cell has the style `{style}`"));
         }
-        let kind = match attribute(tag, "t") {
+        let kind = match kind {
             Some("s") => CellKind::Shared,
             Some("str") => CellKind::Text,
             Some("inlineStr") => CellKind::Written,

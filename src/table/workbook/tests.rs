@@ -1,5 +1,6 @@
-use std::io::Cursor;
+use std::io::{self, Cursor};
 
+use super::check::MOST_SHEETS;
 use super::*;
 use crate::diagnostic::Diagnostics;
 use crate::table::{Container, Layout, LineRule, Pattern, Source, StatusColumn, Want};

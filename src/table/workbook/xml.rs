@@ -75,7 +75,7 @@ pub(super) fn is_odd(tag: &str) -> bool {
 
 /// The name of a tag, without its prefix.
 pub(super) fn name(tag: &str) -> &str {
-    let end = tag.find(|c: char| c.is_ascii_whitespace() || c == '/').unwrap_or(tag.len());
+    let end = tag.bytes().position(|byte| byte.is_ascii_whitespace() || byte == b'/').unwrap_or(tag.len());
     without_prefix(&tag[..end])
 }
 
@@ -85,22 +85,25 @@ pub(super) fn ended(tag: &str) -> Option<&str> {
 }
 
 fn without_prefix(name: &str) -> &str {
-    name.rsplit_once(':').map_or(name, |(_, name)| name)
+    name.bytes().rposition(|byte| byte == b':').map_or(name, |at| &name[at + 1..])
 }
 
 /// The value of an attribute of a tag, as it is written; a prefix of its name does not matter.
 pub(super) fn attribute<'t>(tag: &'t str, wanted: &str) -> Option<&'t str> {
-    let (_, mut rest) = tag.split_once(|c: char| c.is_ascii_whitespace())?;
-    loop {
+    attributes(tag).find(|(name, _)| *name == wanted).map(|(_, value)| value)
+}
+
+/// The attributes of a tag, each a name without its prefix and a value as it is written.
+pub(super) fn attributes(tag: &str) -> impl Iterator<Item = (&str, &str)> {
+    let mut rest = tag.split_once(|c: char| c.is_ascii_whitespace()).map_or("", |(_, rest)| rest);
+    std::iter::from_fn(move || {
         let (name, value) = rest.split_once('=')?;
         let value = value.trim_start();
         let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
         let (value, next) = value[1..].split_once(quote)?;
-        if without_prefix(name.trim()) == wanted {
-            return Some(value);
-        }
         rest = next;
-    }
+        Some((without_prefix(name.trim()), value))
+    })
 }
 
 /// A text of XML as it is meant.
