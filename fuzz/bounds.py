@@ -174,11 +174,59 @@ def inputs():
     values = "".join(f"K0001/1 25.{n % 300:04}\nK0014/1 P{n:07}\n" for n in range(1_000_000))
     head = "K0100 1\nK2001/1 rack_over_roller\nK2002/1 rack_over_roller\nK2142/1 mm\n"
     yield "a million named values in Q-DAS", "m.dfq", (head + values).encode()
+    yield from inputs_as_a_whole()
+    lots = "".join(f"K0100 1\nK2002/1 c{n}\nK2142/1 mm\n25.01\n" for n in range(99_000))
+    yield "99,000 characteristics of headers in Q-DAS", "n.dfq", lots.encode()
+    cells = lambda row: [(place, f"c{place}" if row == 0 else "1") for place in places(16_000)]
+    first = lambda row: [("A", "part_id"), ("B", "rack_over_roller [mm]")] if row == 0 else [("A", f"P{row}"), ("B", "25.01")]
+    yield "16,000 columns in a workbook", "a.xlsx", workbook(first(row) + cells(row)[2:] for row in range(80))
+    rows = ([*first(row), ("C", "c" if row == 0 else "1")] for row in range(400_000))
+    yield "400,000 rows in a workbook", "b.xlsx", workbook(rows)
+    yield "headings of 100,000 columns", "y.csv", ("part_id;rack_over_roller [mm]" + ";c" * 100_000 + "\nP1;25,01" + ";1" * 100_000 + "\n").encode()
+    wide = "part_id;rack_over_roller [mm]" + "".join(f";c{n}" for n in range(16_000)) + "\n"
+    yield "1,800 rows of 16,000 columns", "z.csv", (wide + ("P1;25,01" + ";1" * 16_000 + "\n") * 1800).encode()
     for teeth, name in (("3", "n.toml"), ("{}", "o.toml")):
         each = "".join(f'[[rack.deviation]]\nteeth = {teeth.format(n % 20)}\nshift = "{n % 7} nm"\n' for n in range(30_000))
         yield f"30,000 deviations of tooth {teeth.format('0 to 19')}", name, (PAIR + each).encode(), 128
     unknown = "".join(f"key_{n} = {n}\n" for n in range(200_000))
     yield "200,000 unknown keys", "p.toml", ("[pair]\n" + unknown).encode(), 128
+
+
+def places(count):
+    """The first columns of a sheet: A, B, …, AA, …"""
+    for number in range(1, count + 1):
+        place = ""
+        while number:
+            number, letter = divmod(number - 1, 26)
+            place = chr(65 + letter) + place
+        yield place
+
+
+def inputs_as_a_whole():
+    """Tables that are kept in memory, some just below and some far above the number of cells that is read."""
+    def across(parts, rows):
+        lines = ("Teil;" + ";".join(f"P{n}" for n in range(parts)), "rack_over_roller [mm]" + ";25,01" * parts)
+        return "\n".join([*lines, *(f"c{n}" + ";1" * parts for n in range(rows))]).encode()
+
+    def by_value(rows, name):
+        lines = (f"P{n};{name.format(n)};25;25,01;,1;-,1;0;1\n" for n in range(rows))
+        return ("Teil;Merkmal;Soll;Ist;OT;UT;Abw;x\n" + "".join(lines)).encode()
+
+    yield "7.8 million cells, parts in columns", "aa.csv", across(7800, 1000)
+    yield "740,000 cells, parts in columns", "ab.csv", across(1000, 738)
+    yield "240,000 known characteristics", "ac.csv", by_value(240_000, "rack_over_roller [mm]")
+    yield "92,000 known characteristics", "ad.csv", by_value(92_000, "rack_over_roller [mm]")
+    yield "92,000 unknown characteristics", "ae.csv", by_value(92_000, "C{}")
+    yield "800,000 aligned lines", "af.txt", b"part_id  rack_over_roller [mm]\n" + b"P1  25.01\n" * 800_000
+    gaps = b"part_id  rack_over_roller [mm]  note\n" + b"P1       25.01                  x\n"
+    yield "370,000 aligned lines with a gap", "ag.txt", gaps + b"P1       25.01\n" * 370_000
+    yield "a long line below 400,000 short ones", "ah.csv", b"Teil;P1\nrack_over_roller [mm];25,01\n" + b"x\n" * 400_000 + b";" * 200_000 + b"x\n"
+    head = "planid\tpartnb\tid\ttype\tidsymbol\tactual\tnominal\tuppertol\tlowertol\tdeviation\texceed\tunit\tcomment\n"
+    row = "p\t{}\track_over_roller\tx\ty\t25.01\t25\t.1\t-.1\t.01\t\tmm\t\n"
+    yield "280,000 rows of Calypso", "ai.txt", (head + "".join(row.format(n) for n in range(280_000))).encode()
+    dimension = "PART NAME  : RACK\nDIM A= 2D DISTANCE UNITS=MM\nAX NOMINAL +TOL -TOL MEAS DEV\nM 1 2 3 4 5\n"
+    yield "a million axes of PC-DMIS", "aj.txt", (dimension + "M 1 2 3 4 5\n" * 1_000_000).encode()
+    yield "a million headings of PC-DMIS", "ak.txt", (dimension + "".join(f"AX MEAS q{n}\n" for n in range(1_000_000))).encode()
 
 
 def resident(pid):

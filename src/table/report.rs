@@ -1,10 +1,11 @@
 //! Text reports of measuring programs (Calypso, PC-DMIS). The format gives columns and lines a fixed meaning, so that no contract has
 //! to. A report is recognised by marks of its format. Called by [`text`](super::text).
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::cell::{Cell, MOST_CELLS, Record};
-use super::contract::{File, Open, line_of, list};
+use super::contract::{File, MOST_LISTED, Open, line_of, list};
 use super::field::Beside as Role;
 use super::grid::separated;
 use super::layout::{Layout, Parts};
@@ -140,6 +141,8 @@ struct Pcdmis<'l> {
     dimension: String,
     unit: String,
     columns: Vec<String>,
+    /// The headings that are listed as unknown, with their places.
+    unknown: HashSet<(usize, String)>,
     /// The rows of the dimension: axis and record.
     axes: Vec<(String, Record)>,
 }
@@ -153,8 +156,9 @@ fn pcdmis<'n>(name: &'n str, text: &str, layout: &'n Layout) -> Report<'n> {
         ..layout.with_part_column("SER NUMBER")
     };
     let report = Report { file: File::new(name, "PC-DMIS"), records: Vec::new(), layout: own };
-    let (dimension, unit, columns) = (String::new(), String::new(), Vec::new());
-    let mut reader = Pcdmis { layout, report, part: None, dimension, unit, columns, axes: Vec::new() };
+    let (dimension, unit, unknown) = (String::new(), String::new(), HashSet::new());
+    let (columns, axes) = (Vec::new(), Vec::new());
+    let mut reader = Pcdmis { layout, report, part: None, dimension, unit, columns, unknown, axes };
     for (line, number) in text.lines().zip(1..) {
         if (reader.report.records.len() + reader.axes.len()) * AXIS_CELLS > MOST_CELLS {
             break;
@@ -251,10 +255,9 @@ impl Pcdmis<'_> {
         self.own(line, number);
         let is_known = |word: &&str| PCDMIS_COLUMNS.contains(word) || PCDMIS_ROLES.iter().any(|(name, _)| name == word);
         for (place, word) in words.iter().enumerate().filter(|(_, word)| !is_known(word)) {
-            let first = vec![format!("line {number}")];
-            let open = Open::Column { place: place + 1, title: (*word).to_owned(), first, may_decide: false };
-            if !self.report.file.open.contains(&open) {
-                self.report.file.open.push(open);
+            let (title, first) = ((*word).to_owned(), vec![format!("line {number}")]);
+            if self.unknown.len() < MOST_LISTED && self.unknown.insert((place, title.clone())) {
+                self.open(Open::Column { place: place + 1, title, first, may_decide: false });
             }
         }
     }
@@ -346,5 +349,12 @@ mod tests {
             ]
         );
         assert!(report.file.open.is_empty(), "{:?}", report.file.open);
+    }
+
+    #[test]
+    fn an_unknown_heading_is_listed_once() {
+        let dimension = "DIM A= 2D DISTANCE UNITS=MM\nAX MEAS FOO\nM 7 8\n";
+        let report = report("lot", &dimension.repeat(3), &Layout::default()).unwrap().file.open;
+        assert!(matches!(&report[..], [Open::Column { title, .. }] if title == "FOO"), "{report:?}");
     }
 }

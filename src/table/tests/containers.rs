@@ -185,7 +185,11 @@ fn what_is_read_as_a_whole_has_so_many_cells_at_most() {
         assert!(refused.contains("more than 750000 cells"), "{refused}");
         assert!(refused.contains("split it, or write a row per part"), "{refused}");
     }
-    // rows of many columns below a short table are no parts in columns
-    let ragged = "Teil;Rollenmaß [mm]\n".to_owned() + &"x\n".repeat(5000) + &";".repeat(50_000) + "\n";
-    assert_eq!(file("lot.csv", ragged.as_bytes()).parts.len(), 5001);
+    // a long line below many short ones makes no table of parts in columns
+    let ragged = "Teil;P1\nRollenmaß [mm];25,01\n".to_owned() + &"x\n".repeat(400) + &";".repeat(5000) + "x\n";
+    let refused = read_file("lot.csv", ragged.as_bytes(), &want()).unwrap_err();
+    assert!(refused.contains("no owner"), "{refused}");
+    let wide = "Teil;Rollenmaß [mm]".to_owned() + &";c".repeat(20_000) + "\n";
+    let refused = read_file("lot.csv", wide.as_bytes(), &want()).unwrap_err();
+    assert!(refused.contains("20002 headings, and at most 16384 are read"), "{refused}");
 }

@@ -1,6 +1,5 @@
 use std::io::{self, Cursor};
 
-use super::check::MOST_SHEETS;
 use super::*;
 use crate::diagnostic::Diagnostics;
 use crate::table::{Container, Layout, LineRule, Pattern, Source, StatusColumn, Want};
@@ -116,6 +115,17 @@ fn kinds() -> Vec<u8> {
     sheet.set_row_hidden(2).unwrap().set_row_hidden(5).unwrap().set_row_hidden(9).unwrap();
     sheet.set_column_hidden(1).unwrap().set_column_hidden(12).unwrap();
     book.save_to_buffer().unwrap()
+}
+
+#[test]
+fn a_file_that_was_changed_is_unpacked_again() {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    io::Write::write_all(&mut file, &kinds()).unwrap();
+    let open = |known| Workbook::open_file("lot.xlsx", file.reopen().unwrap(), known);
+    let known = open(None).unwrap().known();
+    assert!(open(known.clone()).is_ok());
+    file.as_file().set_len(100).unwrap();
+    assert!(open(known).is_err());
 }
 
 fn shown(records: impl IntoIterator<Item = Record>) -> Vec<String> {
@@ -428,9 +438,9 @@ fn too_many_sheets_and_sheets_in_one_part_are_refused() {
     assert_eq!(with_sheets(2, &|at| at), Ok(2));
     let twice = with_sheets(2, &|_| 0).unwrap_err();
     assert!(twice.contains("its sheet `S1` is stored in xl/worksheets/sheet0.xml, like a sheet before it"), "{twice}");
-    let many = with_sheets(MOST_SHEETS + 1, &|at| at).unwrap_err();
+    let many = with_sheets(check::MOST_SHEETS + 1, &|at| at).unwrap_err();
     assert!(many.contains("it has 1001 sheets, and at most 1000 are read: save the sheet"), "{many}");
-    assert_eq!(with_sheets(MOST_SHEETS, &|at| at), Ok(MOST_SHEETS));
+    assert_eq!(with_sheets(check::MOST_SHEETS, &|at| at), Ok(check::MOST_SHEETS));
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for at in 0..=MOST_PARTS {
         archive.start_file(format!("xl/media/{at}.png"), zip::write::SimpleFileOptions::default()).unwrap();
