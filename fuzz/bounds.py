@@ -175,8 +175,6 @@ def inputs():
     head = "K0100 1\nK2001/1 rack_over_roller\nK2002/1 rack_over_roller\nK2142/1 mm\n"
     yield "a million named values in Q-DAS", "m.dfq", (head + values).encode()
     yield from inputs_as_a_whole()
-    lots = "".join(f"K0100 1\nK2002/1 c{n}\nK2142/1 mm\n25.01\n" for n in range(99_000))
-    yield "99,000 characteristics of headers in Q-DAS", "n.dfq", lots.encode()
     cells = lambda row: [(place, f"c{place}" if row == 0 else "1") for place in places(16_000)]
     first = lambda row: [("A", "part_id"), ("B", "rack_over_roller [mm]")] if row == 0 else [("A", f"P{row}"), ("B", "25.01")]
     yield "16,000 columns in a workbook", "a.xlsx", workbook(first(row) + cells(row)[2:] for row in range(80))
@@ -213,13 +211,13 @@ def inputs_as_a_whole():
         return ("Teil;Merkmal;Soll;Ist;OT;UT;Abw;x\n" + "".join(lines)).encode()
 
     yield "7.8 million cells, parts in columns", "aa.csv", across(7800, 1000)
-    yield "740,000 cells, parts in columns", "ab.csv", across(1000, 738)
+    yield "590,000 cells, parts in columns", "ab.csv", across(1000, 588)
     yield "240,000 known characteristics", "ac.csv", by_value(240_000, "rack_over_roller [mm]")
-    yield "92,000 known characteristics", "ad.csv", by_value(92_000, "rack_over_roller [mm]")
-    yield "92,000 unknown characteristics", "ae.csv", by_value(92_000, "C{}")
+    yield "74,000 known characteristics", "ad.csv", by_value(74_000, "rack_over_roller [mm]")
+    yield "74,000 unknown characteristics", "ae.csv", by_value(74_000, "C{}")
     yield "800,000 aligned lines", "af.txt", b"part_id  rack_over_roller [mm]\n" + b"P1  25.01\n" * 800_000
     gaps = b"part_id  rack_over_roller [mm]  note\n" + b"P1       25.01                  x\n"
-    yield "370,000 aligned lines with a gap", "ag.txt", gaps + b"P1       25.01\n" * 370_000
+    yield "290,000 aligned lines with a gap", "ag.txt", gaps + b"P1       25.01\n" * 290_000
     yield "a long line below 400,000 short ones", "ah.csv", b"Teil;P1\nrack_over_roller [mm];25,01\n" + b"x\n" * 400_000 + b";" * 200_000 + b"x\n"
     head = "planid\tpartnb\tid\ttype\tidsymbol\tactual\tnominal\tuppertol\tlowertol\tdeviation\texceed\tunit\tcomment\n"
     row = "p\t{}\track_over_roller\tx\ty\t25.01\t25\t.1\t-.1\t.01\t\tmm\t\n"

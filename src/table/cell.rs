@@ -212,7 +212,7 @@ impl Record {
 }
 
 /// Cells of a table that is read as a whole, at most: some thousand parts with some hundred values each.
-pub(crate) const MOST_CELLS: usize = 750_000;
+pub(crate) const MOST_CELLS: usize = 600_000;
 
 /// How many cells records have.
 pub(crate) fn cells_in(records: &[Record]) -> usize {

@@ -60,35 +60,35 @@ fn place((header, of_header): (&Record, &str), rows: &mut [(&mut Record, &str)])
     if rows.iter().all(|(row, _)| row.cells.len() >= width) {
         return;
     }
-    let of_rows: Vec<Vec<Range<usize>>> = rows.iter().map(|(_, line)| extents_of(line)).collect();
+    let of_rows = || rows.iter().map(|(_, line)| extents_of(line));
     let is_one_each = |columns: &Vec<Range<usize>>| {
-        let places = |row: &Vec<Range<usize>>| row.iter().map(|cell| place_of(cell, columns)).collect::<Vec<_>>();
+        let places = |row: Vec<Range<usize>>| row.iter().map(|cell| place_of(cell, columns)).collect::<Vec<_>>();
         columns.len() == width
-            && of_rows.iter().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
+            && of_rows().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
-    let with_header = || columns(of_rows.iter().flatten().cloned().chain(extents_of(of_header)).collect());
+    let with_header = || columns(of_rows().flatten().chain(extents_of(of_header)));
     // a row without a gap tells the columns, wherever the headings stand above them
     let has_whole = rows.iter().any(|(row, _)| row.cells.len() == width);
-    let alone = Some(columns(of_rows.iter().flatten().cloned().collect())).filter(|_| has_whole).filter(is_one_each);
+    let alone = Some(columns(of_rows().flatten())).filter(|_| has_whole).filter(is_one_each);
     let Some(columns) = alone.or_else(|| Some(with_header()).filter(is_one_each)) else { return };
-    for ((row, _), extents) in rows.iter_mut().zip(&of_rows) {
+    for (row, line) in rows {
         let mut cells = vec![Cell::default(); width];
-        for (cell, extent) in row.cells.iter().zip(extents) {
-            cells[place_of(extent, &columns)] = cell.clone();
+        for (cell, extent) in row.cells.iter().zip(extents_of(line)) {
+            cells[place_of(&extent, &columns)] = cell.clone();
         }
         row.cells = cells.into();
     }
 }
 
 /// Joins extents that overlap.
-fn columns(mut cells: Vec<Range<usize>>) -> Vec<Range<usize>> {
-    cells.sort_by_key(|cell| cell.start);
+fn columns(cells: impl Iterator<Item = Range<usize>>) -> Vec<Range<usize>> {
     let mut columns: Vec<Range<usize>> = Vec::new();
     for cell in cells {
-        match columns.last_mut().filter(|column| cell.start < column.end) {
-            Some(column) => column.end = column.end.max(cell.end),
-            None => columns.push(cell),
-        }
+        let first = place_of(&cell, &columns);
+        let overlapping = columns[first..].iter().take_while(|column| column.start < cell.end).count();
+        let joined = columns.drain(first..first + overlapping);
+        let joined = joined.fold(cell, |cell, column| cell.start.min(column.start)..cell.end.max(column.end));
+        columns.insert(first, joined);
     }
     columns
 }

@@ -18,7 +18,8 @@ use crate::diagnostic::{Code, Diagnostic};
 
 /// Bytes at the start of a table from which its columns are found.
 const START: usize = 1 << 16;
-/// The same where the first record is longer.
+/// The same where that start has fewer records than these.
+const LEAST_RECORDS: usize = 8;
 const LONG_START: usize = 4 * LONGEST_RECORD;
 /// The largest text that is read as a whole, bytes: one whose parts are not in rows.
 const LARGEST_WHOLE: usize = 16 << 20;

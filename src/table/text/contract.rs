@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::{LONG_START, START, Text};
+use super::{LEAST_RECORDS, LONG_START, START, Text};
 use crate::table::Table;
 use crate::table::account::Unclosed;
 use crate::table::cell::{Cell, MOST_CELLS, Record, cells_in, refuse_many};
@@ -58,8 +58,8 @@ impl Text {
         let (mut bytes, mut is_all) = self.start(START)?;
         let declared = layout.separator.or(self.stated).map(Separator::Character);
         let mut head = self.head(&bytes, is_all, declared, layout)?;
-        if !is_all && head.records.is_empty() {
-            // the first record is longer than the start: a heading of thousands of columns
+        if !is_all && head.records.len() < LEAST_RECORDS {
+            // the records are long: there are thousands of columns
             (bytes, is_all) = self.start(LONG_START)?;
             self.refuse_long_lines(&bytes)?;
             head = self.head(&bytes, is_all, declared, layout)?;
