@@ -63,8 +63,7 @@ fn place((header, of_header): (&Record, &str), rows: &mut [(&mut Record, &str)])
     let of_rows = || rows.iter().map(|(_, line)| extents_of(line));
     let is_one_each = |columns: &Vec<Range<usize>>| {
         let places = |row: Vec<Range<usize>>| row.iter().map(|cell| place_of(cell, columns)).collect::<Vec<_>>();
-        columns.len() == width
-            && of_rows().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
+        columns.len() == width && of_rows().map(places).all(|places| places.windows(2).all(|pair| pair[0] != pair[1]))
     };
     let with_header = || columns(of_rows().flatten().chain(extents_of(of_header)));
     // a row without a gap tells the columns, wherever the headings stand above them

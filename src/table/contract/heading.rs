@@ -136,11 +136,11 @@ pub(crate) fn find(records: &[Record], layout: &Layout, form: Form) -> Option<(u
 pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form: Form) -> Matched {
     let mut titles: Vec<String> = heading.cells.iter().map(|cell| cell.text().into_owned()).collect();
     titles.resize(titles.len().max(layout.last_place()), String::new());
-    let width = below.iter().map(|record| record.filled().len()).chain([titles.len()]).max().unwrap_or(0);
     let mut found = Matched { heading: line_of(heading), line: heading.line, form, ..Matched::default() };
     let mut roles: Vec<(Role, String)> = Vec::new();
-    for place in 0..width {
-        let title = titles.get(place).cloned().unwrap_or_default();
+    // beyond the heading, a cell rejects its row
+    for place in 0..titles.len() {
+        let title = titles[place].clone();
         if let Some(open) = too_long(&title) {
             found.open.push(open);
             found.owners.push(None);
@@ -163,18 +163,13 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
         }
         let is_blank = || below.iter().all(|record| record.cell(place).is_empty());
         match &owner {
-            // beyond the heading, a cell rejects its row
-            Ok(Some(Owner::Nameless)) if place < titles.len() && !is_blank() => {
-                found.open.push(Open::column(place, &title, below));
-            }
+            Ok(Some(Owner::Nameless)) if !is_blank() => found.open.push(Open::column(place, &title, below)),
             Ok(Some(_)) => {}
             Ok(None) => found.open.push(Open::column(place, &title, below)),
             Err(open) => found.open.push(open.clone()),
         }
-        if place < titles.len() {
-            found.owners.push(owner.unwrap_or_default());
-            found.headings.push(named);
-        }
+        found.owners.push(owner.unwrap_or_default());
+        found.headings.push(named);
     }
     found.open.extend(ignored_names(&found.owners, &titles, layout, form));
     let promised = layout.promised().filter(|(role, _)| role.is_of(form));
