@@ -41,6 +41,8 @@ pub(crate) struct Plan {
     evaluator: ColumnEvaluator,
 }
 
+/// Rows that are worth a thread of their own.
+const LEAST_ROWS: usize = 1 << 14;
 /// How often Python's signals are checked.
 const CHECKED: Duration = Duration::from_millis(50);
 
@@ -184,10 +186,10 @@ impl Plan {
     }
 }
 
-/// A batch in a piece for each of so many threads; one without rows is one piece.
+/// A batch in a piece for each of so many threads, or fewer if it is small; one without rows is one piece.
 fn pieces(batch: &RecordBatch, threads: usize) -> Vec<RecordBatch> {
     let rows = batch.num_rows();
-    let each = rows.div_ceil(threads.max(1)).max(1);
+    let each = rows.div_ceil(threads.max(1)).max(LEAST_ROWS);
     (0..rows.max(1)).step_by(each).map(|start| batch.slice(start, each.min(rows - start))).collect()
 }
 
