@@ -181,19 +181,15 @@ impl<'a> Opener<'a> {
             let message = format!("{} is a spec, and not a table", shown(path));
             return Err(Diagnostic::error(Code::BadTable, message).help(spec::NOT_A_SPEC).into());
         }
-        Ok(match qdas_pair(path) {
-            Some((definitions, values)) => {
-                let sources = (self.source(&definitions)?, self.source(&values)?);
-                let want = self.want(&self.spec);
-                Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1), &want)?
-            }
-            None => {
-                let container = Container::open(&stream::name(path), self.source(path)?, &self.want(&self.spec))?;
-                let known = container.known().map(|known| (path.to_owned(), known));
-                *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
-                container
-            }
-        })
+        let want = self.want(&self.spec);
+        if let Some((definitions, values)) = qdas_pair(path) {
+            let sources = (self.source(&definitions)?, self.source(&values)?);
+            return Ok(Container::qdas_pair((&shown(definitions), sources.0), (&shown(values), sources.1), &want)?);
+        }
+        let container = Container::open(&stream::name(path), self.source(path)?, &want)?;
+        let known = container.known().map(|known| (path.to_owned(), known));
+        *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
+        Ok(container)
     }
 
     /// The rules that would close the table of a file, beside those of a spec.

@@ -139,13 +139,13 @@ pub(crate) fn matched(heading: &Record, below: &[Record], layout: &Layout, form:
     let mut found = Matched { heading: line_of(heading), line: heading.line, form, ..Matched::default() };
     let mut roles: Vec<(Role, String)> = Vec::new();
     // beyond the heading, a cell rejects its row
-    for place in 0..titles.len() {
-        let title = titles[place].clone();
+    for (place, written) in titles.iter_mut().enumerate() {
+        let title = written.clone();
         if let Some(open) = too_long(&title) {
             found.open.push(open);
             found.owners.push(None);
             found.headings.push(Heading::default());
-            titles[place] = shown(&title);
+            *written = shown(&title);
             continue;
         }
         let named = Heading::of(&title);

@@ -123,11 +123,11 @@ impl Contract {
 
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
+        static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
         let text = name.text();
         if text.is_empty() || Self::is_plain_name(text.as_bytes()) {
             return false;
         }
-        static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
         NAMES.contains(&*text.to_lowercase())
     }
 
