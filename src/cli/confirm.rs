@@ -45,6 +45,8 @@ pub(super) fn confirmed<'a>(
         (path, sentences) = ("-".into(), Some(table));
         proposal = opener.proposal(&path, &[])?;
         if !proposal.closes {
+            // says what is wrong with values that are named
+            opener.open(&path).map_or(Ok(()), |opened| values(opened.table, output))?;
             return Ok(None);
         }
     }

@@ -77,9 +77,9 @@ fn one(
     let mut said = Vec::new();
     for symbol in matched.headings[place].unit.clone().into_iter().chain(of_row) {
         let Some(unit) = unit_of(&symbol, is_angle) else {
-            let what =
-                format!("`{title}`: `{symbol}` is no unit of {}", if is_angle { "an angle" } else { "a length" });
-            matched.open.push(Open::Wrong { what, help: "correct the unit".to_owned() });
+            let (of, such) = if is_angle { ("an angle", "deg, arcmin or mrad") } else { ("a length", "mm, µm or in") };
+            let what = format!("`{title}`: `{symbol}` is no unit of {of}");
+            matched.open.push(Open::Wrong { what, help: format!("write a unit such as {such} there") });
             return None;
         };
         said.push((unit, UnitFrom::Table));

@@ -28,7 +28,7 @@ pub(super) fn line_of_units(
     units
 }
 
-/// Whether a line has units only. Below columns that are not read they may be of any quantity, such as `°C`; then a unit of length or
+/// Whether a line has units, or what should be one below a column of values. Below columns that are not read they may be of any quantity, such as `°C`; then a unit of length or
 /// angle must stand below another column.
 fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> bool {
     let mut is_told = false;
@@ -39,7 +39,8 @@ fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> 
         match owner(&title, &Heading::of(&title).name, place, layout, form) {
             Ok(Some(Owner::Rule(_))) => return true,
             Ok(None) => is_told |= is_unit,
-            Ok(Some(Owner::Role(Role::Value(_)))) if is_unit => is_told = true,
+            // what is no unit there is told with its column
+            Ok(Some(Owner::Role(Role::Value(_)))) => is_told |= is_unit,
             _ => return is_unit,
         }
         true

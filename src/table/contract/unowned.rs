@@ -17,11 +17,16 @@ use crate::table::grid::unit_of;
 use crate::table::layout::{IsCurve, Layout, OwnRule};
 use crate::table::want::Want;
 
-/// The line that is shown as the headings where no heading is known.
+/// The line that is shown as the headings where no heading is known: as wide as most lines with numbers, which a title above is not.
 pub(super) fn likely_heading(records: &[Record], layout: &Layout) -> usize {
     let uncovered = || records.iter().enumerate().filter(|(_, record)| layout.covering(record).is_none());
-    let is_likely = |record: &Record| record.filled().len() > 1 && record.numbers() == 0;
-    let likely = uncovered().find(|(_, record)| is_likely(record)).or_else(|| uncovered().next());
+    let with_numbers = uncovered().filter(|(_, record)| record.numbers() > 0);
+    let mut widths: Vec<usize> = with_numbers.map(|(_, record)| record.filled().len()).collect();
+    let middle = widths.len() / 2;
+    let usual = if widths.is_empty() { 0 } else { *widths.select_nth_unstable(middle).1 };
+    let likely =
+        |width: usize| uncovered().find(move |(_, record)| record.filled().len() >= width && record.numbers() == 0);
+    let likely = likely(usual.max(2)).or_else(|| likely(2)).or_else(|| uncovered().next());
     likely.map_or(0, |(at, _)| at)
 }
 
