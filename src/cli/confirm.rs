@@ -46,8 +46,7 @@ pub(super) fn confirmed<'a>(
         proposal = opener.proposal(&path, &[])?;
         if !proposal.closes {
             // says what is wrong with values that are named
-            opener.open(&path).map_or(Ok(()), |opened| values(opened.table, output))?;
-            return Ok(None);
+            return opener.open(&path).map_or(Ok(()), |opened| values(opened.table, output)).map(|()| None);
         }
     }
     let block = proposal.block(Guesses::Filled);

@@ -311,11 +311,10 @@ impl Spec {
         };
         let place = self.values.at(quantity.key()).map(|written| written.span.clone());
         let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string()).at(&self.source, place, "");
-        match error {
-            GeometryError::NoInvolute { .. } => {
-                diagnostic.help("check the tip diameter, the number of teeth and the module against each other")
-            }
-            _ => diagnostic,
+        if let GeometryError::NoInvolute { .. } = error {
+            diagnostic.help("check the tip diameter, the number of teeth and the module against each other")
+        } else {
+            diagnostic
         }
     }
 }

@@ -446,26 +446,3 @@ fn proposals_close() {
     println!("{closed} closed, {chosen} wait for a choice, {} open", open.len());
     assert!(closed > 0 && open.is_empty(), "{}", open.join("\n"));
 }
-
-/// A title of a few cells above the table is no heading, and of a line of units only what is no unit is told.
-#[test]
-fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
-    let folder = Folder::new("title");
-    let spec = folder.file("spec.toml", SPEC);
-    let table = |headings: &str, units: &str| {
-        let title = "Messprotokoll Zahnstange;Datum: 14.11.2026;Prüfer: K. Huber\n";
-        format!("{title}{headings}\n{units}\nZS-1;25,0046;6,3;ja\nZS-2;25,0100;-1,3;ja\nZS-3;25,0154;0,8;ja\n")
-    };
-    let unknown = folder.file("unknown.csv", &table("Teile;Rollenmaß M;Teilungsabw. Zahnst.;Bemerkung", ";mm;µm;"));
-    let block = block(&[&unknown], &spec);
-    assert!(
-        block.contains("Messprotokoll") && block.contains("rack_over_roller = { name = \"Rollenmaß M\""),
-        "{block}"
-    );
-    let units =
-        folder.file("units.csv", &table(&format!("{NAMES};x").replace(" [mm]", "").replace(" [µm]", ""), ";mm;My-m;"));
-    let (code, said) = status(&["batch", &spec, &units, "--ignore", "x", "--ignore-lines", "Messprotokoll*"]);
-    assert_eq!(code, 2, "{said}");
-    assert!(said.contains("`My-m` is no unit of a length") && said.contains("mm, µm or in"), "{said}");
-    assert!(!said.contains("nothing tells its unit"), "{said}");
-}

@@ -365,18 +365,14 @@ fn no_roll_is_lower_where_narrow_faces_meet_on_the_base_circle() {
 /// valley beside the one of the last stroke.
 #[test]
 fn a_valley_behind_a_corner_that_falls_sharply_is_found() {
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
     let pair = Pair::new(&PairData {
         normal_module_mm: 2.5,
-        normal_pressure_angle_rad: 20.85_f64.to_radians(),
-        rack: RackData {
-            helix_angle_rad: 1.0_f64.to_radians(),
-            face_width_mm: 18.14,
-            addendum_mm: 2.4,
-            tooth_thickness_mm: None,
-        },
+        normal_pressure_angle_rad: 20.85 * DEGREE,
+        rack: RackData { helix_angle_rad: DEGREE, face_width_mm: 18.14, addendum_mm: 2.4, tooth_thickness_mm: None },
         pinion: PinionData {
             teeth: 7,
-            helix_angle_rad: -1.0_f64.to_radians(),
+            helix_angle_rad: -DEGREE,
             profile_shift: 0.3,
             tip_diameter_mm: 22.053,
             root_form_diameter_mm: None,
@@ -386,7 +382,7 @@ fn a_valley_behind_a_corner_that_falls_sharply_is_found() {
     })
     .expect("a valid pair");
     let (third, later) = (ToothRange::single(3).expect("in order"), ToothRange::new(Some(2), None).expect("in order"));
-    let lead = (-1.66_f64 / 60.0).to_radians();
+    let lead = -1.66 / 60.0 * DEGREE;
     let deviations = [
         RackDeviation { teeth: third, kind: RackDeviationKind::OverRoller(0.009_26) },
         RackDeviation { teeth: third, kind: RackDeviationKind::Shift(-0.003_19) },

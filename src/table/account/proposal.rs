@@ -243,10 +243,12 @@ impl Proposal {
         if refuses_repeats {
             proposal.tell_repeats(&shapes);
         }
-        if proposal.parts == Some(0) {
-            // rules for lines would leave nothing: without the name of a part none is unlike those
-            let what = proposal.rejected.first().map_or_else(String::new, |first| format!(": {first}"));
-            proposal.open.push(Open::Wrong { what: format!("no row is a part{what}"), help: String::new() });
+        let (parts, named) = (proposal.parts.unwrap_or(0), odd.iter().filter(|odd| !odd.is_no_name).count() + beyond);
+        if parts == 0 || parts < named as u64 {
+            // rules for lines would leave nothing, or a few lines that are none: their names tell nothing of those of parts
+            let which = if parts == 0 { "no row is a part" } else { "most rows are no parts" };
+            let why = proposal.rejected.first().map_or_else(String::new, |first| format!(": {first}"));
+            proposal.open.push(Open::Wrong { what: format!("{which}{why}"), help: String::new() });
             odd.retain(|odd| odd.is_no_name);
             proposal.rules.list.clear();
         }
