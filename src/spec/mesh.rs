@@ -303,11 +303,10 @@ impl Spec {
             GeometryError::OutOfDomain { quantity, .. } => *quantity,
             GeometryError::PointedRack { .. } => PairSize::RackAddendum,
             GeometryError::NoRackSpace { .. } => PairSize::RackToothThickness,
-            GeometryError::PointedPinion { .. } => PairSize::PinionTipDiameter,
             GeometryError::NoInvolute { .. } if self.get(keys::PINION_ROOT_FORM_DIAMETER).is_some() => {
                 PairSize::PinionRootFormDiameter
             }
-            GeometryError::NoInvolute { .. } => PairSize::PinionTipDiameter,
+            GeometryError::PointedPinion { .. } | GeometryError::NoInvolute { .. } => PairSize::PinionTipDiameter,
         };
         let place = self.values.at(quantity.key()).map(|written| written.span.clone());
         let diagnostic = Diagnostic::error(Code::BadGeometry, error.to_string()).at(&self.source, place, "");

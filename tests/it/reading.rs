@@ -309,10 +309,11 @@ fn a_refusal_shows_the_first_of_many_and_no_long_text() {
     let (heading, unit) =
         (format!("Teil;Rollenmaß [mm];{long}\nA;25,01;1\n"), format!("Teil;Rollenmaß [{long}]\nA;25,01\n"));
     let many = (0..3000).fold(String::new(), |rows, n| rows + &format!("P{n};x\n"));
+    let parts = (0..3001).fold(String::new(), |rows, n| rows + &format!("Teil-{n};25,01\n"));
     for (name, text, most) in [
         ("heading.csv", heading, 2_000),
         ("unit.csv", unit, 2_000),
-        ("rows.csv", format!("Teil;Rollenmaß [mm]\nTeil-1;25,01\n{many}"), 100_000),
+        ("rows.csv", format!("Teil;Rollenmaß [mm]\n{parts}{many}"), 100_000),
     ] {
         let file = folder.file(name, text.as_bytes());
         let command = if name == "rows.csv" { "read" } else { "batch" };

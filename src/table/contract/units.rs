@@ -38,9 +38,8 @@ fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> 
         let is_unit = is_unit(&cell.text()) || cell.text() == title;
         match owner(&title, &Heading::of(&title).name, place, layout, form) {
             Ok(Some(Owner::Rule(_))) => return true,
-            Ok(None) => is_told |= is_unit,
-            // what is no unit there is told with its column
-            Ok(Some(Owner::Role(Role::Value(_)))) => is_told |= is_unit,
+            // what is no unit of a value is told with its column
+            Ok(None | Some(Owner::Role(Role::Value(_)))) => is_told |= is_unit,
             _ => return is_unit,
         }
         true

@@ -35,8 +35,15 @@ impl Head {
     fn evenness(&self) -> (usize, usize, bool) {
         let widths: Vec<usize> = self.records.iter().map(|record| record.filled().len()).collect();
         let even = widths.windows(2).filter(|pair| pair[0] > 1 && pair[0] == pair[1]).count();
-        let numbers: usize = self.records.iter().map(Record::numbers).sum();
+        let numbers = self.plain_numbers();
         (even, 100 * numbers / widths.iter().sum::<usize>().max(1), widths.iter().any(|width| *width > 1))
+    }
+
+    /// How many cells are numbers and nothing else.
+    fn plain_numbers(&self) -> usize {
+        let is_plain =
+            |cell: &&Cell| cell.is_number() && cell.text().chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c));
+        self.records.iter().flat_map(|record| &*record.cells).filter(is_plain).count()
     }
 
     /// The same records below a heading that the user gives.
@@ -171,13 +178,8 @@ impl Text {
         }
         if heads.len() > 1 && !layout.headings.is_empty() {
             // the separator under which most cells are numbers
-            let is_plain = |cell: &&Cell| {
-                cell.is_number() && cell.text().chars().all(|c| c.is_ascii_digit() || "+-.,eE".contains(c))
-            };
-            let plain_cells =
-                |head: &Head| head.records.iter().flat_map(|record| &*record.cells).filter(is_plain).count();
-            let most = heads.iter().map(plain_cells).max();
-            heads.retain(|head| Some(plain_cells(head)) == most);
+            let most = heads.iter().map(Head::plain_numbers).max();
+            heads.retain(|head| Some(head.plain_numbers()) == most);
         }
         if heads.len() > 1 {
             let able = heads.iter().map(|head| head.separator).collect();
