@@ -7,8 +7,8 @@ use super::{Block, Column, Table};
 use crate::chance::{BLOCK, PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
-use crate::judge::Rule;
 use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
+use crate::judge::{Rule, Verdict};
 use crate::uncertainty::{FOLD, Linear, Propagation};
 
 /// The uncertainty of an evaluation's results.
@@ -85,14 +85,20 @@ impl UncertaintyPart {
     }
 
     pub(super) fn blocks(&self) -> Vec<Block> {
-        let mut blocks = vec![self.result_table(), self.budget_table()];
+        let mut blocks = vec![self.result_table()];
+        // of one contribution there is nothing to share out
+        blocks.extend((self.propagation.upper.contributions.len() > 1).then(|| self.budget_table()));
         blocks.extend(self.simulation.as_ref().map(|_| self.simulation_table()));
         blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
     }
 
+    /// The results with an uncertainty, and both ends; a remark names what is taken as exact.
     fn result_table(&self) -> Block {
-        let results = self.results();
+        let is_shown = |of: &UncertainResult<'_>| {
+            matches!(of.key, "lower" | "upper") || of.linear.dof.is_none() || of.linear.standard_mm > 0.0
+        };
+        let results: Vec<_> = self.results().into_iter().filter(is_shown).collect();
         let with_dof = results.iter().any(|result| result.linear.dof.is_none_or(f64::is_finite));
         let known = |linear: &Linear| linear.dof.map(|_| linear.standard_mm);
         let factor = |linear: &Linear| linear.coverage_factor.filter(|_| linear.standard_mm > 0.0);
@@ -219,18 +225,26 @@ impl UncertaintyPart {
             Some(known) => format!("{}{}", if known.is_least { bound } else { "" }, probability(of(known))),
             None => "not known".to_owned(),
         };
+        // of a part that is accepted the risk of rejecting it says nothing, nor the other way round
+        let may_be = |verdict: Verdict| {
+            decided.iter().any(|(_, decision)| [verdict, Verdict::Indeterminate].contains(&decision.verdict))
+        };
         let table = Table::of(&decided)
             .text("decision on", |(check, _)| check.on.to_string())
             .number("guard band\n[µm]", |(_, decision)| guard_text(decision))
             .column_if(is_uncertain, Column::number("conforms"), |(_, decision)| {
                 risk(decision, |c| c.probability, "≥ ")
             })
-            .column_if(is_uncertain, Column::number("consumer's risk\nif accepted"), |(_, decision)| {
-                risk(decision, Conformance::consumer_risk, "≤ ")
-            })
-            .column_if(is_uncertain, Column::number("producer's risk\nif rejected"), |(_, decision)| {
-                risk(decision, Conformance::producer_risk, "≥ ")
-            })
+            .column_if(
+                is_uncertain && may_be(Verdict::Pass),
+                Column::number("consumer's risk\nif accepted"),
+                |(_, of)| (of.verdict != Verdict::Fail).then(|| risk(of, Conformance::consumer_risk, "≤ ")),
+            )
+            .column_if(
+                is_uncertain && may_be(Verdict::Fail),
+                Column::number("producer's risk\nif rejected"),
+                |(_, of)| (of.verdict != Verdict::Pass).then(|| risk(of, Conformance::producer_risk, "≥ ")),
+            )
             .text(format!("by {}", rule.in_words()), |(_, decision)| decision.verdict.name());
         let mut blocks = vec![table.block()];
         blocks.extend(rule_notes(rule, &decided).into_iter().map(Block::Remark));
