@@ -24,11 +24,13 @@ fn json_of(pair: &Pair, error: ToothError, value_mm: f64, interval_mm: [Option<f
 
 /// The errors, the one with the largest effect first.
 pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
+    // an interval holds only where the errors explain the curve
+    let interval = |own: [Option<f64>; 2]| if diagnosis.leaves_more { [None; 2] } else { own };
     let found = diagnosis.errors.iter().map(|found| {
-        let mut json = json_of(pair, found.error, found.value_mm, found.interval_mm);
+        let mut json = json_of(pair, found.error, found.value_mm, interval(found.interval_mm));
         json["effect_mm"] = tidy(found.effect_mm).into();
         let others = found.alternatives.iter().map(|other| {
-            let mut json = json_of(pair, other.error, other.value_mm, other.interval_mm);
+            let mut json = json_of(pair, other.error, other.value_mm, interval(other.interval_mm));
             if let Some(shift_mm) = other.shift_mm {
                 json["stroke_shift_mm"] = tidy(shift_mm).into();
             }
@@ -212,9 +214,12 @@ mod tests {
                 threshold: 20.0,
                 unseen: Vec::new(),
             };
-            format!("{:?}", blocks(&diagnosis, false))
+            let pair = crate::reproduction::pair().expect("a valid pair");
+            let ends = errors_json(&diagnosis, &pair)[0]["interval_mm"].clone();
+            (format!("{:?}", blocks(&diagnosis, false)), ends)
         };
-        let (all, part) = (said(false), said(true));
+        let ((all, ends), (part, no_ends)) = (said(false), said(true));
+        assert_eq!((ends, no_ends), (json!([0.017, 0.019]), json!([null, null])));
         assert!(all.contains("one error explains the curve") && all.contains("+19.0 µm"), "{all}");
         assert!(part.contains("do not explain the curve; left") && part.contains(NOT_EXPLAINED), "{part}");
         assert!(!part.contains("error explains") && !part.contains("+19.0 µm"), "{part}");
