@@ -42,8 +42,8 @@ pub enum StrokesError {
     Mesh(#[from] MeshError),
 }
 
-/// The strokes, mm, at which a deviated tooth can carry: around every tooth where the rack's deviations change, and over a
-/// turn of the pinion if its teeth deviate; and those next to them, where the others carry. For a measured rack, the strokes at which every flank that can carry was
+/// The strokes, mm, at which a deviated tooth or one beside it can carry: around every tooth where the rack's deviations change,
+/// and over a turn of the pinion if its teeth deviate. For a measured rack, the strokes at which every flank that can carry was
 /// measured. `spaces` are the measured ones, empty without a table.
 ///
 /// # Errors

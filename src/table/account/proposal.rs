@@ -245,7 +245,7 @@ impl Proposal {
         }
         let (parts, named) = (proposal.parts.unwrap_or(0), odd.iter().filter(|odd| !odd.is_no_name).count() + beyond);
         if parts == 0 || parts < named as u64 {
-            // rules for lines would leave nothing, or a few lines that are none: their names tell nothing of those of parts
+            // the names of the few rows that can be read do not tell which of the others are parts: no rule leaves these out
             let which = if parts == 0 { "no row is a part" } else { "most rows are no parts" };
             let why = proposal.rejected.first().map_or_else(String::new, |first| format!(": {first}"));
             proposal.open.push(Open::Wrong { what: format!("{which}{why}"), help: String::new() });

@@ -28,8 +28,8 @@ pub(super) fn line_of_units(
     units
 }
 
-/// Whether a line has units, or what should be one below a column of values. Below columns that are not read they may be of any quantity, such as `°C`; then a unit of length or
-/// angle must stand below another column.
+/// Whether a line has units, or what should be one below a column of values. Below columns that are not read the units may be of
+/// any quantity, such as `°C`; then a unit of length or angle must stand below another column.
 fn are_units(units: &Record, headings: &Record, layout: &Layout, form: Form) -> bool {
     let mut is_told = false;
     let mut is_one = |(place, cell): (usize, &Cell)| {
