@@ -9,14 +9,14 @@ use crate::table::dictionary::{Form, Heading, Role};
 use crate::table::grid::{is_unit, only_units};
 use crate::table::layout::Layout;
 
-/// The place of the line of units: the one that the contract names, or that below the headings, if it has units.
+/// The place of the line of units: the one that the contract names, or that below the headings, if it has units and no rule covers it.
 pub(super) fn line_of_units(
     rows: &[Record],
     heading: usize,
     (layout, form): (&Layout, Form),
     open: &mut Vec<Open>,
 ) -> Option<usize> {
-    let has_units = |units: &Record| are_units(units, &rows[heading], layout, form);
+    let has_units = |line: &Record| layout.covering(line).is_none() && are_units(line, &rows[heading], layout, form);
     let units = layout.units.map_or_else(
         || Some(heading + 1).filter(|at| rows.get(*at).is_some_and(has_units)),
         |line| rows.iter().position(|record| record.line == line),

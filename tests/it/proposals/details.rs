@@ -61,6 +61,12 @@ fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
     assert_eq!(code, 2, "{said}");
     assert!(said.contains("`My-m` is no unit of a length") && said.contains("mm, µm or in"), "{said}");
     assert!(!said.contains("nothing tells its unit"), "{said}");
+    // a person's rule owns the line: then the contract gives the units
+    let columns = ["rack_over_roller=Rollenmaß[mm]", "rack_pitch=Teilungsabweichung Zahnstange[um]"];
+    let columns = columns.iter().flat_map(|column| ["--column", column]).collect::<Vec<_>>();
+    let rules = ["--ignore", "x", "--ignore-lines", "Messprotokoll*", "--ignore-lines", "*My-m*"];
+    let (code, said) = status(&[&["batch", &spec, &units], &rules[..], &columns].concat());
+    assert_eq!(code, 0, "{said}");
 }
 
 /// Where most rows cannot be read, as without a nominal value, they are not said to be left out: why they are no parts is.
