@@ -225,6 +225,17 @@ def inputs_as_a_whole():
     dimension = "PART NAME  : RACK\nDIM A= 2D DISTANCE UNITS=MM\nAX NOMINAL +TOL -TOL MEAS DEV\nM 1 2 3 4 5\n"
     yield "a million axes of PC-DMIS", "aj.txt", (dimension + "M 1 2 3 4 5\n" * 1_000_000).encode()
     yield "a million headings of PC-DMIS", "ak.txt", (dimension + "".join(f"AX MEAS q{n}\n" for n in range(1_000_000))).encode()
+    yield "seven million words in PC-DMIS", "al.txt", (dimension + "w\n" * 7_000_000).encode()
+    head = "K0100 1\nK2001/1 c{0}\nK2002/1 name{0}\nK2142/1 mm\n25.01\n"
+    yield "99,000 headers in Q-DAS", "am.dfq", "".join(head.format(n) for n in range(99_000)).encode()
+    teeth = "part_id;space;over_pin_deviation [mm]\n"
+    yield "3.5 million parts of a tooth", "teeth-a.csv", (teeth + "".join(f"P{n};0;0,01\n" for n in range(3_500_000))).encode()
+    yield "3,000 parts with long names", "teeth-b.csv", (teeth + "".join(f"P{n}{'x' * 20_000};0;0,01\n" for n in range(3000))).encode()
+    yield "4.5 million teeth of a part", "teeth-c.csv", (teeth + "".join(f"P;{n % 90_000};0,01\n" for n in range(4_500_000))).encode()
+    words = b"some words and no table\n" * (64 << 20 >> 5)
+    yield "48 MiB of words through a pipe", "read-a.txt", words
+    yield "64 MiB and more through a pipe", "read-b.txt", words * 2
+    yield "words for a page through a pipe", "report-a.txt", words
 
 
 def resident(pid):
@@ -239,11 +250,20 @@ def resident(pid):
     return max((int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")), default=0)
 
 
-def run(program, spec, path, limit):
-    arguments = ["eval", path] if path.endswith(".toml") else ["batch", spec, path]
+def arguments(spec, pair, path):
+    """The command for a file: by the start of its name, or by its ending."""
+    name = os.path.basename(path)
+    commands = {"teeth-": ["batch", "--teeth", pair, path], "read-": ["read", "-"], "report-": ["report", spec, "-"]}
+    for start, command in commands.items():
+        if name.startswith(start):
+            return command
+    return ["eval", path] if name.endswith(".toml") else ["batch", spec, path]
+
+
+def run(program, command, path, limit):
     begun = time.monotonic()
-    with open(os.devnull, "wb") as none, tempfile.TemporaryFile() as said:
-        child = subprocess.Popen([program, *arguments], stdout=none, stderr=said)
+    with open(os.devnull, "wb") as none, open(path, "rb") as given, tempfile.TemporaryFile() as said:
+        child = subprocess.Popen([program, *command], stdin=given, stdout=none, stderr=said)
         peak = 0
         while True:
             peak = max(peak, resident(child.pid))
@@ -274,10 +294,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         spec = os.path.join(folder, "spec.toml")
         open(spec, "w").write(SPEC)
+        pair = os.path.join(folder, "pair.toml")
+        open(pair, "w").write(PAIR)
         for what, name, data, *mib_of_input in inputs():
             path = os.path.join(folder, name)
             open(path, "wb").write(data)
-            seconds, mib, said, is_clean = run(args.program, spec, path, 60)
+            seconds, mib, said, is_clean = run(args.program, arguments(spec, pair, path), path, 60)
             is_held = is_clean and seconds <= args.seconds and mib <= max([args.mib, *mib_of_input])
             failed += not is_held
             print(f"{'ok  ' if is_held else 'MISS'} {what}: {len(data) / 1e6:.1f} MB, {seconds:.2f} s, {mib:.0f} MiB, {said}", flush=True)

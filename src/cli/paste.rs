@@ -21,7 +21,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::TOLERANCE_MM;
 use crate::report::{self, EvaluationReport, Format, PartsReport, Report, SpacesReport, WithReading, YokeSection};
 use crate::spec::Spec;
-use crate::table::{Gatherer, Reading, Table, ToothedPart, gather};
+use crate::table::{Reading, Table, ToothedPart, gather};
 
 pub(super) const ABOUT: &str = "Evaluate pasted values: cells of a sheet, a CMM report, a mail";
 
@@ -295,12 +295,7 @@ impl Args {
 
     fn teeth(&self, mut read: ReadBlock, table: Table, output: &mut Output) -> Result<Status, Failure> {
         let name = Arc::clone(&table.name);
-        let gatherer = Gatherer::new(&table)?;
-        let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(&name, &error))?;
-        for block in &blocks {
-            block.tell(&mut read.readings[0]);
-        }
-        let mut parts = gather(gatherer, &blocks)?.into_iter();
+        let mut parts = gather(table, &mut read.readings[0])?.into_iter();
         let (part, others) = (parts.next(), parts.next());
         let Some(part) = part else {
             return Err(Diagnostic::error(Code::BadTable, format!("{name} has no rows")).into());

@@ -249,6 +249,17 @@ fn a_part_stands_in_one_table() {
     assert_eq!((ended.code, ended.stdout.matches("pass").count()), (Some(0), 2), "{}", ended.stdout);
 }
 
+/// The rows of a part may stand anywhere, so all are kept: those of some ten thousand parts.
+#[test]
+fn more_teeth_than_are_kept_are_refused() {
+    let folder = Folder::new("teeth-many");
+    let header = "part_id,space,over_pin_deviation [um]\n".to_owned();
+    let table = (0..50_000).fold(header, |table, part| table + &format!("P{part},0,0\n"));
+    let ended = batch(&folder, &format!("{PAIR}{LIMIT}"), &table, &[]);
+    assert_eq!((ended.code, &*ended.stdout), (Some(2), ""), "{}", ended.stderr);
+    assert!(ended.stderr.contains("the rows of teeth up to here take more than 40 MiB"), "{}", ended.stderr);
+}
+
 /// X and P are names of parts, and not of columns.
 #[test]
 fn parts_may_be_called_like_columns() {

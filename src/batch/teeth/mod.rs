@@ -52,6 +52,8 @@ pub struct Teeth<'a> {
     tables: &'a MeasuredTables,
     /// The parts of the tables that were read.
     lots: Vec<Lot>,
+    /// Bytes that they take, about.
+    held: usize,
     request: TeethRequest,
     columns: Vec<(&'static str, Column)>,
     /// What the yoke is held against, if the spec has one.
@@ -88,6 +90,7 @@ impl<'a> Teeth<'a> {
             spec,
             tables,
             lots: Vec::new(),
+            held: 0,
             request,
             columns,
             yoke,
@@ -140,20 +143,19 @@ impl<'a> Teeth<'a> {
 
     /// The rows of a table, put together to parts; what they say besides goes to `reading`.
     fn gathered(
-        &self,
+        &mut self,
         table: Table,
         mut gatherer: Gatherer,
         reading: &mut Reading,
     ) -> Result<Vec<ToothedPart>, RunError> {
         let keeps_raw = self.ledger.sinks.rejects.is_some();
+        gatherer.held = self.held;
         for block in table.rows(Wanted { copied: Vec::new(), keeps_raw }) {
             let block = block.map_err(RunError::Read)?;
-            gatherer.take(&block, keeps_raw);
             block.tell(reading);
-            if let Some(contradiction) = block.contradiction {
-                return Err(RunError::Contradiction(contradiction));
-            }
+            gatherer.take(&block, keeps_raw).map_err(RunError::Contradiction)?;
         }
+        self.held = gatherer.held;
         Ok(gatherer.finish())
     }
 

@@ -8,13 +8,19 @@ use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::evaluation::REJECTED;
 use crate::quantity::Angle;
-use crate::table::block::{Block, Fault};
+use crate::table::block::{Block, Contradiction, Fault};
 use crate::table::column::{Column, Nominal, is_rack};
 use crate::table::field::{Field, ValueKind};
-use crate::table::{Container, Reading, Source, Table, Want};
+use crate::table::{Container, Reading, Source, Table, Want, Wanted};
 
 /// The highest number of a space or tooth. Racks have some thousands at most.
 const FARTHEST: u64 = 100_000;
+
+/// Bytes that the rows of a run take at most. The rows of a part may stand anywhere, so all are kept to the end.
+const MOST_HELD: usize = 40 << 20;
+/// Bytes that a row and a part take, about.
+const ROW: usize = 128;
+const PART: usize = 768;
 
 const OVER_PIN: &[Field] = &[Field::OverPin, Field::Error(DeviationKind::RackOverRoller)];
 const POSITION: &[Field] = &[Field::Position];
@@ -35,6 +41,8 @@ pub(crate) struct Gatherer {
     /// The part that rows without a name belong to: so far only its first row is named, as where cells are merged.
     named_once: Option<usize>,
     records: u64,
+    /// Bytes that the rows so far take, about, those of earlier tables included.
+    pub(crate) held: usize,
 }
 
 impl Gatherer {
@@ -54,6 +62,7 @@ impl Gatherer {
             known: HashMap::new(),
             named_once: None,
             records: 0,
+            held: 0,
         })
     }
 
@@ -63,7 +72,13 @@ impl Gatherer {
     }
 
     /// Takes the rows of a block.
-    pub(crate) fn take(&mut self, block: &Block, keeps_raw: bool) {
+    ///
+    /// # Errors
+    /// The contradiction of the block, and more rows than are kept.
+    pub(crate) fn take(&mut self, block: &Block, keeps_raw: bool) -> Result<(), Contradiction> {
+        if let Some(found) = &block.contradiction {
+            return Err(found.clone());
+        }
         let mut faults = block.faults.iter().peekable();
         for row in 0..block.rows() {
             let line = block.lines[row];
@@ -72,7 +87,9 @@ impl Gatherer {
             if keeps_raw {
                 let raw = block.raw.get(row).map_or(&b""[..], |span| block.bytes(*span));
                 self.parts[number].raw.extend_from_slice(raw);
+                self.held += raw.len();
             }
+            self.held += ROW;
             let mut present = vec![true; self.columns.len()];
             while let Some(fault) = faults.next_if(|fault| fault.row == row) {
                 match (fault.is_missing, fault.column) {
@@ -88,6 +105,12 @@ impl Gatherer {
             self.row(number, line, index, &value);
         }
         self.records += block.record_count;
+        if self.held <= MOST_HELD {
+            return Ok(());
+        }
+        let message = format!("the rows of teeth up to here take more than {} MiB", MOST_HELD >> 20);
+        let help = "give all rows of some parts in one run, and those of the others in the next";
+        Err(Contradiction { line: block.lines.last().copied().unwrap_or(0), column: String::new(), message, help })
     }
 
     /// The part of a row: that of its name, or of the row before where only the first row of a part is named.
@@ -104,6 +127,7 @@ impl Gatherer {
                 Teeth::Pinion(PinionTeeth { name: table, rows: Vec::new() })
             };
             let (name, raw, numbers) = (name.to_owned(), Vec::new(), BTreeSet::new());
+            self.held += PART + 2 * name.len();
             self.known.insert(name.clone(), self.parts.len());
             let part = ToothedPart { name, line, record, teeth, raw, fault: None, rejected_on: None, numbers };
             self.parts.push(part);
@@ -266,13 +290,13 @@ fn refuse_unused(name: &str, column: &Column) -> Result<(), Diagnostic> {
     Err(Diagnostic::error(code, format!("{name}: `{}` {what}", column.title)).help(help))
 }
 
-/// Groups the rows of blocks into parts.
-pub(crate) fn gather(mut gatherer: Gatherer, blocks: &[Block]) -> Result<Vec<ToothedPart>, Diagnostic> {
-    for block in blocks {
-        if let Some(contradiction) = &block.contradiction {
-            return Err(contradiction.of(&gatherer.name));
-        }
-        gatherer.take(block, false);
+/// The parts of a table. What its rows say besides goes to `reading`.
+pub(crate) fn gather(table: Table, reading: &mut Reading) -> Result<Vec<ToothedPart>, Diagnostic> {
+    let (name, mut gatherer) = (Arc::clone(&table.name), Gatherer::new(&table)?);
+    for block in table.rows(Wanted::default()) {
+        let block = block.map_err(|error| Diagnostic::unreadable(&name, &error))?;
+        block.tell(reading);
+        gatherer.take(&block, false).map_err(|found| found.of(&name))?;
     }
     Ok(gatherer.finish())
 }
@@ -292,11 +316,9 @@ pub struct TeethTable {
 pub fn of_one_part(name: &str, source: Source, want: &Want) -> Result<TeethTable, Diagnostics> {
     let want = Want { teeth: Some(true), ..want.clone() };
     let table = Container::open(name, source, &want)?.table(name, &want)?;
-    let gatherer = Gatherer::new(&table)?;
-    let reading = table.reading.clone();
+    let mut reading = table.reading.clone();
     let bad = |message: String| Diagnostic::error(Code::BadTable, message);
-    let blocks = table.blocks().map_err(|error| Diagnostic::unreadable(name, &error))?;
-    let mut parts = gather(gatherer, &blocks)?.into_iter();
+    let mut parts = gather(table, &mut reading)?.into_iter();
     let Some(part) = parts.next() else { return Err(bad(format!("{name} has no rows")).into()) };
     if parts.next().is_some() {
         return Err(bad(format!("{name} has rows of several parts")).help("give a table of one part").into());

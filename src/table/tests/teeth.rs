@@ -35,8 +35,7 @@ fn absolute(text: &str) -> Measured {
 fn gathered(text: &str) -> Vec<ToothedPart> {
     let want = Want { teeth: Some(true), ..Want::default() };
     let table = Container::open("teeth", Source::bytes(text.into()), &want).unwrap().table("teeth", &want).unwrap();
-    let gatherer = Gatherer::new(&table).unwrap();
-    gather(gatherer, &table.blocks().unwrap()).unwrap()
+    gather(table, &mut Reading::default()).unwrap()
 }
 
 #[test]
