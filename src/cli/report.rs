@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use bytes::Bytes;
 use kept::{Detail, Listed, Lot, Shown, details, measured_blocks};
 
 use super::decision::JudgeArgs;
@@ -174,7 +175,7 @@ impl Args {
     }
 
     /// The content of standard input, if it is a table.
-    fn stdin(&self, stop: &Arc<AtomicBool>) -> Result<Option<Arc<[u8]>>, Failure> {
+    fn stdin(&self, stop: &Arc<AtomicBool>) -> Result<Option<Bytes>, Failure> {
         self.files.iter().any(is_dash).then(|| stream::whole(stop)).transpose()
     }
 

@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
+use bytes::Bytes;
+
 use super::output::{Failure, STDOUT};
 use super::target::{is_dash, named, shown};
 use crate::diagnostic::Diagnostic;
@@ -27,13 +29,14 @@ pub(super) fn file(path: &Path) -> Result<File, Failure> {
 }
 
 /// The content of standard input, which is used more than once.
-pub(super) fn whole(stop: &Arc<AtomicBool>) -> Result<Arc<[u8]>, Failure> {
-    const LARGEST: u64 = 64 << 20;
+pub(super) fn whole(stop: &Arc<AtomicBool>) -> Result<Bytes, Failure> {
+    const LARGEST: u64 = 48 << 20;
     let mut bytes = Vec::new();
     let read = Stdin::new(Arc::clone(stop)).take(LARGEST + 1).read_to_end(&mut bytes);
     read.map_err(|error| Diagnostic::unreadable("<stdin>", &error))?;
     if bytes.len() as u64 > LARGEST {
-        return Err(Diagnostic::unreadable("<stdin>", &"it is larger than 64 MiB").into());
+        let problem = Diagnostic::unreadable("<stdin>", &format!("it is larger than {} MiB", LARGEST >> 20));
+        return Err(problem.help("give it as a file").into());
     }
     Ok(bytes.into())
 }

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use bytes::Bytes;
+
 use super::output::{Failure, Output};
 use super::target::{self, is_dash, shown};
 use super::written;
@@ -94,7 +96,7 @@ pub(super) struct Opener<'a> {
     pub(super) model: Model,
     pub(super) stop: &'a Arc<AtomicBool>,
     /// The content of standard input, if it was read before.
-    pub(super) stdin: Option<Arc<[u8]>>,
+    pub(super) stdin: Option<Bytes>,
     /// Whether rows are teeth or spaces, where it is known.
     pub(super) teeth: Option<bool>,
     /// Whether a table with the headings of a measured curve is one.
@@ -264,7 +266,7 @@ impl<'a> Opener<'a> {
                     _ => Source::File(file),
                 }
             }
-            Some(bytes) => Source::Stream(Box::new(Cursor::new(Arc::clone(bytes)))),
+            Some(bytes) => Source::Stream(Box::new(Cursor::new(bytes.clone()))),
             None => Source::Stream(stream::open(path, self.stop)?),
         })
     }

@@ -128,25 +128,40 @@ fn role_of(written: &str) -> Option<(Form, Role, bool)> {
     })
 }
 
-/// What a heading means in a table of that form, if its whole name is in the list or is a key; an underscore may stand for a blank.
-/// The names of parts and of their errors are known in tables of teeth too, the name of parts in tables of characteristics.
-pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
-    // no heading of the list has a digit, and most cells of a table do
-    if name.bytes().any(|byte| byte.is_ascii_digit()) {
-        return None;
+/// What a heading means in tables of each form, with an underscore and with a blank in its place; nothing if its whole name is neither in
+/// the list nor a key.
+pub(crate) struct Known([Option<&'static [Option<Meaning>; 4]>; 2]);
+
+impl Known {
+    pub(crate) fn of(name: &str) -> Self {
+        // no heading of the list has a digit, and most cells of a table do
+        if name.bytes().any(|byte| byte.is_ascii_digit()) {
+            return Self([None; 2]);
+        }
+        let normal = normal(name);
+        let apart = normal.contains('_').then(|| normal.replace('_', " "));
+        Self([Some(&normal), apart.as_ref()].map(|name| DICTIONARY.get(name?)))
     }
-    let normal = normal(name);
-    let apart = normal.contains('_').then(|| normal.replace('_', " "));
-    let known = [Some(&normal), apart.as_ref()].map(|name| DICTIONARY.get(name?));
-    let of = |form: Form| known.iter().flatten().find_map(|meanings| meanings[form as usize]);
-    let of_parts = || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
-    // a measured curve has no errors of parts
-    of(form).or_else(|| of_parts().filter(|_| form != Form::Trace))
+
+    /// The meaning in a table of that form. The names of parts and of their errors are known in tables of teeth too, the name of parts in
+    /// tables of characteristics.
+    pub(crate) fn meaning(&self, form: Form) -> Option<Meaning> {
+        let of = |form: Form| self.0.iter().flatten().find_map(|meanings| meanings[form as usize]);
+        let of_parts =
+            || of(Form::Parts).filter(|meaning| form != Form::Characteristics || meaning.role == Role::PartId);
+        // a measured curve has no errors of parts
+        of(form).or_else(|| of_parts().filter(|_| form != Form::Trace))
+    }
+}
+
+/// What a heading means in a table of that form.
+pub(crate) fn lookup(form: Form, name: &str) -> Option<Meaning> {
+    Known::of(name).meaning(form)
 }
 
 /// Whether a heading is known in tables of any form.
 pub(crate) fn is_known(name: &str) -> bool {
-    [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].into_iter().any(|form| lookup(form, name).is_some())
+    Known::of(name).0.iter().any(Option::is_some)
 }
 
 /// The known headings of a role, in the form in which headings are compared.
@@ -158,7 +173,8 @@ pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
 /// Full-width letters as plain ones, half-width katakana as full ones, their marks joined to them.
 pub(crate) fn plain_widths(text: &str) -> Cow<'_, str> {
     const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
-    if text.is_ascii() {
+    // all of them are beyond U+3000
+    if text.bytes().all(|byte| byte < 0xe3) {
         return text.into();
     }
     let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);
@@ -187,6 +203,9 @@ pub(crate) fn plain_widths(text: &str) -> Cow<'_, str> {
 pub(crate) fn normal(name: &str) -> String {
     // only their case tells Fp, the total deviation, from fp, the single one
     let is_total = |word: &str| matches!(word, "Fp" | "FP");
+    if name.bytes().all(|byte| byte.is_ascii_alphabetic()) && !is_total(name) {
+        return name.to_ascii_lowercase();
+    }
     let word = |word: &str| if is_total(word) { "Fp".to_owned() } else { word.to_lowercase() };
     let words: Vec<String> = plain_widths(name).split_whitespace().map(word).collect();
     let plain: Vec<char> = words.join(" ").chars().collect();

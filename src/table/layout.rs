@@ -316,8 +316,8 @@ impl Layout {
 
     /// The rule that leaves out a column: with `exactly` a rule that fits one text, otherwise a pattern.
     pub(crate) fn ignores(&self, title: &str, name: &str, place: usize, exactly: bool) -> Option<usize> {
-        let by_place = format!("column {}", place + 1);
-        let texts = [title, name, if title.is_empty() { &by_place } else { title }];
+        let by_place = title.is_empty().then(|| format!("column {}", place + 1));
+        let texts = [title, name, by_place.as_deref().unwrap_or(title)];
         self.ignore.iter().position(|rule| rule.is_exact() == exactly && texts.iter().any(|text| rule.fits(text)))
     }
 }

@@ -8,7 +8,7 @@ use super::owner::{Owner, line_of};
 use crate::quantity::shown;
 use crate::table::cell::{Cell, Record};
 use crate::table::column::UnitSaid;
-use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Role, is_known, lookup};
+use crate::table::dictionary::{Form, Heading, Known, LONGEST_HEADING, Role, is_known, lookup};
 use crate::table::field::Beside;
 use crate::table::layout::{Layout, OwnRule};
 
@@ -65,20 +65,17 @@ impl Matched {
     }
 }
 
-/// The role that the contract or the dictionary gives to a heading of that name.
-fn role(title: &str, name: &str, layout: &Layout, form: Form) -> Option<Role> {
-    if let Some(role) = layout.declared(title, name, form) {
-        return Some(role);
-    }
-    if layout.ignores(title, name, usize::MAX - 1, true).is_some() {
-        return None;
-    }
-    lookup(form, name).map(|meaning| meaning.role)
+/// The role that the contract gives to a heading of that name, or the dictionary, which knows it so.
+fn role(title: &str, (name, known): (&str, &Known), layout: &Layout, form: Form) -> Option<Role> {
+    layout.declared(title, name, form).or_else(|| {
+        let meaning = known.meaning(form)?;
+        layout.ignores(title, name, usize::MAX - 1, true).is_none().then_some(meaning.role)
+    })
 }
 
 /// The roles of the cells of a record that are headings.
 pub(crate) fn roles<'r>(record: &'r Record, layout: &'r Layout, form: Form) -> impl Iterator<Item = Role> + 'r {
-    named(record).filter_map(move |(title, name)| role(&title, &name, layout, form))
+    named(record).filter_map(move |(title, name)| role(&title, (&name, &Known::of(&name)), layout, form))
 }
 
 /// The cells of a record that may be headings, each with its name.
@@ -94,8 +91,9 @@ fn named(record: &Record) -> impl Iterator<Item = (Cow<'_, str>, String)> {
 pub(crate) fn is_one(record: &Record, layout: &Layout) -> bool {
     let mut counts = [Form::Parts, Form::Teeth, Form::Characteristics, Form::Trace].map(|form| (form, 0));
     named(record).any(|(title, name)| {
+        let known = Known::of(&name);
         let of_form = |(form, count): &mut (Form, usize)| {
-            *count += usize::from(role(&title, &name, layout, *form).is_some());
+            *count += usize::from(role(&title, (&name, &known), layout, *form).is_some());
             *count == 2
         };
         counts.iter_mut().any(of_form)

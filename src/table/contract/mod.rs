@@ -19,7 +19,7 @@ pub(crate) use columns::{fits_beside, plausible_units};
 pub(crate) use heading::{Matched, Named, key, owner};
 pub(crate) use open::{MOST_LISTED, Open, list, may_decide};
 pub(crate) use owner::{Owner, line_of};
-pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, score};
+pub(crate) use table::{File, Found, found, is_in_rows, needs_all, of_records, refuse_wide, score};
 pub(crate) use unowned::no_headings;
 pub(crate) use whole::with_headings;
 
@@ -29,7 +29,7 @@ use std::sync::{Arc, LazyLock};
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
 use super::field::Field;
-use super::layout::{Layout, OwnRule, StatusColumn};
+use super::layout::{Layout, LineRule, OwnRule, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
 use crate::quantity::shown;
 
@@ -124,8 +124,9 @@ impl Contract {
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
         static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
+        const LONGEST: usize = 100;
         let text = name.text();
-        if text.is_empty() || Self::is_plain_name(text.as_bytes()) {
+        if text.is_empty() || text.len() > LONGEST || Self::is_plain_name(text.as_bytes()) {
             return false;
         }
         NAMES.contains(&*text.to_lowercase())
@@ -183,10 +184,12 @@ impl Layout {
             return None;
         }
         let line = line_of(record);
-        let rule = self.ignore_lines.iter().position(|rule| rule.pattern.fits(&line))?;
-        let fitting = self.ignore_lines[rule..].iter().enumerate().filter(|(_, other)| other.pattern.fits(&line));
-        let exact = || fitting.clone().find(|(_, other)| other.pattern.is_exact()).map(|(at, _)| rule + at);
-        if heading::is_one(record, self) { exact() } else { Some(rule) }
+        let fits = |rule: &LineRule| rule.pattern.fits(&line);
+        let rule = self.ignore_lines.iter().position(fits)?;
+        if self.ignore_lines[rule].pattern.is_exact() || !heading::is_one(record, self) {
+            return Some(rule);
+        }
+        self.ignore_lines.iter().position(|rule| rule.pattern.is_exact() && fits(rule))
     }
 
     /// The number of a rule for lines among all rules.

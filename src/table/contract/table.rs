@@ -222,7 +222,7 @@ pub(crate) fn found(file: &File<'_>, records: &[Record], layout: &Arc<Layout>, w
         _ => below.iter().filter(|row| layout.covering(row).is_none()).cloned().collect(),
     };
     let headings = rows.get(heading).cloned().unwrap_or_default();
-    refuse_wide(file.name, &headings)?;
+    refuse_wide(file.name, headings.filled().len())?;
     let mut matched = matched(&headings, &below, layout, form);
     let want = &*of_pinion(&matched, want);
     let is_bare = !is_known && is_bare(rows, layout);
@@ -314,7 +314,7 @@ fn by_characteristic(
     left_out.lines(records, layout);
     let mut open = file.open.clone();
     let more = list(&mut open, records[..heading].iter().filter_map(|record| unowned(record, layout)));
-    records.get(heading).map_or(Ok(()), |headings| refuse_wide(file.name, headings))?;
+    records.get(heading).map_or(Ok(()), |headings| refuse_wide(file.name, headings.filled().len()))?;
     let Turned { mut matched, units, rows } = characteristics::turned(records, heading, (layout, want), &mut left_out);
     matched.open.splice(0..0, open);
     matched.more += more;
@@ -324,9 +324,8 @@ fn by_characteristic(
 }
 
 /// Refuses a table of more headings than a sheet has columns.
-fn refuse_wide(name: &str, headings: &Record) -> Result<(), Diagnostic> {
+pub(crate) fn refuse_wide(name: &str, count: usize) -> Result<(), Diagnostic> {
     const MOST: usize = 1 << 14;
-    let count = headings.filled().len();
     if count <= MOST {
         return Ok(());
     }

@@ -1,8 +1,10 @@
 //! The closed table of a Q-DAS file. Each characteristic has a role or is left out by a rule, each remark is left out by a rule, and the
 //! format owns everything else.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
+use super::table::title;
 use super::{Characteristic, LeftOut, Qdas};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
@@ -11,9 +13,10 @@ use crate::table::Table;
 use crate::table::account::Unclosed;
 use crate::table::cell::head_rows;
 use crate::table::column::{SMALLEST_DIGIT, in_words};
-use crate::table::contract::{File, of_records};
+use crate::table::contract::{File, of_records, refuse_wide};
 use crate::table::field::{Field, ValueKind};
 use crate::table::layout::{Layout, Parts};
+use crate::table::ledger::digest;
 use crate::table::number::{DecimalMark, quantity};
 use crate::table::reading::NotUsed;
 use crate::table::want::{GivenColumn, Want};
@@ -29,6 +32,8 @@ pub(crate) fn qdas_table(name: &str, qdas: Qdas, want: &Want) -> Result<Table, U
     qdas.remarks.tell(&mut file, &layout);
     let left_out = qdas.left_out.clone();
     let has_names = qdas.part_names.len() > 0;
+    let titles = qdas.characteristics.iter().map(|one| digest(0, 0, title(one, &layout).as_bytes()));
+    refuse_wide(name, titles.collect::<HashSet<_>>().len() + 1)?;
     let table = Arc::new(qdas.table(&layout));
     let mark = table.mark().map_err(|line| {
         let message = format!("{name} has values with decimal points and with commas: one of them is in line {line}");

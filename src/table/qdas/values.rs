@@ -66,6 +66,7 @@ impl Values {
     /// Adds the value of a sample behind all others.
     pub(super) fn push(&mut self, sample: u32, value: Value) {
         if self.next_sample() != Some(sample) {
+            self.runs.reserve_exact(usize::from(self.runs.is_empty()));
             self.runs.push((sample, self.all.len()));
         }
         if self.all.len() == self.all.capacity() {

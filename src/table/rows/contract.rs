@@ -10,6 +10,7 @@ use super::{Column, PlainField, Problem, Rows, put, start, swallowed, take_index
 use crate::deviation::DeviationValue;
 use crate::quantity::shown;
 use crate::table::companions::Companions;
+use crate::table::dictionary::LONGEST_HEADING;
 
 impl Contract {
     /// Marks the fields of a line of plain numbers that a rule leaves out, or that have no heading.
@@ -162,7 +163,7 @@ impl Rows {
     }
 }
 
-/// A row that is perhaps no part: its name is that of a statistic, or one of its values cannot be read.
+/// A row that is perhaps no part: its name is that of a statistic, or one of its values cannot be read. No rule is made of a long one.
 fn may_be_no_part(
     record: &Record,
     name: Option<&Cell>,
@@ -171,7 +172,8 @@ fn may_be_no_part(
     let read = values.iter().filter(|(_, value)| matches!(value, Ok(Some(_)))).count();
     let is_named = name.is_some_and(|name| !name.is_missing());
     let is_no_name = name.is_some_and(Contract::is_statistic);
-    if read == values.len() && !is_no_name {
+    let length: usize = record.cells.iter().map(|cell| cell.text().len()).sum();
+    if read == values.len() && !is_no_name || length > LONGEST_HEADING {
         return None;
     }
     let name = name.unwrap_or_else(|| record.cell(0)).text().into_owned();
