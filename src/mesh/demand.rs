@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 
 use super::contact::{Pose, Touch};
 use super::sampler::{Constants, Looks, Sampler, Seen, Slot};
-use super::{FlankSide, MeshError, MeshPoint, Support};
+use super::{FlankSide, Mesh, MeshError, MeshPoint, Support};
 use crate::trig;
 
 /// Demands closer than this share of r_b / sin α_t are the same: rounding of the roll angle leaves some 1e-15.
@@ -49,9 +49,20 @@ pub(crate) struct PairLine {
     value_mm: f64,
     /// Its derivative by the rotation, mm/rad.
     rate: f64,
+    /// Its derivative by the height of the rack's flank.
+    per_height: f64,
 }
 
 impl PairLine {
+    /// The line with the flanks where another mesh has them, if they are displaced there and not turned. The contact stays on
+    /// its edge.
+    pub(crate) fn displaced(self, from: &Mesh, to: &Mesh) -> Self {
+        let [old, new] = [from, to].map(|mesh| mesh.mating_flanks(self.side, self.rack_tooth));
+        let raised = (new.offset - old.offset) / old.normal[2] * self.per_height;
+        let turned = (new.start - old.start) * self.side.sign() * self.rate;
+        Self { value_mm: self.value_mm + raised + turned, ..self }
+    }
+
     /// The centre distance at which the highest lines of both sides cross; `None` if a side has none.
     pub(crate) fn crossing(lines: &[Self]) -> Option<f64> {
         const MOST_STEPS: usize = 16;
@@ -207,9 +218,11 @@ impl Sampler<'_> {
                 if alone.disorder.is_some() {
                     return None;
                 }
-                let line =
-                    |Demand { value: value_mm, rate, .. }| PairLine { side, rack_tooth, pinion_tooth, value_mm, rate };
-                lines.extend(alone.demand.map(line));
+                if let Some(Demand { value: value_mm, rate, pose, touch, .. }) = alone.demand {
+                    let per_height =
+                        self.slot(side, rack_tooth).prepared.contact.rate_of_place(&pose, &touch, [1.0, 0.0]);
+                    lines.push(PairLine { side, rack_tooth, pinion_tooth, value_mm, rate, per_height });
+                }
             }
         }
         Some(lines)

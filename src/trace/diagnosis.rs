@@ -186,7 +186,7 @@ impl Search<'_> {
             let [means, points] = sights;
             let (means, points) = (means?, points?);
             let screened = self.screened(errors, &means, |_| true, watch)?;
-            let best = self.best(errors, (&means, &points), &screened, LEAST * self.threshold).into_iter().next();
+            let best = self.best(errors, (&means, &points), &screened, LEAST * self.threshold)?.into_iter().next();
             if let Some((error, explains)) = best.filter(|(_, best)| best.gain > self.threshold && errors.len() < most)
             {
                 self.errors.push((error, explains.size_mm));
@@ -253,8 +253,8 @@ impl Search<'_> {
             let own = self.effect(&others, error, size_mm, points.curve()).unwrap_or_default();
             let is_alike = |other: &ToothError| self.acts_like(*other, &own, &points);
             let screened = self.screened(&others, &means, is_alike, watch)?;
-            let mut best = self.best(&others, (&means, &points), &screened, 0.0);
-            let (member, effects) = self.refined(&others, error, &near(size_mm), &points);
+            let mut best = self.best(&others, (&means, &points), &screened, 0.0)?;
+            let (member, effects) = self.refined(&others, (error, &near(size_mm)), &points);
             best.retain(|(other, of)| *other != error || of.size_mm * member.size_mm < 0.0);
             if let Some((other, explains)) = best.first().filter(|(_, better)| better.gain > member.gain + SAME_CURVE)
                 && swaps < MOST_SWAPS
@@ -270,7 +270,7 @@ impl Search<'_> {
             let most = best.first().map_or(member.gain, |(_, best)| best.gain.max(member.gain));
             let is_same = |(_, other): &&(ToothError, Explains)| other.gain > most - SAME_CURVE;
             let alternatives = best.iter().filter(is_same).map(|(error, other)| {
-                let (explains, effects) = self.refined(&others, *error, &[other.size_mm], &points);
+                let (explains, effects) = self.refined(&others, (*error, &[other.size_mm]), &points);
                 let (value_mm, interval_mm) = self.sized(&others, (*error, explains), &points, effects);
                 Alternative { error: *error, value_mm, interval_mm, shift_mm: None }
             });
@@ -291,9 +291,10 @@ impl Search<'_> {
     /// Whether an error can act at the strokes of an effect, all but a tenth of the effect's sum of squares.
     fn acts_like(&self, error: ToothError, effect: &[f64], sight: &Sight) -> bool {
         const MISSED: f64 = 0.1;
-        let square = |acts: bool| {
+        let acts = error.acts(self.mesh.pair());
+        let square = |is_missed: bool| {
             let there = effect.iter().zip(&sight.strokes_mm);
-            let there = there.filter(|(_, stroke)| !acts || !error.acts_at(self.mesh.pair(), **stroke));
+            let there = there.filter(|(_, stroke)| !is_missed || !acts(**stroke));
             there.map(|(effect, _)| effect * effect).sum::<f64>()
         };
         square(true) <= MISSED * square(false)

@@ -1,6 +1,8 @@
 //! For a search: the weighted differences between measured and computed curve at some strokes, without the parts that an
 //! offset and a stroke shift explain; and the effect of a tooth's error there, by its size.
 
+use std::ops::Range;
+
 use crate::linear::{LeastSquares, least_squares};
 
 /// The differences between measured and computed curve at some strokes.
@@ -69,13 +71,34 @@ impl Sight {
         (kept, fit)
     }
 
+    /// A curve that is 0 outside a span of strokes.
+    fn curve_within<'c>(&self, mm: &'c [f64], span: &Range<usize>) -> Curve<'c> {
+        let of_columns = self.beside.iter().map(|column| self.product(column, mm, span)).collect();
+        Curve { mm, span: span.clone(), of_columns }
+    }
+
+    fn curve_of<'c>(&self, mm: &'c [f64]) -> Curve<'c> {
+        self.curve_within(mm, &(0..mm.len()))
+    }
+
+    /// The weighted product of two curves over a span of strokes.
+    fn product(&self, a: &[f64], b: &[f64], span: &Range<usize>) -> f64 {
+        let [a, b, weights] = [a, b, &self.weights].map(|of| of.get(span.clone()).unwrap_or_default());
+        let weighted = a.iter().zip(b).zip(weights);
+        weighted.map(|((a, b), w)| w * a * b).sum()
+    }
+
     /// The weighted product of two curves, without the parts that the columns beside explain.
-    fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
-        let plain = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&self.weights).map(|((a, b), w)| w * a * b).sum::<f64>();
-        let taken = |of: &[f64]| self.beside.iter().map(|column| plain(column, of)).collect::<Vec<_>>();
-        let (of_a, of_b) = (taken(a), taken(b));
-        let by = |row: &[f64]| row.iter().zip(&of_b).map(|(entry, b)| entry * b).sum::<f64>();
-        plain(a, b) - self.inverse.iter().zip(&of_a).map(|(row, a)| a * by(row)).sum::<f64>()
+    fn inner(&self, a: &Curve<'_>, b: &Curve<'_>) -> f64 {
+        let span = a.span.start.max(b.span.start)..a.span.end.min(b.span.end);
+        let by = |row: &[f64]| row.iter().zip(&b.of_columns).map(|(entry, b)| entry * b).sum::<f64>();
+        let explained = self.inverse.iter().zip(&a.of_columns).map(|(row, a)| a * by(row)).sum::<f64>();
+        self.product(a.mm, b.mm, &span) - explained
+    }
+
+    fn square(&self, mm: &[f64]) -> f64 {
+        let curve = self.curve_of(mm);
+        self.inner(&curve, &curve)
     }
 
     /// Largest less smallest difference, mm.
@@ -86,13 +109,20 @@ impl Sight {
 
     /// χ² of the differences.
     pub(super) fn chi_square(&self) -> f64 {
-        self.inner(&self.rest_mm, &self.rest_mm)
+        self.square(&self.rest_mm)
     }
 
     /// χ² of an effect: how clearly it shows.
     pub(super) fn visible(&self, effect: &[f64]) -> f64 {
-        self.inner(effect, effect)
+        self.square(effect)
     }
+}
+
+/// A curve in mm that is 0 outside a span of strokes, with its weighted product with each column of a sight.
+struct Curve<'c> {
+    mm: &'c [f64],
+    span: Range<usize>,
+    of_columns: Vec<f64>,
 }
 
 /// Sizes that differ by less than this are the same: 0.02 µm.
@@ -114,6 +144,16 @@ impl Effects {
     /// The effect of an error of size 0.
     pub(super) fn none(sight: &Sight) -> Self {
         Self(vec![(0.0, vec![0.0; sight.strokes_mm.len()])])
+    }
+
+    /// The strokes outside which every effect is 0.
+    fn span(&self) -> Range<usize> {
+        let acting = self.0.iter().filter_map(|(_, effect)| {
+            let acts = |mm: &f64| *mm != 0.0;
+            Some((effect.iter().position(acts)?, effect.iter().rposition(acts)? + 1))
+        });
+        let span = acting.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        span.map_or(0..0, |(from, to)| from..to)
     }
 
     pub(super) fn insert(&mut self, size_mm: f64, effect: Vec<f64>) {
@@ -170,18 +210,23 @@ impl Effects {
     }
 
     /// The size that explains most between neighbouring solved sizes for which `is_tried` holds.
-    fn best_within(&self, sight: &Sight, is_tried: impl Fn(f64) -> bool) -> Explains {
+    fn best_within<'s>(&'s self, sight: &Sight, is_tried: impl Fn(f64) -> bool) -> Explains {
         let mut best = Explains { size_mm: 0.0, gain: 0.0 };
-        let all = sight.chi_square();
-        let pieces = self.0.iter().zip(self.0.iter().skip(1));
-        for ((from, a), (to, b)) in pieces.filter(|(from, to)| is_tried(from.0) && is_tried(to.0)) {
-            let rest: Vec<f64> = sight.rest_mm.iter().zip(a).map(|(rest, a)| rest - a).collect();
-            let along: Vec<f64> = a.iter().zip(b).map(|(a, b)| b - a).collect();
-            let (left, square) = (sight.inner(&rest, &along), sight.inner(&along, &along));
+        let (span, rest) = (self.span(), sight.curve_of(&sight.rest_mm));
+        let tried = self.0.iter().filter(|(size, _)| is_tried(*size));
+        let of = |(size, effect): &'s (f64, Vec<f64>)| {
+            let curve = sight.curve_within(effect, &span);
+            (*size, sight.inner(&rest, &curve), sight.inner(&curve, &curve), curve)
+        };
+        let tried: Vec<_> = tried.map(of).collect();
+        for (from, to) in tried.iter().zip(tried.iter().skip(1)) {
+            let both = sight.inner(&from.3, &to.3);
+            let left = to.1 - from.1 - both + from.2;
+            let square = to.2 - 2.0 * both + from.2;
             let share = if square > 0.0 { (left / square).clamp(0.0, 1.0) } else { 0.0 };
-            let gain = all - sight.inner(&rest, &rest) + share * (2.0 * left - share * square);
+            let gain = 2.0 * from.1 - from.2 + share * (2.0 * left - share * square);
             if gain > best.gain {
-                best = Explains { size_mm: from + share * (to - from), gain };
+                best = Explains { size_mm: from.0 + share * (to.0 - from.0), gain };
             }
         }
         best
@@ -201,7 +246,7 @@ impl Effects {
     pub(super) fn gain(&self, sight: &Sight, size_mm: f64) -> f64 {
         let rest = sight.rest_mm.iter().zip(self.of(size_mm)).map(|(rest, effect)| rest - effect);
         let rest: Vec<f64> = rest.collect();
-        sight.chi_square() - sight.inner(&rest, &rest)
+        sight.chi_square() - sight.square(&rest)
     }
 
     /// The effects at other strokes, where `moved` finds a curve that is known at those of the sight.

@@ -85,7 +85,7 @@ impl Search<'_> {
         let means = self.sight(&others, &self.means, false)?;
         let points = self.sight(&others, &self.points, false)?;
         let screened = self.screened(&others, &means, is_tried, watch)?;
-        let best = self.best(&others, (&means, &points), &screened, self.threshold);
+        let best = self.best(&others, (&means, &points), &screened, self.threshold)?;
         for (error, explains) in best.into_iter().take(TRIED) {
             let mut replaced = self.clone();
             replaced.errors.clone_from(&others);

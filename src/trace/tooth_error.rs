@@ -61,21 +61,23 @@ impl ToothError {
         rack.chain(of_pinion.flat_map(|tooth| of(Part::Pinion, tooth))).collect()
     }
 
-    /// Whether it can change ΔCD at a stroke: where its flanks can carry, and half a pitch beyond, because errors lengthen the
-    /// path of contact.
-    pub(super) fn acts_at(&self, pair: &Pair, stroke_mm: f64) -> bool {
+    /// Whether it can change ΔCD at a stroke, mm: where its flanks can carry, and half a pitch beyond, because errors lengthen
+    /// the path of contact.
+    pub(super) fn acts(self, pair: &Pair) -> impl Fn(f64) -> bool {
         const LONGER: f64 = 0.5;
-        let (at, reach) = (stroke_mm / pair.rack().pitch_mm, carrying_pitches(pair) + LONGER);
-        let tooth = self.tooth as f64;
-        match (self.part, self.kind) {
-            (Part::Rack, ToothErrorKind::Pitch) => at >= tooth - 0.5 - reach,
-            (Part::Rack, _) => (at - tooth).abs() <= reach,
-            (Part::Pinion, kind) => {
-                // pinion tooth j sits half a pitch after rack tooth j; the space after it lies half a pitch further
-                let (place, reach) = if kind == ToothErrorKind::Radial { (1.0, reach) } else { (0.5, reach + 0.5) };
-                let turn = f64::from(pair.pinion().teeth);
-                let apart = (at - tooth - place + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
-                apart.abs() <= reach
+        let (pitch, reach) = (pair.rack().pitch_mm, carrying_pitches(pair) + LONGER);
+        let (tooth, turn) = (self.tooth as f64, f64::from(pair.pinion().teeth));
+        move |stroke_mm| {
+            let at = stroke_mm / pitch;
+            match (self.part, self.kind) {
+                (Part::Rack, ToothErrorKind::Pitch) => at >= tooth - 0.5 - reach,
+                (Part::Rack, _) => (at - tooth).abs() <= reach,
+                (Part::Pinion, kind) => {
+                    // pinion tooth j sits half a pitch after rack tooth j; the space after it lies half a pitch further
+                    let (place, reach) = if kind == ToothErrorKind::Radial { (1.0, reach) } else { (0.5, reach + 0.5) };
+                    let apart = (at - tooth - place + 0.5 * turn).rem_euclid(turn) - 0.5 * turn;
+                    apart.abs() <= reach
+                }
             }
         }
     }

@@ -6,7 +6,9 @@ use files::utf16;
 use std::fmt::Write as _;
 use std::io::{Read as _, Write as _};
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
+
+use crate::process::{rackmesh, text, with_input};
 
 const SPEC: &str = "tests/specs/batch.toml";
 const TABLE: &str = "part_id,over_roller,dp [µm]\nP1,25.0131,10\nP2,25.0601,-5\nP3,24.98,0\n";
@@ -16,25 +18,7 @@ const ROWS: &str = "part_id,delta_cd_rack_over_roller_mm,delta_cd_rack_pitch_mm,
                     P3,-0.020000,0.000000,-0.020000,-0.020000,,,0.030000,pass,\n";
 
 fn batch(arguments: &[&str], input: &[u8]) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
-        .arg("batch")
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let mut stdin = child.stdin.take().expect("stdin is piped");
-    let input = input.to_vec();
-    // the program may refuse the input before it has read all of it
-    let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
-    let output = child.wait_with_output().expect("the program ends");
-    feeder.join().expect("the input is fed");
-    output
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("output is UTF-8")
+    with_input(&[&["batch"], arguments].concat(), input)
 }
 
 /// A file of its own for one test.
@@ -176,13 +160,7 @@ fn a_table_of_no_row_or_one_is_summed_up_in_plain_words() {
 #[test]
 #[cfg(unix)]
 fn ctrl_c_ends_with_what_is_there() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
-        .args(["batch", SPEC, "--summary", "--format", "json"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
+    let mut child = rackmesh(&["batch", SPEC, "--summary", "--format", "json"]).spawn().expect("the program starts");
     let mut stdin = child.stdin.take().expect("stdin is piped");
     let mut table = "part_id,over_roller,dp\n".to_owned();
     for row in 0..60_000 {
@@ -395,12 +373,8 @@ fn a_reader_that_has_seen_enough_changes_no_verdict() {
     for (last, status) in [("P,26,0\n", 1), ("P,x,0\n", 2), ("P,25,0\n", 0)] {
         std::fs::write(&table, rows.clone() + last).unwrap();
         let _ = std::fs::remove_file(&junit);
-        let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
-            .args(["batch", SPEC, &table, "--quiet", "--junit", &junit, "--rejects", &rejects])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
+        let arguments = ["batch", SPEC, &table, "--quiet", "--junit", &junit, "--rejects", &rejects];
+        let mut child = rackmesh(&arguments).spawn().expect("the program starts");
         drop(child.stdout.take());
         let ended = child.wait_with_output().expect("the program ends");
         assert_eq!(ended.status.code(), Some(status), "{}", text(&ended.stderr));

@@ -120,13 +120,16 @@ fn negative_quantities_are_values_and_no_flags() {
 }
 
 #[test]
-fn the_short_help_fits_a_screen_and_the_long_one_has_all() {
-    for name in commands().into_iter().map(|named| named.name).collect::<BTreeSet<_>>() {
-        let [short, long] = ["-h", "--help"].map(|flag| run(&[&name, flag], "").stdout);
-        assert!(short.lines().count() <= 40, "{name}: {} lines", short.lines().count());
+fn the_short_help_fits_a_screen_and_the_long_one_has_all_and_an_example() {
+    for Named { name, command } in commands() {
+        let path = if command.get_name() == name { name } else { format!("{name} {}", command.get_name()) };
+        let words: Vec<&str> = path.split(' ').collect();
+        let [short, long] = ["-h", "--help"].map(|flag| run(&[&words[..], &[flag]].concat(), "").stdout);
+        assert!(short.lines().count() <= 40, "{path}: {} lines", short.lines().count());
         assert!(short.contains("--help has all of it"), "{short}");
         let flags = |help: &str| help.matches("\n      --").count() + help.matches(", --").count();
-        assert!(flags(&long) > flags(&short), "{name}: {long}");
+        assert!(flags(&long) > flags(&short), "{path}: {long}");
+        assert!(long.contains(&format!("  rackmesh {path}")), "{path}: {long}");
     }
 }
 

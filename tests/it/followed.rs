@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::proposals::{Folder, SPEC, status};
+use crate::process::Folder;
+use crate::proposals::{SPEC, status};
 
 /// What a refusal says: how many things have no owner, the `[table]` that closes them, and the help.
 fn refused(said: &str) -> Option<(usize, String, String)> {
@@ -64,7 +65,7 @@ fn every_proposal_can_be_followed() {
     const STEERING: &str = "[pair]\nnormal_module = 1.9\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.7\n[errors]\n\
                             rack_over_roller = { nominal = 25 }\nrack_pitch = \"+12 um\"\n\
                             rack_lead = { f_h_beta = \"8 um\", length = 18 }\n[limits]\ncenter_distance = \"±0.5\"\n";
-    let folder = Folder::new("followed");
+    let folder = Folder::new("proposals-followed");
     let spec = folder.file("rack.toml", STEERING);
     for (at, table) in [
         "Rollenmaß [mm]\tTeilung [µm]\n25,011\t14,5\n",
@@ -106,7 +107,7 @@ fn every_proposal_can_be_followed() {
 /// The proposals say what a column can be, by its numbers and its unit.
 #[test]
 fn columns_are_proposed_as_what_they_can_be() {
-    let folder = Folder::new("kinds");
+    let folder = Folder::new("proposals-kinds");
     let text = SPEC.replace("[limits]", "rack_lead = { f_h_beta = \"8 um\", length = 18 }\n[limits]");
     let spec = folder.file("rack.toml", &text);
     let said = |table: &str, options: &[&str]| {
@@ -139,7 +140,7 @@ fn columns_are_proposed_as_what_they_can_be() {
 /// A measured curve whose headings are not known is closed by the lines that its refusal shows, and `read` knows those of known ones.
 #[test]
 fn a_curve_is_closed_by_its_roles() {
-    let folder = Folder::new("curve");
+    let folder = Folder::new("proposals-curve");
     let example = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).display().to_string();
     let (master, trace) = (example("master.toml"), example("trace.csv"));
     let text = std::fs::read_to_string(&master).unwrap();

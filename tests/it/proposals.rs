@@ -3,38 +3,17 @@
 mod details;
 mod kept;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::Output;
+
+use crate::process::{Folder, with_input};
 
 pub(crate) const SPEC: &str = "# drawing 4711\n[pair]\nnormal_module = 2\nnormal_pressure_angle = 20\n[errors]\n\
                     rack_over_roller = { nominal = 25 }   # as drawn\nrack_pitch = { u = \"0.5 um\" }\n[limits]\ncenter_distance = \"±0.5\"\n";
 const NAMES: &str = "Teil;Rollenmaß [mm];Teilungsabweichung Zahnstange [µm]";
 
-pub(crate) struct Folder(PathBuf);
-
-impl Folder {
-    pub(crate) fn new(name: &str) -> Self {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("proposals").join(name);
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    pub(crate) fn file(&self, name: &str, text: &str) -> String {
-        let path = self.0.join(name);
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rackmesh")).args(arguments).stdin(Stdio::null()).output().unwrap()
+    with_input(arguments, b"")
 }
 
 pub(crate) fn status(arguments: &[&str]) -> (i32, String) {
@@ -172,7 +151,7 @@ fn everyday() -> Vec<Export> {
 #[test]
 fn everyday_exports_are_closed_by_one_command() {
     for export in everyday() {
-        let folder = Folder::new(&export.what.replace(['=', ';'], "-"));
+        let folder = Folder::new(&format!("proposals-{}", export.what).replace(['=', ';'], "-"));
         let spec = folder.file("rack.toml", SPEC);
         let files: Vec<String> =
             export.files.iter().enumerate().map(|(at, text)| folder.file(&format!("lot{at}.csv"), text)).collect();
@@ -194,7 +173,7 @@ fn everyday_exports_are_closed_by_one_command() {
 
 #[test]
 fn a_contract_of_two_files_fits_the_next() {
-    let folder = Folder::new("third");
+    let folder = Folder::new("proposals-third");
     let spec = folder.file("rack.toml", SPEC);
     let file = |name: &str, who: &str| {
         folder.file(name, &format!("Prüfer: {who}\nWerk Ulm\nDatum: 1{}.03.2026\n{NAMES}\nP1;25,011;3,1\n", who.len()))
@@ -213,7 +192,7 @@ fn a_contract_of_two_files_fits_the_next() {
 
 #[test]
 fn yes_writes_what_is_exact_and_a_word_accepts_a_guess() {
-    let folder = Folder::new("yes");
+    let folder = Folder::new("proposals-yes");
     let text = SPEC.replace('\n', "\r\n");
     let spec = folder.file("rack.toml", &text);
     let file = folder
@@ -253,13 +232,13 @@ fn yes_writes_what_is_exact_and_a_word_accepts_a_guess() {
 #[test]
 fn what_may_decide_waits_for_a_person() {
     for texts in [["i.O.", "i.O."], ["ok", "Ausschuss"], ["i.O.", "n.i.O."]] {
-        let folder = Folder::new("decides");
+        let folder = Folder::new("proposals-decides");
         let table = format!("{NAMES};Bewertung\nP1;25,011;3,1;{}\nP2;25,004;-2,2;{}\n", texts[0], texts[1]);
         let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
         assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 2, "{texts:?}");
         assert_eq!(status(&["batch", &spec, &file]).0, 2, "{texts:?}");
     }
-    let folder = Folder::new("decided");
+    let folder = Folder::new("proposals-decided");
     let table = format!("{NAMES};Maschine\nP1;25,011;3,1;M3\nP2;25,004;-2,2;M3\n");
     let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
     let (code, said) = status(&["read", &file, &spec, "--write", "--yes", "--accept", "ignore=Maschine"]);
@@ -270,7 +249,7 @@ fn what_may_decide_waits_for_a_person() {
 /// A column that may be an error of the spec is left out by a person, and by nobody else.
 #[test]
 fn what_may_be_an_error_of_the_spec_waits_for_a_person() {
-    let folder = Folder::new("error");
+    let folder = Folder::new("proposals-error");
     let (spec, file) = (
         folder.file("rack.toml", SPEC),
         folder.file("a.csv", "Teil;Rollenmaß [mm];CHR_017;CHR_018\nP1;25,011;3,1;2,2\nP2;25,004;-2,2;0,4\n"),
@@ -302,7 +281,7 @@ fn what_may_be_an_error_of_the_spec_waits_for_a_person() {
 /// Nobody writes more rules than a person reads.
 #[test]
 fn a_thousand_rules_are_the_most() {
-    let folder = Folder::new("rules");
+    let folder = Folder::new("proposals-rules");
     let file = folder.file("a.csv", &format!("{NAMES}\nP1;25,011;3,1\n"));
     for list in ["ignore", "ignore_lines", "comments"] {
         let rules = |count: usize| {
@@ -318,7 +297,7 @@ fn a_thousand_rules_are_the_most() {
 /// A spec that ends without a line end still does.
 #[test]
 fn a_spec_ends_as_it_did() {
-    let folder = Folder::new("end");
+    let folder = Folder::new("proposals-end");
     let file = folder.file("a.csv", &format!("{NAMES};Temp\nP1;25,011;3,1;20,1\n"));
     for text in [SPEC.trim_end().to_owned(), SPEC.to_owned(), format!("{SPEC}\n[table]\nignore = []")] {
         let spec = folder.file("rack.toml", &text);
@@ -332,8 +311,8 @@ fn a_spec_ends_as_it_did() {
 /// What was said of a workbook or a text on the command line stands in the contract, too.
 #[test]
 fn where_the_table_stands_is_written() {
-    let folder = Folder::new("where");
-    let (spec, file) = (folder.file("rack.toml", SPEC), folder.0.join("lot.xlsx").display().to_string());
+    let folder = Folder::new("proposals-where");
+    let (spec, file) = (folder.file("rack.toml", SPEC), folder.path("lot.xlsx"));
     let mut book = rust_xlsxwriter::Workbook::new();
     book.add_worksheet().set_name("Deckblatt").unwrap().write_string(0, 0, "Auftrag 7").unwrap();
     let sheet = book.add_worksheet().set_name("Lot").unwrap();
@@ -373,7 +352,7 @@ fn roles_of_characteristics_and_teeth_are_written() {
             &["space = \"Lücke\"", "over_pin = { name = \"over_pin_deviation\", unit = \"µm\" }"],
         ),
     ] {
-        let folder = Folder::new("roles");
+        let folder = Folder::new("proposals-roles");
         let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", table));
         let written = || std::fs::read_to_string(&spec).unwrap();
         let write = || assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 0, "{table}");
@@ -390,7 +369,7 @@ fn roles_of_characteristics_and_teeth_are_written() {
 /// The remedy of a row that is no part is whole: with it the next run has a verdict.
 #[test]
 fn the_remedy_of_a_row_closes_it() {
-    let folder = Folder::new("remedy");
+    let folder = Folder::new("proposals-remedy");
     let table = "part_id,rack_over_roller,rack_pitch\nP1,25.011,0.0031\nMittelwert,25.011,0.0031\nMax,,\n";
     let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", table));
     let (code, said) = status(&["batch", &spec, &file]);

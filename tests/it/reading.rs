@@ -1,58 +1,16 @@
 //! Nothing that looks like a measured value vanishes: each of these tables was once read in part and passed, or read in two
 //! ways by two commands.
 
-use std::io::Write as _;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
+
+use crate::process::{Folder, with_input as run};
 
 /// examples/batch.toml without its `[table.columns]`.
 fn spec(folder: &Folder) -> String {
     let example = std::fs::read_to_string("examples/batch.toml").unwrap();
     let (before, _) = example.split_once("[table.columns]").unwrap();
     folder.file("bn.toml", before.as_bytes())
-}
-
-/// A folder of its own for one test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("reading").join(name);
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn file(&self, name: &str, bytes: &[u8]) -> String {
-        std::fs::write(self.0.join(name), bytes).unwrap();
-        self.path(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn run(arguments: &[&str], input: &[u8]) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let input = input.to_vec();
-    let feeder = std::thread::spawn(move || drop(stdin.write_all(&input)));
-    let output = child.wait_with_output().unwrap();
-    feeder.join().unwrap();
-    output
 }
 
 fn said(output: &Output) -> String {
@@ -67,7 +25,7 @@ fn status(arguments: &[&str], input: &[u8]) -> (Option<i32>, String) {
 
 #[test]
 fn one_cell_is_one_number_in_every_command() {
-    let folder = Folder::new("numbers");
+    let folder = Folder::new("reading-numbers");
     let spec = folder
         .file("spec.toml", b"[pair]\nnormal_pressure_angle = 45\n[limits]\nrack_pitch = { lower = -10, upper = 10 }\n");
     // 1012 µm / (2 tan 45°)
@@ -95,7 +53,7 @@ fn one_cell_is_one_number_in_every_command() {
 
 #[test]
 fn no_parts_are_no_pass() {
-    let folder = Folder::new("none");
+    let folder = Folder::new("reading-none");
     let spec = spec(&folder);
     for table in ["part_id,rack_over_roller,pinion_radial\n", ""] {
         for command in ["batch", "paste"] {
@@ -107,7 +65,7 @@ fn no_parts_are_no_pass() {
 
 #[test]
 fn outputs_destroy_nothing() {
-    let folder = Folder::new("outputs");
+    let folder = Folder::new("reading-outputs");
     let spec = spec(&folder);
     let table = b"part_id,rack_over_roller,pinion_radial\nP1,25.001,8.501\n";
     let file = folder.file("lot.csv", table);
@@ -154,7 +112,7 @@ fn outputs_destroy_nothing() {
 
 #[test]
 fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
-    let folder = Folder::new("lacking");
+    let folder = Folder::new("reading-lacking");
     let text = "[errors]\nrack_over_roller = { nominal = 25 }\npinion_radial = \"4 um\"\n[limits]\ncenter_distance = { lower = -0.1, upper = 0.1 }\n";
     let spec = folder.file("spec.toml", text.as_bytes());
     let table = b"part_id,rack_over_roller\nP1,25.001\n";
@@ -187,7 +145,7 @@ fn what_the_spec_asks_for_and_the_table_lacks_leaves_the_sum_open() {
 
 #[test]
 fn measured_teeth_replace_the_deviations_of_the_spec() {
-    let folder = Folder::new("teeth");
+    let folder = Folder::new("reading-teeth");
     let mesh = std::fs::read_to_string("examples/mesh.toml").unwrap();
     let spec = folder.file("mesh.toml", mesh.as_bytes());
     let row = |part: &str, space: i64| format!("{part},{space},{}\n", 10 + space);
@@ -221,7 +179,7 @@ fn measured_teeth_replace_the_deviations_of_the_spec() {
 
 #[test]
 fn a_part_that_fails_counts_more_than_a_limit_that_is_not_judged() {
-    let folder = Folder::new("order");
+    let folder = Folder::new("reading-order");
     let spec = folder.file(
         "s.toml",
         b"[errors]\nrack_over_roller = { nominal = 25 }\n[limits]\ncenter_distance = { lower = -0.03, upper = 0.03 }\n\
@@ -244,7 +202,7 @@ const MEASURED_RACK: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 
 
 #[test]
 fn a_table_that_the_spec_names_is_read_aloud() {
-    let folder = Folder::new("named-table");
+    let folder = Folder::new("reading-named-table");
     let spec = folder.file("spec.toml", MEASURED_RACK.as_bytes());
     folder.file("rack.csv", "space;over_pin_deviation [µm]\n0;0\n1;1\n2;2\n3;0\n4;1\n5;2\n6;0\n7;1\n8;2\n".as_bytes());
     for command in ["eval", "mesh", "simulate"] {
@@ -263,7 +221,7 @@ fn a_table_that_the_spec_names_is_read_aloud() {
 /// Names with escape sequences, in a file of a few lines, are names.
 #[test]
 fn control_characters_of_names_are_read() {
-    let folder = Folder::new("control");
+    let folder = Folder::new("reading-control");
     let spec = folder
         .file("s.toml", b"[errors]\nrack_over_roller = { nominal = 25.0 }\n[limits]\ncenter_distance = \"+-0.1\"\n");
     let table =
@@ -280,7 +238,7 @@ fn control_characters_of_names_are_read() {
 /// What a pattern or the rule for all others must not leave out.
 #[test]
 fn a_rule_for_many_columns_takes_no_known_heading() {
-    let folder = Folder::new("known");
+    let folder = Folder::new("reading-known");
     let with = |name: &str, rule: &str| {
         let text = format!(
             "[errors]\nrack_over_roller = {{ nominal = 25.0 }}\n[limits]\ncenter_distance = \"±0.1\"\n[table]\n{rule}\n"
@@ -303,7 +261,7 @@ fn a_rule_for_many_columns_takes_no_known_heading() {
 /// A refusal is short, whatever is refused.
 #[test]
 fn a_refusal_shows_the_first_of_many_and_no_long_text() {
-    let folder = Folder::new("short");
+    let folder = Folder::new("reading-short");
     let spec = folder.file("s.toml", b"[errors]\nrack_over_roller = { nominal = 25.0 }\n");
     let long = "x".repeat(200_000);
     let (heading, unit) =
@@ -328,7 +286,7 @@ fn a_refusal_shows_the_first_of_many_and_no_long_text() {
 /// A heading or a characteristic that is too long to be read is no nameless one: no rule leaves it out.
 #[test]
 fn no_rule_leaves_out_what_is_too_long_to_be_read() {
-    let folder = Folder::new("long");
+    let folder = Folder::new("reading-long");
     let long = "x".repeat(1001);
     for (rule, name) in [("", "nameless.toml"), (&long[..], "named.toml")] {
         let spec = format!("[errors]\nrack_over_roller = {{ nominal = 25.0 }}\n[table]\nignore = [\"{rule}\"]\n");

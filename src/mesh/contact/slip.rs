@@ -34,17 +34,20 @@ impl FlankContact {
     /// The normal, mirrored if it is that of a left flank: by the demand's derivatives, so that edges and corners have theirs.
     pub(in crate::mesh) fn normal(&self, pose: &Pose, touch: &Touch) -> Normal {
         let (plane, across) = (&self.flank, &self.across);
-        let rate = |shift: f64, across: f64| {
-            let moved = PoseRates { shift, across: [across, 0.0] };
-            match (touch.spot.kind, touch.at_rack_edge) {
-                (ContactKind::Corner, true) => self.rack_corner_rate(pose, &touch.spot, [shift, across]),
-                (ContactKind::Corner, false) => self.corner_rate(pose, &touch.spot, [shift, across]),
-                _ => self.roll_rate(pose, touch, &RollRates::default(), &moved)[0],
-            }
-        };
+        let rate = |shift: f64, across: f64| self.rate_of_place(pose, touch, [shift, across]);
         Normal {
             along: rate(plane.t * across.w - plane.w * across.t, 0.0),
             across: rate(plane.t * across.t + plane.w * across.w, -1.0),
+        }
+    }
+
+    /// How the demand changes as `shift` and `across` of its pose do.
+    pub(in crate::mesh) fn rate_of_place(&self, pose: &Pose, touch: &Touch, [shift, across]: [f64; 2]) -> f64 {
+        let moved = PoseRates { shift, across: [across, 0.0] };
+        match (touch.spot.kind, touch.at_rack_edge) {
+            (ContactKind::Corner, true) => self.rack_corner_rate(pose, &touch.spot, [shift, across]),
+            (ContactKind::Corner, false) => self.corner_rate(pose, &touch.spot, [shift, across]),
+            _ => self.roll_rate(pose, touch, &RollRates::default(), &moved)[0],
         }
     }
 

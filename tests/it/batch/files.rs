@@ -170,13 +170,7 @@ fn a_junit_report_counts_parts() {
 
 #[test]
 fn a_field_of_100_mb_is_refused_in_little_memory() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_rackmesh"))
-        .args(["batch", SPEC])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
+    let mut child = rackmesh(&["batch", SPEC]).spawn().expect("the program starts");
     let mut stdin = child.stdin.take().expect("stdin is piped");
     stdin.write_all(TABLE.as_bytes()).unwrap();
     stdin.write_all(b"P4,\"").unwrap();

@@ -1,11 +1,12 @@
 //! Columns that a page shows.
 
-use super::{Folder, NAMES, SPEC, block, status};
+use super::{NAMES, SPEC, block, status};
+use crate::process::Folder;
 
 /// A column called by the key of a page's detail is proposed as that; one of dates may be its date. A contract keeps its own.
 #[test]
 fn columns_that_a_page_shows_are_proposed_as_such() {
-    let folder = Folder::new("details");
+    let folder = Folder::new("proposals-details");
     let table = format!(
         "{NAMES};Drawing;Datum\nP1;25,011;3,1;4711-1;2026-11-03\nP2;25,004;-2,2;4711-2;2026-11-04\nP3;25,002;1,2;4712;2026-11-04\n"
     );
@@ -43,7 +44,7 @@ fn columns_that_a_page_shows_are_proposed_as_such() {
 /// A title of a few cells above the table is no heading, and of a line of units only what is no unit is told.
 #[test]
 fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
-    let folder = Folder::new("title");
+    let folder = Folder::new("proposals-title");
     let spec = folder.file("spec.toml", SPEC);
     let table = |headings: &str, units: &str| {
         let title = "Messprotokoll Zahnstange;Datum: 14.11.2026;Prüfer: K. Huber\n";
@@ -72,7 +73,7 @@ fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
 /// Where most rows cannot be read, as without a nominal value, they are not said to be left out: why they are no parts is.
 #[test]
 fn rows_that_cannot_be_read_are_not_proposed_to_be_left_out() {
-    let folder = Folder::new("unreadable");
+    let folder = Folder::new("proposals-unreadable");
     let spec = folder.file("spec.toml", &SPEC.replace("{ nominal = 25 }   # as drawn", "0"));
     let rows = "ZS-1;25,0046;6,3\nZS-2;25,0100;-1,3\nZS-3;25,0154;0,8\nStd.-Abw.;0,0062;4,9\n";
     let lot = folder.file("lot.csv", &format!("{NAMES}\n{rows}"));

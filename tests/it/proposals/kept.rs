@@ -1,6 +1,7 @@
 //! What a person declared stays, and what stands in the way is told in one go.
 
-use super::{Folder, NAMES, SPEC, block, run, status};
+use super::{NAMES, SPEC, block, run, status};
+use crate::process::Folder;
 
 const GEAR: &str = "[pair]\nnormal_module = 1.9\nnormal_pressure_angle = 20\n[rack]\nface_width = 19.7\n[pinion]\nteeth = 7\n\
                     helix_angle = 25\n[limits]\ncenter_distance = { lower = -0.05, upper = 0.06 }\n";
@@ -8,7 +9,7 @@ const GEAR: &str = "[pair]\nnormal_module = 1.9\nnormal_pressure_angle = 20\n[ra
 /// A block that takes the place of the contract judges as that contract does.
 #[test]
 fn a_pasted_block_judges_as_the_contract_did() {
-    let folder = Folder::new("pasted");
+    let folder = Folder::new("proposals-pasted");
     let columns = "[table.columns]\npart_id = \"Id\"\nrack_over_roller = { name = \"M\", unit = \"mm\", nominal = 25.0, extent = \"one\" }\n\
                    rack_lead = { name = \"fHb\", unit = \"um\", length = 5 }\n";
     let spec = folder.file("rack.toml", &format!("{GEAR}{columns}"));
@@ -24,7 +25,7 @@ fn a_pasted_block_judges_as_the_contract_did() {
 /// A contract in a file of its own is written there.
 #[test]
 fn a_layout_is_written_where_it_stands() {
-    let folder = Folder::new("layout");
+    let folder = Folder::new("proposals-layout");
     let spec = folder.file("rack.toml", GEAR);
     let layout = folder.file(
         "layout.toml",
@@ -42,7 +43,7 @@ fn a_layout_is_written_where_it_stands() {
 /// Where units come per row, no unit is written for the column, and the account says where they come from.
 #[test]
 fn units_of_rows_stay_units_of_rows() {
-    let folder = Folder::new("units-of-rows");
+    let folder = Folder::new("proposals-units-of-rows");
     let table = "part,rack_pitch,unit\nA,8,µm\nB,0.008,mm\n";
     for (columns, written) in [
         ("[table.columns]\nrack_pitch = { units = \"unit\" }\n", "rack_pitch = { units = \"unit\" }\n"),
@@ -63,7 +64,7 @@ fn units_of_rows_stay_units_of_rows() {
 /// One number that cannot be read hides nothing.
 #[test]
 fn guesses_rest_on_rows_that_can_be_read() {
-    let folder = Folder::new("unreadable");
+    let folder = Folder::new("proposals-unreadable");
     let spec = folder.file("rack.toml", SPEC);
     let file = folder.file("a.csv", "Teil;Rollenmaß\nA;25,011\nB;25,0o1\nC;25,012\nA;25,013\n");
     let (_, said) = status(&["read", &file, &spec]);
@@ -76,7 +77,7 @@ fn guesses_rest_on_rows_that_can_be_read() {
 /// Characteristics that a rule leaves out are in the account one by one, as columns are, and so are the columns of their table.
 #[test]
 fn what_a_rule_leaves_out_is_in_the_account() {
-    let folder = Folder::new("left-out");
+    let folder = Folder::new("proposals-left-out");
     let file = folder.file(
         "a.csv",
         "Teil;Merkmal;Ist;Soll;Einheit;Prüfer\nA;Härte;41;40;HRC;Huber\nA;Rollenmaß;25,013;25,000;mm;Huber\n\
@@ -99,7 +100,7 @@ fn what_a_rule_leaves_out_is_in_the_account() {
 /// The account has every column and every characteristic.
 #[test]
 fn every_column_is_in_the_account() {
-    let folder = Folder::new("account");
+    let folder = Folder::new("proposals-account");
     let spec = folder.file("rack.toml", SPEC);
     let file =
         folder.file("a.csv", "Teil: 0417\nMerkmal;Ist;Soll;Einheit\nRollenmaß;25,013;25,000;mm\nHärte;4,2;0;µm\n");
@@ -118,7 +119,7 @@ fn every_column_is_in_the_account() {
 /// A column that is gone has no substitute: only the difference is told. No rule for lines leaves no part.
 #[test]
 fn no_proposal_throws_checks_away() {
-    let folder = Folder::new("checks");
+    let folder = Folder::new("proposals-checks");
     let spec = folder.file(
         "rack.toml",
         &format!("{GEAR}[table.columns]\npart_id = \"Id\"\nrack_pitch = {{ name = \"Rack pitch\", unit = \"um\" }}\n"),
@@ -136,7 +137,7 @@ fn no_proposal_throws_checks_away() {
 /// Columns beside a value are proposed as what their numbers are, and not left out.
 #[test]
 fn numbers_beside_values_are_proposed_as_such() {
-    let folder = Folder::new("beside");
+    let folder = Folder::new("proposals-beside");
     let spec = folder.file("rack.toml", SPEC);
     let of = |table: &str| block(&[&folder.file("a.csv", table)], &spec);
     let rows = "P1;25,004;25,000;0,004\nP2;25,010;25,000;0,010\nP3;25,020;25,000;0,020\n";
@@ -150,7 +151,7 @@ fn numbers_beside_values_are_proposed_as_such() {
 /// Rejected lines that may be no parts are left out by one list, which also names those of which only the name is there.
 #[test]
 fn one_list_leaves_out_what_is_no_part() {
-    let folder = Folder::new("one-list");
+    let folder = Folder::new("proposals-one-list");
     let spec = folder.file("rack.toml", SPEC);
     let table = format!("{NAMES}\nP1;25,011;3,1\nP2;25,004;-2,2\nMittelwert;25,008;0,5\nCpk;1,45;\ngeprüft: Huber\n");
     let (code, said) = status(&["batch", &spec, &folder.file("a.csv", &table)]);
@@ -164,7 +165,7 @@ fn one_list_leaves_out_what_is_no_part() {
 /// What a hint says closes the table.
 #[test]
 fn hints_close() {
-    let folder = Folder::new("hints");
+    let folder = Folder::new("proposals-hints");
     let spec = folder.file("rack.toml", SPEC);
     let file = folder.file("a.txt", "25.011 0.0042\n25.012 0.0032\n");
     let given = "rack_over_roller[mm],rack_pitch[mm]";
