@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 thread_local! {
     /// Whether this thread works beside others.
@@ -17,6 +17,11 @@ pub(crate) fn cores() -> usize {
         return 1;
     }
     *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// A lock that outlives a panic of another thread, which itself ends the program where a panic aborts.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Calls `make` for each number below `count`, on at most `threads` threads. `start` makes the state that a thread keeps

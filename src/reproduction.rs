@@ -8,7 +8,7 @@
 //! other data are those of one pair, found by a search for the multibody column of Table 1 ([`pair`]). Its accumulated pitch
 //! errors agree with that column to 1.6 µm rms. The agreement confirms nothing: other pairs fit as well.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use crate::deviation::{
     DeviationError, DeviationValue, FIRST_ODD_TOOTH, PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks,
@@ -223,7 +223,7 @@ pub fn simulate_all(watch: &(dyn Fn(f64) + Sync)) -> Vec<Result<SimulatedRow, Re
     distinct.sort_by_key(|index| PRINTED[*index].table != PaperTable::Lead);
     let done = Mutex::new(0.0);
     let add = |share: f64| {
-        let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut done = parallel::lock(&done);
         *done += share / distinct.len() as f64;
         watch(*done);
     };

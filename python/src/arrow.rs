@@ -8,11 +8,12 @@ use arrow_array::types::{
     Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
 use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, RecordBatch, StringArray};
-use arrow_buffer::{Buffer, NullBuffer, OffsetBuffer, ScalarBuffer};
+use arrow_buffer::{Buffer, NullBuffer, OffsetBuffer, ToByteSlice as _};
 use arrow_cast::cast;
 use arrow_cast::display::{ArrayFormatter, FormatOptions};
 use arrow_schema::{ArrowError, DataType, Field, Schema};
-use rackmesh::batch::{ColumnKind, ResultColumns, ResultValues};
+use bytes::Bytes;
+use rackmesh::batch::{ColumnEvaluator, ColumnKind, ResultColumns, ResultValues};
 use rackmesh::table::Stored;
 
 /// An array of a type that stored columns have: dictionaries and views are cast to their values.
@@ -104,17 +105,57 @@ pub(crate) fn schema(columns: &[(String, ColumnKind)]) -> Schema {
     Schema::new(columns.iter().map(field).collect::<Vec<_>>())
 }
 
-/// Results as a record batch.
-pub(crate) fn batch(columns: &[(String, ColumnKind)], results: ResultColumns) -> Result<RecordBatch, ArrowError> {
+/// Results that arrays of Python hold; once the last is gone, the evaluator that made them takes them back, if there is one.
+struct Lent {
+    results: ResultColumns,
+    evaluator: Option<Arc<ColumnEvaluator>>,
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        if let Some(evaluator) = &self.evaluator {
+            evaluator.take_back(std::mem::take(&mut self.results));
+        }
+    }
+}
+
+/// The bytes of a column of lent results: its values, or where its texts end.
+struct Part {
+    lent: Arc<Lent>,
+    column: usize,
+    is_ends: bool,
+}
+
+impl AsRef<[u8]> for Part {
+    fn as_ref(&self) -> &[u8] {
+        match &self.lent.results.columns[self.column].values {
+            ResultValues::Numbers(values) => values.to_byte_slice(),
+            ResultValues::Texts { ends, .. } if self.is_ends => ends.to_byte_slice(),
+            ResultValues::Texts { bytes, .. } => bytes,
+            _ => &[],
+        }
+    }
+}
+
+/// Results as a record batch. Their memory goes back to the evaluator that made them, if there is one.
+pub(crate) fn batch(
+    columns: &[(String, ColumnKind)],
+    results: ResultColumns,
+    evaluator: Option<Arc<ColumnEvaluator>>,
+) -> Result<RecordBatch, ArrowError> {
+    let lent = Arc::new(Lent { results, evaluator });
+    let buffer = |column: usize, is_ends: bool| {
+        Buffer::from(Bytes::from_owner(Part { lent: Arc::clone(&lent), column, is_ends }))
+    };
     let mut arrays: Vec<ArrayRef> = Vec::with_capacity(columns.len());
-    for column in results.columns {
-        let nulls = column.has_value.map(NullBuffer::from).filter(|nulls| nulls.null_count() > 0);
-        arrays.push(match column.values {
-            ResultValues::Numbers(values) => Arc::new(Float64Array::try_new(values.into(), nulls)?),
-            ResultValues::Flags(values) => Arc::new(BooleanArray::new(values.into(), nulls)),
-            ResultValues::Texts { bytes, ends } => {
-                let offsets = OffsetBuffer::new(ScalarBuffer::from(ends));
-                Arc::new(StringArray::try_new(offsets, Buffer::from_vec(bytes), nulls)?)
+    for (index, column) in lent.results.columns.iter().enumerate() {
+        let nulls = column.has_value.as_deref().map(NullBuffer::from).filter(|nulls| nulls.null_count() > 0);
+        arrays.push(match &column.values {
+            ResultValues::Numbers(_) => Arc::new(Float64Array::try_new(buffer(index, false).into(), nulls)?),
+            ResultValues::Flags(values) => Arc::new(BooleanArray::new(values.as_slice().into(), nulls)),
+            ResultValues::Texts { .. } => {
+                let offsets = OffsetBuffer::new(buffer(index, true).into());
+                Arc::new(StringArray::try_new(offsets, buffer(index, false), nulls)?)
             }
             _ => return Err(ArrowError::NotYetImplemented("a kind of results".to_owned())),
         });

@@ -38,7 +38,7 @@ struct Asked {
 pub(crate) struct Plan {
     spec: Py<Spec>,
     asked: Asked,
-    evaluator: ColumnEvaluator,
+    evaluator: Arc<ColumnEvaluator>,
 }
 
 /// Rows that are worth a thread of their own.
@@ -109,7 +109,7 @@ impl Plan {
         let judged =
             py.detach(|| rackmesh::cli::judged_spec(held, settings)).map_err(|problems| raised(py, &problems))?;
         let request = asked.request(judged.get(keys::DECISION_RULE))?;
-        let evaluator = ColumnEvaluator::new(&Arc::new(judged), &asked.ignore, request);
+        let evaluator = Arc::new(ColumnEvaluator::new(&Arc::new(judged), &asked.ignore, request));
         Ok(Self { spec, asked, evaluator })
     }
 
@@ -159,7 +159,7 @@ impl Plan {
             };
             let EvaluatedColumns { columns, results, .. } =
                 Self::with_columns(batch, *before, |piece| self.evaluator.evaluate_while(piece, goes_on))?;
-            Ok(arrow::batch(&columns, results)?)
+            Ok(arrow::batch(&columns, results, Some(Arc::clone(&self.evaluator)))?)
         };
         std::thread::scope(|scope| {
             let mut of_worker: Vec<Vec<_>> = (0..workers).map(|_| Vec::new()).collect();

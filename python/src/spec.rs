@@ -63,7 +63,7 @@ fn answered<'py>(
     let Answer { json, markdown, svg, table, warnings, remarks, status } =
         answered.map_err(|problems| raised(py, &problems))?;
     let warnings: Vec<_> = warnings.iter().map(|warning| diagnostic(py, warning)).collect::<PyResult<_>>()?;
-    let batch = table.map(|ColumnTable { columns, results }| arrow::batch(&columns, results)).transpose();
+    let batch = table.map(|ColumnTable { columns, results }| arrow::batch(&columns, results, None)).transpose();
     let batch = batch.map_err(|error| PyValueError::new_err(error.to_string()))?.map(PyRecordBatch::new);
     let answer = py.import("rackmesh._types")?.getattr("Answer")?;
     answer.call1((command, as_python(py, &json)?, markdown, svg, warnings, remarks, status, batch))

@@ -79,6 +79,21 @@ def test_threads_and_pieces_change_nothing() -> None:
     assert plan(threads=3).evaluate(pieces).combine_chunks().equals(one.combine_chunks())
 
 
+def test_results_stay_as_long_as_they_are_held() -> None:
+    table, of_lot = parts(5000).combine_chunks(), plan()
+    [batch] = table.to_batches()
+    first = of_lot.evaluate(batch)
+    expected = first.to_pylist()
+    of_lot.evaluate(batch.slice(2500))
+    column = first["verdict"].slice(10)
+    verdicts = column.to_pylist()
+    assert first.to_pylist() == expected
+    del first
+    # the memory of the others is used again
+    of_lot.evaluate(batch.slice(1000))
+    assert column.to_pylist() == verdicts
+
+
 def test_types_of_numbers() -> None:
     doubles = plan().evaluate(parts(100)).to_pydict()
     for convert in (

@@ -72,18 +72,36 @@ pub enum ResultValues {
 impl ResultColumns {
     /// Empty columns of these kinds, with room for so many rows.
     pub(super) fn new(kinds: impl IntoIterator<Item = ColumnKind>, room: usize) -> Self {
-        let ends = || {
-            let mut ends = Vec::with_capacity(room + 1);
+        Self::default().emptied(kinds, room)
+    }
+
+    /// Empty columns of these kinds with room for so many rows, in the memory of these where they fit.
+    pub(super) fn emptied(self, kinds: impl IntoIterator<Item = ColumnKind>, room: usize) -> Self {
+        let mut spare = self.columns.into_iter().map(|column| column.values);
+        let texts = |bytes: Vec<u8>, ends: Vec<i32>| {
+            let mut ends = emptied(ends, room + 1);
             ends.push(0);
-            ends
+            ResultValues::Texts { bytes: emptied(bytes, room * SHORT), ends }
         };
-        let values = |kind| match kind {
-            ColumnKind::Text => ResultValues::Texts { bytes: Vec::with_capacity(room * SHORT), ends: ends() },
-            ColumnKind::Number => ResultValues::Numbers(Vec::with_capacity(room)),
-            ColumnKind::Flag => ResultValues::Flags(Vec::with_capacity(room)),
+        let values = |kind| match (kind, spare.next()) {
+            (ColumnKind::Text, Some(ResultValues::Texts { bytes, ends })) => texts(bytes, ends),
+            (ColumnKind::Text, _) => texts(Vec::new(), Vec::new()),
+            (ColumnKind::Number, Some(ResultValues::Numbers(values))) => ResultValues::Numbers(emptied(values, room)),
+            (ColumnKind::Number, _) => ResultValues::Numbers(Vec::with_capacity(room)),
+            (ColumnKind::Flag, _) => ResultValues::Flags(Vec::with_capacity(room)),
         };
-        let column = |kind| ResultColumn { has_value: None, values: values(kind) };
-        Self { columns: kinds.into_iter().map(column).collect(), rows: 0 }
+        let columns = kinds.into_iter().map(values).map(|values| ResultColumn { has_value: None, values });
+        Self { columns: columns.collect(), rows: 0 }
+    }
+
+    /// How many bytes of memory the values take.
+    pub(super) fn room_bytes(&self) -> usize {
+        let of_column = |column: &ResultColumn| match &column.values {
+            ResultValues::Texts { bytes, ends } => bytes.capacity() + ends.capacity() * size_of::<i32>(),
+            ResultValues::Numbers(values) => values.capacity() * size_of::<f64>(),
+            ResultValues::Flags(values) => values.capacity(),
+        };
+        self.columns.iter().map(of_column).sum()
     }
 
     /// Adds a row.
@@ -179,22 +197,27 @@ impl ResultColumn {
         }
     }
 
-    /// Adds a row with the text that is appended.
+    /// Adds rows with the texts that are appended.
     #[inline]
-    pub(super) fn push_text(&mut self, append: impl FnOnce(&mut Vec<u8>)) {
-        self.begin(1, true);
+    pub(super) fn extend_texts<R>(&mut self, rows: impl ExactSizeIterator<Item = R>, append: impl Fn(R, &mut Vec<u8>)) {
+        self.begin(rows.len(), true);
         if let ResultValues::Texts { bytes, ends } = &mut self.values {
-            append(bytes);
-            ends.push(end_of(bytes));
+            ends.extend(rows.map(|row| {
+                append(row, bytes);
+                end_of(bytes)
+            }));
         }
     }
 
-    /// Adds a row with these words, if there are any.
-    #[inline]
-    pub(super) fn push_words(&mut self, words: Option<&str>) {
-        match words {
-            Some(words) => self.push_text(|bytes| bytes.extend_from_slice(words.as_bytes())),
-            None => self.push(&ResultCell::Nothing, Decimals::Full),
+    /// Adds so many rows with the same words, if there are any.
+    pub(super) fn extend_words(&mut self, words: Option<&str>, rows: usize) {
+        self.begin(rows, words.is_some());
+        if let ResultValues::Texts { bytes, ends } = &mut self.values {
+            let words = words.unwrap_or_default();
+            ends.extend((0..rows).map(|_| {
+                bytes.extend_from_slice(words.as_bytes());
+                end_of(bytes)
+            }));
         }
     }
 
@@ -221,6 +244,13 @@ impl ResultColumn {
 
 /// Bytes of a short text, such as a name or a verdict.
 const SHORT: usize = 8;
+
+/// The same memory without values, with room for so many.
+fn emptied<T>(mut values: Vec<T>, room: usize) -> Vec<T> {
+    values.clear();
+    values.reserve(room);
+    values
+}
 
 /// Where texts end. Whoever gathers more than [`i32::MAX`] bytes of them refuses them.
 #[inline]

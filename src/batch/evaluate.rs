@@ -141,15 +141,19 @@ impl<'a> Evaluator<'a> {
 
     /// Takes the results of a block, of whose rows this is the first.
     fn take(&mut self, results: &Results<'_>, columns: &[Cow<'_, DeviationValues>], first: Row<'_>) {
+        let Request { lists_parts, failures_kept, statistics, .. } = self.plan.request;
+        let may_keep = lists_parts || failures_kept > 0 || statistics;
         for rows in results.runs() {
             let refused = rows.end;
-            let is_at_once = self.is_written_at_once(first.block, results, &rows);
-            if is_at_once {
+            if self.is_written_at_once(first.block, results, &rows) {
                 self.write_no_parts(first.block, first.block.records[rows.start] - 1);
                 self.written.parts(first, results, rows.clone());
+            } else {
+                rows.clone().for_each(|index| self.write_part(Row { index, ..first }, results));
             }
-            for index in rows {
-                self.take_part(Row { index, ..first }, results, columns, is_at_once);
+            self.count(results, &rows);
+            for index in rows.filter(|_| may_keep) {
+                self.keep_part(Row { index, ..first }, results, columns);
             }
             if let Some(refusal) = results.refusals.get(&refused) {
                 self.refuse(Row { index: refused, ..first }, refusal);
@@ -169,27 +173,30 @@ impl<'a> Evaluator<'a> {
             && (wanted != Rows::Every || last - first + 1 == records.len() as u64)
     }
 
-    /// Takes a part, which may be written already.
+    /// Counts parts.
+    fn count(&mut self, results: &Results<'_>, rows: &Range<usize>) {
+        let Tally { counts, settings, .. } = &mut self.tally;
+        counts.rows += rows.len() as u64;
+        results.verdicts[rows.clone()].iter().for_each(|verdict| counts.judge(*verdict));
+        counts.fail_by_status += results.failed_by_status(rows);
+        counts.meshed += results.judged_by_mesh(rows);
+        let known = rows.clone().filter_map(|row| results.yoke(row)?.settings_known());
+        known.for_each(|known| settings.add(known));
+    }
+
+    /// Writes a part, if its verdict is wanted.
     #[inline]
-    fn take_part(
-        &mut self,
-        row: Row<'_>,
-        results: &Results<'_>,
-        columns: &[Cow<'_, DeviationValues>],
-        is_written: bool,
-    ) {
-        let verdict = results.verdicts[row.index];
-        self.tally.counts.rows += 1;
-        self.tally.counts.judge(verdict);
-        self.tally.counts.fail_by_status += u64::from(results.fails_by_status(row.index));
-        self.tally.counts.meshed += u64::from(matches!(results.meshed(row.index), Some(Ok(_))));
-        if let Some(settings) = results.yoke(row.index).and_then(|yoke| yoke.settings_known()) {
-            self.tally.settings.add(settings);
-        }
-        if !is_written && self.plan.request.rows.has(verdict) {
+    fn write_part(&mut self, row: Row<'_>, results: &Results<'_>) {
+        if self.plan.request.rows.has(results.verdicts[row.index]) {
             self.write_no_parts(row.block, row.record() - 1);
             self.written.row(Some(row), &WrittenRow::Part { results, row: row.index });
         }
+    }
+
+    /// Keeps a part that is worth a look.
+    #[inline]
+    fn keep_part(&mut self, row: Row<'_>, results: &Results<'_>, columns: &[Cow<'_, DeviationValues>]) {
+        let verdict = results.verdicts[row.index];
         let is_kept = self.keeps(verdict);
         // most parts are not among the worst
         let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());

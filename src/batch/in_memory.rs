@@ -2,7 +2,7 @@
 //! the rules for any table and evaluated like the blocks of any table.
 
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use super::columns::{ColumnKind, ResultColumns};
 use super::evaluate::Evaluator;
@@ -12,11 +12,14 @@ use super::outcome::Counts;
 use super::plan::Plan;
 use super::request::{Request, RowFormat, Rows};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
+use crate::parallel::lock;
 use crate::spec::Spec;
 use crate::table::{Block, Layout as TableLayout, Pattern, ROWS_TOGETHER, Reading, Stored, Table, Want, stored_table};
 
 /// Bytes of text in a column of results, at most.
 const MOST_TEXT: usize = i32::MAX as usize;
+/// Bytes of memory that are kept for further results, at most.
+const MOST_SPARE: usize = 128 << 20;
 
 /// Evaluates columns that a program has in memory.
 ///
@@ -47,6 +50,8 @@ pub struct ColumnEvaluator {
     request: Request,
     /// The plan of the last piece, for the next piece with the same columns.
     last: Mutex<Option<Arc<Plan>>>,
+    /// Results that nobody needs any more, for the memory of the next ones.
+    spare: Mutex<Vec<ResultColumns>>,
 }
 
 /// Some rows of a table.
@@ -96,7 +101,7 @@ impl ColumnEvaluator {
             failures_kept: 0,
             ..request
         };
-        Self { spec: Arc::clone(spec), want, request, last: Mutex::new(None) }
+        Self { spec: Arc::clone(spec), want, request, last: Mutex::default(), spare: Mutex::default() }
     }
 
     /// The columns that [`evaluate`](Self::evaluate) gives for such a piece; a few rows or none are enough.
@@ -133,7 +138,8 @@ impl ColumnEvaluator {
         let never = AtomicBool::new(false);
         let mut evaluator = Evaluator::new(&plan, &layout, &name, false, &never);
         let rows = piece.columns.iter().flatten().map(Stored::rows).max().unwrap_or(0);
-        evaluator.written.columns = ResultColumns::new(plan.column_kinds(), rows);
+        let spare = lock(&self.spare).pop().unwrap_or_default();
+        evaluator.written.columns = spare.emptied(plan.column_kinds(), rows);
         let (mut block, mut counts) = (Block::default(), Counts::default());
         for start in (0..rows).step_by(ROWS_TOGETHER).take_while(|_| goes_on()) {
             let rows = start..rows.min(start + ROWS_TOGETHER);
@@ -156,10 +162,21 @@ impl ColumnEvaluator {
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }
 
+    /// Takes results that nobody needs any more: the next ones get their memory, which takes a third less time than new memory.
+    /// Up to 128 MiB are kept.
+    pub fn take_back(&self, results: ResultColumns) {
+        let mut spare = lock(&self.spare);
+        if spare.iter().chain([&results]).map(ResultColumns::room_bytes).sum::<usize>() <= MOST_SPARE {
+            spare.push(results);
+        }
+    }
+
     fn understood(&self, piece: &ColumnPiece<'_>) -> Result<Table, Diagnostics> {
         // where no row has a number, the name and type of a column decide
         let stand_ins: Vec<_> = piece.columns.iter().map(|column| column.as_ref().map(Stored::stand_in)).collect();
-        let has_numbers = piece.columns.iter().flatten().any(Stored::has_numbers);
+        // of texts each may have to be looked at
+        let (texts, others): (Vec<_>, Vec<_>) = piece.columns.iter().flatten().partition(|column| column.is_text());
+        let has_numbers = others.into_iter().chain(texts).any(Stored::has_numbers);
         let head = if has_numbers { piece.columns } else { &stand_ins };
         let found = stored_table(piece.name, "columns", piece.titles, head, &self.want)?;
         if found.reading.parts_in != "rows" {
@@ -171,7 +188,7 @@ impl ColumnEvaluator {
 
     /// The plan for a table: the last one, if it fits.
     fn planned(&self, table: &Table) -> Result<(Arc<Plan>, Layout), Diagnostics> {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = lock(&self.last);
         let fits = |plan: &Arc<Plan>| Some((Arc::clone(plan), Layout::new(plan, table).ok()?));
         if let Some(known) = last.as_ref().filter(|plan| plan.is_for(table)).and_then(fits) {
             return Ok(known);
@@ -275,6 +292,33 @@ mod tests {
         let mut blocks = 0..2;
         let begun = evaluator.evaluate_while(&piece, || blocks.next().is_some()).unwrap();
         assert_eq!(begun.results.rows, 2 * ROWS_TOGETHER);
+    }
+
+    /// Results in the memory of others are those in new memory.
+    #[test]
+    fn results_that_are_taken_back_leave_their_memory_only() {
+        let evaluator = evaluator(SPEC);
+        let of = |values: &[f64]| {
+            [
+                ("rack_over_roller", Stored::doubles(values.to_vec())),
+                ("rack_pitch", Stored::doubles(vec![0.0; values.len()])),
+            ]
+        };
+        let memory = |all: &EvaluatedColumns| {
+            let numbers = all.results.columns.iter().filter_map(|column| match &column.values {
+                ResultValues::Numbers(numbers) => Some(numbers.as_ptr()),
+                _ => None,
+            });
+            numbers.collect::<Vec<_>>()
+        };
+        let first = evaluate(&evaluator, &of(&[25.06, 25.01, f64::NAN])).unwrap();
+        let in_use = memory(&first);
+        evaluator.take_back(first.results);
+        let second = of(&[25.02, 25.07]);
+        let again = evaluate(&evaluator, &second).unwrap();
+        assert_eq!(memory(&again), in_use);
+        assert_eq!(again.results, evaluate(&self::evaluator(SPEC), &second).unwrap().results);
+        assert_ne!(memory(&evaluate(&evaluator, &second).unwrap()), in_use);
     }
 
     /// A yoke has its figures in columns: of a size on all teeth by the mesh, of a step by the bound.

@@ -175,16 +175,22 @@ impl<'a> RowWriter<'a> {
                 }
                 Lengths::Other => {}
             }
-            for row in rows.clone().map(|index| Row { index, ..first }) {
-                match output {
-                    Output::Id => column.push_text(|bytes| row.write_id(bytes)),
-                    Output::Verdict => column.push_words(results.verdicts[row.index].map(Verdict::name)),
-                    Output::Reason => column.push_words(results.reason(row.index).as_deref()),
-                    _ => {
-                        let written = WrittenRow::Part { results, row: row.index };
-                        column.push(&cell(plan, index, Some(row), &written), decimals);
+            let each = rows.clone().map(|index| Row { index, ..first });
+            match output {
+                Output::Id => column.extend_texts(each, Row::write_id),
+                Output::Verdict => {
+                    let verdicts = &results.verdicts[rows.clone()];
+                    for same in verdicts.chunk_by(PartialEq::eq) {
+                        column.extend_words(same[0].map(Verdict::name), same.len());
                     }
                 }
+                Output::Reason => {
+                    each.for_each(|row| column.extend_words(results.reason(row.index).as_deref(), 1));
+                }
+                _ => each.for_each(|row| {
+                    let written = WrittenRow::Part { results, row: row.index };
+                    column.push(&cell(plan, index, Some(row), &written), decimals);
+                }),
             }
         }
         self.columns.rows += rows.len();

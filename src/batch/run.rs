@@ -17,6 +17,7 @@ use super::outcome::{Counts, Outcome, Total};
 use super::pack::Packing;
 use super::plan::Plan;
 use super::write;
+use crate::parallel::lock;
 use crate::table::{Contradiction, Doubtful, Encoding, OddRows, Piece, Queue, Rows, Table};
 
 /// How far a run is.
@@ -215,11 +216,6 @@ struct SharedRun<'a, 'b> {
     keeps_names: AtomicBool,
     /// Up to the end of the pieces that are done.
     bytes: AtomicU64,
-}
-
-/// A lock that outlives a panic of another worker, which itself ends the program where a panic aborts.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl SharedRun<'_, '_> {

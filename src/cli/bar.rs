@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::line::{begin_waiting, clear, draw_line, draw_waiting, no_waiting};
 use super::output::{Output, is_dumb};
+use crate::parallel::lock;
 
 fn is_watched(output: &Output) -> bool {
     io::stderr().is_terminal() && !is_dumb() && !output.is_quiet()
@@ -108,7 +109,7 @@ impl SharedBar {
 
     /// Draws the line, if it is time to.
     pub(super) fn show(&self, share: Option<f64>, what: &str) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).show(share, || what.to_owned());
+        lock(&self.0).show(share, || what.to_owned());
     }
 }
 

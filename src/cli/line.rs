@@ -1,7 +1,9 @@
 //! The one line of standard error that is drawn over: every other output clears it first.
 
 use std::io::{self, Write as _};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
+
+use crate::parallel::lock;
 
 /// Whether the line stands on the terminal, and whether a run still waits to draw it.
 struct Line {
@@ -23,7 +25,7 @@ fn draw(line: &mut Line, text: Option<&str>) {
 }
 
 fn with_line(change: impl FnOnce(&mut Line)) {
-    change(&mut LINE.lock().unwrap_or_else(PoisonError::into_inner));
+    change(&mut lock(&LINE));
 }
 
 /// Clears the line for what is written next.

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use bytes::Bytes;
 
@@ -15,6 +15,7 @@ use super::written;
 use super::{set, stream};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::Model;
+use crate::parallel::lock;
 use crate::report;
 use crate::spec::{self, Spec, TableSection};
 use crate::table::{
@@ -190,7 +191,7 @@ impl<'a> Opener<'a> {
         }
         let container = Container::open(&stream::name(path), self.source(path)?, &want)?;
         let known = container.known().map(|known| (path.to_owned(), known));
-        *self.known.lock().unwrap_or_else(PoisonError::into_inner) = known;
+        *lock(&self.known) = known;
         Ok(container)
     }
 
@@ -260,7 +261,7 @@ impl<'a> Opener<'a> {
     fn source(&self, path: &Path) -> Result<Source, Failure> {
         Ok(match &self.stdin {
             _ if !is_dash(path) => {
-                let (file, known) = (stream::file(path)?, self.known.lock().unwrap_or_else(PoisonError::into_inner));
+                let (file, known) = (stream::file(path)?, lock(&self.known));
                 match &*known {
                     Some((of, known)) if of == path => Source::Known(file, known.clone()),
                     _ => Source::File(file),

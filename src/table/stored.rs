@@ -135,6 +135,11 @@ impl<'a> Stored<'a> {
         Stored { values, has_value: self.has_value.as_ref().map(|has_value| has_value[rows].into()) }
     }
 
+    /// Whether it is a column of texts.
+    pub(crate) fn is_text(&self) -> bool {
+        matches!(self.values, Values::Texts { .. })
+    }
+
     /// Whether a row holds a number, or a text that may be one.
     pub(crate) fn has_numbers(&self) -> bool {
         (0..self.rows()).any(|row| self.cell(row).is_number())

@@ -1,6 +1,7 @@
 //! The verdict on each part of a block, why it does not pass, how near a limit it is.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Results, at, fault};
@@ -98,6 +99,16 @@ impl Results<'_> {
     /// Whether the status of a part rejects it, and no limit on ΔCD is broken.
     pub(in crate::batch) fn fails_by_status(&self, row: usize) -> bool {
         self.by_status.binary_search(&row).is_ok()
+    }
+
+    /// How many parts of some rows their status rejects, without a broken limit on ΔCD.
+    pub(in crate::batch) fn failed_by_status(&self, rows: &Range<usize>) -> u64 {
+        self.by_status.iter().filter(|row| rows.contains(row)).count() as u64
+    }
+
+    /// How many parts of some rows the exact mesh judges.
+    pub(in crate::batch) fn judged_by_mesh(&self, rows: &Range<usize>) -> u64 {
+        self.meshed.range(rows.clone()).filter(|(_, answer)| answer.is_ok()).count() as u64
     }
 
     /// Whether a part fails by its status or a limit on its yoke, and breaks none on ΔCD.

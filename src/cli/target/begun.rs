@@ -5,12 +5,13 @@
 use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, Seek as _, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile, PersistError};
 
 use super::names::{is_input, shown};
+use crate::parallel::lock;
 
 /// The ending of a begun file's name.
 const SUFFIX: &str = ".part";
@@ -44,11 +45,6 @@ static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 /// The files that were put in their places, as the command line names them.
 static WRITTEN: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-/// A lock that outlives a panic of another thread.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// Begins the file `path` for the final `place`, where `old` was found; returns its number.
 pub(super) fn begin(
