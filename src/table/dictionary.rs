@@ -134,8 +134,9 @@ pub(crate) struct Known([Option<&'static [Option<Meaning>; 4]>; 2]);
 
 impl Known {
     pub(crate) fn of(name: &str) -> Self {
-        // no heading of the list has a digit, and most cells of a table do
-        if name.bytes().any(|byte| byte.is_ascii_digit()) {
+        // no heading of the list is half as long or has a digit, and most cells of a table have one
+        const LONGEST: usize = 100;
+        if name.len() > LONGEST || name.bytes().any(|byte| byte.is_ascii_digit()) {
             return Self([None; 2]);
         }
         let normal = normal(name);
@@ -207,8 +208,11 @@ pub(crate) fn normal(name: &str) -> String {
         return name.to_ascii_lowercase();
     }
     let word = |word: &str| if is_total(word) { "Fp".to_owned() } else { word.to_lowercase() };
-    let words: Vec<String> = plain_widths(name).split_whitespace().map(word).collect();
-    let plain: Vec<char> = words.join(" ").chars().collect();
+    let words = plain_widths(name).split_whitespace().map(word).collect::<Vec<_>>().join(" ");
+    if !words.contains(['-', '.']) {
+        return words.trim_end_matches([':', ' ']).to_owned();
+    }
+    let plain: Vec<char> = words.chars().collect();
     let is_letter = |at: Option<usize>| at.and_then(|at| plain.get(at)).is_some_and(|c| c.is_alphabetic());
     let joins = |at: usize| plain[at] == '-' && is_letter(at.checked_sub(1)) && is_letter(Some(at + 1));
     let spaced = (0..plain.len()).map(|at| if joins(at) || plain[at] == '.' { ' ' } else { plain[at] });
@@ -295,7 +299,7 @@ mod tests {
             .collect();
         let distinct: std::collections::HashSet<_> = headings.iter().collect();
         assert_eq!(headings.len(), distinct.len());
-        assert!(headings.iter().all(|(_, name)| !name.contains(|c: char| c.is_ascii_digit())));
+        assert!(headings.iter().all(|(_, name)| name.len() < 50 && !name.contains(|c: char| c.is_ascii_digit())));
         assert!(rows.len() <= 60 && headings.len() <= 300, "{} rows, {} headings", rows.len(), headings.len());
     }
 

@@ -192,9 +192,9 @@ impl Pcdmis<'_> {
             return self.heading(&words[1..], line, number);
         }
         // several entries of the head may stand in a line
-        let heads: Vec<&str> = line.split("  ").map(str::trim).filter(|head| !head.is_empty()).collect();
-        if heads.len() > 1 && heads.iter().all(|head| head.contains(':')) {
-            return heads.into_iter().for_each(|head| self.line(head, number));
+        let heads = line.split("  ").map(str::trim).filter(|head| !head.is_empty());
+        if heads.clone().nth(1).is_some() && heads.clone().all(|head| head.contains(':')) {
+            return heads.for_each(|head| self.line(head, number));
         }
         if self.head(line, number) {
             return;
@@ -213,6 +213,7 @@ impl Pcdmis<'_> {
                 let rule = self.layout.rule_of_line(rule);
                 self.report.file.leave_out(rule, 0, &format!("line {number}: {line}"));
             }
+            None if self.report.file.open.len() >= MOST_LISTED => self.report.file.more += 1,
             None => self.open(Open::Line { line: number, text: line.to_owned(), is_heading: false }),
         }
     }

@@ -370,8 +370,9 @@ fn roles_of_characteristics_and_teeth_are_written() {
 #[test]
 fn the_remedy_of_a_row_closes_it() {
     let folder = Folder::new("proposals-remedy");
-    let table = "part_id,rack_over_roller,rack_pitch\nP1,25.011,0.0031\nMittelwert,25.011,0.0031\nMax,,\n";
-    let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", table));
+    let table = "part_id,rack_over_roller,rack_pitch\nP1,25.011,0.0031\nMittelwert,25.011,0.0031\nMax,,\n".to_owned();
+    let table = table + &"word ".repeat(300) + ",,\n";
+    let (spec, file) = (folder.file("rack.toml", SPEC), folder.file("a.csv", &table));
     let (code, said) = status(&["batch", &spec, &file]);
     let rules: Vec<&str> = said
         .lines()

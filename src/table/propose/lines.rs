@@ -170,5 +170,6 @@ mod tests {
     #[test]
     fn names_of_parts_have_few_shapes() {
         assert_eq!([shape("P1"), shape("Teil 12-a"), shape("Mittelwert")], ["a9", "a 9-a", "a"]);
+        assert_eq!(shape(&"a1".repeat(5000)).len(), 200);
     }
 }

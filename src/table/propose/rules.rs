@@ -10,7 +10,7 @@ use crate::deviation::DeviationKind;
 use crate::table::block::Odd;
 use crate::table::column::UnitSaid;
 use crate::table::contract::{Named, Open, Owner, key, may_decide};
-use crate::table::dictionary::{Form, Heading, Role, lookup, normal};
+use crate::table::dictionary::{Form, Heading, LONGEST_HEADING, Role, lookup, normal};
 use crate::table::field::{Beside, Field};
 use crate::table::layout::{DETAILS, Layout};
 use crate::table::pattern::{escaped, escaped_heading};
@@ -204,6 +204,11 @@ fn row(text: &str, like: String, at_most: u64) -> Suggestion {
 pub(crate) fn of_odd(odd: &Odd, shapes: &Shapes) -> Option<Suggestion> {
     if !odd.is_no_name && shapes.has(&odd.name) {
         return None;
+    }
+    if odd.text.len() + 4 > LONGEST_HEADING {
+        // of a longer row the start is kept
+        let (like, at_most) = (Some(escaped(&odd.text) + "*"), u64::from(odd.could_be_part));
+        return Some(Rule::Lines { exact: Vec::new(), like, at_most }.guess("whatever stands there"));
     }
     if !odd.is_no_name && odd.has_text {
         let like = Some(generalised(&odd.text));

@@ -163,7 +163,7 @@ impl Rows {
     }
 }
 
-/// A row that is perhaps no part: its name is that of a statistic, or one of its values cannot be read. No rule is made of a long one.
+/// A row that is perhaps no part: its name is that of a statistic, or one of its values cannot be read. Of a long one the start is kept.
 fn may_be_no_part(
     record: &Record,
     name: Option<&Cell>,
@@ -172,14 +172,14 @@ fn may_be_no_part(
     let read = values.iter().filter(|(_, value)| matches!(value, Ok(Some(_)))).count();
     let is_named = name.is_some_and(|name| !name.is_missing());
     let is_no_name = name.is_some_and(Contract::is_statistic);
-    let length: usize = record.cells.iter().map(|cell| cell.text().len()).sum();
-    if read == values.len() && !is_no_name || length > LONGEST_HEADING {
+    if read == values.len() && !is_no_name {
         return None;
     }
-    let name = name.unwrap_or_else(|| record.cell(0)).text().into_owned();
+    let start = |text: &str| text[..text.floor_char_boundary(LONGEST_HEADING)].to_owned();
+    let name = start(&name.unwrap_or_else(|| record.cell(0)).text());
     Some(Odd {
         line: record.line,
-        text: line_of(record),
+        text: start(&line_of(record)),
         is_no_name: is_no_name || is_named && !name.chars().any(char::is_alphanumeric),
         has_text: values.iter().any(|(column, _)| !record.cell(column.place).is_empty()),
         could_be_part: read == values.len(),
