@@ -147,11 +147,11 @@ fn a_curve_is_closed_by_its_roles() {
     let curve = std::fs::read_to_string(&trace).unwrap();
     let (_, rows) = curve.split_once('\n').unwrap();
     let (spec, file) =
-        (folder.file("master.toml", &text), folder.file("trace.csv", &format!("Hub [mm];Achsabstand [um]\n{rows}")));
+        (folder.file("master.toml", &text), folder.file("trace.csv", format!("Hub [mm];Achsabstand [um]\n{rows}")));
     let (code, said) = status(&["mesh", &spec, "--measured", &file]);
     let (_, block, help) = refused(&said).unwrap();
     assert!(code == 2 && !help.contains("rackmesh read") && !block.contains("ignore"), "{said}");
-    folder.file("master.toml", &format!("{text}\n{block}"));
+    folder.file("master.toml", format!("{text}\n{block}"));
     assert_eq!(status(&["mesh", &spec, "--measured", &file]).0, 0, "{block}");
     folder.file("master.toml", &text);
     let column = ["--column", "delta_cd=Achsabstand[um]"];

@@ -163,7 +163,7 @@ fn everyday_exports_are_closed_by_one_command() {
             table = table.replacen(&format!("# {choice}"), choice, 1);
             commands += 1;
         }
-        folder.file("rack.toml", &format!("{SPEC}\n{table}"));
+        folder.file("rack.toml", format!("{SPEC}\n{table}"));
         let (code, said) = status(&[&["batch", &spec][..], &files].concat());
         assert_eq!(code, export.status, "{}: {table}\n{said}", export.what);
         assert_eq!(rules(&table), export.rules, "{}: {table}", export.what);
@@ -176,7 +176,7 @@ fn a_contract_of_two_files_fits_the_next() {
     let folder = Folder::new("proposals-third");
     let spec = folder.file("rack.toml", SPEC);
     let file = |name: &str, who: &str| {
-        folder.file(name, &format!("Prüfer: {who}\nWerk Ulm\nDatum: 1{}.03.2026\n{NAMES}\nP1;25,011;3,1\n", who.len()))
+        folder.file(name, format!("Prüfer: {who}\nWerk Ulm\nDatum: 1{}.03.2026\n{NAMES}\nP1;25,011;3,1\n", who.len()))
     };
     let (one, other, third) = (file("a.csv", "Huber"), file("b.csv", "Meierle"), file("c.csv", "Ortner"));
     let (code, said) = status(&["read", &one, &other, &spec, "--write", "--yes"]);
@@ -273,7 +273,7 @@ fn what_may_be_an_error_of_the_spec_waits_for_a_person() {
     let (code, said) = status(&["batch", &spec, &file]);
     assert!(code == 2 && said.contains("column `CHR_017`") && said.contains("column `CHR_018`"), "{said}");
     folder
-        .file("rack.toml", &format!("{others}[table.columns]\nrack_pitch = {{ name = \"CHR_017\", unit = \"um\" }}\n"));
+        .file("rack.toml", format!("{others}[table.columns]\nrack_pitch = {{ name = \"CHR_017\", unit = \"um\" }}\n"));
     let (code, said) = status(&["batch", &spec, &file]);
     assert_eq!(code, 0, "{said}");
 }
@@ -282,11 +282,11 @@ fn what_may_be_an_error_of_the_spec_waits_for_a_person() {
 #[test]
 fn a_thousand_rules_are_the_most() {
     let folder = Folder::new("proposals-rules");
-    let file = folder.file("a.csv", &format!("{NAMES}\nP1;25,011;3,1\n"));
+    let file = folder.file("a.csv", format!("{NAMES}\nP1;25,011;3,1\n"));
     for list in ["ignore", "ignore_lines", "comments"] {
         let rules = |count: usize| {
             let all: Vec<String> = (0..count).map(|rule| format!("\"Zeile {rule}\"")).collect();
-            folder.file("rack.toml", &format!("{SPEC}\n[table]\n{list} = [{}]\n", all.join(", ")))
+            folder.file("rack.toml", format!("{SPEC}\n[table]\n{list} = [{}]\n", all.join(", ")))
         };
         let (code, said) = status(&["batch", &rules(1001), &file]);
         assert!(code == 2 && said.contains(&format!("`{list}` has 1001 rules")) && said.contains("Temp*"), "{said}");
@@ -298,7 +298,7 @@ fn a_thousand_rules_are_the_most() {
 #[test]
 fn a_spec_ends_as_it_did() {
     let folder = Folder::new("proposals-end");
-    let file = folder.file("a.csv", &format!("{NAMES};Temp\nP1;25,011;3,1;20,1\n"));
+    let file = folder.file("a.csv", format!("{NAMES};Temp\nP1;25,011;3,1;20,1\n"));
     for text in [SPEC.trim_end().to_owned(), SPEC.to_owned(), format!("{SPEC}\n[table]\nignore = []")] {
         let spec = folder.file("rack.toml", &text);
         assert_eq!(status(&["read", &file, &spec, "--write", "--yes"]).0, 0);
@@ -380,7 +380,7 @@ fn the_remedy_of_a_row_closes_it() {
         .map(|(rule, _)| rule)
         .collect();
     assert_eq!((code, rules.len()), (2, 1), "{said}");
-    folder.file("rack.toml", &format!("{SPEC}\n[table]\nignore_lines = [{}]\n", rules.join(", ")));
+    folder.file("rack.toml", format!("{SPEC}\n[table]\nignore_lines = [{}]\n", rules.join(", ")));
     let (code, said) = status(&["batch", &spec, &file]);
     assert_eq!(code, 0, "{said}");
 }
@@ -413,7 +413,7 @@ fn proposals_close() {
             continue;
         }
         let table = block(&[&file], &spec);
-        folder.file("rack.toml", &format!("{spec_text}\n{table}"));
+        folder.file("rack.toml", format!("{spec_text}\n{table}"));
         let (code, said) = status(&["read", "--check", &file, &spec]);
         if code == 0 {
             closed += 1;

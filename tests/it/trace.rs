@@ -98,12 +98,8 @@ fn a_trace_is_read_by_the_contract() {
 const TURN: i32 = 503;
 const TWO_TURNS: i32 = 1005;
 
-/// A trace of a spec with errors, with 1 µm of noise at 0.1 mm and an offset.
-fn noisy(errors: &str, seed: u64, count: i32) -> String {
-    noisy_from(errors, seed, count, 0.0)
-}
-
-/// The same, on a gauge whose strokes are larger than the computed ones.
+/// A trace of a spec with errors, with 1 µm of noise at 0.1 mm and an offset, on a gauge whose strokes are larger than the
+/// computed ones.
 fn noisy_from(errors: &str, seed: u64, count: i32, shift_mm: f64) -> String {
     noisy_of(&(SPEC.to_owned() + errors), seed, count, [shift_mm, 0.0042])
 }
@@ -127,44 +123,24 @@ fn rack(tooth: i64, key: &str, um: i64) -> String {
     format!("[[rack.deviation]]\nteeth = {tooth}\n{key} = \"{um} um\"\n")
 }
 
-/// The error of a tooth is the first answer or one of its alternatives, its size within 2 µm; two errors are two answers; without
-/// an error there is none, and what the curve cannot tell is said.
-#[test]
-fn teeth_that_explain_the_curve_are_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let ask_about = |errors: &str, seed| {
-        let path = table(&folder, &noisy(errors, seed, TWO_TURNS));
-        ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap()
-    };
-    let is_it = |found: &Value, part: &str, kind: &str, tooth: i64, um: f64| {
-        let others = found["alternatives"].as_array().into_iter().flatten();
-        std::iter::once(found).chain(others).any(|one| {
-            let is_named = one["part"] == part && one["kind"] == kind && one["tooth"] == tooth;
-            is_named && (1000.0 * number(one, "/value_mm") - um).abs() <= 2.0
-        })
-    };
-    for (at, (kind, tooth, um)) in [("thickness", 5, 20), ("right", 9, 15), ("shift", 7, -18)].into_iter().enumerate() {
-        let answer = ask_about(&rack(tooth, kind, um), at as u64 + 1);
-        let found = answer["diagnosis"].as_array().unwrap();
-        assert!(found.len() == 1 && is_it(&found[0], "rack", kind, tooth, um as f64), "{kind}: {found:?}");
-        let noise = number(&answer, "/measured/explained/noise_mm");
-        assert!((noise - 0.001).abs() < 1.5e-4 && number(&answer, "/measured/explained/rms_left_mm") < 1.1 * noise);
-    }
-    let radial = ask_about("[[pinion.deviation]]\nteeth = 3\nradial = \"14 um\"\n", 4);
-    assert!(is_it(&radial["diagnosis"][0], "pinion", "radial", 3, 14.0), "{}", radial["diagnosis"]);
-    let both = ask_about(&(rack(4, "thickness", 25) + &rack(11, "left", 16)), 5);
-    let found = both["diagnosis"].as_array().unwrap();
-    assert!(found.len() == 2 && is_it(&found[0], "rack", "thickness", 4, 25.0), "{found:?}");
-    assert!(is_it(&found[1], "rack", "left", 11, 16.0), "{found:?}");
-    let none = ask_about("", 6);
-    assert_eq!(none["diagnosis"].as_array().unwrap().len(), 0);
-    let unseen = none["measured"]["explained"]["unseen"].as_array().unwrap();
-    let thin = unseen.iter().find(|of| of["part"] == "rack" && of["kind"] == "thickness" && of["sign"] == "-");
-    assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
-}
-
 /// An error of a tooth: part, kind, tooth, size in µm.
 type Error = (&'static str, &'static str, i64, f64);
+
+/// Whether an error is this answer or one of its alternatives, its size within 2 µm.
+fn is_named(found: &Value, (part, kind, tooth, um): Error) -> bool {
+    let others = found["alternatives"].as_array().into_iter().flatten();
+    std::iter::once(found).chain(others).any(|one| {
+        let is_it = one["part"] == part && one["kind"] == kind && one["tooth"] == tooth;
+        is_it && (1000.0 * number(one, "/value_mm") - um).abs() <= 2.0
+    })
+}
+
+/// What is found in a trace of the spec with some errors.
+fn diagnosed(errors: &str, seed: u64, count: i32, shift_mm: f64) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let path = table(&folder, &noisy_from(errors, seed, count, shift_mm));
+    ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap()
+}
 
 /// Errors with the same curve are one answer, whichever of them the rack has: thickness e and over-roller e/(2 tan α_n), right
 /// and shift of one tooth, a rack tooth and a pinion space where the trace has one turn.
@@ -172,27 +148,33 @@ type Error = (&'static str, &'static str, i64, f64);
 fn errors_with_the_same_curve_are_alternatives() {
     // 2 tan 19.9°
     const TWICE: f64 = 0.724;
-    let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, i64, i64, i32, [Error; 2]); 5] = [
-        ("thickness", 5, 40, TWO_TURNS, [("rack", "thickness", 5, 40.0), ("rack", "over_roller", 5, 40.0 / TWICE)]),
+        ("thickness", 5, 20, TWO_TURNS, [("rack", "thickness", 5, 20.0), ("rack", "over_roller", 5, 20.0 / TWICE)]),
         ("over_roller", 9, 30, TWO_TURNS, [("rack", "over_roller", 9, 30.0), ("rack", "thickness", 9, 30.0 * TWICE)]),
-        ("right", 9, 35, TWO_TURNS, [("rack", "right", 9, 35.0), ("rack", "shift", 9, 35.0)]),
-        ("shift", 6, 24, TWO_TURNS, [("rack", "shift", 6, 24.0), ("rack", "right", 6, 24.0)]),
+        ("right", 9, 15, TWO_TURNS, [("rack", "right", 9, 15.0), ("rack", "shift", 9, 15.0)]),
+        ("shift", 7, -18, TWO_TURNS, [("rack", "shift", 7, -18.0), ("rack", "left", 7, 18.0)]),
         ("over_roller", 4, 25, TURN, [("rack", "over_roller", 4, 25.0), ("pinion", "radial", 3, 25.0)]),
     ];
     for (at, (kind, tooth, um, count, expected)) in cases.into_iter().enumerate() {
-        let path = table(&folder, &noisy(&rack(tooth, kind, um), at as u64 + 11, count));
-        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+        let answer = diagnosed(&rack(tooth, kind, um), at as u64 + 11, count, 0.0);
         let found = answer["diagnosis"].as_array().unwrap();
         assert_eq!(found.len(), 1, "{kind}: {found:?}");
-        let others = found[0]["alternatives"].as_array().into_iter().flatten();
-        let all: Vec<&Value> = std::iter::once(&found[0]).chain(others).collect();
-        for (part, kind, tooth, um) in expected {
-            let is_it = |one: &&&Value| one["part"] == part && one["kind"] == kind && one["tooth"] == tooth;
-            let one = all.iter().find(is_it).unwrap_or_else(|| panic!("{part} {kind} {tooth}: {all:?}"));
-            assert!((1000.0 * number(one, "/value_mm") - um).abs() <= 2.0, "{part} {kind} {tooth} {um}: {one}");
-        }
+        assert!(expected.iter().all(|error| is_named(&found[0], *error)), "{expected:?}: {found:?}");
+        let noise = number(&answer, "/measured/explained/noise_mm");
+        assert!((noise - 0.001).abs() < 2e-4 && number(&answer, "/measured/explained/rms_left_mm") < 1.1 * noise);
     }
+    let radial = diagnosed("[[pinion.deviation]]\nteeth = 3\nradial = \"14 um\"\n", 4, TWO_TURNS, 0.0);
+    assert!(is_named(&radial["diagnosis"][0], ("pinion", "radial", 3, 14.0)), "{}", radial["diagnosis"]);
+}
+
+/// Without an error there is none, and what the curve cannot tell is said.
+#[test]
+fn a_curve_without_an_error_gets_none() {
+    let none = diagnosed("", 6, TWO_TURNS, 0.0);
+    assert_eq!(none["diagnosis"].as_array().unwrap().len(), 0);
+    let unseen = none["measured"]["explained"]["unseen"].as_array().unwrap();
+    let thin = unseen.iter().find(|of| of["part"] == "rack" && of["kind"] == "thickness" && of["sign"] == "-");
+    assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
 }
 
 /// Where a thin tooth leaves its work to its neighbours, every larger error has the same curve: one end of the size is open, and the
@@ -218,19 +200,18 @@ fn a_size_that_shows_on_one_side_has_one_end() {
     assert!((first - second).abs() < 1e-3 && (-0.03..-0.02).contains(&first), "{first} {second}");
 }
 
-/// A gauge whose stroke begins anywhere within half a pitch does not change the answer, and the shift has one sign: measured less
-/// computed.
+/// Two errors are two answers. A gauge whose stroke begins anywhere within half a pitch does not change them, and the shift has
+/// one sign: measured less computed.
 #[test]
 fn a_stroke_shift_does_not_change_the_teeth() {
-    let folder = tempfile::tempdir().unwrap();
-    for shift_mm in [2.0, -2.6] {
-        let path =
-            table(&folder, &noisy_from(&(rack(7, "thickness", 22) + &rack(12, "right", 14)), 31, TWO_TURNS, shift_mm));
-        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+    for (shift_mm, errors) in [
+        (2.0, [("rack", "thickness", 7, 22.0), ("rack", "right", 12, 14.0)]),
+        (-2.6, [("rack", "thickness", 4, 25.0), ("rack", "left", 11, 16.0)]),
+    ] {
+        let written: String = errors.iter().map(|(_, kind, tooth, um)| rack(*tooth, kind, *um as i64)).collect();
+        let answer = diagnosed(&written, 31, TWO_TURNS, shift_mm);
         let found = answer["diagnosis"].as_array().unwrap();
-        let teeth: Vec<_> =
-            found.iter().map(|one| (one["part"].as_str().unwrap(), one["tooth"].as_i64().unwrap())).collect();
-        assert_eq!(teeth, [("rack", 7), ("rack", 12)], "{shift_mm}: {found:?}");
+        assert!(found.len() == 2 && found.iter().zip(errors).all(|(one, error)| is_named(one, error)), "{found:?}");
         let told = number(&answer, "/measured/explained/stroke_shift_mm");
         assert!((told - shift_mm).abs() < 0.05, "{told} for {shift_mm}");
     }
@@ -239,12 +220,10 @@ fn a_stroke_shift_does_not_change_the_teeth() {
 /// Errors that are together what one is are that one, and an error that explains a part of two gives way to them.
 #[test]
 fn the_set_is_the_smallest() {
-    let folder = tempfile::tempdir().unwrap();
     for ([first, second], seed) in [([(13, "23.5"), (4, "19")], 6), ([(3, "11.8"), (12, "10.3")], 10)] {
         let thick =
             |(tooth, um): (i64, &str)| format!("[[rack.deviation]]\nteeth = {tooth}\nthickness = \"{um} um\"\n");
-        let path = table(&folder, &noisy(&(thick(first) + &thick(second)), seed, TWO_TURNS));
-        let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+        let answer = diagnosed(&(thick(first) + &thick(second)), seed, TWO_TURNS, 0.0);
         let teeth: Vec<_> =
             answer["diagnosis"].as_array().unwrap().iter().map(|one| one["tooth"].as_i64().unwrap()).collect();
         assert_eq!(teeth, [first.0, second.0], "{}", answer["diagnosis"]);

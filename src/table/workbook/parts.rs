@@ -75,11 +75,14 @@ mod tests {
             }
             archive.finish().unwrap()
         };
-        for count in [0, 3, 70_000] {
+        for count in [0, 3] {
             assert_eq!(parts_of_archive(&mut of(count)).unwrap(), Some(count as u64));
         }
         assert_eq!(parts_of_archive(&mut io::Cursor::new(b"PK\x03\x04")).unwrap(), None);
-        let mut cut = of(70_000).into_inner();
+        // one more than two bytes count
+        let mut many = of(65_536);
+        assert_eq!(parts_of_archive(&mut many).unwrap(), Some(65_536));
+        let mut cut = many.into_inner();
         cut.drain(..cut.len() - 30);
         assert_eq!(parts_of_archive(&mut io::Cursor::new(cut)).unwrap(), Some(65_535));
     }

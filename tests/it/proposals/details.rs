@@ -32,7 +32,7 @@ fn columns_that_a_page_shows_are_proposed_as_such() {
         assert!(page.contains(shown), "{shown}: {page}");
     }
     // another column in the next export: what is known stays
-    let next = folder.file("b.csv", &table.replace("Datum", "Datum;Spindel").replace(";2026", ";7;2026"));
+    let next = folder.file("b.csv", table.replace("Datum", "Datum;Spindel").replace(";2026", ";7;2026"));
     status(&["read", &next, &spec, "--write", "--yes"]);
     assert!(
         written().contains("\ndate = \"Datum\"\n") && written().contains("\ndrawing = \"Drawing\"\n"),
@@ -50,14 +50,14 @@ fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
         let title = "Messprotokoll Zahnstange;Datum: 14.11.2026;Prüfer: K. Huber\n";
         format!("{title}{headings}\n{units}\nZS-1;25,0046;6,3;ja\nZS-2;25,0100;-1,3;ja\nZS-3;25,0154;0,8;ja\n")
     };
-    let unknown = folder.file("unknown.csv", &table("Teile-Nr.;Rollenmaß M;Teilungsabw. Zahnst.;Bemerkung", ";mm;µm;"));
+    let unknown = folder.file("unknown.csv", table("Teile-Nr.;Rollenmaß M;Teilungsabw. Zahnst.;Bemerkung", ";mm;µm;"));
     let block = block(&[&unknown], &spec);
     assert!(
         block.contains("Messprotokoll") && block.contains("rack_over_roller = { name = \"Rollenmaß M\""),
         "{block}"
     );
     let units =
-        folder.file("units.csv", &table(&format!("{NAMES};x").replace(" [mm]", "").replace(" [µm]", ""), ";mm;My-m;"));
+        folder.file("units.csv", table(&format!("{NAMES};x").replace(" [mm]", "").replace(" [µm]", ""), ";mm;My-m;"));
     let (code, said) = status(&["batch", &spec, &units, "--ignore", "x", "--ignore-lines", "Messprotokoll*"]);
     assert_eq!(code, 2, "{said}");
     assert!(said.contains("`My-m` is no unit of a length") && said.contains("mm, µm or in"), "{said}");
@@ -74,9 +74,9 @@ fn a_title_and_a_unit_that_is_not_known_do_not_hide_the_rest() {
 #[test]
 fn rows_that_cannot_be_read_are_not_proposed_to_be_left_out() {
     let folder = Folder::new("proposals-unreadable");
-    let spec = folder.file("spec.toml", &SPEC.replace("{ nominal = 25 }   # as drawn", "0"));
+    let spec = folder.file("spec.toml", SPEC.replace("{ nominal = 25 }   # as drawn", "0"));
     let rows = "ZS-1;25,0046;6,3\nZS-2;25,0100;-1,3\nZS-3;25,0154;0,8\nStd.-Abw.;0,0062;4,9\n";
-    let lot = folder.file("lot.csv", &format!("{NAMES}\n{rows}"));
+    let lot = folder.file("lot.csv", format!("{NAMES}\n{rows}"));
     let (code, said) = status(&["read", &lot, &spec]);
     assert_eq!(code, 2, "{said}");
     assert!(said.contains("most rows are no parts") && said.contains("nominal") && !said.contains("ZS-#"), "{said}");

@@ -12,11 +12,11 @@ fn a_pasted_block_judges_as_the_contract_did() {
     let folder = Folder::new("proposals-pasted");
     let columns = "[table.columns]\npart_id = \"Id\"\nrack_over_roller = { name = \"M\", unit = \"mm\", nominal = 25.0, extent = \"one\" }\n\
                    rack_lead = { name = \"fHb\", unit = \"um\", length = 5 }\n";
-    let spec = folder.file("rack.toml", &format!("{GEAR}{columns}"));
+    let spec = folder.file("rack.toml", format!("{GEAR}{columns}"));
     let file = folder.file("a.csv", "Id,M,fHb,Spindel\nA,25.01,15,4\n");
     let block = block(&[&file], &spec);
-    let pasted = folder.file("pasted.toml", &format!("{GEAR}{block}"));
-    let ignored = folder.file("ignored.toml", &format!("{GEAR}[table]\nignore = [\"Spindel\"]\n{columns}"));
+    let pasted = folder.file("pasted.toml", format!("{GEAR}{block}"));
+    let ignored = folder.file("ignored.toml", format!("{GEAR}[table]\nignore = [\"Spindel\"]\n{columns}"));
     let of = |spec: &str| run(&["batch", spec, &file]).stdout;
     assert!(String::from_utf8_lossy(&of(&ignored)).contains(",fail"), "{block}");
     assert_eq!(of(&pasted), of(&ignored), "{block}");
@@ -49,7 +49,7 @@ fn units_of_rows_stay_units_of_rows() {
         ("[table.columns]\nrack_pitch = { units = \"unit\" }\n", "rack_pitch = { units = \"unit\" }\n"),
         ("", "rack_pitch = { name = \"rack_pitch\", units = \"unit\" }\n"),
     ] {
-        let spec = folder.file("rack.toml", &format!("{GEAR}{columns}"));
+        let spec = folder.file("rack.toml", format!("{GEAR}{columns}"));
         let file = folder.file("a.csv", table);
         assert!(block(&[&file], &spec).contains(written));
         let accept = if columns.is_empty() { &["--accept", "rack_pitch=unit"][..] } else { &[] };
@@ -83,7 +83,7 @@ fn what_a_rule_leaves_out_is_in_the_account() {
         "Teil;Merkmal;Ist;Soll;Einheit;Prüfer\nA;Härte;41;40;HRC;Huber\nA;Rollenmaß;25,013;25,000;mm;Huber\n\
          B;Härte;42;40;HRC;Maier\nB;Rollenmaß;25,012;25,000;mm;Maier\nB;Rauheit;1,6;;µm;Maier\n",
     );
-    let spec = folder.file("rack.toml", &format!("{SPEC}[table]\nignore = [\"Härte\", \"Rauheit\", \"Prüfer\"]\n"));
+    let spec = folder.file("rack.toml", format!("{SPEC}[table]\nignore = [\"Härte\", \"Rauheit\", \"Prüfer\"]\n"));
     let output = run(&["read", &file, &spec, "--format", "json"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -122,7 +122,7 @@ fn no_proposal_throws_checks_away() {
     let folder = Folder::new("proposals-checks");
     let spec = folder.file(
         "rack.toml",
-        &format!("{GEAR}[table.columns]\npart_id = \"Id\"\nrack_pitch = {{ name = \"Rack pitch\", unit = \"um\" }}\n"),
+        format!("{GEAR}[table.columns]\npart_id = \"Id\"\nrack_pitch = {{ name = \"Rack pitch\", unit = \"um\" }}\n"),
     );
     let file = folder.file("a.csv", "Id,Spindel\nA,4\nB,5\n");
     let (code, said) = status(&["batch", &spec, &file]);
@@ -174,7 +174,7 @@ fn hints_close() {
     let set = "table.columns.rack_pitch.unit=mm";
     let (_, said) = status(&["batch", &spec, &file, "--set", set]);
     assert!(said.contains(&format!("--separator ' ' --as '{given}'")) && !said.contains("ignore_lines"), "{said}");
-    let file = folder.file("b.csv", &format!("{NAMES}\nP1;25,011;3,1\n"));
+    let file = folder.file("b.csv", format!("{NAMES}\nP1;25,011;3,1\n"));
     let (_, said) = status(&["batch", &spec, &file, "--ignore", "Teil"]);
     assert!(said.contains("leaves it out") && !said.contains("ignore = ["), "{said}");
 }

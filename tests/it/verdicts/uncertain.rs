@@ -147,7 +147,7 @@ fn a_bound_that_ends_within_an_uncertainty_has_none() {
         let [lead, radial, pitch] = values;
         format!(
             "[pair]\nnormal_module = 3\nnormal_pressure_angle = 20\n[rack]\nhelix_angle = -30\nface_width = 27\naddendum = 2.7\n\
-             tip_relief = {{ amount = \"15 um\", start = 1.35 }}\n[pinion]\nteeth = 6\nhelix_angle = 25\nprofile_shift = -0.1\n\
+             [pinion]\nteeth = 6\nhelix_angle = 25\nprofile_shift = -0.1\n\
              tip_diameter = 25.2608\nface_width = 12\n[errors]\npinion_lead = {{ {lead}extent = \"one\", u = \"2 um\" }}\n\
              pinion_radial = {{ {radial}extent = \"all\", u = \"0.5 mm\" }}\n\
              pinion_pitch = {{ {pitch}extent = \"all\", u = \"1 um\" }}\n[limits]\ncenter_distance = \"±0.5\"\n"
